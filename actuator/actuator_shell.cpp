@@ -11,13 +11,13 @@
 namespace musher {
 namespace {
 
-// Names of states and actuators are at most this long; anything longer is not one of ours.
+// Names of states and actuators are shorter than this; a longer one is not valid.
 constexpr std::size_t kLongestName = 256;
-// How long the latch may be behind: every reply carries the status too, so a quick callback need
-// not be told of twice, and a switch does not wait for the telling.
+// The latched status may lag by this time: every reply carries the status too, so a short callback
+// need not be published twice, and a switch does not wait for the publication.
 constexpr Duration kStatusDelay = Milliseconds(50);
 
-// Of our own process, if that means anything here: a simulated one has none.
+// Samples our own process; a simulated process has no sample.
 Checkpoints::Sample SampleOf(pid_t pid) {
   return [pid](Time now) -> std::optional<transport::ProcessSample> {
     if (pid != getpid()) return std::nullopt;
@@ -70,7 +70,7 @@ Result<> ActuatorShell::Open() {
   const std::string& name_space = config_.name_space;
   transport::Qos status_qos = transport::kLatchedQos;
   transport::Qos heartbeat_qos = transport::kHeartbeatQos;
-  status_qos.partition = heartbeat_qos.partition = transport::SpeakingPartition(config_, index_);
+  status_qos.partition = heartbeat_qos.partition = transport::WriterPartition(config_, index_);
   auto status = transport::MakePublisher<msg::ActuatorStatus>(
       node_, transport::ActuatorStatusTopic(name_space), status_qos);
   if (!status) return status.error();
@@ -114,7 +114,7 @@ Result<> ActuatorShell::WatchBattery() {
 
 void ActuatorShell::Start() {
   Handle(actuator_event::Started{});
-  LookAtWork();
+  CheckWork();
 }
 
 void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
@@ -147,7 +147,7 @@ void ActuatorShell::Handle(const ActuatorEvent& event) {
   if (closed_) return;
   const std::vector<ActuatorAction> actions =
       Step(config_, index_, core_, event, node_.loop().Now());
-  if (hooks_.on_report) hooks_.on_report(core_.report);  // before anybody is answered
+  if (hooks_.on_report) hooks_.on_report(core_.report);  // before any reply is sent
   for (const ActuatorAction& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
@@ -166,21 +166,22 @@ void ActuatorShell::ArmTimer() {
   });
 }
 
-// Beats so often as is promised, and at once when the work thread hangs or gets on again.
-void ActuatorShell::LookAtWork() {
+// Publishes the heartbeat with its period, and at once when the work thread hangs or makes progress
+// again.
+void ActuatorShell::CheckWork() {
   const Time now = node_.loop().Now();
   const Duration period = HeartbeatPeriod(config_, index_);
-  const Checkpoints::Look look = checkpoints_.Judge(now);
-  if (look.work != told_work_ || now - heartbeat_at_ >= period) Heartbeat(look);
+  const Checkpoints::Look look = checkpoints_.Evaluate(now);
+  if (look.work != sent_work_ || now - heartbeat_at_ >= period) Heartbeat(look);
   const Duration next =
       std::min(checkpoints_.Period().value_or(period), heartbeat_at_ + period - now);
-  look_ = node_.loop().At(now + next, [this] { LookAtWork(); });
+  look_ = node_.loop().At(now + next, [this] { CheckWork(); });
 }
 
-// One that is lost is followed by the next.
+// A lost heartbeat is followed by the next.
 void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
   heartbeat_at_ = node_.loop().Now();
-  told_work_ = look.work;
+  sent_work_ = look.work;
   msg::ActuatorBeat heartbeat;
   heartbeat.name = actuator_.name;
   heartbeat.incarnation = core_.report.incarnation;
@@ -196,12 +197,12 @@ void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
 
 void ActuatorShell::Do(const actuator_action::RunEmergencyStop&) {
   if (hooks_.on_emergency_stop) hooks_.on_emergency_stop();
-  Publish();  // whoever engaged it waits for this
+  Publish();  // the program that engaged the stop waits for this
 }
 
 void ActuatorShell::Do(const actuator_action::RunCallback& action) {
   checkpoints_.Begin(action.target, node_.loop().Now());
-  if (checkpoints_.Period()) look_ = node_.loop().At(node_.loop().Now(), [this] { LookAtWork(); });
+  if (checkpoints_.Period()) look_ = node_.loop().At(node_.loop().Now(), [this] { CheckWork(); });
   if (hooks_.set_stop_requested) hooks_.set_stop_requested(false);
   worker_.Run([run = hooks_.run_callback, target = action.target] { return run(target); },
               [this, alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()](Result<> result) {
@@ -233,12 +234,12 @@ void ActuatorShell::Do(const actuator_action::Answer& action) {
 }
 
 void ActuatorShell::Do(const actuator_action::PublishStatus&) {
-  if (core_.report.epoch == 0) return Publish();  // no controller has spoken to it yet
+  if (core_.report.epoch == 0) return Publish();  // no controller controls it yet
   if (publish_later_) return;
   publish_later_ = node_.loop().At(node_.loop().Now() + kStatusDelay, [this] { Publish(); });
 }
 
-// A status that cannot be sent is not lost: every reply carries it.
+// A failed publish is harmless: every reply carries the status.
 void ActuatorShell::Publish() {
   publish_later_ = nullptr;
   static_cast<void>(status_->Publish(Status()));
@@ -265,7 +266,7 @@ void ActuatorShell::Do(const actuator_action::Finish& action) {
   hooks_.on_finished(Error{action.code, action.message});
 }
 
-// Stamps only grow: of two reports of the same moment the later one counts.
+// Stamps only grow: of two reports with the same time the later one counts.
 msg::ActuatorStatus ActuatorShell::Status() {
   last_stamp_ = std::max(node_.loop().Now(), last_stamp_ + Duration(1));
   ActuatorReport report = core_.report;

@@ -1,8 +1,8 @@
 #pragma once
-// The IO around the actuator's decision code (lifecycle/actuator_core.hpp): samples and the
+// The I/O around the actuator's decision code (lifecycle/actuator_core.hpp): samples and the
 // worker's results become events, actions become replies, callbacks and the latched status.
 //
-// Threads: loop thread only. Runs on any transport; the simulation runs this very class.
+// Threads: loop thread only. Runs on any transport; the simulation runs this class, too.
 
 #include <functional>
 #include <map>
@@ -24,7 +24,7 @@
 namespace musher {
 
 struct ActuatorIdentity {
-  std::uint64_t incarnation = 0;  // not 0, grows with every start on a host
+  std::uint64_t incarnation = 0;  // not 0; higher with every start on a host
   std::int32_t pid = 0;
   std::string host;
 };
@@ -33,15 +33,14 @@ class ActuatorShell {
  public:
   struct Hooks {
     std::function<Result<>(const State&)> run_callback;  // on the worker
-    std::function<void(bool)> set_stop_requested;  // false as a callback begins, true to end it
-    // What the callback that has ended has reported of a part that does not work, code 0: nothing;
-    // may be empty.
+    std::function<void(bool)> set_stop_requested;  // false when a callback begins, true to stop it
+    // The degraded report of the callback that has ended, code 0: none; may be empty.
     std::function<Error()> take_degraded;
     std::function<void()> on_emergency_stop;               // at once, on the loop; may be empty
     std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
-    // What the battery has, in percent; only where a capability of this one needs to know.
+    // The battery level in percent; called only if a capability of this actuator needs it.
     std::function<void(std::optional<int>)> on_battery;
-    std::function<void()> on_set_up;         // SetUp is done and the services are there
+    std::function<void()> on_set_up;         // SetUp is done and the services are available
     std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
   };
 
@@ -50,15 +49,14 @@ class ActuatorShell {
                                                      const MachineConfig& config, std::size_t index,
                                                      ActuatorIdentity identity, Hooks hooks);
 
-  // Runs SetUp; the latched status is there from now on.
+  // Runs SetUp; the status is latched from now on.
   void Start();
-  // No callback begins from here on, whatever arrives; one that runs goes on. The worker may be
-  // dropped after that.
+  // No callback begins from now on; a running one continues. The worker may be dropped after that.
   void Close() { closed_ = true; }
 
   const ActuatorReport& report() const { return core_.report; }
   const ActuatorCore& core() const { return core_; }
-  // For the threads of the module; lives as long as the shell.
+  // For the threads of the module; valid as long as the shell.
   Checkpoints& checkpoints() { return checkpoints_; }
 
  private:
@@ -82,7 +80,7 @@ class ActuatorShell {
   void Do(const actuator_action::Finish& action);
   void Publish();
   void ArmTimer();
-  void LookAtWork();
+  void CheckWork();
   void Heartbeat(const Checkpoints::Look& look);
   msg::ActuatorStatus Status();
 
@@ -98,8 +96,8 @@ class ActuatorShell {
   Time last_stamp_{};
   std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;
   Checkpoints checkpoints_;
-  Health told_work_ = Health::kWell;  // with the last beat
-  Time heartbeat_at_{};               // when it was
+  Health sent_work_ = Health::kWell;  // in the last heartbeat
+  Time heartbeat_at_{};               // of the last heartbeat
   std::optional<Time> armed_for_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats_;
@@ -111,7 +109,8 @@ class ActuatorShell {
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
   std::unique_ptr<FsMachine> fs_machine_;
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for results that come after us
+  std::shared_ptr<bool> alive_ =
+      std::make_shared<bool>(true);  // expires before late results arrive
 };
 
 }  // namespace musher

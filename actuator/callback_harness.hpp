@@ -1,8 +1,8 @@
 #pragma once
-// Runs the callbacks of an actuator without a machine around it: no DDS, no threads, no time. For
-// harnesses; who tests a module uses simulation/actuator_fault_test.hpp.
+// Runs the callbacks of an actuator without a machine: no DDS, no threads, no time. For test
+// harnesses; to test a module use simulation/actuator_fault_test.hpp.
 //
-// Threads: those of the caller, one call at a time; EmergencyStop() may come beside a Run().
+// Threads: the caller's, one call at a time; EmergencyStop() may run beside a Run().
 
 #include <functional>
 #include <optional>
@@ -16,24 +16,24 @@ namespace musher {
 
 class CallbackHarness {
  public:
-  // Of one that is not started, and that outlives it.
+  // The actuator must not be started and must outlive the harness.
   explicit CallbackHarness(MachineActuator& actuator);
 
-  // Those that a callback is registered for; with one for whatever the config lists, the built-in
-  // ones are among them.
+  // The states with a registered callback; with a callback for all listed states, the built-in ones
+  // are included.
   std::vector<State> States() const;
-  // Fails where Init() and Start() would: the config does not fit the callbacks.
+  // Fails like Init() and Start() if the config does not fit the callbacks.
   Result<> Adopt(const MachineConfig& config);
 
-  // What the callback of that state, which there must be, gives; an exception is a failure.
+  // Returns the result of that state's callback, which must exist; an exception is a failure.
   Result<> Run(const State& state);
-  // Fails when OnEmergencyStop() throws.
+  // Fails if OnEmergencyStop() throws.
   Result<> EmergencyStop();
   void SetStopRequested(bool requested);
-  // What CurrentState() and Allowed() go by; `percent` of the battery, nullopt: not known.
+  // Input of CurrentState() and Allowed(); `percent` of the battery, nullopt: unknown.
   void SetReport(const ActuatorReport& report);
   void SetBattery(std::optional<int> percent);
-  // Called by StopRequested() before it answers, on the thread that asks; may throw out of it.
+  // StopRequested() calls it first, on the calling thread; exceptions pass through StopRequested().
   void OnPoll(std::function<void()> on_poll);
 
  private:

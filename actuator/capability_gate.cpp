@@ -30,8 +30,8 @@ bool CapabilityGate::held_by_stop() const {
   return held_by_stop_;
 }
 
-Result<> CapabilityGate::Judge(const MachineConfig& config, std::string_view actuator,
-                               std::string_view capability, ModuleCode module) const {
+Result<> CapabilityGate::Evaluate(const MachineConfig& config, std::string_view actuator,
+                                  std::string_view capability, ModuleCode module) const {
   const std::lock_guard lock(mutex_);
   return EvaluateCapability(config, capability,
                             {actuator, state_, target_, emergency_stop_, battery_, held_by_stop_},

@@ -1,5 +1,6 @@
 #pragma once
-// Whether a function of an actuator may run now: what the loop told last, judged for any thread.
+// Decides on any thread whether a function of an actuator may run now, from the last values that
+// the loop has set.
 
 #include <mutex>
 #include <optional>
@@ -13,16 +14,16 @@ namespace musher {
 class CapabilityGate {
  public:
   void SetReport(const ActuatorReport& report);
-  void SetBattery(std::optional<int> percent);  // nullopt: not known
+  void SetBattery(std::optional<int> percent);  // nullopt: unknown
 
   State state() const;
   bool emergency_stop() const;
   bool held_by_stop() const;
-  Result<> Judge(const MachineConfig& config, std::string_view actuator,
-                 std::string_view capability, ModuleCode module) const;
+  Result<> Evaluate(const MachineConfig& config, std::string_view actuator,
+                    std::string_view capability, ModuleCode module) const;
 
  private:
-  mutable std::mutex mutex_;  // guards all below
+  mutable std::mutex mutex_;  // guards the members below
   State state_{kUninitialized};
   State target_;
   bool emergency_stop_ = false;

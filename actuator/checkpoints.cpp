@@ -8,7 +8,7 @@ namespace {
 
 constexpr Duration kSoonest = Milliseconds(5);
 
-// How often a thread with this allowance is looked at.
+// How often a thread with this allowance is checked.
 Duration PeriodOf(Duration allowance) {
   return std::max(allowance / 4, kSoonest);
 }
@@ -60,14 +60,14 @@ void Checkpoints::Mark(pid_t thread, Duration allowance, Time now) {
   watched = Watch(on, thread, allowance, now);
 }
 
-Checkpoints::Look Checkpoints::Judge(Time now) {
+Checkpoints::Look Checkpoints::Evaluate(Time now) {
   const std::lock_guard lock(mutex_);
   callback_.thread = worker_;
   if (callback_.on) return EvaluateOne(callback_, during_, now);
   return own_.on ? EvaluateOne(own_, "", now) : Look{};
 }
 
-// Under the lock.
+// The lock must be held.
 Checkpoints::Look Checkpoints::EvaluateOne(Watched& watched, const State& during, Time now) const {
   Look look;
   look.during = during;
@@ -84,7 +84,7 @@ Checkpoints::Look Checkpoints::EvaluateOne(Watched& watched, const State& during
   return look;
 }
 
-// How long it waited for a CPU by the kernel's books, since they were opened.
+// How long it waited for a CPU since the first sample of the kernel's counters.
 Duration Checkpoints::WaitOf(Watched& watched, Time now) const {
   if (now - watched.last <= watched.allowance / 2) return {};
   const auto sample = sample_(now);

@@ -1,18 +1,18 @@
 #pragma once
-// Watches that an actuator's own threads get on: the worker while it runs a callback, and whatever
-// thread of the module has begun to give checkpoints.
+// Watches that an actuator's own threads make progress: the worker while it runs a callback, and
+// any thread of the module that has begun to give checkpoints.
 //
 //   a callback begins ──▶ watched: a checkpoint is due within its state's allowance ──▶ it ends
 //   a thread gives a checkpoint ──▶ the next is due within its allowance ──▶ a callback begins, or
-//                                                                            it says kNoMore
+//                                                                            it gives kNoMore
 //
-// A thread is only charged with the time in which it could have run: what it waited for a CPU, by
-// the kernel's books, does not count. The books are opened when half its allowance is over. Nor
-// does time count in which this process could not even look (it was stopped, or its machine was):
-// of a look that comes late only the quarter of the allowance after which it was due is charged. So
-// a hang is found within five looks, however late each comes.
+// Only time in which the thread could have run counts: the time it waited for a CPU, according to
+// the kernel, does not. The kernel's counters are sampled once half the allowance is over. Time in
+// which this process could not check does not count either (it was stopped, or its machine was): a
+// late check counts only the quarter of the allowance after which it was due. So a hang is found
+// within five checks, however late each one is.
 //
-// Threads: Mark() and OnWorker() from any; the rest from the loop.
+// Threads: Mark() and OnWorker() from any thread; the rest from the loop.
 
 #include <sys/types.h>
 
@@ -28,29 +28,30 @@ namespace musher {
 
 class Checkpoints {
  public:
-  // A look at the threads of this process; nullopt where there is none to be had.
+  // Samples the threads of this process; nullopt if that is not possible.
   using Sample = std::function<std::optional<transport::ProcessSample>(Time now)>;
 
   Checkpoints(const ActuatorConfig& config, Sample sample);
 
-  // The callback of `state` is handed to the worker, or has ended.
+  // The callback of `state` is passed to the worker, or has ended.
   void Begin(const State& state, Time now);
   void End();
-  // Which thread the worker's is; said by it as a callback begins.
+  // The id of the worker's thread; the worker calls it when a callback begins.
   void OnWorker(pid_t thread);
 
-  // `thread` got on; it will again within `allowance` (zero: as the config says).
+  // `thread` makes progress; its next checkpoint follows within `allowance` (zero: of the config).
   void Mark(pid_t thread, Duration allowance, Time now);
 
   struct Look {
     Health work = Health::kWell;
-    State during;       // whose callback runs; empty for work of the module's own
+    State during;       // of the running callback; empty for a thread of the module
     Duration silent{};  // since the last checkpoint
-    Duration waited{};  // so much of it the thread waited for a CPU, or nobody was there to look
+    Duration waited{};  // part of it: the thread waited for a CPU, or no check was possible
   };
-  Look Judge(Time now);
+  Look Evaluate(Time now);
 
-  // How often to look so that a hang is seen soon after its allowance; nullopt: nothing is watched.
+  // How often to check so that a hang is found soon after its allowance; nullopt: nothing is
+  // watched.
   std::optional<Duration> Period() const;
 
  private:
@@ -59,9 +60,9 @@ class Checkpoints {
     pid_t thread = 0;
     Time last{};
     Duration allowance{};
-    Time looked{};      // when it was judged last
-    Duration waited{};  // for a CPU, by then
-    Duration unseen{};  // that looks came too late, beyond what it waited
+    Time looked{};      // of the last check
+    Duration waited{};  // for a CPU, until then
+    Duration unseen{};  // delay of late checks, in addition to `waited`
     std::optional<transport::ProcessSample> before;  // from when half the allowance was over
   };
 
@@ -71,9 +72,9 @@ class Checkpoints {
 
   const ActuatorConfig& config_;
   const Sample sample_;
-  mutable std::mutex mutex_;  // guards the rest
-  State during_;              // whose callback runs; empty: none
-  Duration usual_{};          // its allowance by the config; zero: none
+  mutable std::mutex mutex_;  // guards the members below
+  State during_;              // of the running callback; empty: none
+  Duration usual_{};          // its allowance in the config; zero: none
   pid_t worker_ = 0;
   Watched callback_;
   Watched own_;

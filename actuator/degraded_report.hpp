@@ -1,5 +1,5 @@
 #pragma once
-// What a self-check reports of a part that does not work, from its thread to the loop.
+// Passes a self-check's report of a failed part from its thread to the loop.
 
 #include <mutex>
 #include <utility>
@@ -17,7 +17,7 @@ class DegradedReport {
     const std::lock_guard lock(mutex_);
     why_ = why;
   }
-  // What was put since the last call; code 0: nothing.
+  // The report put since the last call; code 0: none.
   Error Take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(why_, Error{kCodeOk, ""});

@@ -9,8 +9,8 @@ namespace {
 
 constexpr Duration kHeartbeatPeriod = Milliseconds(500);
 
-// The library of CyberDog's own modules says this without their module's code, and its manager
-// expects it so.
+// The library of CyberDog's own modules sends this code without the module's number, and its
+// manager expects that.
 std::int32_t OnTheWire(std::int32_t code) {
   return code == kCodeUnSupport ? static_cast<std::int32_t>(KeyCode::kUnSupport) : code;
 }
@@ -24,7 +24,7 @@ Result<std::unique_ptr<FsMachine>> FsMachine::Make(transport::Node& node,
   FsMachine* self = machine.get();
   auto heartbeats = transport::MakePublisher<msg::Heartbeats>(
       node, transport::ResolveName(name_space, "manager_heartbeats"), transport::kSystemDefaultQos,
-      {[self] { self->OnListeners(); }});
+      {[self] { self->OnMatchChanged(); }});
   if (!heartbeats) return heartbeats.error();
   machine->heartbeats_ = std::move(heartbeats).value();
   auto server = transport::MakeServer<msg::FsMachine>(
@@ -39,14 +39,14 @@ Result<std::unique_ptr<FsMachine>> FsMachine::Make(transport::Node& node,
   return machine;
 }
 
-void FsMachine::OnListeners() {
+void FsMachine::OnMatchChanged() {
   if (!heartbeats_ || heartbeats_->MatchedReaders() == 0) {
     heartbeat_ = nullptr;
   } else if (!heartbeat_) {
     heartbeat_ = node_.loop().Every(kHeartbeatPeriod, [this] {
       msg::Heartbeats heartbeat;
       heartbeat.name = name_;
-      // One that is lost is followed by the next.
+      // A lost heartbeat is followed by the next.
       static_cast<void>(heartbeats_->Publish(heartbeat).ok());
     });
   }

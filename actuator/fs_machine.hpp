@@ -1,6 +1,7 @@
 #pragma once
-// An actuator as CyberDog's manager knows one: service `<name>machine_service`, there once SetUp is
-// done, and a beat on `manager_heartbeats` every 500 ms while somebody listens.
+// The interface of an actuator for CyberDog's manager: service `<name>machine_service`, offered
+// once SetUp is done, and a heartbeat on `manager_heartbeats` every 500 ms while a subscriber is
+// matched.
 //
 // Threads: loop thread only.
 
@@ -19,7 +20,7 @@ namespace musher {
 
 class FsMachine {
  public:
-  // To be called once, now or later: the state the actuator is in then, and the command's code.
+  // To be called once, now or later, with the actuator's state then and the command's code.
   using Reply = std::function<void(const State& state, std::int32_t code)>;
   using OnCommand = std::function<void(const State& target, Reply reply)>;
 
@@ -31,13 +32,14 @@ class FsMachine {
  private:
   FsMachine(transport::Node& node, std::string name) : node_(node), name_(std::move(name)) {}
 
-  void OnListeners();
+  void OnMatchChanged();
 
   transport::Node& node_;
   const std::string name_;
-  transport::LoopHandlePtr heartbeat_;  // while somebody listens
+  transport::LoopHandlePtr heartbeat_;  // while a subscriber is matched
   std::unique_ptr<transport::Publisher<msg::Heartbeats>> heartbeats_;
-  std::unique_ptr<transport::Server<msg::FsMachine>> server_;  // last: its handler comes to us
+  std::unique_ptr<transport::Server<msg::FsMachine>>
+      server_;  // last: its handler uses all of the above
 };
 
 }  // namespace musher

@@ -70,7 +70,7 @@ class MachineActuator::Impl {
     options.credentials = transport::CredentialsFor(*config_, name_);
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
-    config_->transport = profile.value();  // signs of life go by it, too
+    config_->transport = profile.value();  // heartbeats depend on it, too
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
     auto lock = transport::NameLock::Acquire(
@@ -78,10 +78,9 @@ class MachineActuator::Impl {
     if (!lock) return lock.error();
     name_lock_.emplace(std::move(lock).value());
     if (node_ && node_->credentials() != options.credentials) {
-      return Error{
-          kCodeParametersInvalid,
-          "the node that " + name_ + " was given has other keys than " + config_->file +
-              " says; with [security] each actuator has a node, and a process, of its own"};
+      return Error{kCodeParametersInvalid,
+                   "the node given to " + name_ + " has other keys than " + config_->file +
+                       "; with [security] each actuator needs a node, and a process, of its own"};
     }
     if (!node_) {
       auto started = transport::NodeThread::Start(options);
@@ -110,7 +109,7 @@ class MachineActuator::Impl {
   DegradedReport& degraded() { return degraded_; }
 
   void Shutdown() {
-    // A command that arrives meanwhile must find no worker that is going.
+    // A command that arrives meanwhile must not use the worker that is being stopped.
     if (node_) {
       node_->RunOnLoop([this] {
         if (shell_) shell_->Close();
@@ -118,7 +117,7 @@ class MachineActuator::Impl {
     }
     if (worker_) {
       stop_requested_ = true;
-      worker_.reset();  // waits for a callback that runs
+      worker_.reset();  // waits for a running callback
     }
     {
       const std::lock_guard lock(mutex_);
@@ -137,7 +136,7 @@ class MachineActuator::Impl {
 
   void Checkpoint(Duration allowance) {
     const std::lock_guard lock(mutex_);
-    if (checkpoints_ == nullptr) return;  // not started yet, or over
+    if (checkpoints_ == nullptr) return;  // not started yet, or stopped
     checkpoints_->Mark(gettid(), allowance, std::chrono::steady_clock::now());
   }
 
@@ -153,9 +152,9 @@ class MachineActuator::Impl {
   Result<> Allowed(const std::string& capability, ModuleCode module) const {
     if (!config_) {
       return Error{MakeCode(module, KeyCode::kStateInvalid),
-                   name_ + " may do nothing before Init has succeeded"};
+                   name_ + " is not initialised: Init has not succeeded"};
     }
-    return gate_.Judge(*config_, name_, capability, module);
+    return gate_.Evaluate(*config_, name_, capability, module);
   }
 
   const MachineConfig& config() const {
@@ -193,7 +192,7 @@ class MachineActuator::Impl {
     return callbacks_.Check(*config_, config_->actuators[*index_]);
   }
 
-  // What a rehearsal does instead of the shell.
+  // For a fault-injection test, which has no shell.
   Result<> RunEmergencyStop() {
     return RunGuarded([this]() -> Result<> {
       on_emergency_stop_();
@@ -207,7 +206,7 @@ class MachineActuator::Impl {
  private:
   void SetNode(std::shared_ptr<transport::NodeThread> node) {
     const std::lock_guard lock(mutex_);
-    node_.swap(node);  // the old one may end here, or a little later with its other owners
+    node_.swap(node);  // the old one is destroyed here, or later by its other owners
   }
 
   void StartShell() {
@@ -225,15 +224,15 @@ class MachineActuator::Impl {
     hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
     hooks.on_report = [this](const ActuatorReport& report) { gate_.SetReport(report); };
     hooks.on_battery = [this](std::optional<int> percent) { gate_.SetBattery(percent); };
-    hooks.on_set_up = [this] { TellSetUp(Ok()); };
+    hooks.on_set_up = [this] { SetSetUpResult(Ok()); };
     hooks.on_finished = [this](const Error& end) {
-      if (end.code != kCodeOk) TellSetUp(end);
+      if (end.code != kCodeOk) SetSetUpResult(end);
       Finish(end.code == kCodeOk ? 0 : 1);
     };
     auto shell = ActuatorShell::Make(node_->node(), *worker_, *config_, *index_,
                                      {transport::NewIncarnation(), getpid(), transport::HostId()},
                                      std::move(hooks));
-    if (!shell) return TellSetUp(shell.error());
+    if (!shell) return SetSetUpResult(shell.error());
     shell_ = std::move(shell).value();
     {
       const std::lock_guard lock(mutex_);
@@ -242,8 +241,8 @@ class MachineActuator::Impl {
     shell_->Start();
   }
 
-  void TellSetUp(Result<> result) {
-    if (!std::exchange(set_up_told_, true)) set_up_.set_value(std::move(result));
+  void SetSetUpResult(Result<> result) {
+    if (!std::exchange(set_up_reported_, true)) set_up_.set_value(std::move(result));
   }
 
   void Finish(int code) {
@@ -262,9 +261,9 @@ class MachineActuator::Impl {
   DegradedReport degraded_;
   std::optional<transport::NameLock> name_lock_;
   std::atomic<bool> stop_requested_ = false;
-  std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
+  std::function<void()> on_poll_;  // of a fault-injection test; empty on a robot
   std::promise<Result<>> set_up_;
-  bool set_up_told_ = false;
+  bool set_up_reported_ = false;
   mutable std::mutex mutex_;  // guards the two below, and changes of node_
   std::optional<int> finished_;
   Checkpoints* checkpoints_ = nullptr;

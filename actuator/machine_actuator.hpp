@@ -15,17 +15,16 @@
 //     return gripper.Run();
 //   }
 //
-// Threads: the calls below come from your threads, one at a time. State callbacks run one at a time
-// on a worker thread of this actuator; meanwhile the process goes on answering "how is it going". A
-// callback may block for as long as its time in the config says; past that it is asked to stop
-// (StopRequested()) and the machine goes on without it. A loop thread of the process does the
-// talking.
+// Threads: call the functions below from your threads, one at a time. State callbacks run one at a
+// time on a worker thread of this actuator; meanwhile the process keeps answering queries. A
+// callback may block for as long as its time in the config; after that it is requested to stop
+// (StopRequested()) and the machine continues without it. A loop thread of the process does the
+// communication.
 //
-// A callback that fails leaves the actuator in the state it was in, and the controller may then run
-// the callback of that state again to clear up what was half done: callbacks must bear to be run
-// twice.
+// A callback that fails leaves the actuator in its previous state, and the controller may then run
+// that state's callback again to clean up: callbacks must be idempotent.
 //
-// Errors: the bool calls say what was wrong on stderr; the Result calls give it to you.
+// Errors: the bool calls print the error to stderr; the Result calls return it.
 
 #include <chrono>
 #include <cstdint>
@@ -51,128 +50,132 @@ class MachineActuator {
  public:
   // The name as in [controller].actuators of the config.
   explicit MachineActuator(const std::string& actuator_name);
-  // Waits for a running callback; then the actuator is gone from the machine. A derived class whose
-  // callbacks use its members calls Shutdown() in its own destructor, before they die.
+  // Waits for a running callback; then the actuator leaves the machine. A derived class whose
+  // callbacks use its members must call Shutdown() in its own destructor, before they are
+  // destroyed.
   virtual ~MachineActuator();
   MachineActuator(const MachineActuator&) = delete;
   MachineActuator& operator=(const MachineActuator&) = delete;
 
-  // Reads and judges the state config. `config_file` empty: $MUSHER_CONFIG, which a controller sets
-  // for the processes it starts. `node`: to share one participant among the actuators of a process;
-  // null: one of its own.
+  // Reads and validates the state config. `config_file` empty: $MUSHER_CONFIG, which a controller
+  // sets for the processes that it starts. `node`: to share one participant among the actuators of
+  // a process; null: creates its own.
   bool MachineActuatorInit(const std::string& config_file = "",
                            std::shared_ptr<transport::NodeThread> node = nullptr);
   Result<> Init(const std::string& config_file = "",
                 std::shared_ptr<transport::NodeThread> node = nullptr);
 
-  // What to do for `state`; before ActuatorStart(). Returns CyberDog's code, 0 = done.
+  // Registers the callback of `state`; before ActuatorStart(). The callback returns CyberDog's
+  // code, 0 = done.
   void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
   // The same with a reason for people; an Error's code must not be 0. An exception counts as
   // Failed.
   void RegisterStateCallback(const std::string& state, std::function<Result<>()> callback);
-  // What to do for each state that the config lists for this actuator and that has no callback of
-  // its own: it is given the state. A state that is not listed is never asked for, as without it.
+  // Registers the callback for each state that the config lists for this actuator and that has no
+  // callback of its own; it gets the state. A state that is not listed is never commanded.
   void RegisterStateCallback(std::function<std::int32_t(const State&)> callback);
   void RegisterStateCallback(std::function<Result<>(const State&)> callback);
 
-  // Runs SetUp and becomes visible to the controller. Fails, saying which, when a state of the
-  // config has no callback or a callback no state; when SetUp fails, with its code; when an
-  // actuator of this name runs on this host already. After a failure the program should end.
+  // Runs SetUp and becomes visible to the controller. Fails if a state of the config has no
+  // callback or a callback no state (the error names it), if SetUp fails (with its code), or if an
+  // actuator of this name already runs on this host. After a failure the program should exit.
   bool ActuatorStart();
   Result<> Start();
 
-  // Blocks until TearDown is done, or Shutdown() is called; gives the program's exit code.
+  // Blocks until TearDown is done or Shutdown() is called; returns the program's exit code.
   int Wait();
 
-  // MachineActuatorInit(), ActuatorStart() and Wait(): the whole of a program that is this
-  // actuator. Gives its exit code: kConfigurationError where the config is faulty or does not fit
-  // the callbacks, which a new start would not mend, so that the controller tries none; 1 where
-  // SetUp has failed or it cannot start now; else that of Wait().
+  // MachineActuatorInit(), ActuatorStart() and Wait(): the main function of a program that is this
+  // actuator. Returns its exit code: kConfigurationError if the config is invalid or does not fit
+  // the callbacks (the controller does not restart such an actuator automatically), 1 if SetUp
+  // fails or it cannot start now, else that of Wait().
   static constexpr int kConfigurationError = 2;
   int Run(const std::string& config_file = "");
-  // The first part of it: 0 where Run() would go on to SetUp, else kConfigurationError.
+  // Only checks the config: 0 if Run() would continue with SetUp, else kConfigurationError.
   int Check(const std::string& config_file = "");
 
-  // A line on stderr, which is the actuator's log: its name, the line and, of an Error, the code
-  // that is not 0. Lines of several threads do not mix. From any thread.
+  // Writes a line to stderr, which is the actuator's log: its name, the line and, for an Error, its
+  // code if not 0. Lines of several threads do not mix. From any thread.
   void Log(const std::string& line) const;
   void Log(const Error& error) const;
 
-  // It cannot go on: says why on stderr, and Wait() gives 1, so that the program ends and its
-  // restart policy acts. From any thread.
+  // The actuator cannot continue: prints the reason to stderr and makes Wait() return 1, so that
+  // the program exits and its restart policy applies. From any thread.
   void GiveUp(const Error& why);
 
-  // Ends without TearDown: waits for a running callback, then leaves the machine. Idempotent.
+  // Stops without TearDown: waits for a running callback, then leaves the machine. Idempotent.
   void Shutdown();
 
-  // Inside a long callback: whether the controller does not wait for it any more. Give up when it
-  // suits.
+  // Inside a long callback: whether the controller no longer waits for it. The callback should then
+  // return at the next safe point.
   bool StopRequested() const;
 
-  // A sign of life of the thread that calls it: it gets on, and will say so again within
+  // Reports that the calling thread makes progress; its next checkpoint must follow within
   // `allowance` (zero: checkpoint_ms of the config; without that nothing is watched). A thread that
-  // is silent for longer although it could have run is *hung*: the process is restarted by its
-  // policy.
-  //   - In a state callback: watched from its beginning, until its end.
-  //   - In a thread of your own, say the cycle that moves the robot: watched from its first
-  //     checkpoint until the next state callback begins, or Checkpoint(kNoMore). Its first one
-  //     after that callback has ended watches it again: callbacks may end and begin such threads.
+  // gives no checkpoint for longer although it could have run is *hung*: the process is restarted
+  // by its policy.
+  //   - In a state callback: watched from its beginning until its end.
+  //   - In a thread of your own, for example the control cycle of the robot: watched from its first
+  //     checkpoint until the next state callback begins, or Checkpoint(kNoMore). Its first
+  //     checkpoint after that callback watches it again: callbacks may stop and start such threads.
   // From any thread; costs less than a microsecond.
   static constexpr std::chrono::nanoseconds kNoMore = std::chrono::nanoseconds::max();
   void Checkpoint(std::chrono::nanoseconds allowance = std::chrono::nanoseconds(0));
 
-  // The state this actuator is in, from any thread. The config's default state before SetUp is
-  // done.
+  // The actuator's current state; the config's default state before SetUp is done. From any thread.
   State CurrentState() const;
 
-  // Whether a function of this actuator may run now, by the [capability.<name>] of the config; one
-  // that is not declared runs in Active only. To be asked before each command that the function
-  // obeys. While a callback runs it has to be allowed in the state that is left and in the one that
-  // is entered; during an emergency stop nothing is. The Error has a sentence for people and the
-  // code of `module`: 13, ProtectedError, where the robot spares itself (allowed in Active but not
-  // in Protected, or the battery is too low or unknown), else 3, StateInvalid. From any thread;
-  // costs less than a microsecond where the answer is yes.
+  // Whether a function of this actuator may run now, according to [capability.<name>] of the
+  // config; an undeclared function runs in Active only. Call it before each command of the
+  // function. While a callback runs, the function must be allowed both in the state that is left
+  // and in the state that is entered; during an emergency stop no function is allowed. The Error
+  // has a sentence for people and the code of `module`: 13, ProtectedError, if the robot protects
+  // itself (allowed in Active but not in Protected, or the battery is too low or unknown), else 3,
+  // StateInvalid. From any thread; costs less than a microsecond if allowed.
   Result<> Allowed(const std::string& capability, ModuleCode module = ModuleCode::kRobot) const;
 
-  // In the SelfCheck callback, before it returns Ok: part of the actuator does not work, and it can
-  // do its work without. It passes the check and goes to Active; the reason and its code, which
-  // must not be 0, are shown with it as degraded until its next self-check. The last call of a
-  // check counts; in other callbacks it means nothing. From any thread.
+  // In the SelfCheck callback, before it returns Ok: reports that part of the actuator does not
+  // work but the actuator can work without it. The actuator passes the check and goes to Active;
+  // status shows it as degraded with the reason and its code, which must not be 0, until its next
+  // self-check. The last call of a check counts; in other callbacks it has no effect. From any
+  // thread.
   void ReportDegraded(const Error& why);
 
-  // Whether an emergency stop is engaged. The callbacks of less active states run during one, and
-  // then must not move what has been stopped. From any thread.
+  // Whether an emergency stop is engaged. The callbacks of less active states also run during a
+  // stop, and must not move then. From any thread.
   bool EmergencyStopped() const;
 
-  // Whether an emergency stop holds this actuator: one is engaged, or was, and no callback of the
-  // present state or a higher one has ended well without a stop since: what OnEmergencyStop() has
-  // switched off is off. Setting the present state again runs its callback. From any thread.
+  // Whether an emergency stop holds this actuator: a stop is engaged, or was, and since its release
+  // no callback of the current or a higher state has succeeded. Functions that OnEmergencyStop()
+  // has switched off are still off. Setting the current state again runs its callback. From any
+  // thread.
   bool HeldByStop() const;
 
   const std::string& name() const;
 
-  // What was read by Init(), which must have succeeded.
+  // The config that Init() has read; Init() must have succeeded.
   const MachineConfig& machine_config() const;
-  // For topics and services of your own, in the SetUp callback: `open` runs on the loop and makes
-  // them from what it is given. They are kept until Shutdown(), or until the next call of this.
-  // Their handlers run on the loop and must come back at once: whatever takes time is not for them.
-  // Fails when one of them could not be opened. In a trial there is no wire: `open` does not run.
+  // For topics and services of your own, in the SetUp callback: `open` runs on the loop and creates
+  // them. They are kept until Shutdown(), or until the next call of this function. Their handlers
+  // run on the loop and must return at once. Fails if one of them could not be opened. In a
+  // fault-injection test there is no transport: `open` does not run.
   Result<> OpenEndpoints(const std::function<void(transport::Endpoints&)>& open);
-  // Runs `work` between two handlers, on the loop, and waits for it: so a callback shares data with
-  // them. From any thread but the loop's. In a trial it runs at once.
+  // Runs `work` on the loop, between two handlers, and waits for it, so that a callback can share
+  // data with handlers. From any thread except the loop's. In a fault-injection test it runs at
+  // once.
   void RunOnLoop(const std::function<void()>& work);
 
-  // What those two stand on: the participant and its loop. There from Start() on, so in every state
-  // callback; null before, after Shutdown(), and in a trial. What is made from it is made, used and
-  // dropped on its loop. A class that keeps such things keeps the pointer too, and drops them in
-  // its destructor, after Shutdown().
+  // The participant and its loop, which both functions above use. Available from Start() on, so in
+  // every state callback; null before, after Shutdown(), and in a fault-injection test. Objects
+  // made from it must be created, used and dropped on its loop. A class that keeps such objects
+  // must keep the pointer too, and drop them in its destructor, after Shutdown().
   std::shared_ptr<transport::NodeThread> node() const;
 
  protected:
-  // An emergency stop is engaged: stop whatever moves, now. Runs on the process's loop thread,
-  // beside a state callback that may be running; it must come back at once (set a flag, write a
-  // zero) and must not block. Exceptions are caught. Until a person releases the stop, nothing
-  // takes this actuator to a more active state. Once for each stop.
+  // An emergency stop is engaged: stop all motion now. Runs on the process's loop thread, possibly
+  // beside a running state callback; it must return at once (set a flag, write a zero) and must not
+  // block. Exceptions are caught. Until a person releases the stop, this actuator does not switch
+  // to a more active state. Called once for each stop.
   virtual void OnEmergencyStop() {}
 
  private:

@@ -1,4 +1,4 @@
-// The calls of a program that is one actuator: what fails is logged, and ends it with an exit code.
+// The calls of a program that is one actuator: a failure is logged and becomes its exit code.
 
 #include <utility>
 

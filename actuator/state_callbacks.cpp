@@ -34,7 +34,7 @@ void StateCallbacks::Register(const State& state, std::function<Result<>()> call
 }
 
 void StateCallbacks::Register(std::function<Result<>(const State&)> callback) {
-  if (other_) twice_ = "the states that have none of their own";
+  if (other_) twice_ = "the states without one of their own";
   other_ = std::move(callback);
 }
 
@@ -50,7 +50,9 @@ Result<> StateCallbacks::Check(const MachineConfig& config, const ActuatorConfig
     return Error{kCodeParametersInvalid,
                  config.file + " lists state '" + state + "' for " + actuator.name +
                      ", but there is no callback for it" +
-                     (near.empty() ? "" : "; the one for '" + near + "' is for no state of it")};
+                     (near.empty() ? ""
+                                   : "; did you mean the callback for '" + near +
+                                         "', which the config does not list?")};
   }
   for (const auto& [state, callback] : own_) {
     if (actuator.Lists(state)) continue;
@@ -65,7 +67,7 @@ std::vector<State> StateCallbacks::States() const {
   std::set<State> states;
   for (const auto& [state, callback] : own_) states.insert(state);
   if (other_) states.insert(BuiltInStates().begin(), BuiltInStates().end());
-  states.erase(State(kUninitialized));  // a state to be in, but not to go to
+  states.erase(State(kUninitialized));  // cannot be commanded
   return {states.begin(), states.end()};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What an actuator's class does in which state. No IO, no threads of its own.
+// The state callbacks of an actuator. No I/O, no threads of its own.
 
 #include <functional>
 #include <map>
@@ -13,29 +13,29 @@
 
 namespace musher {
 
-// Runs code that is not ours: its own word, or Failed with what it threw.
+// Runs user code: returns its result, or Failed with the exception's text.
 Result<> RunGuarded(const std::function<Result<>()>& callback);
 
 class StateCallbacks {
  public:
   void Register(const State& state, std::function<Result<>()> callback);
-  // For all states that have none of their own.
+  // For all states without a callback of their own.
   void Register(std::function<Result<>(const State&)> callback);
 
-  // Fails, saying which, when a state of `actuator` has no callback, a callback no state, or
-  // something two.
+  // Fails, naming it, if a state of `actuator` has no callback, a callback has no state, or a state
+  // has two callbacks.
   Result<> Check(const MachineConfig& config, const ActuatorConfig& actuator) const;
 
-  // Those that have a callback of their own; with one for all others the built-in ones, too.
+  // The states with a callback of their own; with a callback for all others the built-in ones, too.
   std::vector<State> States() const;
 
-  // There must be one for `state`.
+  // `state` must have a callback.
   Result<> Run(const State& state) const;
 
  private:
   std::map<State, std::function<Result<>()>> own_;
   std::function<Result<>(const State&)> other_;
-  std::optional<std::string> twice_;  // what has two
+  std::optional<std::string> twice_;  // a state with two callbacks
 };
 
 }  // namespace musher

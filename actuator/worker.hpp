@@ -1,6 +1,5 @@
 #pragma once
-// Where state callbacks run: beside the loop, so that the actuator answers and can be asked while
-// one blocks.
+// Runs state callbacks beside the loop, so that the actuator answers queries while one blocks.
 
 #include <condition_variable>
 #include <functional>
@@ -19,12 +18,12 @@ class Worker {
 
   virtual ~Worker() = default;
 
-  // Runs `work`, then `done` with its result. One at a time: the next Run() comes after `done`.
-  // From the loop thread; `done` runs wherever the worker likes.
+  // Runs `work`, then `done` with its result. One at a time: call Run() again only after `done`.
+  // From the loop thread; `done` runs on any thread.
   virtual void Run(Work work, Done done) = 0;
 };
 
-// A thread of its own. Dropping it waits for work that runs.
+// Uses a thread of its own. Dropping it waits for running work.
 class WorkerThread : public Worker {
  public:
   WorkerThread();

@@ -23,26 +23,26 @@ using transport::UniqueFd;
 constexpr std::size_t kMostText = 64 * 1024;  // bytes
 constexpr int kMostReads = 32;                // of 4 KiB at a time; a full pipe has 16
 
-// The best first. gdb gets a limit of frames, so that an endless recursion of one thread leaves
-// room for the others; eu-stack has one of its own.
+// The best tool first. gdb gets a limit of frames, so that an endless recursion of one thread
+// leaves room for the others; eu-stack has a limit of its own.
 std::vector<std::vector<std::string>> Tools(pid_t pid) {
   const std::string number = std::to_string(pid);
   return {{"eu-stack", "-p", number},
           {"gdb", "-p", number, "-batch", "-nx", "-ex", "thread apply all backtrace 100"}};
 }
 
-// Its process.
+// The process to trace.
 struct Target {
   UniqueFd pidfd;  // names it even when its pid is reused
   bool was_stopped = false;
 
-  void LetGoOn() const {
+  void Continue() const {
     if (!was_stopped) syscall(SYS_pidfd_send_signal, pidfd.get(), SIGCONT, nullptr, 0);
   }
 };
 
 Result<Target> FindTarget(pid_t pid) {
-  if (pid == getpid()) return Error{kCodeParametersInvalid, "a process can't look at itself"};
+  if (pid == getpid()) return Error{kCodeParametersInvalid, "a process can't trace itself"};
   const auto state = transport::RunStateOf(pid);
   if (state == transport::ProcessRunState::kGone) {
     return Error{kCodeFailed, "there is no process " + std::to_string(pid)};
@@ -60,9 +60,9 @@ std::string LastLine(std::string text) {
 }  // namespace
 
 struct BacktraceTaker::Job {
-  pid_t pid = 0;                               // of the process that is looked at
-  std::size_t tried = 0;                       // of the tools
-  std::string why = "no tool for backtraces";  // what became of those that could not be run
+  pid_t pid = 0;                               // of the traced process
+  std::size_t tried = 0;                       // number of tools tried
+  std::string why = "no tool for backtraces";  // and why each could not be executed
   std::string tool;
   pid_t tool_pid = 0;  // 0: none runs
   Done done;
@@ -72,8 +72,8 @@ struct BacktraceTaker::Job {
   transport::LoopHandlePtr timer;
   transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
 
-  // Takes what the tool has written so far, but not for ever. What is too much is read, too, so
-  // that the tool ends.
+  // Reads what the tool has written so far, at most kMostReads parts. Reads and drops excess
+  // output, too, so that the tool can exit.
   void Collect() {
     std::array<char, 4096> part{};
     ssize_t size = 0;
@@ -93,10 +93,10 @@ struct BacktraceTaker::Job {
     }
     const std::string about = "process " + std::to_string(pid);
     if (text.find("Operation not permitted") != std::string::npos) {
-      return Error{
-          kCodePermissionDenied,
-          tool + " may not trace " + about + ": it takes kernel.yama.ptrace_scope = 0 " +
-              "and the same user, or CAP_SYS_PTRACE, and no debugger that is there already"};
+      return Error{kCodePermissionDenied,
+                   tool + " is not permitted to trace " + about +
+                       ": it needs kernel.yama.ptrace_scope = 0 " +
+                       "and the same user, or CAP_SYS_PTRACE, and no debugger attached"};
     }
     return Error{kCodeFailed, tool + " shows no stack of " + about + ": " + exit.Text() +
                                   (text.empty() ? "" : ", " + LastLine(text))};
@@ -129,19 +129,19 @@ Result<> BacktraceTaker::Begin(const std::shared_ptr<Job>& job, Duration timeout
   });
   if (under_way) {
     return Error{kCodeTargetBusy,
-                 "a backtrace of process " + std::to_string(job->pid) + " is being taken already"};
+                 "a backtrace of process " + std::to_string(job->pid) + " is already being taken"};
   }
   if (const auto started = StartTool(job, next_id_); !started) return started.error();
   job->timer = loop_.At(loop_.Now() + timeout, [this, id = next_id_, timeout] {
     const Job& late = *jobs_.at(id);
     static_cast<void>(processes_.Signal(late.tool_pid, SIGKILL).ok());
-    End(id, Error{kCodeTimeout, late.tool + " did not end within " +
+    End(id, Error{kCodeTimeout, late.tool + " did not exit within " +
                                     std::to_string(ToMilliseconds(timeout)) + " ms"});
   });
   return Ok();
 }
 
-// The next one that can be run.
+// Starts the next tool that can be executed.
 Result<> BacktraceTaker::StartTool(const std::shared_ptr<Job>& job, std::uint64_t id) {
   auto target = FindTarget(job->pid);
   if (!target) return target.error();
@@ -149,18 +149,18 @@ Result<> BacktraceTaker::StartTool(const std::shared_ptr<Job>& job, std::uint64_
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
   job->watch = nullptr;
   job->output = UniqueFd(ends[0]);
-  const UniqueFd input(ends[1]);  // the tool gets its own
+  const UniqueFd input(ends[1]);  // the tool gets a copy
   fcntl(job->output.get(), F_SETFL, O_NONBLOCK);
 
   ProcessSpec spec;
   spec.name = "backtrace";
-  // Messages that can be recognised, and no search for symbols in the network.
+  // English messages, which Outcome() matches, and no symbol downloads.
   spec.env = {{"LC_ALL", "C"}, {"DEBUGINFOD_URLS", ""}};
   spec.output = input.get();
   const auto on_exit =
       [this, id, weak = std::weak_ptr<Job>(job),
        target = std::make_shared<Target>(std::move(target).value())](const ProcessExit& exit) {
-        if (exit.kind == ProcessExit::Kind::kKilled) target->LetGoOn();
+        if (exit.kind == ProcessExit::Kind::kKilled) target->Continue();
         const auto alive = weak.lock();
         if (!alive) return;
         if (exit.kind != ProcessExit::Kind::kNotRun) {

@@ -1,13 +1,12 @@
 #pragma once
-// Backtraces of processes of this host, for the journal: where does one that hangs hang? The work
-// is done by eu-stack (elfutils) or, where that is not installed, gdb, as a process of its own; the
-// loop goes on meanwhile.
+// Backtraces of processes of this host, for the journal: where a hung process hangs. eu-stack
+// (elfutils) or, if that is not installed, gdb takes them in a process of its own; the loop
+// continues meanwhile.
 //
-// The process is stopped while the tool looks at it, for some tens of milliseconds to seconds. A
-// tool that had to be killed may leave it stopped; then it is let go on, unless it was stopped
-// before.
+// The tool stops the process while it reads the stacks, for some tens of milliseconds to seconds. A
+// killed tool may leave the process stopped; it is then continued, unless it was stopped before.
 //
-// Both tools need the right to trace: the same user with kernel.yama.ptrace_scope = 0, or
+// Both tools need permission to trace: the same user with kernel.yama.ptrace_scope = 0, or
 // CAP_SYS_PTRACE. Without symbols a frame is only an address.
 //
 // Threads: loop thread only, callbacks too.
@@ -31,15 +30,15 @@ class BacktraceTaker {
 
   // Both must outlive the taker; `processes` runs the tools.
   BacktraceTaker(transport::EventLoop& loop, ProcessRunner& processes);
-  // Kills the tools under way; their `done` does not run any more.
+  // Kills the running tools; their `done` does not run any more.
   ~BacktraceTaker();
   BacktraceTaker(const BacktraceTaker&) = delete;
   BacktraceTaker& operator=(const BacktraceTaker&) = delete;
 
-  // Gives the stacks of all threads as the tool prints them, at most 64 KiB and a note that the
-  // rest was cut, or why there are none: no tool, no such process, not permitted, not within
-  // `timeout`, a backtrace of it is being taken already. `done` runs exactly once, never inside
-  // Take(), and may drop the taker.
+  // Returns the stacks of all threads as the tool prints them, at most 64 KiB and a note that the
+  // rest was cut. Errors: no tool, no such process, not permitted, not within `timeout`, a
+  // backtrace of the process is already being taken. `done` runs exactly once, never inside Take(),
+  // and may drop the taker.
   void Take(pid_t pid, Duration timeout, Done done);
 
  private:

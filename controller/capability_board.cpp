@@ -45,22 +45,22 @@ Result<> CapabilityBoard::Open() {
 }
 
 void CapabilityBoard::Refresh() {
-  const bool told_for_ever = told_ && config_.capabilities.empty();
-  if (later_ || told_for_ever) return;
+  const bool never_changes = published_ && config_.capabilities.empty();
+  if (later_ || never_changes) return;
   const Time now = node_.loop().Now();
-  later_ = node_.loop().At(std::max(now, looked_at_ + kPeriod), [this] {
+  later_ = node_.loop().At(std::max(now, evaluated_at_ + kPeriod), [this] {
     later_ = nullptr;
     Publish();
   });
 }
 
 void CapabilityBoard::Publish() {
-  looked_at_ = node_.loop().Now();
+  evaluated_at_ = node_.loop().Now();
   msg::Capabilities now = Now();
-  if (told_ == now) return;
-  // What cannot be sent is sent with the next change.
+  if (published_ == now) return;
+  // A failed publish is repeated with the next change.
   static_cast<void>(publisher_->Publish(now));
-  told_ = std::move(now);
+  published_ = std::move(now);
 }
 
 msg::Capabilities CapabilityBoard::Now() const {

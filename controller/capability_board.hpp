@@ -1,5 +1,6 @@
 #pragma once
-// What the robot can do now, and why not: latched on `musher/capabilities`, told at every change.
+// Publishes what the robot can do now, and why not the rest: latched on `musher/capabilities`, at
+// every change.
 //
 // Threads: loop thread only.
 
@@ -21,7 +22,7 @@ class CapabilityBoard {
                                                        const MachineConfig& config,
                                                        const Machine& machine);
 
-  // The machine may have changed: what follows from that is told soon, if anything does.
+  // The machine may have changed: publishes soon if the capabilities change.
   void Refresh();
 
   msg::Capabilities Now() const;
@@ -34,9 +35,9 @@ class CapabilityBoard {
   transport::Node& node_;
   const MachineConfig& config_;
   const Machine& machine_;
-  std::optional<int> battery_;  // %; heard only where a capability needs it
-  std::optional<msg::Capabilities> told_;
-  Time looked_at_{};
+  std::optional<int> battery_;  // %; subscribed to only if a capability needs it
+  std::optional<msg::Capabilities> published_;
+  Time evaluated_at_{};
   transport::LoopHandlePtr later_;
   std::unique_ptr<transport::Publisher<msg::Capabilities>> publisher_;
   std::unique_ptr<transport::BatteryWatch> battery_watch_;

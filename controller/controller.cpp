@@ -17,14 +17,13 @@
 namespace musher {
 namespace {
 
-// Where entries go when there is no folder for a journal.
+// Discards entries, if there is no folder for a journal.
 class NoJournal : public JournalSink {
  public:
   void Append(JournalItem) noexcept override {}
 };
 
-// What the config was read from; empty when its file says something else by now, or is too large
-// for the journal.
+// The text of the config; empty if its file has changed or is too large for the journal.
 std::string TextOf(const MachineConfig& config) {
   std::ifstream file(config.file, std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(file), {});
@@ -37,12 +36,13 @@ std::int64_t WallNanoseconds() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
-// Long enough to hear a living controller of another host, which is discovered within 500 ms.
-constexpr Duration kLookAround = Milliseconds(1000);
-constexpr Duration kSecuredLookAround = Milliseconds(4000);
-// An actuator that holds its name here has latched a status, and is heard soon.
-constexpr Duration kHeardWithin = Milliseconds(1000);
-constexpr Duration kHeardPeriod = Milliseconds(5);
+// Long enough to receive the heartbeat of a controller of another host, which is discovered within
+// 500 ms.
+constexpr Duration kListenTime = Milliseconds(1000);
+constexpr Duration kSecuredListenTime = Milliseconds(4000);
+// An actuator that holds its name on this host has latched a status, which arrives soon.
+constexpr Duration kStatusWithin = Milliseconds(1000);
+constexpr Duration kStatusPollPeriod = Milliseconds(5);
 }  // namespace
 
 Controller::Controller(transport::Node& node, int domain_id, const MachineConfig& config,
@@ -87,33 +87,33 @@ Result<> Controller::Open() {
     if (actuator.protocol != Protocol::kMusher) continue;
     held_ += transport::NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
   }
-  look_around_ |= config_.transport == TransportProfile::kLan;
+  listen_for_others_ |= config_.transport == TransportProfile::kLan;
   Duration listen{};
-  if (look_around_) listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
-  // Never from here: the hooks may use the controller, which its owner does not have yet.
+  if (listen_for_others_) listen = config_.keys.empty() ? kListenTime : kSecuredListenTime;
+  // Not called directly: the hooks may use the controller, which its owner does not have yet.
   begin_later_ =
       node_.loop().At(node_.loop().Now() + listen, [this, listen] { BeginAfter(listen); });
   return Ok();
 }
 
-// On a slow link an actuator may have been heard only now; its controller is still to come.
+// On a slow link an actuator may have been discovered only now; its controller may follow.
 void Controller::BeginAfter(Duration listen) {
   const auto first_heard = shell_->first_heard();
   const bool settled = shell_->rival() || !first_heard;
   const Time until = settled ? Time{} : *first_heard + listen;
-  const auto begin = [this] { BeginOnceHeard(node_.loop().Now() + kHeardWithin); };
+  const auto begin = [this] { BeginOnceReceived(node_.loop().Now() + kStatusWithin); };
   if (node_.loop().Now() >= until) return begin();
   begin_later_ = node_.loop().At(until, begin);
 }
 
-// What an actuator runs with is in its status.
-void Controller::BeginOnceHeard(Time deadline) {
-  const bool judges = !options_.adopt && !options_.restarted;
-  if (!judges || shell_->HeardBeforeBegin() >= held_ || node_.loop().Now() >= deadline) {
+// Waits for the statuses of running actuators: they contain the hash of their config.
+void Controller::BeginOnceReceived(Time deadline) {
+  const bool checks_configs = !options_.adopt && !options_.restarted;
+  if (!checks_configs || shell_->HeardBeforeBegin() >= held_ || node_.loop().Now() >= deadline) {
     return Begin();
   }
-  begin_later_ = node_.loop().At(node_.loop().Now() + kHeardPeriod,
-                                 [this, deadline] { BeginOnceHeard(deadline); });
+  begin_later_ = node_.loop().At(node_.loop().Now() + kStatusPollPeriod,
+                                 [this, deadline] { BeginOnceReceived(deadline); });
 }
 
 MachineOrigin Controller::Origin() const {
@@ -129,15 +129,15 @@ Result<> Controller::OpenStore() {
   if (!store && store.error().code == kCodePermissionDenied) return store.error();
   if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
     if (auto ended = EndOwnerOf(config_.state_dir); !ended) return ended;
-    options_.adopt = true;  // what it led is this machine's
+    options_.adopt = true;  // its actuators belong to this machine
     store = StateStore::Open(config_.state_dir, Origin());
   }
   if (store) {
-    led_with_ = store.value().LoadConfigHash();
+    last_config_hash_ = store.value().LoadConfigHash();
     store_ = std::make_shared<StateStore>(std::move(store).value());
   } else if (store.error().code == kCodeTargetBusy) {
     return Error{kCodeTargetBusy,
-                 store.error().message + "; `musher status` shows it, --takeover ends it"};
+                 store.error().message + "; `musher status` shows it, --takeover replaces it"};
   } else {
     Trouble("no journal, no saved epoch: " + store.error().message);
   }
@@ -158,20 +158,21 @@ Result<> Controller::TakeName() {
       if (auto may = MayTakeOver(holder.pid); !may) return may;
     }
     if (!options_.takeover && holder.trusted) {
-      return Error{kCodeTargetBusy, "a controller, process " + std::to_string(holder.pid) +
-                                        ", leads " + leads +
-                                        " already; `musher status` shows it, --takeover ends it"};
+      return Error{kCodeTargetBusy, "controller process " + std::to_string(holder.pid) +
+                                        " already leads " + leads +
+                                        "; `musher status` shows it, --takeover replaces it"};
     }
     if (!options_.takeover) {
       return Error{kCodeTargetBusy,
                    holder.Text() + " holds the name of the controller of " + leads +
-                       "; if it is one, `musher status` shows it; --takeover begins beside it"};
+                       "; if it is a controller, `musher status` shows it; --takeover starts "
+                       "beside it"};
     }
-    // One that is not ours to end lets go when it hears of a higher epoch.
+    // A controller that we may not signal releases control when it receives a higher epoch.
     const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
-    look_around_ = !holder.trusted || !EndController(holder.pid, is_it);
-    options_.adopt |= !look_around_;
-    if (look_around_) return Ok();
+    listen_for_others_ = !holder.trusted || !EndController(holder.pid, is_it);
+    options_.adopt |= !listen_for_others_;
+    if (listen_for_others_) return Ok();
     lock = transport::NameLock::Acquire(name);
   }
   if (!lock) return lock.error();
@@ -179,8 +180,8 @@ Result<> Controller::TakeName() {
   return Ok();
 }
 
-// Only the controller of this very machine is ended by another one. Of a controller without a
-// folder that is not known; it leads the same actuators.
+// A controller only takes over from a controller of the same machine. The machine of a controller
+// without a folder is unknown; it leads the same actuators.
 Result<> Controller::MayTakeOver(pid_t controller) const {
   const auto theirs = OriginOfProcess(controller);
   if (!theirs || theirs->IsOf(Origin(), true)) return Ok();
@@ -196,8 +197,8 @@ std::string Controller::LockOf(const std::string& actuator) const {
   return transport::NameLock::NameOf(domain_id_, config_.name_space, actuator);
 }
 
-// Which actuators' processes run on this host already, left by an earlier controller or by hand.
-// Only one that is to be trusted is watched and ended with the machine.
+// Finds the actuators' processes that already run on this host, started by an earlier controller or
+// by hand. Only trusted ones are watched and stopped with the machine.
 void Controller::FindRunning(event::Begin& begin) {
   for (const ActuatorConfig& actuator : config_.actuators) {
     const std::string name = LockOf(actuator.name);
@@ -207,10 +208,10 @@ void Controller::FindRunning(event::Begin& begin) {
     begin.processes.push_back(holder.trusted ? holder.pid : 0);
     if (!begin.running.back() || holder.trusted) continue;
     shell_->Remark(kCodePermissionDenied, holder.Text() + " holds the name of " + actuator.name +
-                                              ", and is neither root's nor of user " +
+                                              " but belongs neither to root nor to user " +
                                               std::to_string(geteuid()) +
                                               ": it is not watched or signalled, and " +
-                                              actuator.name + " is not started beside it");
+                                              actuator.name + " is not started");
   }
 }
 
@@ -299,23 +300,23 @@ void Controller::Begin() {
   begin.epoch = LoadEpoch();
   if (const auto& rival = shell_->rival()) {
     if (!options_.takeover) {
-      return shell_->Refuse({kCodeTargetBusy, "a controller leads this machine already: " +
-                                                  rival->who + "; --takeover ends its leadership"});
+      return shell_->Refuse({kCodeTargetBusy, "another controller already leads this machine: " +
+                                                  rival->who + "; --takeover replaces it"});
     }
     if (rival->machine != config_.name) {
       return shell_->Refuse(
           {kCodePermissionDenied, rival->who + " leads another machine, " + rival->machine +
                                       ", in the namespace and domain of this one, " + config_.name +
-                                      "; --takeover does not end it"});
+                                      "; --takeover does not replace it"});
     }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
-  if (const std::string others = shell_->RunningWithAnotherConfig(led_with_);
+  if (const std::string others = shell_->RunningWithAnotherConfig(last_config_hash_);
       !others.empty() && !options_.adopt && !options_.restarted) {
     return shell_->Refuse(
-        {kCodeTargetBusy, others + " already, with another config than " + config_.file +
-                              ": `musher down --without-controller` ends what runs, and `musher "
-                              "up --adopt` takes it over all the same"});
+        {kCodeTargetBusy, others + " already, with a different config than " + config_.file +
+                              ": `musher down --without-controller` stops what runs, `musher "
+                              "up --adopt` takes control of it"});
   }
   if (store_) {
     disk_.Do("config",
@@ -339,7 +340,7 @@ std::uint64_t Controller::LoadEpoch() {
   return 0;
 }
 
-// Without a log its process is started all the same, and what it prints is lost.
+// Without a log the process is started anyway, and its output is lost.
 void Controller::OpenLogs() {
   LogFilesOptions options;
   options.max_total_bytes = config_.logs_size_bytes;

@@ -1,6 +1,6 @@
 #pragma once
-// A controller with everything it needs: folder, lock, epoch, journal, processes, services. What
-// the `musher up` program and MachineController have in common.
+// A controller with everything it needs: folder, lock, epoch, journal, processes, services. Shared
+// by the `musher up` program and MachineController.
 //
 // Threads: loop thread only.
 
@@ -23,31 +23,32 @@
 namespace musher {
 
 struct ControllerOptions {
-  bool takeover = false;  // a living controller of this machine is ended instead of refused by it
-  // Actuators that run already with another config than this machine's are taken over instead of
-  // refusing to begin beside them. A supervisor's start takes them over in any case.
+  bool takeover = false;  // replace a running controller of this machine instead of failing
+  // Take control of actuators that already run with another config instead of refusing to begin
+  // beside them. A supervisor's start always takes control of them.
   bool adopt = true;
-  // What the machine was started from, where that is not its config's file: a root of upgrades.
+  // The upgrade root that the machine was started from; empty: its config file.
   std::string started_from;
-  bool by_hand = false;  // the start-up is driven by requests instead of by the controller itself
-  // Started again by a supervisor, not by a person: where the controller before was taking the
-  // machine down, that is finished, and the machine stays down.
+  bool by_hand = false;  // requests drive the start-up instead of the controller itself
+  // Restarted by a supervisor, not by a person: if the previous controller was taking the machine
+  // down, complete that and stay down.
   bool restarted = false;
   ControllerShell::Hooks hooks;
-  // Told about trouble that does not stop the robot (a full disk, say), once each. From any thread.
+  // Called once for each problem that does not stop the robot, such as a full disk. From any
+  // thread.
   std::function<void(const std::string&)> on_trouble;
 };
 
-// By this signal a controller is asked to let go of its machine, by the one that takes it over. One
-// that does not end within a second, for it hangs or is a program that cares nothing, is killed.
+// With this signal a controller that takes over a machine makes the previous one release control.
+// A process that does not exit within a second (it hangs or ignores the signal) is killed.
 inline constexpr int kLetGoSignal = SIGUSR1;
 
 class Controller {
  public:
-  // Takes the machine over. Fails with kCodeTargetBusy when a living controller of this host has
-  // it. It begins, and calls hooks, on the loop's next turn; where hosts are several it listens for
-  // others for a moment first, and begins, or calls hooks.on_fenced, after that.
-  // The node, whose domain is `domain_id`, and the config must outlive the controller.
+  // Takes the machine over. Fails with kCodeTargetBusy if a running controller of this host leads
+  // it. It begins, and calls hooks, on the loop's next turn; with several hosts it first listens
+  // for other controllers for a moment, then begins or calls hooks.on_fenced. The node, whose
+  // domain is `domain_id`, and the config must outlive the controller.
   static Result<std::unique_ptr<Controller>> Make(transport::Node& node, int domain_id,
                                                   const MachineConfig& config,
                                                   ControllerOptions options);
@@ -55,11 +56,10 @@ class Controller {
   ~Controller();
 
   ControllerShell& shell() { return *shell_; }
-  // As ProcessSupervisor has them: for a process that is nothing but this controller.
+  // See ProcessSupervisor: for a process that only runs this controller.
   void AdoptOrphans() { processes_.AdoptOrphans(); }
   void ReapOrphans() { processes_.ReapOrphans(); }
-  // Waits until what was recorded and what is to be saved is on disk, at most `timeout`; says
-  // whether it is.
+  // Waits until all records and saves are on disk, at most `timeout`; returns whether they are.
   bool Flush(Duration timeout);
 
  private:
@@ -73,7 +73,7 @@ class Controller {
   MachineOrigin Origin() const;
   Result<> MayTakeOver(pid_t controller) const;
   void BeginAfter(Duration listen);
-  void BeginOnceHeard(Time deadline);
+  void BeginOnceReceived(Time deadline);
   void Begin();
   std::string LockOf(const std::string& actuator) const;
   void FindRunning(event::Begin& begin);
@@ -85,21 +85,21 @@ class Controller {
   const int domain_id_;
   const MachineConfig& config_;
   ControllerOptions options_;
-  std::shared_ptr<StateStore> store_;  // null when the disk does not let us; saves hold it, too
+  std::shared_ptr<StateStore> store_;  // null if the folder is unusable; pending saves hold it, too
   std::unique_ptr<JournalSink> journal_;
   Journal* file_journal_ = nullptr;          // the same, when there is a store
   std::optional<HistoryReader> history_;     // of that one
   std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
-  std::size_t held_ = 0;                     // actuators of this host whose name is taken
-  std::string led_with_;                     // hash of the config it was led with before
-  bool look_around_ = false;                 // another controller may lead already
+  std::size_t held_ = 0;                     // actuators of this host whose name is held
+  std::string last_config_hash_;             // of the config of the previous controller
+  bool listen_for_others_ = false;           // another controller may already lead
   DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
   KernelProbe process_probe_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
-  std::unique_ptr<cyberdog::Manager> manager_;    // the same, and where the config wants none
+  std::unique_ptr<cyberdog::Manager> manager_;    // also null without [policy] manager
   transport::LoopHandlePtr begin_later_;
 };
 

@@ -10,7 +10,7 @@
 namespace musher {
 namespace {
 
-// As many emergency stops as are engaged, or remembered as released, at most.
+// The limit of engaged stops, and of released stops that are kept.
 constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
                                    transport::Qos::Durability::kTransientLocal, 66};
 
@@ -47,14 +47,14 @@ Result<> ControllerPresence::Open() {
       transport::kLatchedFromManyQos);
   if (!rivals) return rivals.error();
   rivals_ = std::move(rivals).value();
-  auto heard = transport::MakeSubscription<msg::EmergencyStop>(
+  auto received = transport::MakeSubscription<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
         emit_(event::EmergencyStopSeen{{stop.id, stop.by, stop.reason}, stop.engaged});
       },
       transport::kLatchedFromManyQos);
-  if (!heard) return heard.error();
-  stops_heard_ = std::move(heard).value();
+  if (!received) return received.error();
+  received_stops_ = std::move(received).value();
   return Ok();
 }
 
@@ -64,7 +64,7 @@ void ControllerPresence::Announce(std::uint64_t epoch) {
   timer_ = node_.loop().Every(ControllerBeatPeriod(config_), [this] { Repeat(); });
 }
 
-// A beat that cannot be sent is followed by the next.
+// A failed publish needs no retry: the next heartbeat follows.
 void ControllerPresence::Repeat() {
   if (!heartbeats_) return;
   static_cast<void>(
@@ -74,29 +74,29 @@ void ControllerPresence::Repeat() {
 
 void ControllerPresence::FallSilent() {
   timer_ = nullptr;
-  heartbeats_ = nullptr;  // with it goes the last one, which newcomers would receive
+  heartbeats_ = nullptr;  // removes the latched one, which late joiners would receive
   engaged_stops_ = nullptr;
   released_stops_ = nullptr;
 }
 
 void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
-  // Of two with the same epoch the lower has precedence, for both of them. Incarnations of
-  // different hosts, and of different boots of one, say nothing about each other: the host comes
-  // first.
+  // Of two controllers with the same epoch the one with the lower identity has precedence, for both
+  // of them. Incarnations of different hosts, and of different boots of one host, cannot be
+  // compared: so the host is compared first.
   const auto theirs = std::tie(heartbeat.host, heartbeat.incarnation, heartbeat.pid);
   const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
   if (theirs == ours) return;
-  if (heartbeat.epoch > kLastEpoch) return;  // no controller's
+  if (heartbeat.epoch > kLastEpoch) return;  // out of range
   rival_ = {"process " + std::to_string(heartbeat.pid) +
                 (heartbeat.host == identity_.host ? " of this host"
                                                   : " of host " + heartbeat.host.substr(0, 64)),
             heartbeat.epoch, heartbeat.machine};
-  // Only what may change something is an event: the rest would fill the journal.
+  // Only a heartbeat that may change something is an event: others would fill the journal.
   if (heartbeat.epoch >= epoch_)
     emit_(event::RivalHeard{heartbeat.epoch, rival_->who, theirs < ours});
 }
 
-void ControllerPresence::Tell(const EmergencyStop& stop, bool engaged) {
+void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
   auto& stops = engaged ? engaged_stops_ : released_stops_;
   if (engaged && !stops) {
     auto made = transport::MakePublisher<msg::EmergencyStop>(

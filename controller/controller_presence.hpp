@@ -1,6 +1,6 @@
 #pragma once
-// Tells everybody that this controller lives and with which epoch, hears other controllers of the
-// same machine, and passes emergency stops on.
+// Publishes this controller's heartbeat with its epoch, receives the heartbeats of other
+// controllers of the same machine, and publishes emergency stops.
 //
 // Threads: loop thread only.
 
@@ -29,22 +29,22 @@ class ControllerPresence {
                                                           const MachineConfig& config,
                                                           Identity identity, Emit emit);
 
-  // Says so at once, and again and again from now on.
+  // Publishes the heartbeat at once and periodically from now on.
   void Announce(std::uint64_t epoch);
-  // Says so once more, for somebody who may not have heard it.
+  // Publishes the heartbeat once more, for an actuator that may not have received it.
   void Repeat();
-  // Another controller that was heard, if any.
+  // Another controller whose heartbeat was received, if any.
   struct Rival {
     std::string who;  // "process 4711 of this host"
     std::uint64_t epoch = 0;
     std::string machine;  // its name
   };
   const std::optional<Rival>& rival() const { return rival_; }
-  // Not any more: somebody else leads, or the machine is stopped.
+  // Stops publishing: another controller leads, or the machine is stopped.
   void FallSilent();
 
-  void Tell(const EmergencyStop& stop, bool engaged);
-  // None is engaged any more: an actuator that comes from now on receives releases only.
+  void Publish(const EmergencyStop& stop, bool engaged);
+  // No stop is engaged any more: an actuator that joins from now on receives releases only.
   void ForgetEngaged() { engaged_stops_ = nullptr; }
 
  private:
@@ -60,13 +60,13 @@ class ControllerPresence {
   std::uint64_t epoch_ = 0;
   std::optional<Rival> rival_;
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
-  // Each keeps its last ones for those that come later. That of the engaged is there while there
-  // are any: an actuator must not meet one that is over.
+  // Both latch their last stops for actuators that join later. engaged_stops_ exists only while a
+  // stop is engaged: an actuator must not receive a stop that is over.
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> engaged_stops_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> released_stops_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> rivals_;
-  std::unique_ptr<transport::Subscription> stops_heard_;
+  std::unique_ptr<transport::Subscription> received_stops_;
 };
 
 }  // namespace musher

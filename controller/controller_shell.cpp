@@ -9,10 +9,10 @@
 namespace musher {
 namespace {
 
-constexpr std::size_t kSwitchEntriesKept = 128;        // a begin and an end each
-constexpr Duration kLastAnswers = Milliseconds(1000);  // a client may be half discovered
+constexpr std::size_t kSwitchEntriesKept = 128;        // two for each switch: begin and end
+constexpr Duration kLastAnswers = Milliseconds(1000);  // a client's discovery may be incomplete
 constexpr Duration kHeldPeriod = Milliseconds(5);
-constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
+constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
 
 }  // namespace
 
@@ -53,7 +53,7 @@ Result<> ControllerShell::Open() {
       node, config_, *world_.process_probe, world_.host,
       [this](const Event& event) { Handle(event); },
       [this](std::size_t i) {
-        LinkTo(i).Ask({machine_.epoch, 0, false});  // a probe fences nothing
+        LinkTo(i).Ask({machine_.epoch, 0, false});  // this query fences nothing
       });
   if (!health) return health.error();
   health_ = std::move(health).value();
@@ -61,7 +61,7 @@ Result<> ControllerShell::Open() {
   if (!inputs) return inputs.error();
   policy_inputs_ = std::move(inputs).value();
   transport::Qos status_qos = transport::kLatchedFromManyQos;
-  status_qos.partition = transport::HearingPartition(!config_.keys.empty());
+  status_qos.partition = transport::ReaderPartition(!config_.keys.empty());
   auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(config_.name_space),
       [this](const msg::ActuatorStatus& s, const transport::SampleInfo& i) { OnStatus(s, i); },
@@ -76,7 +76,7 @@ void ControllerShell::Begin(event::Begin begin) {
   recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
   begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
-  // What runs on another host is known by its status alone.
+  // Actuators of another host are only known by their status.
   begin.running.resize(peers_.size());
   for (const auto& [actuator, seen] : before_begin_) {
     if (Runs(config_, seen.report)) begin.running[actuator] = true;
@@ -101,7 +101,8 @@ void ControllerShell::Refuse(const Error& why) {
 
 void ControllerShell::LetGo(const std::string& who) {
   if (machine_.phase == Phase::kIdle) {
-    return Refuse({kCodePermissionDenied, "another controller, " + who + ", takes the machine"});
+    return Refuse(
+        {kCodePermissionDenied, "another controller, " + who + ", takes the machine over"});
   }
   Handle(event::RivalHeard{machine_.epoch + 1, who, true});
 }
@@ -143,7 +144,7 @@ void ControllerShell::AskPolicy(event::PolicyRequested asked, OnAnswer done) {
   if (refused_) return done(*refused_);
   asked.request = next_request_++;
   waiting_for_answer_[asked.request] = std::move(done);
-  if (policy_inputs_) policy_inputs_->TellTime();
+  if (policy_inputs_) policy_inputs_->EmitTime();
   Handle(asked);
 }
 
@@ -151,7 +152,7 @@ void ControllerShell::Remark(std::int32_t code, const std::string& message) {
   Do(action::Record{"machine", std::nullopt, 0, code, message});
 }
 
-// Events are handled one after the other: an answer given to somebody may come back as a request.
+// Handles events one after the other: a callback that gets an answer may send a new request.
 void ControllerShell::Handle(const Event& event) {
   if (KeepForBegin(event)) return;
   queue_.push_back(event);
@@ -191,7 +192,7 @@ void ControllerShell::ArmTimer() {
   });
 }
 
-// To the process whose report is taken for true; the one before may still be matched.
+// The link to the process whose report is current; the previous process may still be matched.
 ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
   Peer& peer = peers_[actuator];
   for (const Process& process : peer.processes) {
@@ -211,7 +212,7 @@ void ControllerShell::Do(const action::SendSwitch& a) {
 }
 
 void ControllerShell::Do(const action::SendAsk& a) {
-  // A newcomer obeys only whom it has heard of.
+  // A new actuator obeys only a controller whose heartbeat it has received.
   if (machine_.actuators[a.actuator].presence != Presence::kPresent) presence_->Repeat();
   LinkTo(a.actuator).Ask({machine_.epoch, a.number, a.stop});
 }
@@ -236,7 +237,7 @@ void ControllerShell::Do(const action::TakeBacktrace& a) {
 }
 
 void ControllerShell::Do(const action::TellEmergencyStop& a) {
-  presence_->Tell(a.stop, a.engaged);
+  presence_->Publish(a.stop, a.engaged);
   if (!machine_.emergency_stop) presence_->ForgetEngaged();
 }
 
@@ -296,7 +297,7 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
   if (hooks_.on_start_up_ended) hooks_.on_start_up_ended(a);
 }
 
-// What asked for this may be a request that is being handled: its service closes behind it.
+// The cause may be a request that is still being handled: its service closes after its reply.
 void ControllerShell::Do(const action::Stopped&) {
   Publish();
   presence_->FallSilent();

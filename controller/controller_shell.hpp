@@ -1,8 +1,8 @@
 #pragma once
-// The IO around the controller's decision code (lifecycle/coordinator.hpp): samples, process exits
-// and requests become events; actions become commands, processes, answers and journal entries.
+// The I/O around the controller's decision code (lifecycle/coordinator.hpp): samples, process exits
+// and requests become events; actions become commands, processes, replies and journal entries.
 //
-// Threads: loop thread only. Runs on any transport; the simulation runs this very class.
+// Threads: loop thread only. Runs on any transport; the simulation runs this class, too.
 
 #include <deque>
 #include <functional>
@@ -32,43 +32,43 @@ namespace musher {
 
 class ControllerShell {
  public:
-  // What the shell works with; all must outlive it.
+  // The dependencies of the shell; all must outlive it.
   struct World {
     transport::Node* node = nullptr;
     ProcessRunner* processes = nullptr;
     ProcessProbe* process_probe = nullptr;
     JournalSink* journal = nullptr;
-    // What has to survive this controller. Each hands its value to the disk and does not wait for
-    // it: `done` runs on the loop, at once or later, when it is there or has failed, and once more
-    // when what failed has worked later. All may be called again before that; then the last value
-    // counts.
+    // These save what must survive this controller. Each hands its value to the disk and does not
+    // wait: `done` runs on the loop, at once or later, when the value is on disk or has failed, and
+    // once more when a failed save succeeds later. Each may be called again before that; then the
+    // last value counts.
     using OnSaved = std::function<void(const Result<>&)>;
     std::function<void(std::uint64_t, OnSaved done)> save_epoch;
     std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
     std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
     std::function<void(bool, OnSaved done)> save_stop_intent;
-    // Where a process of this name writes its stdout and stderr; may be null.
+    // The file for stdout and stderr of the process of this name; may be null.
     std::function<std::shared_ptr<const transport::UniqueFd>(const std::string&)> output;
     std::function<std::int64_t()> wall_ns;  // since 1970
-    std::string config_text;  // what the config was read from, for the journal; may be empty
-    std::string host;         // transport::HostId()
+    std::string config_text;                // text of the config, for the journal; may be empty
+    std::string host;                       // transport::HostId()
     std::int32_t pid = 0;
     std::uint64_t incarnation = 0;  // of this controller
   };
-  // What it tells; each may be empty.
+  // Callbacks; each may be empty.
   struct Hooks {
-    // Opens what answers clients. Called by Begin() before anything is decided: only the controller
-    // that leads answers. When it fails, this controller does not begin.
+    // Opens the services for clients. Begin() calls it before the first decision: only the leading
+    // controller offers services. If it fails, this controller does not begin.
     std::function<Result<>()> open_services;
-    // Closes it: at once when another controller has taken over, after the last answer when the
-    // machine is stopped.
+    // Closes the services: at once when another controller has taken over, after the last reply
+    // when the machine is stopped.
     std::function<void()> close_services;
-    // Whether an answer of these has not been sent yet; may be empty.
+    // Whether a reply of these services is not sent yet; may be empty.
     std::function<bool()> holds_answers;
     std::function<void(const action::Record&)> on_record;
     std::function<void(const action::SendSwitch&)> on_send;  // before it is sent
     std::function<void(const action::StartUpEnded&)> on_start_up_ended;
-    std::function<void(bool reboot)> on_power;  // the power command is due
+    std::function<void(bool reboot)> on_power;  // before the power command runs
     std::function<void()> on_stopped;
     std::function<void(const std::string&)> on_fenced;  // another controller has taken over
   };
@@ -77,24 +77,25 @@ class ControllerShell {
                                                        Hooks hooks);
   ~ControllerShell();
 
-  // Starts the machine; what this shell knows itself (the host) need not be in `begin`. From now on
-  // clients are answered and the machine's status is latched, until another controller takes over
-  // or the machine is stopped.
+  // Starts the machine; the shell fills in the host of `begin`. From now on the shell answers
+  // clients and latches the machine's status, until another controller takes over or the machine is
+  // stopped.
   void Begin(event::Begin begin);
-  // Another controller of this machine that was heard, if any.
+  // Another controller of this machine whose heartbeat was received, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
-  // When the first actuator was heard, before Begin().
+  // When the first actuator status was received, before Begin().
   std::optional<Time> first_heard() const { return first_heard_; }
-  // How many actuators were heard before Begin().
+  // The number of actuators whose status was received before Begin().
   std::size_t HeardBeforeBegin() const { return before_begin_.size(); }
-  // "legs (process 7), eyes (process 8) run" of those heard by then that run on this host and have
-  // read another config than ours, and than the one whose hash is given; empty where there are
-  // none.
+  // "legs (pid 7), eyes (pid 8) run": the actuators received by then that run on this host and use
+  // a different config than this controller and than the config with the given hash; empty if
+  // there are none.
   std::string RunningWithAnotherConfig(const std::string& hash) const;
-  // Instead of beginning: every caller in this process is told why, and on_fenced is called.
+  // To be called instead of Begin(): refuses every caller in this process with `why` and calls
+  // on_fenced.
   void Refuse(const Error& why);
-  // As if `who` ("process 4711 of this host") had been heard to lead: this controller is over, and
-  // on_fenced is called.
+  // Releases control, as if a heartbeat of the leader `who` ("process 4711 of this host") had been
+  // received: this controller is fenced, and on_fenced is called.
   void LetGo(const std::string& who);
 
   using OnResult = std::function<void(const SwitchResult&)>;
@@ -102,50 +103,50 @@ class ControllerShell {
   // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
   // once.
   void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
-  // TearDown of the machine; hooks.on_stopped tells its end.
+  // TearDown of the machine; calls hooks.on_stopped at its end.
   void TearDown(AfterTearDown after);
   void AwaitSetUp(OnAnswer done);
-  // Starts an actuator's process again; `done` when it is back, or why it is not.
+  // Restarts an actuator's process; calls `done` when it is back, or with why it is not.
   void Restart(const std::string& actuator, OnAnswer done);
   void ReleaseEmergencyStop(const std::string& by, OnAnswer done);
-  // Asks the policy for something; `asked.request` is chosen here. `done` runs exactly once, maybe
-  // at once: what leads to a switch is answered at its end, with its code and reason unless all is
-  // done.
+  // Sends a request to the policy; this function chooses `asked.request`. `done` runs exactly once,
+  // maybe at once. A request that leads to a switch is answered at the switch's end, with its code
+  // and reason unless the outcome is done.
   void AskPolicy(event::PolicyRequested asked, OnAnswer done);
 
-  // Leaves a record of something that reached the controller and no further: it was no use asking.
+  // Records an event that needs no decision.
   void Remark(std::int32_t code, const std::string& message);
 
-  // Whether clients are answered; once the machine is stopped, until the last answer is sent.
+  // Whether clients are answered; after the machine is stopped, until the last reply is sent.
   bool OpenForClients() const { return status_ != nullptr; }
 
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
   msg::MachineStatus Status() const;
-  // What the journal got about this controller's last switches, oldest first.
+  // The journal entries of this controller's last switches, oldest first.
   const std::vector<JournalEntry>& switches() const { return switches_; }
   msg::Capabilities Capabilities() const;
 
  private:
-  // A process that has spoken as an actuator. Incarnations of different hosts, and of different
-  // boots of one, say nothing about each other.
+  // A process that has published as an actuator. Incarnations of different hosts, and of different
+  // boots of one host, cannot be compared.
   struct Process {
     std::string host;
     std::uint64_t incarnation = 0;
     transport::PeerId participant = 0;  // 0: not known yet
-    std::int32_t pid = 0;               // as it says itself
-    bool proven = false;                // that this pid is its own
+    std::int32_t pid = 0;               // as in its status
+    bool proven = false;                // this pid is its own
 
     bool Is(const ActuatorReport& report) const {
       return host == report.host && incarnation == report.incarnation;
     }
   };
-  // What is kept for each actuator beside the machine's own record.
+  // State of each actuator beside the machine's own record.
   struct Peer {
     std::unique_ptr<ActuatorLink> link;
-    std::vector<Process> processes;     // the last one was heard last
-    std::optional<Time> unproven_told;  // when it was last said that a pid is not its own
-    bool hash_told = false;             // that its config differs
+    std::vector<Process> processes;         // in the order of their last status
+    std::optional<Time> unproven_recorded;  // when an unproven pid was last recorded
+    bool hash_recorded = false;             // a different config was recorded
   };
 
   ControllerShell(World world, const MachineConfig& config, Hooks hooks);
@@ -159,13 +160,13 @@ class ControllerShell {
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::PeerId writer);
-  Process& Heard(std::size_t actuator, const ActuatorReport& report);
-  ActuatorReport Believed(std::size_t actuator, ActuatorReport report);
+  Process& ProcessOf(std::size_t actuator, const ActuatorReport& report);
+  ActuatorReport WithProvenPid(std::size_t actuator, ActuatorReport report);
   Result<> ProveAndWatch(std::size_t actuator, const ActuatorReport& report);
-  void TellUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
+  void RecordUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
   bool WatchFound(std::size_t actuator, pid_t pid);
   void CompareHash(std::size_t actuator, const std::string& hash);
-  void TellUnlisted(const msg::ActuatorStatus& status);
+  void RecordUnlisted(const msg::ActuatorStatus& status);
 
   bool KeepForBegin(const Event& event);
   void Handle(const Event& event);
@@ -201,18 +202,18 @@ class ControllerShell {
   Machine machine_;
   recording::Recorder recorder_;
   std::unordered_map<std::string, std::size_t> index_;
-  struct Speaker {
+  struct StatusWriter {
     std::size_t actuator = 0;
     std::uint64_t incarnation = 0;
   };
-  std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
+  std::unordered_map<transport::PeerId, StatusWriter> status_writers_;
   std::vector<Peer> peers_;
   StoredStops stops_before_begin_;
   std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
   std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs
-  std::map<std::string, std::uint64_t> unlisted_;  // actuators of no config of ours: incarnation
-  std::optional<Time> first_heard_;                // of those
-  std::deque<Event> queue_;                        // events that came while one was handled
+  std::map<std::string, std::uint64_t> unlisted_;  // incarnations of actuators not in the config
+  std::optional<Time> first_heard_;                // of before_begin_
+  std::deque<Event> queue_;                        // events that arrived while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;
@@ -223,7 +224,7 @@ class ControllerShell {
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;
   transport::LoopHandlePtr unsaved_timer_;  // while something is not on disk
-  // There only while this controller leads.
+  // Null unless this controller leads.
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
   std::unique_ptr<CapabilityBoard> capabilities_;

@@ -1,4 +1,4 @@
-// What is heard of actuators: their status, their answers, and that they are gone.
+// Input from actuators: their status, their replies, and their loss.
 
 #include <algorithm>
 #include <utility>
@@ -10,12 +10,12 @@
 namespace musher {
 namespace {
 
-constexpr std::size_t kProcessesKept = 4;  // of one actuator, those that spoke last
+constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest statuses
 constexpr std::size_t kMostUnlisted = 64;
 
 }  // namespace
 
-// Whether a process of the actuator runs, by its latched status: it is not about to end.
+// Whether the latched status is of a running process that is not about to exit.
 bool ControllerShell::Runs(const MachineConfig& config, const ActuatorReport& report) {
   const bool set_up_failed =
       report.state == config.default_state && !report.busy() && report.outcome_code != kCodeOk;
@@ -26,11 +26,11 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
                                const transport::SampleInfo& info) {
   const auto found = index_.find(status.name);
   if (!transport::IsFrom(status.name, info)) return;
-  if (found == index_.end()) return TellUnlisted(status);
+  if (found == index_.end()) return RecordUnlisted(status);
   const std::size_t i = found->second;
-  const ActuatorReport report = Believed(i, transport::FromMessage(status));
-  speakers_[info.writer] = {i, report.incarnation};
-  if (info.participant != 0) Heard(i, report).participant = info.participant;
+  const ActuatorReport report = WithProvenPid(i, transport::FromMessage(status));
+  status_writers_[info.writer] = {i, report.incarnation};
+  if (info.participant != 0) ProcessOf(i, report).participant = info.participant;
   CompareHash(i, status.config_hash);
   if (machine_.phase == Phase::kIdle) hashes_before_begin_[i] = status.config_hash;
   Handle(event::StatusSeen{i, report});
@@ -38,10 +38,10 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
   if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
 }
 
-// The process that the report is from. So many are remembered for each actuator, those that were
-// heard last; the one that the machine goes by is not forgotten.
-ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
-                                                 const ActuatorReport& report) {
+// The process that sent the report. Keeps kProcessesKept processes for each actuator, those with
+// the latest reports; never drops the process whose report the machine uses.
+ControllerShell::Process& ControllerShell::ProcessOf(std::size_t actuator,
+                                                     const ActuatorReport& report) {
   std::vector<Process>& known = peers_[actuator].processes;
   const auto found = std::find_if(known.begin(), known.end(),
                                   [&](const Process& process) { return process.Is(report); });
@@ -56,11 +56,11 @@ ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
   return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
 }
 
-// A reply is a sign of life.
+// A reply counts as a heartbeat.
 void ControllerShell::OnLinkEvent(const Event& from_link) {
   Event event = from_link;
   auto* replied = std::get_if<event::Replied>(&event);
-  if (replied) replied->report = Believed(replied->actuator, std::move(replied->report));
+  if (replied) replied->report = WithProvenPid(replied->actuator, std::move(replied->report));
   Handle(event);
   if (replied == nullptr) return;
   const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
@@ -70,34 +70,34 @@ void ControllerShell::OnLinkEvent(const Event& from_link) {
 }
 
 void ControllerShell::OnWriterLost(transport::PeerId writer) {
-  const auto speaker = speakers_.extract(writer);
-  if (speaker.empty()) return;
-  const auto [actuator, incarnation] = speaker.mapped();
+  const auto lost = status_writers_.extract(writer);
+  if (lost.empty()) return;
+  const auto [actuator, incarnation] = lost.mapped();
   Handle(event::Vanished{actuator, incarnation, false, kOutOfReach});
 }
 
 void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
   Peer& peer = peers_[actuator];
-  if (hash == config_.hash || peer.hash_told) return;
-  peer.hash_told = true;
+  if (hash == config_.hash || peer.hash_recorded) return;
+  peer.hash_recorded = true;
   Do(action::Record{"actuator", actuator, 0, kCodeParametersInvalid,
-                    config_.actuators[actuator].name + " has read another config (" + hash +
+                    config_.actuators[actuator].name + " is using a different config (" + hash +
                         ") than " + config_.file + " (" + config_.hash + ")"});
 }
 
-// The config may have had it once. It obeys no controller, and is not seen again unless it is
-// named.
-void ControllerShell::TellUnlisted(const msg::ActuatorStatus& status) {
+// An earlier config may have listed it. No controller controls it, so it is only reported here.
+void ControllerShell::RecordUnlisted(const msg::ActuatorStatus& status) {
   if (!Runs(config_, transport::FromMessage(status))) return;
-  const auto [told, news] = unlisted_.try_emplace(status.name.substr(0, 64), status.incarnation);
-  const bool known = !news && told->second == status.incarnation;
+  const auto [unlisted, added] =
+      unlisted_.try_emplace(status.name.substr(0, 64), status.incarnation);
+  const bool known = !added && unlisted->second == status.incarnation;
   if (known || unlisted_.size() > kMostUnlisted) return;
-  told->second = status.incarnation;
+  unlisted->second = status.incarnation;
   Remark(kCodeStateInvalid,
-         told->first + " runs (process " + std::to_string(status.pid) + ", in " + status.state +
+         unlisted->first + " runs (pid " + std::to_string(status.pid) + ", in " + status.state +
              "), but " + config_.file +
-             " has no such actuator: it is not led. `musher down` and then `musher down "
-             "--without-controller` end it");
+             " does not list it: it is not controlled. `musher down` and then `musher down "
+             "--without-controller` stop it");
 }
 
 std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {
@@ -108,15 +108,15 @@ std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) c
     const bool ours = theirs == hashes_before_begin_.end() || theirs->second.empty() ||
                       theirs->second == config_.hash || theirs->second == hash;
     if (ours || seen.report.host != world_.host || !Runs(config_, seen.report)) continue;
-    names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (process " +
+    names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (pid " +
              std::to_string(seen.report.pid) + ")";
     ++count;
   }
   return names.empty() ? names : names + (count == 1 ? " runs" : " run");
 }
 
-// An actuator latches its status once; one that is heard before this controller begins would not be
-// heard again.
+// Keeps events from before Begin(): an actuator latches its status once, so a status received
+// before this controller begins would not be received again.
 bool ControllerShell::KeepForBegin(const Event& event) {
   if (machine_.phase != Phase::kIdle) return false;
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {

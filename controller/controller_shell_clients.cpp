@@ -1,4 +1,4 @@
-// What clients see of the controller: there only while it leads.
+// The controller's topics and services for clients; they exist only while it leads.
 
 #include <algorithm>
 #include <chrono>
@@ -36,7 +36,7 @@ Result<> ControllerShell::OpenToClients() {
   return info_->Publish({config_.name, config_.name_space, world_.host, world_.pid});
 }
 
-// What still waits for an answer gets `why` first.
+// Requests that still wait for an answer get `why` first.
 void ControllerShell::CloseToClients(const Error& why) {
   for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
   for (auto& [request, done] : std::exchange(waiting_for_result_, {})) {
@@ -49,7 +49,8 @@ void ControllerShell::CloseToClients(const Error& why) {
   if (hooks_.close_services) hooks_.close_services();
 }
 
-// The status is latched for people and dashboards: what changes within a moment is told as one.
+// The status is latched for people and dashboards: changes within kPublishPeriod are published as
+// one.
 void ControllerShell::PublishSoon() {
   if (publish_later_ || !status_) return;
   const Time now = world_.node->loop().Now();
@@ -59,7 +60,7 @@ void ControllerShell::PublishSoon() {
   });
 }
 
-// How long something is not on disk shows in the status, so that grows with time.
+// The status shows how long a value is not on disk, so it must be republished.
 void ControllerShell::PublishWhileUnsaved() {
   if (machine_.unsaved.empty()) {
     unsaved_timer_ = nullptr;
@@ -77,8 +78,7 @@ void ControllerShell::Publish() {
   if (!status_) return;
   msg::MachineStatus status = Status();
   if (status == published_) return;
-  static_cast<void>(
-      status_->Publish(status));  // a latch that fails is told again at the next change
+  static_cast<void>(status_->Publish(status));  // a failed publish is repeated at the next change
   published_ = std::move(status);
   published_at_ = world_.node->loop().Now();
 }

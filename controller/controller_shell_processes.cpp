@@ -1,4 +1,4 @@
-// The processes of the actuators: started, signalled, watched.
+// Starts, signals and watches the processes of the actuators.
 
 #include <signal.h>
 
@@ -12,8 +12,8 @@
 namespace musher {
 namespace {
 
-// A participant that publishes other pids again and again must not fill the journal.
-constexpr Duration kUnprovenAgain = std::chrono::minutes(1);
+// A participant that keeps publishing wrong pids must not fill the journal.
+constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -28,7 +28,7 @@ void ControllerShell::Do(const action::StartProcess& a) {
     spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
   }
   spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
-  const bool alone = machine_.actuators[a.actuator].dead != 0;  // the others are there already
+  const bool alone = machine_.actuators[a.actuator].dead != 0;  // the other actuators already run
   if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
   const auto output = world_.output(actuator.name);
   if (output) spec.output = output->get();
@@ -59,11 +59,11 @@ void ControllerShell::Do(const action::FindProcesses&) {
 }
 
 void ControllerShell::Do(const action::SignalProcess& a) {
-  // One that ended meanwhile needs no signal.
+  // A process that has exited meanwhile needs no signal.
   static_cast<void>(world_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
 }
 
-// It outlives this controller, which is about to end.
+// The command survives this controller, which is about to exit.
 void ControllerShell::Do(const action::RunPowerCommand& a) {
   if (hooks_.on_power) hooks_.on_power(a.reboot);
   const PowerPolicy& power = config_.policy->power;
@@ -77,32 +77,32 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
     Do(action::Record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how});
   };
   const auto started = world_.processes->Start(spec, [failed](const ProcessExit& exit) {
-    if (!exit.clean()) failed(" ended: " + exit.Text());
+    if (!exit.clean()) failed(" failed: " + exit.Text());
   });
-  if (!started) failed(" could not be run: " + started.error().message);
+  if (!started) failed(" could not be executed: " + started.error().message);
 }
 
-// The report as far as it is believed. Anybody on the network can publish a status with any pid of
-// this host; a pid that is not proven to be the actuator's never gets further than here: nothing is
-// watched, traced or signalled because of it. What is found out holds for as long as the process of
-// that incarnation says the same.
-ActuatorReport ControllerShell::Believed(std::size_t actuator, ActuatorReport report) {
+// The report, with pid 0 unless the pid is proven. Any participant on the network can publish a
+// status with any pid of this host; a pid that is not proven to be the actuator's is dropped here:
+// nothing is watched, traced or signalled because of it. The result is kept for as long as the
+// process of that incarnation reports the same pid.
+ActuatorReport ControllerShell::WithProvenPid(std::size_t actuator, ActuatorReport report) {
   if (report.pid == 0 || report.host.empty() || report.host != world_.host) return report;
-  Process& process = Heard(actuator, report);
+  Process& process = ProcessOf(actuator, report);
   if (process.pid != report.pid) {
     process.pid = report.pid;
     const Result<> proven = ProveAndWatch(actuator, report);
     process.proven = proven.ok();
-    // One that has ended meanwhile is no matter: its writer goes as well.
+    // If the process has exited meanwhile, its writer is lost as well: no record needed.
     const bool ended = !proven && proven.error().code == kCodeStateInvalid;
-    if (!proven && !ended) TellUnproven(actuator, report.pid, proven.error().message);
+    if (!proven && !ended) RecordUnproven(actuator, report.pid, proven.error().message);
   }
   if (!process.proven) report.pid = 0;
   return report;
 }
 
-// Of a process that we did not start the end is seen as fast as a child's, only the exit code is
-// not. Several actuators may be in one process: each watches it.
+// The exit of a process that we did not start is noticed as fast as a child's, but without the exit
+// code. Several actuators may share a process: each watches it.
 Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorReport& report) {
   const std::int32_t child = machine_.actuators[actuator].process;
   if (report.pid == child) return Ok();  // watched since it was started
@@ -119,23 +119,24 @@ Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorRepo
   });
 }
 
-void ControllerShell::TellUnproven(std::size_t actuator, std::int32_t pid, const std::string& why) {
-  std::optional<Time>& told = peers_[actuator].unproven_told;
+void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
+                                     const std::string& why) {
+  std::optional<Time>& recorded = peers_[actuator].unproven_recorded;
   const Time now = world_.node->loop().Now();
-  if (told && now - *told < kUnprovenAgain) return;
-  told = now;
+  if (recorded && now - *recorded < kUnprovenPeriod) return;
+  recorded = now;
   Do(action::Record{"process", actuator, 0, kCodePermissionDenied,
-                    config_.actuators[actuator].name + " says that it is process " +
-                        std::to_string(pid) + " of this host, which is not proven: " + why +
+                    config_.actuators[actuator].name + " reports process " + std::to_string(pid) +
+                        " of this host as its own, without proof: " + why +
                         "; that process is not watched, traced or signalled"});
 }
 
-// One that ran before us, and that may never say a word.
+// Watches a process that ran before this controller and may never publish a status.
 bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid) {
   if (pid == 0 || pid == world_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     health_->Forget(actuator);
-    Handle(event::ProcessEnded{actuator, pid, false, "how is not known"});
+    Handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
   };
   return world_.processes->Watch(pid, on_exit).ok();
 }

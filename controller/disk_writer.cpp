@@ -38,11 +38,11 @@ Result<> Try(const DiskWriter::Work& work) {
 
 }  // namespace
 
-// All of it is guarded by `mutex`.
+// `mutex` guards all members.
 struct DiskWriter::Queue {
   using Lock = std::unique_lock<std::mutex>;
-  // Runs on the thread, with the lock: hands the end of a job to the loop. Empty once the writer is
-  // destroyed.
+  // Runs on the thread, with the lock: posts the result of a job to the loop. Empty once the writer
+  // is destroyed.
   std::function<void(const Job&, const Result<>&)> report;
   DiskWriterOptions options;
 
@@ -62,7 +62,7 @@ struct DiskWriter::Queue {
              return job.number <= last && !job.failed;
            });
   }
-  // Waits for a job that is due and takes it; none: to stop.
+  // Waits for a due job and takes it; nullopt: stop.
   std::optional<Job> Take(Lock& lock) {
     while (true) {
       const auto now = std::chrono::steady_clock::now();
@@ -116,7 +116,7 @@ DiskWriter::~DiskWriter() {
   Queue::Lock lock(queue_->mutex);
   queue_->stop = true;
   queue_->changed.notify_all();
-  queue_->changed.wait_for(lock, options_.patience, [this] { return queue_->ended; });
+  queue_->changed.wait_for(lock, options_.timeout, [this] { return queue_->ended; });
   queue_->report = nullptr;  // the loop may be destroyed from now on
 }
 
@@ -140,7 +140,7 @@ void DiskWriter::Ended(const std::string& key, std::uint64_t number, const Resul
 bool DiskWriter::Flush(Duration timeout) {
   Queue::Lock lock(queue_->mutex);
   const std::uint64_t last = queue_->last_job;
-  // One that failed is tried at once.
+  // Retries failed jobs at once.
   for (Job& job : queue_->waiting) {
     job.failed = false;
     job.not_before = {};
@@ -152,7 +152,7 @@ bool DiskWriter::Flush(Duration timeout) {
                                [](const Job& job) { return job.failed; });
 }
 
-// On the thread. Once the writer is destroyed it only ends what it has begun.
+// Runs on the thread. Once the writer is destroyed it only finishes the waiting jobs.
 void DiskWriter::Run(const std::shared_ptr<Queue>& queue) {
   pthread_setname_np(pthread_self(), queue->options.name.c_str());
   if (queue->options.niceness != 0) setpriority(PRIO_PROCESS, 0, queue->options.niceness);

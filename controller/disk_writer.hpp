@@ -1,20 +1,20 @@
 #pragma once
-// Disk IO beside the loop: a thread does it, one job after the other, and the loop receives how
-// each ended. A disk that stalls holds up this thread and nothing else.
+// Disk I/O beside the loop: a thread runs one job after the other, and the loop receives the result
+// of each. A stalled disk blocks only this thread.
 //
 //   loop:    Do(key, work, done) ─▶ queue ─▶ thread: work() ─▶ loop: done(result)
 //                                     ▲         │ failed
 //                                     └─────────┘ again after `retry_period`
 //
-// Jobs have keys. Of one key only the last job counts: it takes the place of one that waits, and
-// `done` of an earlier one is not called any more, also when its work had begun. So the queue is
-// bounded by the number of keys. A failure is reported once; the job is tried again until it works,
-// which is reported too, or until another one of its key comes.
+// Jobs have keys. Of each key only the last job counts: it replaces a waiting one, and `done` of an
+// earlier one is not called any more, even if its work had begun. So the number of keys bounds the
+// queue. A failure is reported once; the job is retried until it succeeds, which is reported too,
+// or until another job of its key arrives.
 //
-// Threads: calls from the loop's thread, but Flush(), which may come from any. `work` runs on the
-// writer's thread, `done` on the loop, and never after the writer is destroyed. What `work` uses
-// has to live as long as `work` itself does: the destructor waits for a stalled disk for a while
-// only, and leaves the thread to itself then.
+// Threads: calls from the loop's thread, except Flush(), which may be called from any thread.
+// `work` runs on the writer's thread, `done` on the loop, and never after the writer is destroyed.
+// `work` must own what it uses: the destructor waits only `timeout` for a stalled disk and then
+// leaves the thread running.
 
 #include <cstdint>
 #include <functional>
@@ -32,7 +32,7 @@ struct DiskWriterOptions {
   std::string name = "disk";  // of the thread; at most 15 bytes
   int niceness = 0;           // of the thread
   Duration retry_period = Milliseconds(1000);
-  Duration patience = Milliseconds(2000);  // of the destructor
+  Duration timeout = Milliseconds(2000);  // of the destructor
 };
 
 class DiskWriter {
@@ -42,15 +42,15 @@ class DiskWriter {
 
   // The loop must outlive the writer.
   explicit DiskWriter(transport::EventLoop& loop, DiskWriterOptions options = {});
-  // What waits is done before, as far as the patience goes; a job that fails is not tried again.
+  // Runs the waiting jobs first, for at most `timeout`; does not retry a failed job.
   ~DiskWriter();
   DiskWriter(const DiskWriter&) = delete;
   DiskWriter& operator=(const DiskWriter&) = delete;
 
   void Do(const std::string& key, Work work, Done done = nullptr);
 
-  // Waits until each job that was handed over before has been tried, at most `timeout`; says
-  // whether all have worked. `done` is called when the loop comes to it.
+  // Waits until each earlier job has been tried, at most `timeout`; returns whether all succeeded.
+  // `done` is called later by the loop.
   bool Flush(Duration timeout);
 
  private:
@@ -69,7 +69,8 @@ class DiskWriter {
   const DiskWriterOptions options_;
   const std::shared_ptr<Queue> queue_;  // shared with the thread
   std::map<std::string, Awaited> awaited_;
-  const std::shared_ptr<DiskWriter*> alive_;  // for what the thread posts: expires with the writer
+  const std::shared_ptr<DiskWriter*>
+      alive_;  // expires with the writer; checked by posted callbacks
 };
 
 }  // namespace musher

@@ -20,9 +20,9 @@ constexpr int kEndTimeoutMs = 5000;
 }  // namespace
 
 Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
-  const std::string who = "the controller before, process " + std::to_string(pid);
+  const std::string who = "the previous controller (pid " + std::to_string(pid) + ")";
   auto process = transport::OpenPidfd(pid);
-  if (!process) return Ok();  // it has ended meanwhile
+  if (!process) return Ok();  // it has exited meanwhile
   if (auto proven = is_it(); !proven) return proven;
   pollfd ended{process.value().get(), POLLIN, 0};
   const auto send = [&](int signal) {
@@ -32,7 +32,7 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
   if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
   if (!send(SIGKILL)) return transport::SystemError("can't end " + who);
   if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
-  return Error{kCodeTimeout, who + ", does not end, not even killed"};
+  return Error{kCodeTimeout, who + " does not exit, not even after SIGKILL"};
 }
 
 Result<> EndOwnerOf(const std::string& state_dir) {
@@ -40,10 +40,10 @@ Result<> EndOwnerOf(const std::string& state_dir) {
   return EndController(owner, [&]() -> Result<> {
     if (StateStore::IsOwner(state_dir, owner)) return Ok();
     return Error{kCodePermissionDenied,
-                 state_dir + " is locked, but not by process " + std::to_string(owner) +
-                     ", which its file names, or that cannot be seen; no process is ended: "
+                 state_dir + ": its lock file names process " + std::to_string(owner) +
+                     ", which does not hold the lock or cannot be inspected; no process is ended; "
                      "`fuser " +
-                     state_dir + "/controller.lock` shows who has it"};
+                     state_dir + "/controller.lock` shows the holder"};
   });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// Ends the controller before this one, which takes its machine over; its actuators go on.
+// Ends the previous controller, whose machine this one takes over; the actuators keep running.
 //
-// Threads: any; waits for the end of the process, for some seconds at most.
+// Threads: any; waits for the exit of the process, for some seconds at most.
 
 #include <sys/types.h>
 
@@ -12,13 +12,12 @@
 
 namespace musher {
 
-// Ends the controller before this one; its actuators go on. It is asked, so that it can say why it
-// ends; one that hangs is killed. `is_it` is asked once the process is pinned: whether `pid` is
-// that controller at all.
+// Sends the previous controller kLetGoSignal, so that it can report why it exits; kills it if it
+// hangs. `is_it` is called once the pidfd is open, to check that `pid` is that controller.
 Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it);
 
-// The one that has the folder. The lock counts, not what is in its file: others may be able to
-// write there.
+// Ends the controller that holds the folder's lock. The pid in the lock file is not trusted: others
+// may be able to write there.
 Result<> EndOwnerOf(const std::string& state_dir);
 
 }  // namespace musher

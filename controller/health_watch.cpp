@@ -7,12 +7,12 @@
 namespace musher {
 
 HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
-                         ProcessProbe& process_probe, std::string host, Emit emit, Probe probe)
+                         ProcessProbe& process_probe, std::string host, Emit emit, Query query)
     : node_(node),
       process_probe_(process_probe),
       host_(std::move(host)),
       emit_(std::move(emit)),
-      probe_(std::move(probe)),
+      query_(std::move(query)),
       monitor_(config),
       pids_(config.actuators.size()) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
@@ -21,11 +21,11 @@ HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
 Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
                                                        const MachineConfig& config,
                                                        ProcessProbe& process_probe,
-                                                       std::string host, Emit emit, Probe probe) {
+                                                       std::string host, Emit emit, Query query) {
   std::unique_ptr<HealthWatch> watch(new HealthWatch(node, config, process_probe, std::move(host),
-                                                     std::move(emit), std::move(probe)));
+                                                     std::move(emit), std::move(query)));
   transport::Qos qos = transport::kHeartbeatQos;
-  qos.partition = transport::HearingPartition(!config.keys.empty());
+  qos.partition = transport::ReaderPartition(!config.keys.empty());
   auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
       node, transport::ActuatorBeatTopic(config.name_space),
       [self = watch.get()](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo& info) {
@@ -53,10 +53,10 @@ void HealthWatch::Forget(std::size_t actuator) {
 void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
-  const Heartbeat heard{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
-                        heartbeat.during, Duration(heartbeat.silent_ns),
-                        Duration(heartbeat.waited_ns)};
-  Act(monitor_.Heard(found->second, heartbeat.incarnation, heard, node_.loop().Now()));
+  const Heartbeat received{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
+                           heartbeat.during, Duration(heartbeat.silent_ns),
+                           Duration(heartbeat.waited_ns)};
+  Act(monitor_.Heard(found->second, heartbeat.incarnation, received, node_.loop().Now()));
 }
 
 void HealthWatch::Act(const std::vector<Finding>& findings) {
@@ -67,7 +67,7 @@ void HealthWatch::Act(const std::vector<Finding>& findings) {
 }
 
 void HealthWatch::Do(const finding::Probe& f) {
-  probe_(f.actuator);
+  query_(f.actuator);
 }
 
 void HealthWatch::Do(const finding::Examine& f) {
@@ -83,7 +83,8 @@ void HealthWatch::Do(const finding::Changed& f) {
 
 void HealthWatch::ArmTimer() {
   const std::optional<Time> next = monitor_.NextDeadline();
-  // An earlier timer than needed looks, finds nothing and is armed again: beats need not move it.
+  // A timer that fires too early checks, finds nothing and is armed again: heartbeats need not
+  // move it.
   if (!next || (armed_for_ && *armed_for_ <= *next)) return;
   armed_for_ = next;
   timer_ = node_.loop().At(*next, [this] {

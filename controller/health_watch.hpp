@@ -1,6 +1,6 @@
 #pragma once
-// The IO around the health monitor (lifecycle/health_monitor.hpp): listens to the actuators' beats,
-// has processes looked at, and emits the verdicts as event::HealthChanged.
+// The I/O around the health monitor (lifecycle/health_monitor.hpp): subscribes to the actuators'
+// heartbeats, examines processes, and emits the results as event::HealthChanged.
 //
 // Threads: loop thread only.
 
@@ -21,22 +21,22 @@ namespace musher {
 class HealthWatch {
  public:
   using Emit = std::function<void(Event)>;
-  using Probe = std::function<void(std::size_t actuator)>;  // asks it anything
+  using Query = std::function<void(std::size_t actuator)>;  // sends it any query
 
   // All must outlive the watch. `host`: of this controller.
   static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
                                                    const MachineConfig& config,
                                                    ProcessProbe& process_probe, std::string host,
-                                                   Emit emit, Probe probe);
+                                                   Emit emit, Query query);
 
-  // The process with this report is the one that counts, and was heard just now.
+  // The report of the actuator's current process was received just now.
   void OnReport(std::size_t actuator, const ActuatorReport& report);
-  // Its process has ended.
+  // Its process has exited.
   void Forget(std::size_t actuator);
 
  private:
   HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& process_probe,
-              std::string host, Emit emit, Probe probe);
+              std::string host, Emit emit, Query query);
 
   void OnHeartbeat(const msg::ActuatorBeat& heartbeat);
   void Act(const std::vector<Finding>& findings);
@@ -49,7 +49,7 @@ class HealthWatch {
   ProcessProbe& process_probe_;
   const std::string host_;
   const Emit emit_;
-  const Probe probe_;
+  const Query query_;
   HealthMonitor monitor_;
   std::unordered_map<std::string, std::size_t> index_;
   std::vector<pid_t> pids_;

@@ -13,7 +13,7 @@ constexpr Duration kFlushTimeout = std::chrono::seconds(1);
 void HistoryReader::Read(std::int64_t since_wall_ns, std::size_t limit, OnHistory done) {
   if (requests_.size() >= kMostWaiting) {
     return loop_.Post([done = std::move(done)] {
-      done(Error{kCodeTargetBusy, "too many requests for the journal wait already; ask again"});
+      done(Error{kCodeTargetBusy, "too many journal requests are waiting; try again later"});
     });
   }
   requests_.push_back({since_wall_ns, limit, std::move(done)});

@@ -1,8 +1,8 @@
 #pragma once
-// Reads the journal for callers on the loop, on a thread of its own: one reading after the other,
-// each with all that was appended before it began, if the disk is well.
+// Reads the journal for callers on the loop, on a thread of its own: one request after the other,
+// each with everything that was appended before it began, if the disk works.
 //
-// Threads: loop thread only, but for the reading itself.
+// Threads: loop thread only, except for the reading itself.
 
 #include <cstdint>
 #include <deque>
@@ -17,17 +17,17 @@
 namespace musher {
 
 using OnHistory = std::function<void(const Result<JournalReading>&)>;
-// Reads the newest `limit` entries with wall_ns >= since_wall_ns; `done` runs once, on the loop,
-// later.
+// Reads the newest `limit` entries with wall_ns >= since_wall_ns; `done` runs once, later, on the
+// loop.
 using ReadHistory =
     std::function<void(std::int64_t since_wall_ns, std::size_t limit, OnHistory done)>;
 
 class HistoryReader {
  public:
-  // Both must outlive it. Its end waits for the reading under way; no `done` runs after it.
+  // Both must outlive it. The destructor waits for the running read; no `done` runs after it.
   HistoryReader(transport::EventLoop& loop, Journal& journal) : loop_(loop), journal_(journal) {}
 
-  // See ReadHistory. Refused with kCodeTargetBusy when many wait already.
+  // See ReadHistory. Fails with kCodeTargetBusy if too many requests wait.
   void Read(std::int64_t since_wall_ns, std::size_t limit, OnHistory done);
 
  private:

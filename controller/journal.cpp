@@ -17,8 +17,8 @@
 
 namespace musher {
 
-// The queue and the thread that empties it. Everything below `mutex_` is guarded by it; `file_`,
-// `in_trouble_` and `options_` belong to the thread.
+// The queue and the thread that empties it. `mutex_` guards all members below it; only the thread
+// uses `file_`, `in_trouble_` and `options_`.
 class Journal::Writer {
  public:
   Writer(std::string path, JournalOptions options);
@@ -34,7 +34,7 @@ class Journal::Writer {
   void Run();
   void WaitForWork(Lock& lock);
   bool Write(const std::deque<JournalItem>& batch, std::uint64_t lost);
-  void Say(const std::string& text) const;
+  void Report(const std::string& text) const;
   void PutBack(std::deque<JournalItem> batch);
   void DropOldest();
 
@@ -51,19 +51,19 @@ class Journal::Writer {
   std::uint64_t attempts_begun_ = 0;
   std::uint64_t attempts_ended_ = 0;
   bool last_attempt_worked_ = true;
-  bool hurry_ = false;  // try now, whatever the retry period says
+  bool hurry_ = false;  // try now, before the retry period is over
   bool stop_ = false;
-  bool gathering_ = false;  // the writer need not be told of more entries
+  bool gathering_ = false;  // the writer needs no notification of more entries
 
   std::thread thread_;  // last: it uses all of the above
 };
 
 namespace {
 
-// How long entries gather before they are written: a switch has as good as ended by then, and all
-// it left goes into one transaction.
+// Time for collecting entries before a write: most switches end within it, so that all their
+// entries go into one transaction.
 constexpr Duration kGatherTime = Milliseconds(5);
-// What is remembered of a switch is written behind what has to be done in it.
+// Journal writes have a lower priority than the work of a switch.
 constexpr int kNiceness = 10;
 
 JournalEntry LostEntry(std::uint64_t lost) {
@@ -75,7 +75,7 @@ JournalEntry LostEntry(std::uint64_t lost) {
   entry.kind = "journal";
   entry.code = kCodeFailed;
   entry.message =
-      "entries and inputs lost before this one, for want of room: " + std::to_string(lost);
+      "entries and inputs lost before this one because the queue was full: " + std::to_string(lost);
   entry.data = "{\"lost\":" + std::to_string(lost) + "}";
   return entry;
 }
@@ -96,7 +96,7 @@ std::thread StartQuietThread(Work work) {
 
 Journal::Writer::Writer(std::string path, JournalOptions options)
     : options_(std::move(options)),
-      file_(std::move(path), options_.max_bytes, [this](const auto& text) { Say(text); }),
+      file_(std::move(path), options_.max_bytes, [this](const auto& text) { Report(text); }),
       thread_(StartQuietThread([this] { Run(); })) {}
 
 Journal::Writer::~Writer() {
@@ -122,7 +122,7 @@ void Journal::Writer::Append(JournalItem item) noexcept {
 bool Journal::Writer::Flush(Duration timeout) {
   Lock lock(mutex_);
   if (waiting_.empty() && attempts_begun_ == attempts_ended_) return last_attempt_worked_;
-  // An attempt under way has taken its entries already; what was appended since is for the next.
+  // A running attempt has already taken its entries; later ones are written by the next.
   const std::uint64_t enough = attempts_begun_ + (waiting_.empty() ? 0 : 1);
   hurry_ = true;
   work_.notify_one();
@@ -132,7 +132,7 @@ bool Journal::Writer::Flush(Duration timeout) {
 }
 
 void Journal::Writer::Run() {
-  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; as it was, if that is not allowed
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; unchanged if not permitted
   Lock lock(mutex_);
   while (true) {
     WaitForWork(lock);
@@ -176,13 +176,13 @@ bool Journal::Writer::Write(const std::deque<JournalItem>& batch, std::uint64_t 
     in_trouble_ = false;
     return true;
   } catch (const std::exception& trouble) {
-    if (!in_trouble_) Say(std::string("nothing is written for now: ") + trouble.what());
+    if (!in_trouble_) Report(std::string("writing failed, retrying: ") + trouble.what());
     in_trouble_ = true;
     return false;
   }
 }
 
-void Journal::Writer::Say(const std::string& text) const {
+void Journal::Writer::Report(const std::string& text) const {
   if (options_.on_trouble) options_.on_trouble("journal: " + text);
 }
 

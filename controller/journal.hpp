@@ -1,17 +1,16 @@
 #pragma once
-// What happened on the robot and why, in a file that survives kill -9 and power loss: entries for
-// people, and all that went into the decision code, so that it can be run again (replay).
+// The journal records what happened on the robot and why, in a file that survives kill -9 and power
+// loss: entries for people, and all inputs of the decision code, so that they can be replayed.
 //
-// The loop hands both over and goes on; a writer thread puts them into a SQLite database (WAL),
-// one transaction for all that have gathered. What is appended is on disk some milliseconds after
-// Append(): kill -9 can lose those that were still in the queue, a power cut the last transactions;
-// neither damages the file.
+// The loop hands both over and continues; a writer thread puts them into a SQLite database (WAL),
+// one transaction for all that are queued. An appended item is on disk some milliseconds after
+// Append(): kill -9 can lose queued items, a power cut the last transactions; neither damages the
+// file.
 //
-// Nothing that goes wrong with the disk reaches the robot. It is said once for each spell of
-// trouble; entries wait in a bounded queue, from which the oldest are dropped and counted; writing
-// is tried again now and then, and when it works the number of lost entries becomes an entry. A
-// damaged file, or one that is not a journal, is moved aside as <path>.damaged-<n> and a new one is
-// begun.
+// A disk fault never reaches the robot. It is reported once for each period of trouble; entries
+// wait in a bounded queue, from which the oldest are dropped and counted; the writer retries
+// periodically, and after success an entry records the number of lost entries. A damaged file, or
+// one that is not a journal, is moved aside as <path>.damaged-<n> and a new one is created.
 
 #include <cstddef>
 #include <cstdint>
@@ -36,17 +35,17 @@ struct JournalEntry {
   std::string data;         // more, as JSON; may be empty
   std::uint64_t id = 0;     // of the decision's record, grows from 1 in a controller; 0: none
   std::uint64_t cause = 0;  // id of the record that it follows from; 0: none
-  State state{};            // the machine's, where this entry tells that it has changed
+  State state{};            // the machine's new state, if this entry records its change
 
   friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
 };
 
-// Something that goes into the decision code. It comes before the entries that it leads to.
+// An input of the decision code. It precedes the entries that follow from it.
 struct JournalInput {
   std::int64_t wall_ns = 0;
   std::variant<recording::ConfigText,   // a machine begins
                recording::TimedEvent,   // a step
-               recording::SnapshotPtr>  // from here on it can be run again without what was before
+               recording::SnapshotPtr>  // a replay can start here
       what;
 };
 
@@ -58,7 +57,7 @@ class JournalSink {
 
   // Never blocks on the disk, never fails.
   virtual void Append(JournalItem item) noexcept = 0;
-  // Whether a snapshot should come next, because what was before it is lost. Asked once each time.
+  // Whether a snapshot should come next, because earlier inputs are lost. Reading it resets it.
   virtual bool WantsSnapshot() noexcept { return false; }
 };
 
@@ -66,17 +65,17 @@ struct JournalOptions {
   std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth goes, up to a snapshot
   std::size_t max_waiting = 10000;    // entries and inputs
   Duration retry_period = Milliseconds(10000);
-  // Told what is wrong, and what became of it. Runs on the writer thread, with no lock held; it may
-  // Append(), but must not throw or Flush().
+  // Receives a description of each problem and its outcome. Runs on the writer thread, with no lock
+  // held; it may Append(), but must not throw or Flush().
   std::function<void(const std::string&)> on_trouble;
 };
 
 class Journal : public JournalSink {
  public:
-  // Opens nothing itself: the file is opened and created, if need be with its folder, by the writer
-  // thread.
+  // Opens nothing itself: the writer thread opens the file and creates it, with its folder if
+  // needed.
   Journal(std::string path, JournalOptions options);
-  // Tries once more to write what waits.
+  // Tries once more to write the queued items.
   ~Journal() override;
 
   Journal(const Journal&) = delete;
@@ -88,9 +87,9 @@ class Journal : public JournalSink {
 
   const std::string& path() const { return path_; }
 
-  // Waits until everything appended before is written, at most `timeout`; says whether it is. In
-  // trouble it makes the writer try again at once and ends with that attempt. From any thread but
-  // the loop's, which must not wait for a disk while the robot runs.
+  // Waits until everything appended before is written, at most `timeout`; returns whether it is. In
+  // trouble it makes the writer retry at once and returns after that attempt. From any thread
+  // except the loop's, which must not wait for a disk while the robot runs.
   bool Flush(Duration timeout);
 
  private:

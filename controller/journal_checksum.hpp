@@ -1,5 +1,5 @@
 #pragma once
-// By which a row of the journal is known to be as it was written.
+// Checksums of the journal's rows.
 
 #include <cstdint>
 #include <string>
@@ -10,7 +10,7 @@
 namespace musher {
 
 inline std::int64_t ChecksumOf(std::int64_t id, const JournalEntry& e) {
-  constexpr char kEnd = '\0';  // of a text, so that none runs into the next
+  constexpr char kEnd = '\0';  // separates the texts
   std::string all;
   for (const std::int64_t number :
        {id, e.wall_ns, e.steady_ns, std::int64_t(e.epoch), std::int64_t(e.switch_number),

@@ -23,7 +23,7 @@ struct Damaged : JournalFile::Trouble {
 };
 
 constexpr int kBusyTimeoutMs =
-    1000;  // a reader that recovers the file after a crash holds it shortly
+    1000;  // a reader that recovers the file after a crash locks it shortly
 
 // Runs `work` with SQLite's exceptions sorted into Damaged and the rest.
 template <typename Work>
@@ -37,18 +37,18 @@ void Sorted(Work work) {
   }
 }
 
-std::int64_t Ask(SQLite::Database& database, const char* query) {
+std::int64_t Query(SQLite::Database& database, const char* query) {
   return database.execAndGet(query).getInt64();
 }
 
-// Makes an empty database a journal and an older one a present one; throws Damaged if it is
-// something else.
+// Creates the tables in an empty database and upgrades an older journal; throws Damaged for any
+// other file.
 void EnsureSchema(SQLite::Database& database) {
-  const bool empty = Ask(database, "SELECT COUNT(*) FROM sqlite_master") == 0;
-  if (!empty && Ask(database, "PRAGMA application_id") != journal_schema::kApplicationId) {
+  const bool empty = Query(database, "SELECT COUNT(*) FROM sqlite_master") == 0;
+  if (!empty && Query(database, "PRAGMA application_id") != journal_schema::kApplicationId) {
     throw Damaged("it is not a journal");
   }
-  const auto version = empty ? 0 : Ask(database, "PRAGMA user_version");
+  const auto version = empty ? 0 : Query(database, "PRAGMA user_version");
   if (version == journal_schema::kVersion) return;
   if (!empty && version != 1) {
     throw Damaged("its version is " + std::to_string(version) + ", not " +
@@ -138,15 +138,15 @@ JournalFile::Written JournalFile::TryWrite(const std::deque<JournalItem>& items,
 
 void JournalFile::Open() {
   if (database_) return;
-  std::error_code ignored;  // the open says what is wrong
+  std::error_code ignored;  // opening the file reports the error
   fs::create_directories(fs::path(path_).parent_path(), ignored);
   auto database = std::make_unique<SQLite::Database>(
       path_, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeoutMs);
-  EnsureSchema(*database);  // first: a file that is not ours is not to be changed
+  EnsureSchema(*database);  // first: a file that is not a journal must not be changed
   database->exec("PRAGMA journal_mode = WAL");
   database->exec("PRAGMA synchronous = NORMAL");
   database->exec("PRAGMA journal_size_limit = 4194304");  // of the WAL beside it
-  next_id_ = Ask(*database, journal_schema::kNewest) + 1;
+  next_id_ = Query(*database, journal_schema::kNewest) + 1;
   database_ = std::move(database);
 }
 
@@ -162,19 +162,19 @@ JournalFile::Written JournalFile::Insert(const std::deque<JournalItem>& items, s
   return written;
 }
 
-// Freed pages are used again, so the file stays near its limit without ever being compacted. What
-// is left begins with a snapshot, where there is one in the older half.
+// SQLite reuses freed pages, so the file stays near its limit without compaction. The rest begins
+// with a snapshot if there is one in the older half.
 JournalFile::Written JournalFile::Trim() {
-  const auto page_size = Ask(*database_, "PRAGMA page_size");
+  const auto page_size = Query(*database_, "PRAGMA page_size");
   const auto used = [&] {
-    const auto pages = Ask(*database_, "PRAGMA page_count");
-    return page_size * (pages - Ask(*database_, "PRAGMA freelist_count"));
+    const auto pages = Query(*database_, "PRAGMA page_count");
+    return page_size * (pages - Query(*database_, "PRAGMA freelist_count"));
   };
   Written written = Written::kAll;
   while (used() > max_bytes_) {
-    const auto first = Ask(*database_, journal_schema::kOldest);
-    const auto last = Ask(*database_, journal_schema::kNewest);
-    if (first >= last) return written;  // one always stays
+    const auto first = Query(*database_, journal_schema::kOldest);
+    const auto last = Query(*database_, journal_schema::kNewest);
+    if (first >= last) return written;  // keeps the last row
     auto until = first + std::max<std::int64_t>(1, (last - first) / 10);
     SQLite::Statement next_start(*database_, journal_schema::kNextStart);
     next_start.bind(1, until);
@@ -206,7 +206,7 @@ void JournalFile::MoveAside(const std::string& why) {
     std::error_code absent;
     fs::rename(path_ + companion, aside + companion, absent);
   }
-  on_moved_(path_ + " is damaged (" + why + "); it is kept as " + aside + ", a new one is begun");
+  on_moved_(path_ + " is damaged (" + why + "); moved to " + aside + ", a new one is created");
 }
 
 }  // namespace musher

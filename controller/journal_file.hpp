@@ -1,6 +1,6 @@
 #pragma once
-// The journal's database: its tables, its size, and what to do with a damaged one. journal.hpp says
-// what it is for; only the journal's writer thread uses this.
+// The journal's database (journal.hpp): its tables, its size limit, and the handling of a damaged
+// file. Only the journal's writer thread uses it.
 
 #include <cstdint>
 #include <deque>
@@ -19,24 +19,24 @@ namespace musher {
 
 class JournalFile {
  public:
-  // Why the file could not be opened or written, in words.
+  // Why the file could not be opened or written.
   struct Trouble : std::runtime_error {
     using std::runtime_error::runtime_error;
   };
 
-  // `on_moved` hears when a file that is not (or no longer) a journal was moved aside.
+  // Calls `on_moved` when a file that is not (or no longer) a journal was moved aside.
   JournalFile(std::string path, std::int64_t max_bytes,
               std::function<void(const std::string&)> on_moved);
   ~JournalFile();
 
   enum class Written {
     kAll,
-    kNoSnapshotLeft,  // the file was trimmed, and no replay can start in what is left
+    kNoSnapshotLeft,  // the file was trimmed, and no replay can start in the rest
   };
 
-  // Writes the items in one transaction: all or none. `lost` of them are missing before the first.
-  // Opens or creates the file if it is not open. Throws Trouble; the next call then begins with
-  // opening.
+  // Writes the items in one transaction: all or none. `lost` items are missing before the first.
+  // Opens or creates the file if it is not open. Throws Trouble; the next call then reopens the
+  // file.
   Written Write(const std::deque<JournalItem>& items, std::uint64_t lost);
 
  private:

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kReaderBusyTimeoutMs = 1000;
 
-// What was said about damage, the first time; empty: there is none.
+// The first error found; empty: none.
 using Damage = std::string;
 
-constexpr const char* kNotAsWritten = ": it is not as it was written";
+constexpr const char* kNotAsWritten = ": wrong checksum or missing data";
 
 struct Open {
   SQLite::Database database;
@@ -28,7 +28,7 @@ struct Open {
   explicit Open(const std::string& path)
       : database(path, SQLite::OPEN_READONLY, kReaderBusyTimeoutMs) {
     database.exec("PRAGMA cell_size_check = ON");
-    // Without it a file that was cut short is not read at all. Nothing is written here.
+    // Without this SQLite does not read a truncated file at all. This connection never writes.
     database.exec("PRAGMA writable_schema = ON");
     if (database.execAndGet("PRAGMA application_id").getInt() != journal_schema::kApplicationId) {
       throw SQLite::Exception("it is not a journal");
@@ -45,7 +45,7 @@ std::uint64_t Unsigned(SQLite::Statement& row, int column) {
   return static_cast<std::uint64_t>(row.getColumn(column).getInt64());
 }
 
-// An entry, or why it can't be believed.
+// An entry, or why it is damaged.
 Result<JournalEntry> EntryOf(SQLite::Statement& row) {
   JournalEntry entry;
   const auto id = row.getColumn(0).getInt64();
@@ -102,8 +102,8 @@ class TableReader {
   TableReader(const SQLite::Database& database, std::string columns, std::string table)
       : database_(database), columns_(std::move(columns)), table_(std::move(table)) {}
 
-  // Of rows with wall_ns >= since the newest `limit`, more or less where there is damage. `take`
-  // is told of each and says what is wrong with it.
+  // Reads the newest `limit` rows with wall_ns >= since; with damage the number may differ. `take`
+  // gets each row and returns its damage.
   template <class Take>
   Damage Read(std::int64_t since, std::size_t limit, const Take& take) {
     if (!ReadFrom("DESC", since, limit, take)) ReadFrom("ASC", since, limit, take);
@@ -111,7 +111,7 @@ class TableReader {
   }
 
  private:
-  // Says whether it came to the end.
+  // Returns whether it read all rows.
   template <class Take>
   bool ReadFrom(const std::string& direction, std::int64_t since, std::size_t limit,
                 const Take& take) {
@@ -121,12 +121,12 @@ class TableReader {
     try {
       for (bool first = true; limit > 0 && select.executeStep(); first = false) {
         const auto id = select.getColumn(0).getInt64();
-        if (upwards && id >= lowest_) return true;  // those have been read from the end
+        if (upwards && id >= lowest_) return true;  // the rest was read from the end
         const bool in_order = first || (upwards ? id > last_ : id < last_);
         if (!in_order) throw SQLite::Exception("its rows are out of order");
         last_ = id;
         if (!upwards) lowest_ = id;
-        const auto wall_ns = select.getColumn(1);  // there is always one, in a whole row
+        const auto wall_ns = select.getColumn(1);  // never null in an undamaged row
         if (!wall_ns.isNull() && wall_ns.getInt64() < since) continue;
         Note(take(id, select));
         --limit;
@@ -147,14 +147,14 @@ class TableReader {
   const std::string table_;
   Damage damage_;
   std::int64_t last_ = 0;
-  std::int64_t lowest_ = INT64_MAX;  // that was read from the end
+  std::int64_t lowest_ = INT64_MAX;  // lowest id read from the end
 };
 
 const char* EntryColumns(int version) {
   return version == 1 ? journal_schema::kEntryColumnsVersion1 : journal_schema::kEntryColumns;
 }
 
-std::string Tell(std::size_t count, const char* what, const Damage& damage) {
+std::string DamageText(std::size_t count, const char* what, const Damage& damage) {
   if (damage.empty()) return {};
   return "read " + std::to_string(count) + " " + what + "; the rest is damaged: " + damage;
 }
@@ -178,7 +178,7 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
   };
   const Damage damage = reader.Read(since_wall_ns, limit, take);
   JournalReading reading;
-  reading.damage = Tell(entries.size(), "entries", damage);
+  reading.damage = DamageText(entries.size(), "entries", damage);
   while (entries.size() > limit) entries.erase(entries.begin());
   for (auto& [id, entry] : entries) reading.entries.push_back(std::move(entry));
   return reading;
@@ -189,7 +189,7 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
 Result<Recording> ReadRecording(const std::string& path) try {
   const Open journal(path);
   if (journal.version == 1) {
-    return Unreadable(path, "its version is 1, which did not record what went into the decisions");
+    return Unreadable(path, "its version is 1, which did not record the inputs of the decisions");
   }
   std::map<std::int64_t, JournalItem> items;
   const auto read = [&](const char* columns, const char* table, const auto& make) {
@@ -205,7 +205,7 @@ Result<Recording> ReadRecording(const std::string& path) try {
   const Damage of_entries = read(EntryColumns(journal.version), "entry", EntryOf);
   const Damage damage = of_inputs.empty() ? of_entries : of_inputs;
   Recording recording;
-  recording.damage = Tell(items.size(), "entries and inputs", damage);
+  recording.damage = DamageText(items.size(), "entries and inputs", damage);
   for (auto& [id, item] : items) recording.rows.push_back({id, std::move(item)});
   return recording;
 } catch (const SQLite::Exception& e) {

@@ -1,9 +1,9 @@
 #pragma once
-// Reads a journal: while a controller writes it, after one crashed, or what is left of a damaged
-// one. Changes nothing in the file.
+// Reads a journal: while a controller writes it, after a crash, or the rest of a damaged one. Never
+// changes the file.
 //
-// Of a damaged file all is read that can be reached from either end, and `damage` says what is
-// missing. Errors: what is no journal, or not readable at all.
+// A damaged file is read as far as possible from both ends, and `damage` says what is missing.
+// Errors: the file is not a journal, or not readable at all.
 //
 // Threads: any.
 
@@ -27,7 +27,7 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
                                    std::size_t limit);
 
 struct JournalRow {
-  std::int64_t id = 0;  // one more than that of the row before, unless something is missing
+  std::int64_t id = 0;  // one more than that of the previous row, unless rows are missing
   JournalItem item;
 };
 
@@ -36,7 +36,7 @@ struct Recording {
   std::string damage;
 };
 
-// All that a replay needs. A journal of version 1 has none of it, which is an error.
+// Everything that a replay needs. A journal of version 1 does not have it, which is an error.
 Result<Recording> ReadRecording(const std::string& path);
 
 }  // namespace musher

@@ -1,9 +1,9 @@
 #pragma once
-// The journal's tables. Another layout gets another version; a file of a newer version is moved
-// aside when the controller starts, one of version 1 is brought up to date.
+// The journal's tables. Another layout gets another version. When the controller starts, it moves a
+// file of a newer version aside and upgrades one of version 1.
 //
-// Both tables are numbered together, in the order of Append(): a number that neither has is
-// something that was lost.
+// Both tables share one sequence of ids, in the order of Append(): an id in neither table is a lost
+// row.
 
 namespace musher::journal_schema {
 
@@ -45,17 +45,17 @@ inline constexpr char kInsertEntry[] = R"(
 inline constexpr char kInsertInput[] =
     "INSERT INTO input (id, wall_ns, kind, data, checksum) VALUES (?, ?, ?, ?, ?)";
 
-// From which a replay can start, from an id on.
+// The first row at or after an id from which a replay can start.
 inline constexpr char kNextStart[] =
     "SELECT COALESCE(MIN(id), 0) FROM input WHERE id >= ? AND kind IN ('config', 'machine')";
 
-// With the newest config before the id, which is that of the snapshot behind it.
+// Keeps the newest config up to the id: the next snapshot needs it.
 inline constexpr char kTrimInput[] =
     "DELETE FROM input WHERE id < ?1 AND id <> "
     "(SELECT COALESCE(MAX(id), 0) FROM input WHERE kind = 'config' AND id <= ?1)";
 inline constexpr char kTrimEntry[] = "DELETE FROM entry WHERE id < ?";
 
-// The oldest id that trimming can take, and the newest.
+// The oldest id that trimming can remove, and the newest.
 inline constexpr char kOldest[] =
     "SELECT COALESCE(MIN(id), 0) FROM (SELECT MIN(id) AS id FROM entry UNION ALL "
     "SELECT MIN(id) FROM input WHERE kind <> 'config')";

@@ -9,11 +9,12 @@
 namespace musher {
 namespace {
 
-// A controller of another host is taken for ended after so many of its beats have not come, and not
-// before this: a beat may be lost, and a process may wait for a CPU.
+// A controller of another host is lost after this many missed heartbeats, but not before
+// kShortestSilence: a heartbeat may be lost, and a process may wait for a CPU.
 constexpr int kHeartbeatsMissed = 4;
 constexpr Duration kShortestSilence = Milliseconds(750);
 constexpr Duration kSlowestHeartbeat = Milliseconds(500);
+constexpr const char* kExited = "has exited";
 
 class PidfdWatch : public transport::LoopHandle {
  public:
@@ -67,7 +68,7 @@ Result<> LeaderWatch::Open() {
   heartbeats_ = std::move(heartbeats).value();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::PeerId writer) {
-    if (leader_ && writer == from_.writer) End("leads no more");
+    if (leader_ && writer == from_.writer) End("no longer leads");
   };
   auto statuses = transport::MakeSubscription<msg::MachineStatus>(
       node_, transport::MachineStatusTopic(options_.name_space),
@@ -85,20 +86,20 @@ bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
 }
 
 void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from) {
-  const bool of_the_past = status.epoch <= ended_ || (leader_ && status.epoch < leader_->epoch);
-  if (of_the_past) return;
+  const bool outdated = status.epoch <= ended_ || (leader_ && status.epoch < leader_->epoch);
+  if (outdated) return;
   const bool another = !leader_ || from.writer != from_.writer;
-  if (leader_ && another) End("leads no more");
+  if (leader_ && another) End("no longer leads");
   silent_.reset();
   leader_ = status;
   from_ = from;
   if (another) {
-    heartbeat_period_ = kSlowestHeartbeat;  // until it says otherwise
+    heartbeat_period_ = kSlowestHeartbeat;  // until its heartbeat has the period
     if (!IsOurs(status)) {
-      ExpectBeat();
+      ExpectHeartbeat();
     } else {
-      process_ = options_.watch_process(status.pid, [this] { End("has ended"); });
-      if (!process_) return End("has ended");
+      process_ = options_.watch_process(status.pid, [this] { End(kExited); });
+      if (!process_) return End(kExited);
     }
   }
   on_status_(status);
@@ -114,24 +115,24 @@ void LeaderWatch::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   if (!of_leader || IsOurs(*leader_)) return;
   heartbeat_period_ = std::clamp(Duration(heartbeat.period_ns), Duration(Milliseconds(10)),
                                  Duration(std::chrono::seconds(10)));
-  ExpectBeat();
+  ExpectHeartbeat();
 }
 
-void LeaderWatch::ExpectBeat() {
+void LeaderWatch::ExpectHeartbeat() {
   transport::EventLoop& loop = node_.loop();
   silence_ = loop.At(loop.Now() + std::max(kHeartbeatsMissed * heartbeat_period_, kShortestSilence),
-                     [this] { OnSilence(); });
+                     [this] { OnHeartbeatLost(); });
 }
 
-void LeaderWatch::OnSilence() {
+void LeaderWatch::OnHeartbeatLost() {
   silent_ = leader_;
   silent_from_ = from_;
-  End("is silent");
+  End("sends no heartbeat");
 }
 
 void LeaderWatch::End(const std::string& how) {
   const msg::MachineStatus leader = *std::exchange(leader_, std::nullopt);
-  if (IsOurs(leader) && how == "has ended") ended_ = leader.epoch;
+  if (IsOurs(leader) && how == kExited) ended_ = leader.epoch;
   from_ = {};
   process_ = nullptr;
   silence_ = nullptr;

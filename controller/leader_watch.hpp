@@ -1,13 +1,12 @@
 #pragma once
-// A client's view of the controller that leads: who it is, what it says of its machine, and that it
-// has ended.
+// A client's view of the leading controller: its latest status, and when it is lost.
 //
-//   none ──its status──▶ leads ──its process ended (seen at once on the same host), its status
-//    ▲                     │     is taken back, or its heartbeat stays away──▶ on_end
+//   none ──its status──▶ leads ──its process exits (noticed at once on the same host), its status
+//    ▲                     │     writer is lost, or its heartbeat is lost──▶ on_end
 //    └─────────────────────┘
 //
-// One that was silent leads again once it is heard again.
-// Another one with a higher epoch takes the place of the first: that one is over, too.
+// A controller whose heartbeat was lost leads again once its heartbeat is received again. A
+// controller with a higher epoch replaces the leader, which is then over, too.
 //
 // Threads: loop thread only.
 
@@ -24,21 +23,21 @@
 
 namespace musher {
 
-// Calls `on_end` on the loop once the process of this host has ended; null when there is none.
+// Calls `on_end` on the loop once the process of this host has exited; null if there is none.
 // Dropping the handle ends the watch.
 using WatchProcess =
     std::function<transport::LoopHandlePtr(std::int32_t pid, std::function<void()> on_end)>;
-// By a pidfd. The loop must outlive what it returns.
+// Watches by a pidfd. The loop must outlive the returned function and handles.
 WatchProcess WatchByPidfd(transport::EventLoop& loop);
 
 class LeaderWatch {
  public:
   struct Options {
     std::string name_space;
-    std::string host;            // ours: a process of it can be watched
-    WatchProcess watch_process;  // empty: no process is watched
+    std::string host;            // ours: processes of this host can be watched
+    WatchProcess watch_process;  // empty: watches no process
   };
-  // The leader of that status is over. `how` goes on from its name: "has ended", "is silent".
+  // The leader of that status is over. `how` follows its name: "has exited", "sends no heartbeat".
   using OnEnd = std::function<void(const msg::MachineStatus& leader, const std::string& how)>;
   using OnStatus = std::function<void(const msg::MachineStatus&)>;
 
@@ -46,9 +45,10 @@ class LeaderWatch {
   static Result<std::unique_ptr<LeaderWatch>> Make(transport::Node& node, Options options,
                                                    OnStatus on_status, OnEnd on_end);
 
-  // The last status of the controller that leads; none while none does.
+  // The last status of the leading controller; none while no controller leads.
   const std::optional<msg::MachineStatus>& leader() const { return leader_; }
-  // The participant of that one. Services of one that died are matched until its lease is over.
+  // The leader's participant. Services of a crashed controller stay matched until its lease
+  // expires.
   transport::PeerId participant() const { return from_.participant; }
 
  private:
@@ -56,8 +56,8 @@ class LeaderWatch {
   Result<> Open();
   void OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from);
   void OnHeartbeat(const msg::ControllerBeat& heartbeat);
-  void ExpectBeat();
-  void OnSilence();
+  void ExpectHeartbeat();
+  void OnHeartbeatLost();
   void End(const std::string& how);
   bool IsOurs(const msg::MachineStatus& leader) const;
 
@@ -66,10 +66,10 @@ class LeaderWatch {
   const OnStatus on_status_;
   const OnEnd on_end_;
   std::optional<msg::MachineStatus> leader_;
-  transport::SampleInfo from_;                // its status
-  Duration heartbeat_period_{};               // as its heartbeat says
-  std::uint64_t ended_ = 0;                   // epoch of the last one whose process has ended
-  std::optional<msg::MachineStatus> silent_;  // of the last one that was silent
+  transport::SampleInfo from_;                // of its status
+  Duration heartbeat_period_{};               // as in its heartbeat
+  std::uint64_t ended_ = 0;                   // epoch of the last leader whose process has exited
+  std::optional<msg::MachineStatus> silent_;  // of the last leader whose heartbeat was lost
   transport::SampleInfo silent_from_;
   transport::LoopHandlePtr process_;
   transport::LoopHandlePtr silence_;

@@ -30,7 +30,7 @@ using transport::UniqueFd;
 
 constexpr Duration kLogPeriod = Milliseconds(1000);
 constexpr Duration kBusyPeriod = Milliseconds(100);
-constexpr Duration kReportPeriod = Milliseconds(60'000);  // of a flood that goes on
+constexpr Duration kReportPeriod = Milliseconds(60'000);  // while a flood continues
 constexpr int kLogNiceness = 10;
 
 std::string Megabytes(std::int64_t bytes) {
@@ -44,8 +44,8 @@ std::string NoteOfDrop(std::int64_t bytes, const std::string& why) {
 }
 
 constexpr const char* kNoteOfCut =
-    "[musher: what is before this is in the compressed parts; on this filesystem, lines printed in "
-    "the moment of the cut are missing]\n";
+    "[musher: earlier output is in the compressed parts; on this filesystem, lines printed during "
+    "the rotation are missing]\n";
 
 bool WriteAll(int fd, std::string_view text) {
   while (!text.empty()) {
@@ -57,7 +57,7 @@ bool WriteAll(int fd, std::string_view text) {
   return true;
 }
 
-// Writes a compressed file, of which nothing is left if that fails.
+// Writes a compressed file; removes it on failure.
 class PartWriter {
  public:
   explicit PartWriter(std::string path) : path_(std::move(path)), next_(path_ + ".new") {
@@ -77,7 +77,7 @@ class PartWriter {
     if (file_ == nullptr || text.empty()) return file_ != nullptr;
     return gzwrite(file_, text.data(), static_cast<unsigned>(text.size())) > 0;
   }
-  // From `file`, up to `end`; says how far it came, -1 for an error.
+  // Copies from `file` up to `end`; returns the position reached, -1 for an error.
   std::int64_t Copy(int file, std::int64_t begin, std::int64_t end) {
     std::array<char, 64 << 10> buffer{};
     std::int64_t at = begin;
@@ -109,7 +109,7 @@ class PartWriter {
   bool done_ = false;
 };
 
-// The number of "<file>.<n>.gz"; none: it is another file.
+// The number of "<file>.<n>.gz"; nullopt: another file.
 std::optional<std::uint64_t> PartNumber(const std::string& name, const std::string& file) {
   if (!name.starts_with(file + ".") || !name.ends_with(".gz")) return std::nullopt;
   const char* begin = name.data() + file.size() + 1;
@@ -142,22 +142,22 @@ std::vector<LogPart> PartsOf(const std::string& path) {
 
 }  // namespace
 
-// All but `outputs`, `troubles` and `busy` belongs to the disk thread.
+// Only the disk thread uses the members, except `outputs`, `troubles` and `busy`.
 struct LogFiles::State {
   struct Log {
     LogFile file;
-    std::int64_t max_bytes = 0;  // its bound beside the others
-    bool may_collapse = true;    // its filesystem can, as far as is known
+    std::int64_t max_bytes = 0;  // its effective limit
+    bool may_collapse = true;    // its filesystem supports it, as far as known
     bool no_room = false;        // a part could not be saved
-    std::int64_t dropped = 0;    // bytes that are not reported yet
+    std::int64_t dropped = 0;    // bytes not yet reported
     std::optional<Time> reported;
   };
 
   std::vector<Log> logs;
   std::int64_t max_total_bytes = 0;
-  bool unopened = false;  // a file cannot be opened, which is reported
+  bool unopened = false;  // a file cannot be opened, which was reported
 
-  std::mutex mutex;  // guards what follows; never held during IO
+  std::mutex mutex;  // guards the members below; never held during I/O
   std::map<std::string, std::shared_ptr<const UniqueFd>> outputs;
   std::vector<std::string> troubles;
   bool busy = false;
@@ -174,7 +174,7 @@ struct LogFiles::State {
     troubles.push_back(text);
   }
 
-  // Opens those that are to be open and are not, also where the file has been removed.
+  // Opens the files that should be open and are not; reopens removed files.
   void Open() {
     std::string failure;
     for (const Log& log : logs) {
@@ -196,7 +196,7 @@ struct LogFiles::State {
       outputs[log.file.name] = std::move(output);
     }
     const bool known = std::exchange(unopened, !failure.empty());
-    if (unopened && !known) Trouble("what actuators print is lost: " + failure);
+    if (unopened && !known) Trouble("actuator output is lost: " + failure);
   }
 
   static bool IsAt(const std::string& path, int fd) {
@@ -232,7 +232,7 @@ struct LogFiles::State {
     return {log.max_bytes, there ? info.st_size : 0, PartsOf(log.file.path), log.no_room};
   }
 
-  // Says whether the live file was too large.
+  // Returns whether the live file was too large.
   bool Rotate(Log& log) {
     const LogSizes sizes = SizesOf(log);
     const LogActions actions = RotationOf(sizes);
@@ -247,7 +247,7 @@ struct LogFiles::State {
     const UniqueFd file(open(log.file.path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC));
     const Result<> cut =
         file.valid() ? Cut(log, file.get(), actions, next) : Result<>(SystemError("can't open it"));
-    // What was only dropped says nothing about the room for a part.
+    // A drop without a save says nothing about the room for a part.
     const bool known = std::exchange(log.no_room, !cut || (log.no_room && actions.save == 0));
     if (!cut && !known) {
       Trouble("the log of " + log.file.name + " is not rotated: " + cut.error().message);
@@ -265,11 +265,11 @@ struct LogFiles::State {
     return CopyAndTruncate(log, file, actions, number);
   }
 
-  // False: the filesystem cannot do that, and nothing has changed.
+  // False: the filesystem does not support it, and nothing has changed.
   Result<bool> Collapse(Log& log, int file, LogActions actions, std::uint64_t number) {
     struct stat info {};
     if (fstat(file, &info) != 0) return SystemError("can't look at " + log.file.path);
-    // It can cut between blocks only.
+    // Only whole blocks can be removed.
     const std::int64_t beyond = (actions.save + actions.drop) % info.st_blksize;
     (actions.drop >= beyond ? actions.drop : actions.save) -= beyond;
     if (actions.save + actions.drop <= 0) return true;
@@ -284,7 +284,7 @@ struct LogFiles::State {
     return true;
   }
 
-  // Takes the whole file.
+  // Saves and truncates the whole file.
   Result<> CopyAndTruncate(Log& log, int file, LogActions actions, std::uint64_t number) {
     const bool to_the_end = actions.drop == 0;
     if (auto saved = Save(log, file, actions, number, to_the_end); !saved) return saved;
@@ -296,7 +296,7 @@ struct LogFiles::State {
     return Ok();
   }
 
-  // Writes the part; `to_the_end`: with all that has been appended by then.
+  // Writes the part; `to_the_end`: with everything that was appended by then.
   Result<> Save(const Log& log, int file, const LogActions& actions, std::uint64_t number,
                 bool to_the_end) {
     if (actions.save == 0) return Ok();
@@ -306,7 +306,7 @@ struct LogFiles::State {
     if (to_the_end) written = written && part.Copy(file, actions.save, INT64_MAX) >= 0;
     if (actions.drop > 0) {
       written =
-          written && part.Write(NoteOfDrop(actions.drop, "printed faster than logs are kept"));
+          written && part.Write(NoteOfDrop(actions.drop, "output exceeded the log rate limit"));
     }
     if (!written || !part.Finish()) return SystemError("can't write " + path);
     return Ok();
@@ -315,16 +315,16 @@ struct LogFiles::State {
   void NoteDrop(Log& log, int file, const LogActions& actions) {
     log.dropped += actions.drop;
     if (actions.drop > 0 && actions.save == 0) {
-      WriteAll(file, NoteOfDrop(actions.drop, "they could not be saved"));
+      WriteAll(file, NoteOfDrop(actions.drop, "could not be saved"));
     }
   }
 
   void ReportDrop(Log& log) {
     const Time now = std::chrono::steady_clock::now();
     if (log.dropped == 0 || (log.reported && now < *log.reported + kReportPeriod)) return;
-    Trouble("the log of " + log.file.name + ": " + Megabytes(std::exchange(log.dropped, 0)) +
-            " dropped: " +
-            (log.no_room ? "they cannot be saved" : "it is printed faster than logs are kept"));
+    Trouble(
+        "the log of " + log.file.name + ": " + Megabytes(std::exchange(log.dropped, 0)) +
+        " dropped: " + (log.no_room ? "it cannot be saved" : "output exceeded the log rate limit"));
     log.reported = now;
   }
 };

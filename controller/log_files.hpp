@@ -1,22 +1,22 @@
 #pragma once
 // The log files of a robot: logs/<actuator>.log, which the actuators' processes write, and
-// controller.log. Opens them, and keeps each and all of them together within their bounds.
+// controller.log. Opens them and enforces the size limits of each and of all together.
 //
-// Processes write into the file itself, opened for appending: they outlive the controller, and
-// neither block on a reader nor get SIGPIPE. When a live file is too large, its older part goes
-// into <file>.<n>.gz, is synced, and is then taken off the front of the live file, which is
-// appended to meanwhile. Where the filesystem can do that (ext4, xfs: FALLOC_FL_COLLAPSE_RANGE) not
-// a byte is lost: `zcat` of the parts by their numbers, then the live file, is all that was
-// printed. Elsewhere the file is copied and cut; what is printed between the two, some
-// microseconds, is lost, and a line in the file says so. What a process prints faster than that can
-// be kept (more than a fifth of its bound in a second), and what a full disk cannot take, is
-// dropped with a line that says how much. A controller that dies between writing a part and taking
-// it off leaves it twice.
+// Processes write into the file itself, opened for appending: they survive the controller, and
+// neither block on a reader nor get SIGPIPE. If a live file is too large, its older part is written
+// to <file>.<n>.gz, synced, and then removed from the front of the live file, while processes
+// append. If the filesystem supports that (ext4, xfs: FALLOC_FL_COLLAPSE_RANGE), no byte is lost:
+// `zcat` of the parts in order, then the live file, is the whole output. Otherwise the file is
+// copied and truncated; output between the two, some microseconds, is lost, and a line in the file
+// says so. Output that is too fast (more than a fifth of the limit in a second), or that a full
+// disk cannot take, is dropped with a line that says how much. A controller that crashes between
+// writing a part and removing it leaves it twice.
 //
-// Looks once a second, ten times while a log grows fast. Without a controller nothing is rotated.
+// Checks once a second, ten times a second while a log grows fast. Without a controller nothing is
+// rotated.
 //
-// Threads: calls from the loop's thread; none waits for the disk but the constructor. The files are
-// looked after on a disk thread of low priority.
+// Threads: calls from the loop's thread; only the constructor waits for the disk. A disk thread of
+// low priority does the work.
 
 #include <cstdint>
 #include <functional>
@@ -31,31 +31,31 @@
 namespace musher {
 
 struct LogFile {
-  std::string name;  // of what writes it
+  std::string name;  // of its writer
   std::string path;
   std::int64_t max_bytes = 50 << 20;  // with its compressed parts
-  bool open = true;                   // to be made and opened here, for processes to write
+  bool open = true;                   // create and open it here, for processes to write
 };
 
 struct LogFilesOptions {
   std::vector<LogFile> logs;
   std::int64_t max_total_bytes = 500 << 20;  // of all logs
-  // What was dropped or could not be done; once for each spell. On the loop.
+  // Reports dropped output and failures, once for each period of trouble. On the loop.
   std::function<void(const std::string&)> on_trouble;
-  bool may_collapse = true;  // false: as if no filesystem could
+  bool may_collapse = true;  // false: as if no filesystem supported it
 };
 
 class LogFiles {
  public:
-  // Makes the files, with their folders. The loop must outlive this.
+  // Creates the files with their folders. The loop must outlive this.
   LogFiles(transport::EventLoop& loop, LogFilesOptions options);
   ~LogFiles();
 
-  // Where the process of this name is to write. Null while its file cannot be opened. A file that
-  // was removed is made again within a second.
+  // The file for the output of the process of this name; null while it cannot be opened. A removed
+  // file is created again within a second.
   std::shared_ptr<const transport::UniqueFd> Output(const std::string& name) const;
 
-  // Looks now, on the calling thread. For tests, whose loop does not run.
+  // Checks now, on the calling thread. For tests, whose loop does not run.
   void LookNow();
 
  private:

@@ -41,7 +41,7 @@ LogActions RotationOf(const LogSizes& log) {
     actions.remove.push_back(oldest.number);
     bytes -= oldest.bytes;
   };
-  // The new part is taken for incompressible.
+  // Assumes that the new part does not compress.
   while (kept > 0 &&
          (kept + (too_large ? 1 : 0) > kMostLogParts || bytes + actions.save > 3 * live)) {
     remove_oldest();

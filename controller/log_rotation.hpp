@@ -1,9 +1,9 @@
 #pragma once
-// What is to be done about the log files of a robot, from their sizes alone. log_files.hpp does it.
+// Decides the rotation of a robot's log files from their sizes. log_files.hpp carries it out.
 //
-// A log is a live file, which a process appends to, and older parts of it, compressed and numbered.
-// Of its bound the live file has a fifth, and as much again for what comes before the next look;
-// the compressed parts have the rest.
+// A log is a live file, which a process appends to, and older parts, compressed and numbered. Of
+// its limit the live file gets a fifth, and another fifth for output until the next check; the
+// compressed parts get the rest.
 
 #include <cstdint>
 #include <utility>
@@ -31,8 +31,8 @@ struct LogSizes {
 
 // In bytes from the front of the live file.
 struct LogActions {
-  std::int64_t save = 0;              // go into a new part first,
-  std::int64_t drop = 0;              // and so many after them are lost
+  std::int64_t save = 0;              // written to a new part,
+  std::int64_t drop = 0;              // bytes after them that are dropped
   std::vector<std::uint64_t> remove;  // parts, by number
 
   friend bool operator==(const LogActions&, const LogActions&) = default;
@@ -40,13 +40,13 @@ struct LogActions {
 
 inline constexpr std::size_t kMostLogParts = 20;
 
-// The bound of a log: its own, or less where all of them together would exceed theirs.
+// The limit of a log: its own, or less if all together would exceed the total limit.
 std::int64_t LogBound(std::int64_t max_bytes, std::int64_t max_total_bytes, std::size_t logs);
 
 LogActions RotationOf(const LogSizes& log);
 
-// What all logs have too much together: the oldest parts first, as pairs of the log's index and the
-// part's number.
+// The parts that exceed the total limit, oldest first, as pairs of the log's index and the part's
+// number.
 std::vector<std::pair<std::size_t, std::uint64_t>> PartsBeyond(std::int64_t max_total_bytes,
                                                                const std::vector<LogSizes>& logs);
 

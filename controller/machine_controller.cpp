@@ -18,7 +18,7 @@ class MachineController::Impl {
   }
 
   Result<> Init(const std::string& config_file, std::shared_ptr<transport::NodeThread> node) {
-    if (controller_) return Error{kCodeStateInvalid, "the controller is initialised already"};
+    if (controller_) return Error{kCodeStateInvalid, "the controller is already initialised"};
     auto config = ReadValidConfig(config_file);
     if (!config) return config.error();
     config_ = std::move(config).value();
@@ -28,7 +28,7 @@ class MachineController::Impl {
     options.credentials = transport::CredentialsFor(*config_, transport::kControllerIdentity);
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
-    config_->transport = profile.value();  // what is made of silence goes by it, too
+    config_->transport = profile.value();  // decisions about silent actuators depend on it, too
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
     node_ = std::move(node);
@@ -68,7 +68,7 @@ class MachineController::Impl {
     return promise.get_future().get();
   }
 
-  // A copy of what is known now; of a machine without actuators before Init.
+  // A copy of the machine's record now; before Init, of a machine without actuators.
   Machine Snapshot() const {
     Machine machine;
     if (controller_) node_->RunOnLoop([&] { machine = controller_->shell().machine(); });

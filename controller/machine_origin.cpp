@@ -19,7 +19,7 @@ std::string FileIn(const std::string& state_dir) {
   return state_dir + "/machine";
 }
 
-// On one line of the file.
+// One line of the file.
 std::string Line(const std::string& key, std::string value) {
   std::replace(value.begin(), value.end(), '\n', ' ');
   return key + " " + value + "\n";

@@ -1,9 +1,9 @@
 #pragma once
-// Which machine a state folder belongs to, and a controller leads: name, namespace, domain and the
-// file that it was started from. What differs in one of them is another machine, with a history,
-// epochs and emergency stops of its own.
+// The identity of a machine: name, namespace, domain and the file that it was started from. It says
+// to which machine a state folder belongs and which machine a controller leads. A machine that
+// differs in one of them is another machine, with its own history, epochs and emergency stops.
 //
-// It is kept in the folder's file `machine`.
+// Stored in the state folder's file `machine`.
 //
 // Threads: any; Save() and Load() wait for the disk.
 
@@ -20,23 +20,23 @@ struct MachineOrigin {
   std::string name;
   std::string name_space;
   int domain = 0;
-  std::string file;  // absolute: its config, or the root of its upgrades
+  std::string file;  // absolute: its config, or its upgrade root
 
   // "robot of /etc/musher/robot.toml (namespace 'fleet', domain 7)"
   std::string Text() const;
-  // Whether this one was recorded for the machine `now`. A file may be reached by another path; one
-  // that is not there any more has been moved, unless a controller still leads the machine.
+  // Whether this identity was recorded for the machine `now`. The same file may have another path;
+  // a file that no longer exists was moved, unless a controller still leads the machine.
   bool IsOf(const MachineOrigin& now, bool led) const;
 
   friend bool operator==(const MachineOrigin&, const MachineOrigin&) = default;
 };
 
-// Of a folder; nothing where none was saved, or what is there cannot be read.
+// The identity saved in a folder; nullopt if there is none or it cannot be read.
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir);
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin);
 
-// Of the controller that is process `pid`, by the folder whose lock it has open; nothing where it
-// has none, or its files are not ours to see.
+// The identity of the controller process `pid`, from the folder whose lock it holds; nullopt if it
+// holds none, or its open files are not visible to us.
 std::optional<MachineOrigin> OriginOfProcess(pid_t pid);
 
 }  // namespace musher

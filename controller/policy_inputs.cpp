@@ -8,22 +8,22 @@
 namespace musher {
 namespace {
 
-// motion_status comes ten times a second.
-constexpr Duration kMotionPatience = std::chrono::seconds(2);
+// motion_status is published ten times a second.
+constexpr Duration kMotionTimeout = std::chrono::seconds(2);
 
 }  // namespace
 
-PolicyInputs::PolicyInputs(const MachineConfig& config, Tell tell)
-    : config_(config), policy_(*config.policy), tell_(std::move(tell)) {
-  battery_ear_.input = PolicyInput::kBattery;
-  motion_ear_.input = PolicyInput::kMotion;
-  motion_ear_.patience = kMotionPatience;
+PolicyInputs::PolicyInputs(const MachineConfig& config, Emit emit)
+    : config_(config), policy_(*config.policy), emit_(std::move(emit)) {
+  battery_input_.input = PolicyInput::kBattery;
+  motion_input_.input = PolicyInput::kMotion;
+  motion_input_.timeout = kMotionTimeout;
 }
 
 Result<std::unique_ptr<PolicyInputs>> PolicyInputs::Make(transport::Node& node,
-                                                         const MachineConfig& config, Tell tell) {
+                                                         const MachineConfig& config, Emit emit) {
   if (!config.policy) return std::unique_ptr<PolicyInputs>();
-  std::unique_ptr<PolicyInputs> inputs(new PolicyInputs(config, std::move(tell)));
+  std::unique_ptr<PolicyInputs> inputs(new PolicyInputs(config, std::move(emit)));
   if (auto opened = inputs->Open(node); !opened) return opened.error();
   return inputs;
 }
@@ -33,18 +33,18 @@ Result<> PolicyInputs::Open(transport::Node& node) {
   auto clock = transport::Clock::Of(config_, node, [this] { OnWorldRestarted(); });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  if (by_topic_) first_time_ = clock_->At(Time{}, [this] { TellTime(); });
+  if (by_topic_) first_time_ = clock_->At(Time{}, [this] { EmitTime(); });
   const auto topic = [this](const std::string& name) {
     return config_.name_space.empty() ? name : config_.name_space + "/" + name;
   };
   if (policy_.battery) {
-    battery_ear_.patience = policy_.battery->silent;
+    battery_input_.timeout = policy_.battery->silent;
     auto battery = transport::MakeSubscription<msg::BmsStatus>(
         node, topic(policy_.battery->topic),
         [this](const msg::BmsStatus& status, const transport::SampleInfo&) { OnBattery(status); },
         transport::kSensorDataQos);
     if (!battery) return battery.error();
-    battery_ear_.subscription = std::move(battery).value();
+    battery_input_.subscription = std::move(battery).value();
   }
   if (policy_.low_power) {
     auto motion = transport::MakeSubscription<msg::MotionStatus>(
@@ -52,25 +52,25 @@ Result<> PolicyInputs::Open(transport::Node& node) {
         [this](const msg::MotionStatus& status, const transport::SampleInfo&) { OnMotion(status); },
         transport::kSensorDataQos);
     if (!motion) return motion.error();
-    motion_ear_.subscription = std::move(motion).value();
+    motion_input_.subscription = std::move(motion).value();
   }
   return Ok();
 }
 
 void PolicyInputs::OnWorldRestarted() {
-  battery_ear_.heard = motion_ear_.heard = clock_->Now();
-  TellTime();
+  battery_input_.received = motion_input_.received = clock_->Now();
+  EmitTime();
 }
 
 void PolicyInputs::Begin() {
   begun_ = true;
-  TellTime();
-  if (battery_) Pass(*battery_);
-  if (motion_) Pass(*motion_);
-  for (Ear* ear : {&battery_ear_, &motion_ear_}) {
-    if (!ear->subscription) continue;
-    ear->heard = clock_->Now();
-    WatchFor(*ear);
+  EmitTime();
+  if (battery_) EmitOnceBegun(*battery_);
+  if (motion_) EmitOnceBegun(*motion_);
+  for (Input* input : {&battery_input_, &motion_input_}) {
+    if (!input->subscription) continue;
+    input->received = clock_->Now();
+    WatchForTimeout(*input);
   }
 }
 
@@ -81,39 +81,39 @@ void PolicyInputs::WakeAt(std::optional<Time> when) {
   if (!when) return;
   wake_ = clock_->At(*when, [this] {
     wake_at_.reset();
-    TellTime();
+    EmitTime();
   });
 }
 
-void PolicyInputs::TellTime() {
+void PolicyInputs::EmitTime() {
   const Time now = clock_->Now();
-  if (!by_topic_ || !begun_ || now == told_) return;
-  told_ = now;
-  tell_(event::ClockHeard{now});
+  if (!by_topic_ || !begun_ || now == emitted_time_) return;
+  emitted_time_ = now;
+  emit_(event::ClockHeard{now});
 }
 
-void PolicyInputs::Pass(const Event& event) {
+void PolicyInputs::EmitOnceBegun(const Event& event) {
   if (!begun_) return;
-  TellTime();
-  tell_(event);
+  EmitTime();
+  emit_(event);
 }
 
 void PolicyInputs::OnBattery(const msg::BmsStatus& status) {
   const event::BatterySeen seen{status.batt_soc, status.power_wired_charging};
-  const bool again = battery_ear_.silent;
-  Heard(battery_ear_);
-  if (seen == battery_ && !again) return;
+  const bool was_silent = battery_input_.silent;
+  OnSample(battery_input_);
+  if (seen == battery_ && !was_silent) return;
   battery_ = seen;
-  Pass(seen);
+  EmitOnceBegun(seen);
 }
 
 void PolicyInputs::OnMotion(const msg::MotionStatus& status) {
-  const bool again = motion_ear_.silent;
-  Heard(motion_ear_);
+  const bool was_silent = motion_input_.silent;
+  OnSample(motion_input_);
   const bool same = motion_ && IsStill(motion_->motion) == IsStill(status.motion_id);
-  if (same && !again) return;
+  if (same && !was_silent) return;
   motion_ = event::MotionSeen{status.motion_id};
-  Pass(*motion_);
+  EmitOnceBegun(*motion_);
 }
 
 bool PolicyInputs::IsStill(std::int32_t motion) const {
@@ -121,17 +121,17 @@ bool PolicyInputs::IsStill(std::int32_t motion) const {
   return std::find(still.begin(), still.end(), motion) != still.end();
 }
 
-void PolicyInputs::Heard(Ear& ear) {
-  ear.heard = clock_->Now();
-  if (std::exchange(ear.silent, false) && begun_) WatchFor(ear);
+void PolicyInputs::OnSample(Input& input) {
+  input.received = clock_->Now();
+  if (std::exchange(input.silent, false) && begun_) WatchForTimeout(input);
 }
 
-// One timer for many samples: it looks when the last one came.
-void PolicyInputs::WatchFor(Ear& ear) {
-  ear.timer = clock_->At(ear.heard + ear.patience, [this, &ear] {
-    if (clock_->Now() < ear.heard + ear.patience) return WatchFor(ear);
-    ear.silent = true;
-    Pass(event::InputSilent{ear.input});
+// One timer for many samples: when it fires, it checks the time of the last one.
+void PolicyInputs::WatchForTimeout(Input& input) {
+  input.timer = clock_->At(input.received + input.timeout, [this, &input] {
+    if (clock_->Now() < input.received + input.timeout) return WatchForTimeout(input);
+    input.silent = true;
+    EmitOnceBegun(event::InputSilent{input.input});
   });
 }
 

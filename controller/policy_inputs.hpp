@@ -1,6 +1,6 @@
 #pragma once
-// What the policy listens to: battery, motion and time. Topics become events, and of what is
-// repeated only the changes; a topic that falls silent becomes one, too.
+// The inputs of the policy: battery, motion and time. Changed samples of their topics become
+// events; a topic without samples for its timeout becomes an event, too.
 //
 // Threads: loop thread only.
 
@@ -18,54 +18,54 @@ namespace musher {
 
 class PolicyInputs {
  public:
-  using Tell = std::function<void(const Event&)>;
+  using Emit = std::function<void(const Event&)>;
 
-  // Without [policy] there is nothing to listen to: null.
+  // Null without [policy].
   static Result<std::unique_ptr<PolicyInputs>> Make(transport::Node& node,
-                                                    const MachineConfig& config, Tell tell);
+                                                    const MachineConfig& config, Emit emit);
 
-  // The machine begins: what was heard before is told, and everything from now on.
+  // The machine begins: emits the last samples received before, and everything from now on.
   void Begin();
-  // Wakes the policy at this time of its clock. The steady one needs no waking.
+  // Wakes the policy at this time of its clock. No effect with the steady clock.
   void WakeAt(std::optional<Time> when);
-  // Tells the policy's time, where it is a topic's: before whatever depends on it.
-  void TellTime();
+  // Emits the policy's time if it comes from a topic. To be called before events that depend on it.
+  void EmitTime();
 
  private:
-  // One topic, and since when nothing was heard of it.
-  struct Ear {
+  // One topic and the time of its last sample.
+  struct Input {
     PolicyInput input = PolicyInput::kBattery;
-    Duration patience{};
-    Time heard{};
+    Duration timeout{};
+    Time received{};
     bool silent = false;
     std::unique_ptr<transport::Subscription> subscription;
     transport::LoopHandlePtr timer;
   };
 
-  PolicyInputs(const MachineConfig& config, Tell tell);
+  PolicyInputs(const MachineConfig& config, Emit emit);
   Result<> Open(transport::Node& node);
   void OnWorldRestarted();
   void OnBattery(const msg::BmsStatus& status);
   void OnMotion(const msg::MotionStatus& status);
-  void Heard(Ear& ear);
-  void WatchFor(Ear& ear);
+  void OnSample(Input& input);
+  void WatchForTimeout(Input& input);
   bool IsStill(std::int32_t motion) const;
-  void Pass(const Event& event);
+  void EmitOnceBegun(const Event& event);
 
   const MachineConfig& config_;
   const PolicyConfig& policy_;
-  Tell tell_;
+  Emit emit_;
   bool begun_ = false;
   bool by_topic_ = false;
-  std::optional<event::BatterySeen> battery_;  // the last one that was told, or is to be
+  std::optional<event::BatterySeen> battery_;  // the last one, emitted or to be emitted by Begin()
   std::optional<event::MotionSeen> motion_;
-  std::optional<Time> told_;  // the policy's time
+  std::optional<Time> emitted_time_;
   std::unique_ptr<transport::Clock> clock_;
   transport::LoopHandlePtr first_time_;
   transport::LoopHandlePtr wake_;
   std::optional<Time> wake_at_;
-  Ear battery_ear_;
-  Ear motion_ear_;
+  Input battery_input_;
+  Input motion_input_;
 };
 
 }  // namespace musher

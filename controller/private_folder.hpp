@@ -7,7 +7,7 @@
 
 namespace musher {
 
-// Makes a folder and those above it, each only for its owner; those that exist stay as they are.
+// Makes a folder and its parents, each accessible only to its owner; existing ones stay unchanged.
 Result<> MakePrivateFolder(const std::filesystem::path& path);
 
 }  // namespace musher

@@ -9,7 +9,7 @@
 
 namespace musher {
 
-// A session is only entered by descent.
+// Only descendants of `child` can be in its session.
 Result<> KernelProbe::Prove(const std::string& actuator, pid_t pid, pid_t child) {
   if (child != 0 && pid > 0 && getsid(pid) == child) return Ok();
   return transport::NameLock::CheckHolder(lock_of_(actuator), pid);
@@ -17,7 +17,7 @@ Result<> KernelProbe::Prove(const std::string& actuator, pid_t pid, pid_t child)
 
 pid_t KernelProbe::Find(const std::string& actuator) {
   const std::string lock = lock_of_(actuator);
-  if (!transport::NameLock::IsHeld(lock)) return 0;  // without a look through all processes
+  if (!transport::NameLock::IsHeld(lock)) return 0;  // avoids a search through all processes
   const transport::NameLock::Holder holder = transport::NameLock::HolderOf(lock);
   return holder.trusted ? holder.pid : 0;
 }
@@ -47,7 +47,7 @@ Examination KernelProbe::Examine(std::size_t actuator, pid_t pid, Time now) {
   }
   const auto mark = marks_.find(actuator);
   if (mark == marks_.end() || mark->second.pid != pid) return found;
-  // What we were kept from hearing is not their silence either.
+  // Time in which this process waited for a CPU does not count as their silence either.
   const auto theirs = transport::SampleProcess(pid, now);
   const auto ours = transport::SampleProcess(getpid(), now);
   if (theirs) found.waited = transport::LongestWait(mark->second.theirs, *theirs);

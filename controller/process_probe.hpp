@@ -1,5 +1,5 @@
 #pragma once
-// What can be told about a process of this host without its help. The real one asks the kernel; the
+// Examines a process of this host without its cooperation. KernelProbe asks the kernel; the
 // simulation has its own.
 //
 // Threads: loop thread only, callbacks too.
@@ -22,30 +22,30 @@ class ProcessProbe {
  public:
   virtual ~ProcessProbe() = default;
 
-  // Whether process `pid` is the actuator's, which so far only a status says: it is in the session
-  // of `child`, the process that we have started for this actuator (0: none), or it holds the
-  // actuator's name on this host and is root's or of our user. The Error says why not, with
-  // kCodeStateInvalid when there is no such process.
+  // Checks that process `pid`, which a status claims, is the actuator's: it is in the session of
+  // `child`, the process that we have started for this actuator (0: none), or it holds the
+  // actuator's name on this host and belongs to root or our user. The Error says why not, with
+  // kCodeStateInvalid if there is no such process.
   virtual Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) = 0;
 
-  // The process that holds the actuator's name and is root's or of our user; 0: none.
+  // The process that holds the actuator's name and belongs to root or our user; 0: none.
   virtual pid_t Find(const std::string& actuator) = 0;
 
-  // Remembers how the process stands, so that Examine() can measure from here. Several actuators
+  // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators
   // may share a process; each has a mark of its own.
   virtual void Mark(std::size_t actuator, pid_t pid, Time now) = 0;
-  // How it stands, and how long it, or this process here, waited for a CPU since the mark.
+  // The process's run state, and how long it, or this process, waited for a CPU since the mark.
   virtual Examination Examine(std::size_t actuator, pid_t pid, Time now) = 0;
 
-  // What its threads are doing, for a person to read; `done` runs once, maybe with the reason why
-  // that is not to be had.
+  // The backtraces of its threads, as text for people; `done` runs once, with the reason if there
+  // are none.
   virtual void TakeBacktrace(pid_t pid, Duration timeout,
                              std::function<void(Result<std::string>)> done) = 0;
 };
 
 class KernelProbe : public ProcessProbe {
  public:
-  // Loop and processes must outlive the probe. `lock_of` gives the name that the process of an
+  // Loop and processes must outlive the probe. `lock_of` returns the name that the process of an
   // actuator holds (transport::NameLock).
   using LockOf = std::function<std::string(const std::string& actuator)>;
   KernelProbe(transport::EventLoop& loop, ProcessRunner& processes, LockOf lock_of)

@@ -1,6 +1,6 @@
 #pragma once
-// Starting, watching and signalling the processes of actuators, as the controller sees it. The real
-// one is ProcessSupervisor; the simulation has its own.
+// Interface for starting, watching and signalling the processes of actuators. ProcessSupervisor
+// implements it; the simulation has its own.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -16,30 +16,30 @@
 namespace musher {
 
 struct ProcessSpec {
-  std::string name;                        // whose process it is
+  std::string name;                        // of the actuator
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
   std::string cwd;                         // empty = ours
-  std::map<std::string, std::string> env;  // on top of ours, without what systemd gave to us
-  int output = -1;  // gets stdout and stderr; stays the caller's; -1 = our own
+  std::map<std::string, std::string> env;  // added to ours, from which systemd's are removed
+  int output = -1;  // for stdout and stderr; the caller keeps it; -1 = our own
 };
 
-// How a process ended.
+// How a process exited.
 struct ProcessExit {
   enum class Kind {
     kExited,   // number = its exit code
     kKilled,   // number = the signal
-    kUnknown,  // it was not our child: only that it ended is known
-    kNotRun    // its program could not be run; `last_words` says why
+    kUnknown,  // not our child: only its exit is known
+    kNotRun    // its program could not be executed; `last_words` says why
   };
 
   Kind kind = Kind::kUnknown;
   int number = 0;
-  std::string last_words = {};  // of one that ended by itself and was not content; may be empty
+  std::string last_words = {};  // last output of a process that exited with an error; may be empty
 
-  // Whether the process ended by itself and was content.
+  // Whether the process exited by itself with code 0.
   bool clean() const { return kind == Kind::kExited && number == 0; }
 
-  // 0 as well where it did not end by itself, or that is not known.
+  // The exit code; 0 also if it was killed or the code is unknown.
   int code() const { return kind == Kind::kExited ? number : 0; }
 
   // "exit code 3: no such port", "killed by SIGKILL", "ended (exit code unknown)".
@@ -55,20 +55,20 @@ class ProcessRunner {
   // Leaves the processes running and unwatched.
   virtual ~ProcessRunner() = default;
 
-  // Starts a process as the leader of its own group and watches it. What keeps the program from
-  // running (not found, no such cwd) is an Error of Start() where it shows at once, as it mostly
-  // does; on a disk that is slow to load the program it is the process's end, of kind kNotRun.
-  // After success `on_exit` runs exactly once, never inside Start().
+  // Starts a process as the leader of its own group and watches it. If the program cannot run (not
+  // found, no such cwd), Start() normally returns an Error; if a slow disk delays the loading of
+  // the program, `on_exit` reports it with kind kNotRun. After success `on_exit` runs exactly once,
+  // never inside Start().
   virtual Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) = 0;
 
-  // Watches a living process, e.g. one that the controller before us has started, or one of ours
-  // that hosts several actuators: each of them may watch it. Of one that we did not start only its
-  // end is told, not how. Fails when there is no such process. The caller knows that the pid is one
-  // of this host (HostId), and whose it is (ProcessProbe::Prove).
+  // Watches a running process, for example one that the previous controller has started, or one of
+  // ours that hosts several actuators: each of them may watch it. For a process that we did not
+  // start the exit code is unknown. Fails if there is no such process. The caller must know that
+  // the pid is of this host (HostId) and whose it is (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
-  // Sends a signal to a started or watched process: to its whole group if it leads one. Fails when
-  // the process is neither or has ended, so that it never hits a stranger with a reused pid.
+  // Sends a signal to a started or watched process: to its whole group if it leads one. Fails if
+  // the process is neither or has exited, so that it never hits another process with a reused pid.
   virtual Result<> Signal(pid_t pid, int signal) = 0;
 };
 

@@ -11,10 +11,10 @@
 namespace musher {
 namespace {
 
-// Its answer may still be under way when the end of a controller is seen.
+// A reply may still arrive after the exit of the controller is noticed.
 constexpr Duration kGrace = Milliseconds(200);
-// A successor answers once it has met the actuators.
-constexpr Duration kTellTimeout = std::chrono::seconds(10);
+// A successor replies once it has discovered the actuators.
+constexpr Duration kReplyTimeout = std::chrono::seconds(10);
 constexpr const char* kStopped = "stopped";  // a phase of MachineStatus
 constexpr Duration kQueryPeriod = Milliseconds(200);
 
@@ -70,23 +70,23 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
   switch (step_) {
     case Step::kFinding:
       before_ = status.switch_number;
-      return Ask(status);
-    case Step::kAsked:
+      return Call(status);
+    case Step::kCalled:
       if (status.phase == kStopped) stopped_ = status;
       if (wait_) return;  // it is known to have ended
       epoch_ = status.epoch;
       if (status.target == target_) number_ = status.switch_number;
       return;
     case Step::kOrphaned:
-      return GoOn(status);
+      return Continue(status);
     case Step::kQuerying:
     case Step::kEnded:
       return;
   }
 }
 
-void SwitchClient::Ask(const msg::MachineStatus& leader) {
-  step_ = Step::kAsked;
+void SwitchClient::Call(const msg::MachineStatus& leader) {
+  step_ = Step::kCalled;
   epoch_ = leader.epoch;
   pid_ = leader.pid;
   number_ = leader.target == target_ ? leader.switch_number : 0;
@@ -95,44 +95,44 @@ void SwitchClient::Ask(const msg::MachineStatus& leader) {
   Send();
 }
 
-// To the service of the controller that leads, as soon as that is matched; one that has died may
-// still be, and a successor gets no request that was meant for it.
+// Calls the service of the leading controller as soon as it is matched. The service of a crashed
+// controller may still be matched, and a successor must not get a request meant for it.
 void SwitchClient::Send() {
   if (sent_ || !watch_) return;
   const auto reaches = [this](const auto& client) {
     const std::vector<transport::PeerId> servers = client.Servers();
     return std::find(servers.begin(), servers.end(), watch_->participant()) != servers.end();
   };
-  if (step_ == Step::kAsked && reaches(*set_state_)) {
+  if (step_ == Step::kCalled && reaches(*set_state_)) {
     sent_ = true;
     set_state_->Call({target_, actuator_}, options_.timeout, [this](const auto& reply) {
       if (reply) return End({SwitchEnd::Kind::kAnswered, reply.value()});
-      if (step_ == Step::kAsked) EndUnknown(reply.error().message);
+      if (step_ == Step::kCalled) EndUnknown(reply.error().message);
     });
   } else if (step_ == Step::kQuerying && reaches(*get_switch_)) {
     sent_ = true;
-    get_switch_->Call({epoch_, number_}, kTellTimeout, [this](const auto& reply) {
-      if (reply && step_ == Step::kQuerying) OnTold(reply.value());
+    get_switch_->Call({epoch_, number_}, kReplyTimeout, [this](const auto& reply) {
+      if (reply && step_ == Step::kQuerying) OnReply(reply.value());
     });
   }
 }
 
-// "the controller (process 7, epoch 3) has ended during switch 5 to Active"
+// "the controller (pid 7, epoch 3) has exited during switch 5 to Active"
 std::string SwitchClient::Lost() const {
   const std::string during = number_ == 0
-                                 ? "before it said which switch to " + target_ + " it begins"
+                                 ? "before it reported the number of the switch to " + target_
                                  : "during switch " + std::to_string(number_) + " to " + target_;
-  return "the controller (process " + std::to_string(pid_) + ", epoch " + std::to_string(epoch_) +
+  return "the controller (pid " + std::to_string(pid_) + ", epoch " + std::to_string(epoch_) +
          ") " + how_ + " " + during;
 }
 
 void SwitchClient::OnLeaderEnd(const msg::MachineStatus&, const std::string& how) {
   transport::EventLoop& loop = node_.loop();
-  if (step_ == Step::kAsked && !wait_) {
+  if (step_ == Step::kCalled && !wait_) {
     how_ = how;
     wait_ = loop.At(loop.Now() + kGrace, [this] { Orphan(); });
   } else if (step_ == Step::kQuerying) {
-    Orphan();  // the successor has ended as well
+    Orphan();  // the successor has exited as well
   }
 }
 
@@ -140,17 +140,16 @@ void SwitchClient::Orphan() {
   if (EndedWithItsMachine()) return End(EndByStatus());
   transport::EventLoop& loop = node_.loop();
   step_ = Step::kOrphaned;
-  on_news_(Lost() + "; for " + Seconds(options_.successor) + " another one is waited for");
+  on_news_(Lost() + "; waiting " + Seconds(options_.successor) + " for a successor");
   wait_ = loop.At(loop.Now() + options_.successor, [this] {
-    EndUnknown("no controller has taken its place within " + Seconds(options_.successor) +
-               "; `musher up` with the same config takes over what still runs, and `musher "
-               "status` shows then where the machine is");
+    EndUnknown("no successor within " + Seconds(options_.successor) +
+               "; `musher up` with the same config takes control of what still runs, and `musher "
+               "status` then shows the machine's state");
   });
-  if (watch_->leader()) GoOn(*watch_->leader());
+  if (watch_->leader()) Continue(*watch_->leader());
 }
 
-// A controller ends with its machine. Its answer may be lost on the way, its latched status says
-// the same.
+// A controller exits with its machine. If its reply is lost, its latched status has the outcome.
 bool SwitchClient::EndedWithItsMachine() const {
   return target_ == kTearDown && actuator_.empty() && stopped_ && stopped_->epoch == epoch_;
 }
@@ -171,48 +170,48 @@ SwitchEnd SwitchClient::EndByStatus() const {
   return end;
 }
 
-void SwitchClient::GoOn(const msg::MachineStatus& successor) {
-  // One without the disk of the first begins with its epoch, and exceeds it as soon as it hears of
-  // it.
+void SwitchClient::Continue(const msg::MachineStatus& successor) {
+  // A successor without the disk of the first begins with the same epoch, and raises it as soon as
+  // it receives the higher one.
   if (successor.epoch <= epoch_ && successor.pid != pid_) return;
-  if (target_ == kTearDown && actuator_.empty()) return Ask(successor);
+  if (target_ == kTearDown && actuator_.empty()) return Call(successor);
   Query();
 }
 
 void SwitchClient::Query() {
   transport::EventLoop& loop = node_.loop();
   step_ = Step::kQuerying;
-  wait_ = loop.At(loop.Now() + kTellTimeout, [this] {
-    EndUnknown("its successor does not say within " + Seconds(kTellTimeout) +
-               " what became of it; `musher status` shows where the machine is");
+  wait_ = loop.At(loop.Now() + kReplyTimeout, [this] {
+    EndUnknown("its successor did not report the outcome within " + Seconds(kReplyTimeout) +
+               "; `musher status` shows the machine's state");
   });
   sent_ = false;
   Send();
 }
 
-void SwitchClient::OnTold(const msg::GetSwitch::Response& told) {
+void SwitchClient::OnReply(const msg::GetSwitch::Response& reply) {
   transport::EventLoop& loop = node_.loop();
-  if (told.outcome == msg::GetSwitch::kUnderWay) {
+  if (reply.outcome == msg::GetSwitch::kUnderWay) {
     wait_ = loop.At(loop.Now() + kQueryPeriod, [this] { Query(); });
     return;
   }
-  const bool ours = told.found && told.target == target_ && told.actuator == actuator_ &&
-                    (number_ != 0 || told.switch_number > before_);
-  if (!ours && (number_ != 0 || !told.found)) return EndUnknown(told.reason);
+  const bool ours = reply.found && reply.target == target_ && reply.actuator == actuator_ &&
+                    (number_ != 0 || reply.switch_number > before_);
+  if (!ours && (number_ != 0 || !reply.found)) return EndUnknown(reply.reason);
   SwitchEnd end;
   end.kind = SwitchEnd::Kind::kTold;
   end.result.target = target_;
   end.result.actuator = actuator_;
-  end.result.state = told.state;
+  end.result.state = reply.state;
   if (ours) {
-    end.result.switch_number = told.switch_number;
-    end.result.outcome = told.outcome;
-    end.result.code = told.code;
-    end.result.reason = told.reason;
+    end.result.switch_number = reply.switch_number;
+    end.result.outcome = reply.outcome;
+    end.result.code = reply.code;
+    end.result.reason = reply.reason;
   } else {
     end.result.outcome = msg::GetSwitch::kInterrupted;
     end.result.code = kCodeNetError;
-    end.result.reason = Lost() + "; it had not begun, ask again";
+    end.result.reason = Lost() + "; the switch had not begun, request it again";
   }
   End(end);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// What became of switches, as journal entries tell it: those of this controller, kept in memory, or
-// those of a controller before it, read from the journal.
+// The outcomes of switches from journal entries: those of this controller, kept in memory, or those
+// of an earlier controller, read from the journal.
 //
 // Threads: none of its own; plain values.
 
@@ -17,9 +17,10 @@ namespace musher {
 // For JournalEntry::data.
 std::string EncodeSwitchNote(const action::SwitchNote& note);
 
-// Of the switch of that epoch and number. `outcome` stays empty when the entries, oldest first,
-// tell of its begin alone; `found` is false when not even of that. Number 0 is the last switch of
-// the epoch; when there was none, and the entries tell of that epoch, it is found with number 0.
+// The outcome of the switch with that epoch and number. `outcome` is empty if the entries, oldest
+// first, contain only its begin; `found` is false if they do not contain even that. Number 0 is the
+// last switch of the epoch; if there was none and the entries cover that epoch, `found` is true
+// with number 0.
 msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, std::uint64_t epoch,
                                     std::uint64_t number);
 

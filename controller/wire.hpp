@@ -1,5 +1,5 @@
 #pragma once
-// Results and plans of the rules as messages, and back.
+// Results, plans and records of the decision code as messages.
 
 #include "musher/controller/journal.hpp"
 #include "musher/lifecycle/machine.hpp"
@@ -13,7 +13,7 @@ msg::SetState::Response ToMessage(const SwitchResult& result);
 msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan);
 msg::HistoryEntry ToMessage(const JournalEntry& entry);
 
-// Without the controller's own process and host.
+// Without the controller's own pid and host.
 msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine);
 
 }  // namespace musher

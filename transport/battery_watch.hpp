@@ -1,6 +1,6 @@
 #pragma once
-// What the battery has, as the robot's battery topic (protocol/BmsStatus) tells it: for those who
-// refuse what needs more.
+// The battery level from the robot's battery topic (protocol/BmsStatus), for capabilities that need
+// a minimum.
 //
 // Threads: loop thread only.
 
@@ -16,11 +16,11 @@ namespace musher::transport {
 
 class BatteryWatch {
  public:
-  // Without a sample for so long the level is not known any more.
+  // After this time without a sample the level is unknown.
   static constexpr Duration kSilent = std::chrono::seconds(10);
 
-  // Hears of every change: percent, or nullopt when it is not known any more. Not known is also
-  // where it begins. Samples above 100 % are no levels and do not count.
+  // Called at every change: percent, or nullopt when the level becomes unknown. The level is
+  // unknown at first. Samples above 100 % are ignored.
   using OnChange = std::function<void(std::optional<int>)>;
 
   static Result<std::unique_ptr<BatteryWatch>> Make(Node& node, const std::string& topic,
@@ -28,17 +28,16 @@ class BatteryWatch {
 
  private:
   BatteryWatch(Node& node, OnChange on_change);
-  void Tell(std::optional<int> percent);
+  void Set(std::optional<int> percent);
 
   Node& node_;
   const OnChange on_change_;
-  std::optional<int> told_;
+  std::optional<int> percent_;
   LoopHandlePtr silence_;
   std::unique_ptr<Subscription> samples_;
 };
 
-// The topic on which a machine's battery is told of, in its namespace: that of the policy, else
-// `bms_status`.
+// The battery topic of a machine, in its namespace: that of the policy, else `bms_status`.
 std::string BatteryTopic(const MachineConfig& config);
 
 }  // namespace musher::transport

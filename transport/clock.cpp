@@ -28,8 +28,8 @@ class SteadyClock : public Clock {
   EventLoop& loop_;
 };
 
-// How far back a sample of the same writer may be to be taken for one that was overtaken. Farther
-// back, the writer has begun anew, as a recording that is played in a circle.
+// A sample of the same writer that is this much older counts as reordered. An older one means that
+// the writer has restarted, such as a recording played in a loop.
 constexpr Duration kOvertaken = std::chrono::seconds(1);
 constexpr std::uint32_t kNanosecondsInSecond = 1'000'000'000;
 
@@ -60,7 +60,7 @@ class TopicClock : public Clock {
  private:
   void OnSample(const msg::Clock& message, const SampleInfo& info) {
     const msg::Stamp& stamp = message.clock;
-    if (stamp.sec < 0 || stamp.nanosec >= kNanosecondsInSecond) return;  // no time of a world
+    if (stamp.sec < 0 || stamp.nanosec >= kNanosecondsInSecond) return;  // invalid
     const Time time = Time{} + msg::FromStamp(stamp);
     if (writer_ == info.writer && time <= now_ && now_ - time < kOvertaken) return;
     const bool first = !writer_.has_value();

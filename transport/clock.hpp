@@ -1,14 +1,14 @@
 #pragma once
 // The time that a module's behaviour follows: the steady time of its loop, or the topic /clock of a
-// simulated world, as ROS 2's use_sim_time has it. Deadlines of switches, leases and restarts are
-// the loop's own and never follow /clock.
+// simulated world, like ROS 2's use_sim_time. Deadlines of switches, leases and restarts use the
+// loop's time and never follow /clock.
 //
-// On /clock, time is what the last sample said, and stands still between samples: a timer fires
-// when a sample reaches it, so a world that runs five times as fast fires it five times as often.
-// Before the first sample Now() is Time{} and nothing fires. When time jumps - at the first sample,
-// or backwards because the world was restarted - every timer keeps the time that was left to it.
+// On /clock, time is the last sample and stands still between samples: a timer fires when a sample
+// reaches it, so a world that runs five times as fast fires it five times as often. Before the
+// first sample Now() is Time{} and nothing fires. When time jumps - at the first sample, or
+// backwards because the world was restarted - every timer keeps its remaining time.
 //
-// Threads: the loop's only. Handles must be gone before their clock, a clock before its node. A
+// Threads: loop thread only. Handles must be dropped before their clock, a clock before its node. A
 // callback may drop any handle, its own too, but not the clock.
 
 #include <functional>
@@ -21,7 +21,7 @@
 namespace musher::transport {
 
 inline constexpr Qos kClockQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 1};
-inline constexpr const char* kClockTopic = "clock";  // whatever the namespace
+inline constexpr const char* kClockTopic = "clock";  // in every namespace
 
 class Clock {
  public:
@@ -29,25 +29,25 @@ class Clock {
 
   static std::unique_ptr<Clock> Steady(EventLoop& loop);
 
-  // `on_jump_back` runs when the world was restarted, before anything fires at the new time.
+  // `on_jump_back` runs when the world was restarted, before any timer fires at the new time.
   static Result<std::unique_ptr<Clock>> FromTopic(Node& node,
                                                   std::function<void()> on_jump_back = {});
 
-  // The one that the machine goes by.
+  // The clock that the machine's config selects.
   static Result<std::unique_ptr<Clock>> Of(const MachineConfig& config, Node& node,
                                            std::function<void()> on_jump_back = {});
 
-  // On /clock: Time{} plus what the world's clock shows.
+  // On /clock: Time{} plus the last sample.
   virtual Time Now() const = 0;
 
-  // Now, as the messages of modules are stamped: what /clock shows, else the time of day. Not for
-  // measuring: a time of day may be set.
+  // Now, for the stamps of messages: the time of /clock, else the time of day. Not for measuring:
+  // the time of day may be set.
   virtual msg::Stamp Stamp() const = 0;
 
-  // Runs `callback` once, at `when` or as soon after as the clock comes to it.
+  // Runs `callback` once, at `when` or as soon as possible after it.
   virtual LoopHandlePtr At(Time when, std::function<void()> callback) = 0;
 
-  // Runs `callback` every `period`, first one period from now. Missed periods are not made up for.
+  // Runs `callback` every `period`, first one period from now. Skips missed periods.
   virtual LoopHandlePtr Every(Duration period, std::function<void()> callback) = 0;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a transport has to offer: untyped writers and readers of samples. Typed publishers,
-// subscriptions, clients and servers are built on these in node.hpp, once for every transport.
+// The interface of a transport: untyped writers and readers of samples. node.hpp and service.hpp
+// build typed publishers, subscriptions, clients and servers on them, once for every transport.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,9 +25,9 @@ struct Qos {
 
   Reliability reliability = Reliability::kReliable;
   Durability durability = Durability::kVolatile;
-  int depth = 10;  // keep last so many; 0 = keep all
-  // Writers and readers of a topic meet in the same partition; "*" is every one. Empty: the default
-  // one, and ROS 2's. What it views outlives the endpoint.
+  int depth = 10;  // keep last; 0 = keep all
+  // Writers and readers of a topic match in the same partition; "*" matches all. Empty: the default
+  // one, as in ROS 2. The viewed text must outlive the endpoint.
   std::string_view partition = {};
 
   friend bool operator==(const Qos&, const Qos&) = default;
@@ -38,22 +38,23 @@ inline constexpr Qos kDefaultQos{};  // topics and services
 inline constexpr Qos kSensorDataQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 5};
 inline constexpr Qos kSystemDefaultQos{Qos::Reliability::kReliable, Qos::Durability::kVolatile, 1};
 inline constexpr Qos kLatchedQos{Qos::Reliability::kReliable, Qos::Durability::kTransientLocal, 1};
-// The reader's side of a latched topic with many writers: keyless topics have one history for all.
+// For readers of a latched topic with many writers: keyless topics have one history for all
+// writers.
 inline constexpr Qos kLatchedFromManyQos{Qos::Reliability::kReliable,
                                          Qos::Durability::kTransientLocal, 0};
 
-// Signs of life from many: one that is lost is followed by the next.
+// Heartbeats of many writers: a lost one needs no retransmission.
 inline constexpr Qos kHeartbeatQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 0};
 
-// A writer or reader of another participant, or that participant itself, which keeps its number
-// when it was out of reach meanwhile. 0 is nobody.
+// Identifies a writer or reader of another participant, or that participant itself, which keeps its
+// id after its connection was lost. 0: none.
 using PeerId = std::uint64_t;
 
 struct SampleInfo {
   PeerId writer = 0;       // of the sample
-  PeerId participant = 0;  // that the writer belongs to
-  // The partition it was written in, for readers of partition "*" only. With security on nobody
-  // writes in one that is not his own.
+  PeerId participant = 0;  // of the writer
+  // The partition of the sample, for readers of partition "*" only. With security on a participant
+  // can only write in its own partition.
   std::optional<std::string_view> partition = std::nullopt;
 };
 
@@ -61,20 +62,20 @@ class RawWriter {
  public:
   virtual ~RawWriter() = default;
 
-  // Sends one encoded sample, which is not copied again. Fails when the transport refuses it
-  // (oversized, history full).
+  // Sends one encoded sample without another copy. Fails if the transport refuses it (oversized,
+  // history full).
   virtual Result<> Write(msg::Bytes bytes) = 0;
 
-  // Blocks until every matched reliable reader has all that was written: for a program that ends
-  // after it. Timeout when one has not by then.
+  // Blocks until every matched reliable reader has all samples: for a program that then exits.
+  // Fails with a timeout if one has not.
   virtual Result<> Flush(Duration timeout) = 0;
 
-  // How many readers are matched, and how many of them belong to `participant`.
+  // The number of matched readers, and of those of `participant`.
   virtual int MatchedReaders() const = 0;
   virtual int ReadersOf(PeerId participant) const = 0;
   bool HasReaderOf(PeerId participant) const { return ReadersOf(participant) > 0; }
 
-  // A number for this writer that no other in the domain has.
+  // An id of this writer, unique in the domain.
   virtual std::uint64_t UniqueId() const = 0;
 };
 
@@ -82,7 +83,7 @@ class RawReader {
  public:
   virtual ~RawReader() = default;
 
-  // How many writers are matched, and how many of them belong to `participant`.
+  // The number of matched writers, and of those of `participant`.
   virtual int MatchedWriters() const = 0;
   virtual int WritersOf(PeerId participant) const = 0;
   bool HasWriterOf(PeerId participant) const { return WritersOf(participant) > 0; }
@@ -91,10 +92,10 @@ class RawReader {
   virtual std::vector<PeerId> WriterParticipants() const = 0;
 };
 
-// All run on the loop. A reader's callbacks never run after the reader is gone.
+// All run on the loop, never after their reader is dropped.
 struct ReaderCallbacks {
   std::function<void(std::span<const std::byte>, const SampleInfo&)> on_sample;
-  // A writer has gone (deleted, its process died, its host is unreachable). It was matched before.
+  // A matched writer is lost (deleted, its process crashed, its host is unreachable).
   std::function<void(PeerId writer)> on_writer_lost;
   std::function<void()> on_match_changed;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// The topics and services of one module, in its machine's namespace, kept as long as this, and the
-// time it goes by. What cannot be opened is found in opened(), so that a list of them reads as one.
+// The topics, services and clock of one module, in its machine's namespace, kept as long as this
+// object. opened() has the error if one could not be opened, so that callers check only once.
 //
 // Threads: loop thread only.
 
@@ -24,18 +24,18 @@ class Endpoints {
 
   Node& node() { return node_; }
 
-  // Answers a service. The reply may be given later, when what was asked for has come about.
+  // Offers a service. The handler may reply later.
   template <msg::Service S>
   void Serve(const std::string& name, typename Server<S>::Handler handler) {
     Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
-  // Gives the subscription, which tells who speaks; null when it could not be opened.
+  // Subscribes. Returns the subscription, which knows its writers; null if it could not be opened.
   template <msg::Message M>
   Subscription* Hear(const std::string& name, std::function<void(const M&)> handler,
                      const Qos& qos = kDefaultQos) {
     return HearResolved<M>(Resolve(name), std::move(handler), qos);
   }
-  // The same, where it matters which publisher said what, and that one has gone.
+  // Subscribes with the publisher of each sample, and a callback for a lost publisher.
   template <msg::Message M>
   Subscription* HearEach(const std::string& name,
                          std::function<void(const M&, PeerId publisher)> handler,
@@ -50,7 +50,7 @@ class Endpoints {
         },
         qos, std::move(events)));
   }
-  // `topic` with its namespace.
+  // Subscribes to a `topic` that is already resolved.
   template <msg::Message M>
   Subscription* HearResolved(const std::string& topic, std::function<void(const M&)> handler,
                              const Qos& qos) {
@@ -59,26 +59,26 @@ class Endpoints {
         [handler = std::move(handler)](const M& sample, const SampleInfo&) { handler(sample); },
         qos));
   }
-  // Gives what publishes one sample; it does nothing when the topic could not be opened.
+  // Returns a function that publishes a sample; it does nothing if the topic could not be opened.
   template <msg::Message M>
   std::function<void(const M&)> Tell(const std::string& name, const Qos& qos = kDefaultQos) {
     auto* publisher = Advertise<M>(name, qos);
     if (publisher == nullptr) return [](const M&) {};
-    // What cannot be sent is followed by the next.
+    // A failed publish needs no retry: the next sample follows.
     return [publisher](const M& sample) { static_cast<void>(publisher->Publish(sample)); };
   }
-  // A publisher, which also tells who listens; null when it could not be opened.
+  // A publisher, which knows its matched readers; null if it could not be opened.
   template <msg::Message M>
   Publisher<M>* Advertise(const std::string& name, const Qos& qos = kDefaultQos) {
     return Keep(MakePublisher<M>(node_, Resolve(name), qos));
   }
-  // To call somebody else's service; null when it could not be opened.
+  // A client of a service; null if it could not be opened.
   template <msg::Service S>
   Client<S>* Ask(const std::string& name, std::function<void()> on_match_changed = {}) {
     return Keep(MakeClient<S>(node_, Resolve(name), std::move(on_match_changed)));
   }
 
-  // The time that the machine's modules go by, see [controller] clock.
+  // The clock of the machine's modules, see [controller] clock.
   Clock& clock() {
     if (clock_) return *clock_;
     auto made = Clock::Of(config_, node_);
@@ -91,11 +91,11 @@ class Endpoints {
     kept_.push_back(clock().Every(period, std::move(work)));
   }
 
-  // Something of the module's own that stands on them, a handle of the clock's, say: gone before
-  // the clock is.
+  // Keeps an object of the module that uses the endpoints, such as a handle of the clock; dropped
+  // before the clock.
   void Keep(std::shared_ptr<void> thing) { kept_.push_back(std::move(thing)); }
 
-  // Why one of them could not be opened.
+  // The error of an endpoint that could not be opened.
   const Result<>& opened() const { return opened_; }
 
  private:
@@ -117,7 +117,7 @@ class Endpoints {
   const MachineConfig& config_;
   Result<> opened_;
   std::unique_ptr<Clock> clock_;
-  std::vector<std::shared_ptr<void>> kept_;  // gone before the clock, which timers need
+  std::vector<std::shared_ptr<void>> kept_;  // dropped before the clock, which timers need
 };
 
 }  // namespace musher::transport

@@ -1,12 +1,12 @@
 #pragma once
-// The one loop of a process. Everything of a node - timers, samples, file descriptors, posted work
-// - is handled on the thread that runs the loop, one thing at a time, in the order it became due.
+// The event loop of a process. The thread that runs the loop handles everything of a node - timers,
+// samples, file descriptors, posted work - one at a time, in the order in which it became due.
 //
 // Two kinds: the real one (epoll, in linux_event_loop.hpp) and the simulated one (virtual time, in
 // sim/). Code that takes an EventLoop& runs on either.
 //
 // Threads: only Post() and Stop() may be called from other threads than the loop's. Handles must be
-// gone before their loop is. A callback may drop any handle, its own too, but must not run the
+// dropped before their loop. A callback may drop any handle, its own too, but must not run the
 // loop.
 
 #include <functional>
@@ -17,7 +17,7 @@
 namespace musher::transport {
 
 // Holds a timer or a file descriptor watch; dropping it ends the timer or watch. After that its
-// callback does not run any more, even when it was already due.
+// callback never runs, even if it was already due.
 class [[nodiscard]] LoopHandle {
  public:
   virtual ~LoopHandle() = default;
@@ -30,27 +30,27 @@ class EventLoop {
 
   virtual Time Now() const = 0;
 
-  // Runs `work` on the loop as soon as it comes to it. From any thread.
+  // Runs `work` on the loop as soon as possible. From any thread.
   virtual void Post(std::function<void()> work) = 0;
 
-  // Runs `callback` once, at `when` or as soon after as the loop comes to it.
+  // Runs `callback` once, at `when` or as soon as possible after it.
   virtual LoopHandlePtr At(Time when, std::function<void()> callback) = 0;
 
-  // Runs `callback` every `period`, first one period from now. Missed periods are not made up for.
+  // Runs `callback` every `period`, first one period from now. Skips missed periods.
   virtual LoopHandlePtr Every(Duration period, std::function<void()> callback) = 0;
 
-  // Runs `callback` while `fd` is readable (a pidfd, a pipe, a signalfd). The fd stays the caller's
-  // and must outlive the handle. Real loops only; a simulated one has no file descriptors.
+  // Runs `callback` while `fd` is readable (a pidfd, a pipe, a signalfd). The caller keeps the fd,
+  // which must outlive the handle. Real loops only; a simulated one has no file descriptors.
   virtual LoopHandlePtr WhenReadable(int fd, std::function<void()> callback) = 0;
 
   // Runs the loop on the calling thread until Stop().
   virtual void Run() = 0;
 
-  // Runs the loop until `done` holds (checked after every event) or the deadline is over; says
+  // Runs the loop until `done` holds (checked after every event) or the deadline is over; returns
   // whether it held. For programs that wait for one thing, and for tests.
   virtual bool RunUntil(const std::function<bool()>& done, Time deadline) = 0;
 
-  // Makes Run() return; RunUntil() goes on. From any thread, also before Run().
+  // Makes Run() return; RunUntil() continues. From any thread, also before Run().
   virtual void Stop() = 0;
 };
 

@@ -39,12 +39,12 @@ std::optional<AbstractAddress> AddressOf(std::string_view name) {
   return result;
 }
 
-// Datagram: a bound socket can be connected to without anybody listening.
+// Datagram: connect() to a bound socket needs no listener.
 UniqueFd MakeSocket() {
   return UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
 }
 
-// The inode of the socket that is bound to an abstract address, by the kernel's table of them:
+// The inode of the socket that is bound to an abstract address, from the kernel's table:
 // "ffff8880: 00000002 00000000 00000000 0002 01 41923 @musher/…", with '@' for the zero byte.
 std::string InodeOf(const std::string& address) {
   std::ifstream table("/proc/net/unix");
@@ -65,7 +65,7 @@ struct OpenFile {
   struct stat status {};
 };
 
-// The descriptors of a process that `wanted` takes, at most one; nullopt: none, or they are hidden.
+// The first descriptor of a process that `wanted` accepts; nullopt: none, or they are not visible.
 template <typename Wanted>
 std::optional<OpenFile> FindOpen(pid_t pid, const Wanted& wanted) {
   std::error_code hidden;
@@ -81,7 +81,7 @@ bool IsTrusted(uid_t uid) {
   return uid == 0 || uid == geteuid();
 }
 
-// The process as the holder of the socket with this inode, if it is.
+// The process as the holder of the socket with this inode, if it holds it.
 NameLock::Holder HolderIf(pid_t pid, const std::string& inode) {
   const auto socket = FindOpen(pid, [&](const OpenFile& file) {
     return S_ISSOCK(file.status.st_mode) && std::to_string(file.status.st_ino) == inode;
@@ -133,7 +133,7 @@ Result<NameLock> NameLock::Acquire(std::string_view name) {
   Error error = SystemError("can't take the name " + std::string(name));
   if (errno == EADDRINUSE) {
     error = {kCodeTargetBusy, "a process named " + std::string(name) +
-                                  " runs on this host already: " + HolderOf(name).Text()};
+                                  " already runs on this host: " + HolderOf(name).Text()};
   }
   return error;
 }

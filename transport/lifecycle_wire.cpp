@@ -32,10 +32,10 @@ std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
 }
 
-std::string_view SpeakingPartition(const MachineConfig& config, std::size_t actuator) {
+std::string_view WriterPartition(const MachineConfig& config, std::size_t actuator) {
   return config.keys.empty() ? std::string_view() : config.actuators[actuator].name;
 }
-std::string_view HearingPartition(bool with_keys) {
+std::string_view ReaderPartition(bool with_keys) {
   return with_keys ? kEveryPartition : std::string_view();
 }
 bool IsFrom(std::string_view actuator, const SampleInfo& info) {

@@ -1,5 +1,6 @@
 #pragma once
-// The rules' values as messages and back, and the names under which a machine speaks.
+// Converts values of the decision code to messages and back, and names a machine's topics and
+// services.
 
 #include <string>
 #include <string_view>
@@ -27,26 +28,27 @@ std::string EmergencyStopTopic(std::string_view name_space);
 std::string MachineService(std::string_view name_space, std::string_view name);
 inline constexpr std::string_view kMachinesTopic = "musher/machines";
 
-// In what partition an actuator tells its status and its signs of life, and in which of them they
-// are heard: with keys, that of its name, where nobody else may write; without, the usual one.
-std::string_view SpeakingPartition(const MachineConfig& config, std::size_t actuator);
-std::string_view HearingPartition(bool with_keys);
-// Whether what names an actuator comes from it, as far as that can be known.
+// The partition in which an actuator publishes its status and heartbeats, and the one for their
+// readers. With keys an actuator writes in the partition of its name, where no other participant
+// may write; without keys in the default one.
+std::string_view WriterPartition(const MachineConfig& config, std::size_t actuator);
+std::string_view ReaderPartition(bool with_keys);
+// Whether a sample that names an actuator comes from that actuator, as far as known.
 bool IsFrom(std::string_view actuator, const SampleInfo& info);
 
-// A steady clock's time as it crosses the wire. Means something only to the process it came from.
+// A steady clock's time on the wire. Only the process that it came from can interpret it.
 std::int64_t ToNanoseconds(Time time);
 Time FromNanoseconds(std::int64_t ns);
 
 msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& report);
-// A stamp that no clock gives becomes the nearest that can be computed with.
+// A stamp out of range becomes the nearest valid one.
 ActuatorReport FromMessage(const msg::ActuatorStatus& status);
 
 std::uint8_t ToMessage(Verdict verdict);
 // Of a work thread: well, starved or hung.
 std::uint8_t ToMessage(Health work);
-Health WorkFrom(std::uint8_t work);  // an unknown one counts as well
+Health WorkFrom(std::uint8_t work);  // an unknown value counts as kWell
 
-Verdict VerdictFrom(std::uint8_t verdict);  // an unknown one counts as refused
+Verdict VerdictFrom(std::uint8_t verdict);  // an unknown value counts as refused
 
 }  // namespace musher::transport

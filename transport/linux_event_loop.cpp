@@ -59,7 +59,7 @@ LinuxEventLoop::LinuxEventLoop()
   AddToEpoll(epoll_.get(), timer_.get(), EPOLLIN | EPOLLET, kTimerKey);
 }
 
-// The loop is woken without the lock, which it takes at once.
+// Wakes the loop without holding the lock, which the loop takes at once.
 void LinuxEventLoop::Post(std::function<void()> work) {
   {
     const std::lock_guard lock(mutex_);
@@ -104,7 +104,7 @@ bool LinuxEventLoop::RunUntil(const std::function<bool()>& done, Time deadline) 
 
 void LinuxEventLoop::Stop() {
   stop_ = true;
-  Post([] {});  // so that Run() looks
+  Post([] {});  // so that Run() checks stop_
 }
 
 bool LinuxEventLoop::Turn(const Done& done) {
@@ -165,7 +165,7 @@ int LinuxEventLoop::Poll() {
   return ready;
 }
 
-// Whether there is nothing to do at once. From then on whoever posts wakes the loop.
+// Whether no work is due. From then on Post() wakes the loop.
 bool LinuxEventLoop::MayBlock() {
   const auto due = timers_.NextDue();
   const bool timer_waits = due && *due <= Now();

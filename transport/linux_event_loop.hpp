@@ -2,8 +2,8 @@
 // The event loop of a real process: epoll for file descriptors, an eventfd for work from other
 // threads, one timerfd armed for the next timer. An idle loop does not wake up.
 //
-// A turn of the loop runs the timers that are due, then the work posted before the turn, then what
-// is readable, so that none of the three can starve the others.
+// A turn of the loop runs the due timers, then the work posted before the turn, then the callbacks
+// of readable file descriptors, so that none of the three can starve the others.
 
 #include <array>
 #include <atomic>
@@ -23,7 +23,7 @@ namespace musher::transport {
 
 class LinuxEventLoop : public EventLoop {
  public:
-  // Throws std::system_error when the process has no file descriptors left.
+  // Throws std::system_error if the process has no file descriptors left.
   LinuxEventLoop();
   LinuxEventLoop(const LinuxEventLoop&) = delete;
   LinuxEventLoop& operator=(const LinuxEventLoop&) = delete;
@@ -45,7 +45,7 @@ class LinuxEventLoop : public EventLoop {
   class WatchHandle;
   using Done = std::function<bool()>;
 
-  // Waits for something to do and does it; says whether `done` held after one of the things.
+  // Waits for work and runs it; returns whether `done` held after one item.
   bool Turn(const Done& done);
   bool RunDueTimers(const Done& done);
   bool RunPosted(const Done& done);
@@ -64,14 +64,14 @@ class LinuxEventLoop : public EventLoop {
   std::map<std::uint64_t, std::shared_ptr<Watch>> watches_;
   std::uint64_t next_watch_;
   static constexpr int kMaxReady = 16;
-  std::array<std::uint64_t, kMaxReady> ready_{};  // watches that the last poll found readable
+  std::array<std::uint64_t, kMaxReady> ready_{};  // readable watches of the last poll
   int ready_count_ = 0;
 
   std::deque<std::function<void()>> batch_;  // posted work that this turn runs
   std::atomic<bool> stop_ = false;
-  std::mutex mutex_;                          // guards what follows
+  std::mutex mutex_;                          // guards the members below
   std::deque<std::function<void()>> posted_;  // work for the next turn
-  bool asleep_ = false;                       // the loop waits: whoever posts must wake it
+  bool asleep_ = false;                       // the loop waits: Post() must wake it
 };
 
 }  // namespace musher::transport

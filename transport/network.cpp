@@ -10,7 +10,7 @@ namespace musher::transport {
 
 bool HasNetwork() {
   ifaddrs* all = nullptr;
-  if (getifaddrs(&all) != 0) return true;  // not known: nothing is said
+  if (getifaddrs(&all) != 0) return true;  // unknown: assume yes
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(all, freeifaddrs);
   for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
     const bool up = (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What this host has of a network.
+// The network interfaces of this host.
 //
 // Threads: any.
 

@@ -1,16 +1,16 @@
 #pragma once
-// A part of the robot's domain with its loop, and what is made from it: publishers, subscriptions,
-// service clients and servers. Topic and service names are ROS 2's, without "rt/",
-// "rq/" or "rr/" and without a leading '/': "chat" is ROS 2's /chat.
+// A participant of the robot's domain with its loop, and the publishers, subscriptions, service
+// clients and servers made from it. Topic and service names are ROS 2's, without "rt/", "rq/" or
+// "rr/" and without a leading '/': "chat" is ROS 2's /chat.
 //
 //   auto chat = MakePublisher<msg::String>(node, "chat");
-//   auto heard = MakeSubscription<msg::String>(node, "chat", [](const msg::String& m) {...});
-//   auto server = MakeServer<msg::Trigger>(node, "reset", [](auto& request, auto reply) {...});
-//   auto client = MakeClient<msg::Trigger>(node, "reset");
-//   client->Call({}, Milliseconds(100), [](Result<msg::Trigger::Response> answer) {...});
+//   auto subscription = MakeSubscription<msg::String>(node, "chat", [](const msg::String& m)
+//   {...}); auto server = MakeServer<msg::Trigger>(node, "reset", [](auto& request, auto reply)
+//   {...}); auto client = MakeClient<msg::Trigger>(node, "reset"); client->Call({},
+//   Milliseconds(100), [](Result<msg::Trigger::Response> answer) {...});
 //
-// Threads: all of it on the node's loop thread, except where EventLoop says otherwise. Everything
-// made from a node must be gone before the node is. Several actuators of a process share one node.
+// Threads: the node's loop thread only, except where EventLoop permits others. Everything made from
+// a node must be dropped before the node. Several actuators of a process may share one node.
 
 #include <cstdint>
 #include <functional>
@@ -42,8 +42,8 @@ class Node {
                                                            ReaderCallbacks callbacks) = 0;
 };
 
-// A name as ROS 2 resolves it: a relative one joins the namespace ("" or "dog1"), an absolute one
-// ("/show/state") stands for itself.
+// Resolves a name as ROS 2 does: a relative one gets the namespace ("" or "dog1"), an absolute one
+// ("/show/state") does not.
 inline std::string ResolveName(std::string_view name_space, std::string_view name) {
   if (name.starts_with('/')) return std::string(name.substr(1));
   return name_space.empty() ? std::string(name) : std::string(name_space) + "/" + std::string(name);
@@ -56,7 +56,7 @@ class Publisher {
 
   Result<> Publish(const M& message) { return writer_->Write(msg::Encode(message)); }
   int MatchedReaders() const { return writer_->MatchedReaders(); }
-  // Blocks until all matched readers have it all; for a program that ends after it.
+  // Blocks until all matched readers have all samples; for a program that then exits.
   Result<> Flush(Duration timeout) { return writer_->Flush(timeout); }
 
  private:
@@ -77,7 +77,7 @@ class Subscription {
   std::unique_ptr<RawReader> reader_;  // last: its callbacks end before what they use
 };
 
-// What a subscription tells beside its samples; both optional.
+// Callbacks of a subscription beside its samples; both optional.
 struct SubscriptionEvents {
   std::function<void(PeerId writer)> on_writer_lost;
   std::function<void()> on_match_changed;
@@ -93,7 +93,7 @@ Result<std::unique_ptr<Publisher<M>>> MakePublisher(Node& node, const std::strin
   return std::make_unique<Publisher<M>>(std::move(writer).value());
 }
 
-// The message is the callback's own, to move it elsewhere.
+// The callback owns the message and may move it.
 template <msg::Message M>
 Result<std::unique_ptr<Subscription>> MakeSubscription(
     Node& node, const std::string& topic, std::function<void(M&&, const SampleInfo&)> on_message,

@@ -1,6 +1,6 @@
 #pragma once
-// A node on DDS with its loop on a thread of its own, for programs whose main thread does something
-// else. All actuators of a process may share one.
+// A DDS node with its loop on a thread of its own, for programs that use their main thread
+// otherwise. All actuators of a process may share one.
 
 #include <functional>
 #include <memory>
@@ -14,12 +14,12 @@ namespace musher::transport {
 class NodeThread {
  public:
   static Result<std::shared_ptr<NodeThread>> Start(const DdsOptions& options = {});
-  // Everything made from the node must be gone before. From any thread but the loop's.
+  // Everything made from the node must be dropped before. From any thread except the loop's.
   ~NodeThread();
   NodeThread(const NodeThread&) = delete;
   NodeThread& operator=(const NodeThread&) = delete;
 
-  // Runs `work` on the loop and waits for it. From any thread but the loop's.
+  // Runs `work` on the loop and waits for it. From any thread except the loop's.
   void RunOnLoop(const std::function<void()>& work);
 
   // To be used on the loop only, except for Post().

@@ -11,7 +11,7 @@ namespace musher::transport {
 class PeerTable {
  public:
   void Add(PeerId endpoint, PeerId participant);
-  // Says whether it was there.
+  // Returns whether the endpoint was in the table.
   bool Remove(PeerId endpoint);
 
   bool Contains(PeerId endpoint) const;

@@ -10,7 +10,7 @@ Result<std::unique_ptr<RawClient>> RawClient::Make(Node& node, const std::string
   std::unique_ptr<RawClient> client(new RawClient(node, service, std::move(on_match_changed)));
   RawClient* self = client.get();
 
-  // The reader first: whoever discovers the writer has then been told of the reader, too.
+  // The reader first: a server that discovers the writer has then discovered the reader, too.
   ReaderCallbacks reader_callbacks;
   reader_callbacks.on_sample = [self](std::span<const std::byte> bytes, const SampleInfo&) {
     self->TakeReply(bytes);
@@ -50,7 +50,7 @@ void RawClient::Call(const msg::RequestId& id, msg::Bytes request, Duration time
   call.end = loop_.At(loop_.Now() + timeout, [this, sequence] {
     const bool sent = calls_.at(sequence).unsent.empty();
     End(sequence, Error{kCodeTimeout, service_ + (sent ? ": no reply in time"
-                                                       : ": no server has appeared in time")});
+                                                       : ": no server available in time")});
   });
   if (Ready()) Send(sequence, call);
 }
@@ -80,7 +80,7 @@ void RawClient::TakeReply(std::span<const std::byte> bytes) {
 }
 
 void RawClient::End(std::int64_t sequence, const Result<std::span<const std::byte>>& outcome) {
-  auto call = calls_.extract(sequence);  // a second reply or one too late finds nothing
+  auto call = calls_.extract(sequence);  // a second or late reply finds no call
   if (call.empty()) return;
   call.mapped().on_reply(outcome);  // last: it may drop the client
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The untyped half of a service client: numbers requests, holds them until a server is there, finds
-// the call that a reply belongs to, and ends every call by its deadline.
+// The untyped half of a service client: numbers requests, holds them until a server is matched,
+// finds the call of each reply, and ends every call by its deadline.
 //
 //   called --server matched--> sent --reply--> ended with the reply
 //      \                        \---deadline-> ended with kCodeTimeout
@@ -23,7 +23,7 @@ namespace musher::transport {
 
 class RawClient {
  public:
-  // The bytes are those of the whole sample, request id included, and last as long as the call.
+  // The bytes of the whole sample including the request id; valid during the callback only.
   using OnReply = std::function<void(Result<std::span<const std::byte>>)>;
 
   // `type` is the service's, "std_srvs::srv::dds_::Trigger_".
@@ -36,7 +36,7 @@ class RawClient {
   // The participants whose server is matched in both directions.
   std::vector<PeerId> Servers() const;
 
-  // The id that the next request must be encoded with.
+  // The id for encoding the next request.
   msg::RequestId NextId();
 
   // Takes the encoded request with `id`; see Client::Call() for how it ends.
@@ -46,7 +46,7 @@ class RawClient {
   struct Pending {
     msg::Bytes unsent;  // empty once it is sent
     OnReply on_reply;
-    LoopHandlePtr end;  // ends the call at its deadline, or at once when it cannot be sent
+    LoopHandlePtr end;  // ends the call at its deadline, or at once if it cannot be sent
   };
 
   RawClient(Node& node, std::string service, std::function<void()> on_match_changed)

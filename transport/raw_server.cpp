@@ -20,7 +20,7 @@ Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string
   std::unique_ptr<RawServer> server(new RawServer(node, std::move(on_request)));
   RawServer* self = server.get();
 
-  // The writer first, so that it exists when the first request comes.
+  // The writer first, so that it exists when the first request arrives.
   WriterCallbacks writer_callbacks;
   writer_callbacks.on_match_changed = [self] { self->OnMatchChanged(); };
   auto replies = node.MakeRawWriter(ReplyTopic(service), ResponseType(type), kDefaultQos,
@@ -70,7 +70,7 @@ void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& 
     const auto self = weak.lock();
     if (self && std::exchange(*open, false)) (*self)->SendOrHold(participant, std::move(encoded));
   };
-  // The handler may drop the server, so nothing is touched after a request it understood.
+  // The handler may drop the server, so no member is used after a request that decoded.
   if (!on_request_(id, bytes, std::move(reply), info.participant)) ++malformed_;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
-// The untyped half of a service server. A reply is held until the readers of the participant that
-// asked are matched, so that it cannot get lost between two halves of discovery: a participant has
-// one reply reader for each of its clients, hence as many as it has request writers. When a client
-// closes, its writer may be unmatched before its reader: that reader is not counted for another
-// client until it is unmatched as well, or for 1 s (it may never have been matched). A reply that
-// has waited for 5 s is dropped; its client has exited or times out. A request of a participant
-// that is not matched (any more) is dropped: it could not be answered or attributed.
+// The untyped half of a service server. A reply is held until the readers of the calling
+// participant are matched, so that it cannot get lost between the two halves of discovery: a
+// participant has one reply reader for each of its clients, hence as many as it has request
+// writers. When a client closes, its writer may be unmatched before its reader: that reader is not
+// counted for another client until it is unmatched as well, or for 1 s (it may never have been
+// matched). A reply that has waited for 5 s is dropped; its client has exited or times out. A
+// request of a participant that is not matched (any more) is dropped: it could not be answered or
+// attributed.
 //
 // Threads: loop thread only.
 
@@ -25,9 +26,9 @@ namespace musher::transport {
 class RawServer {
  public:
   // Takes an encoded reply and sends it, now or when the client's reader is matched. A second call
-  // and a call after the server has gone do nothing.
+  // and a call after the server is dropped do nothing.
   using Reply = std::function<void(msg::Bytes)>;
-  // Gets a whole request sample and the participant it came from; false when it does not decode.
+  // Gets a whole request sample and its participant; returns false if it does not decode.
   using OnRequest =
       std::function<bool(const msg::RequestId&, std::span<const std::byte>, Reply, PeerId)>;
 
@@ -36,7 +37,7 @@ class RawServer {
                                                  const std::string& type, OnRequest on_request);
 
   std::uint64_t malformed() const { return malformed_; }
-  // Whether a reply waits for the reader of the client that asked.
+  // Whether a reply waits for the reader of the calling client.
   bool Holds() const { return !held_.empty(); }
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t unknown() const { return unknown_; }
@@ -48,12 +49,12 @@ class RawServer {
     LoopHandlePtr expiry;
   };
 
-  // What is matched of a participant.
+  // The matched endpoints of a participant.
   struct Peer {
     int writers = 0;
     int readers = 0;
     int leaving = 0;  // clients whose writer is lost and whose reader is not; below 0: vice versa
-    LoopHandlePtr settled;  // when that is forgotten
+    LoopHandlePtr settled;  // resets `leaving`
   };
 
   RawServer(Node& node, OnRequest on_request)

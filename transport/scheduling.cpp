@@ -33,7 +33,7 @@ Folder TasksOf(pid_t pid) {
   return Folder(opendir(path.data()));
 }
 
-// The next thread of the folder; 0 when there is none any more.
+// The next thread of the folder; 0 at the end.
 pid_t NextTask(DIR* tasks) {
   while (const dirent* entry =
              readdir(tasks)) {  // NOLINT(concurrency-mt-unsafe): the folder is ours
@@ -43,7 +43,7 @@ pid_t NextTask(DIR* tasks) {
   return 0;
 }
 
-// A small file of /proc, as far as it fits.
+// A small file of /proc, cut to the buffer.
 class SmallFile {
  public:
   SmallFile(int folder, pid_t tid, const char* name) {
@@ -77,8 +77,8 @@ std::optional<CpuTime> ReadCpuTime(int tasks, pid_t tid) {
   return CpuTime{Duration(ran), Duration(waited)};
 }
 
-// "<tid> (<name>) <state> ...": R, S, D, T and so on; 0 when the thread is not there. A name may
-// hold spaces and parentheses, what follows it does not.
+// "<tid> (<name>) <state> ...": R, S, D, T and so on; 0 if there is no such thread. Only the name
+// may contain spaces and parentheses.
 char ReadState(int tasks, pid_t tid) {
   const SmallFile file(tasks, tid, "stat");
   const std::size_t name_end = file.text().rfind(") ");
@@ -91,7 +91,7 @@ std::string ReadAll(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// The number behind `key` in a file of "<key> <number>" lines.
+// The number after `key` in a file of "<key> <number>" lines.
 std::optional<std::int64_t> NumberOf(std::string_view key, const std::string& text) {
   std::istringstream lines(text);
   std::string name;
@@ -140,7 +140,8 @@ std::optional<ProcessSample> SampleProcess(pid_t pid, Time now) {
   if (!tasks) return std::nullopt;
   ProcessSample sample{now, {}, ThrottledTime(pid)};
   while (const pid_t tid = NextTask(tasks.get())) {
-    // The state before the time: a thread that got its CPU in between then shows that it ran.
+    // Reads the state before the time: a thread that gets a CPU in between then counts as having
+    // run.
     const char state = ReadState(dirfd(tasks.get()), tid);
     const auto cpu = ReadCpuTime(dirfd(tasks.get()), tid);
     if (cpu && !HasEnded(state)) sample.threads[tid] = {*cpu, state == 'R'};
@@ -158,7 +159,8 @@ std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSam
   const ThreadSample then = found == before.threads.end() ? ThreadSample{} : found->second;
   if (now->second.runnable && now->second == then) return between;
   const Duration waited = now->second.cpu.waited - then.cpu.waited;
-  // Two CPUs that a quota takes at once are counted twice, but none is waited for by who runs.
+  // A quota that withholds two CPUs at once counts twice; the time in which a thread ran is
+  // excluded.
   const Duration most = between - (now->second.cpu.ran - then.cpu.ran);
   return std::max(std::min(std::max(waited, after.throttled - before.throttled), most),
                   Duration::zero());

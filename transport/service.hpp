@@ -1,13 +1,13 @@
 #pragma once
-// Request-reply as ROS 2 maps it on DDS: a request topic "rq/<name>Request" and a reply topic
+// Services as ROS 2 maps them on DDS: a request topic "rq/<name>Request" and a reply topic
 // "rr/<name>Reply", whose samples start with the client's id and a sequence number.
 //
-// Two traps of the ROS 2 stack are closed here:
-//   - A reply is held until the reader of the client that asked has been matched, so that it cannot
-//     be lost between two halves of discovery. (ROS 2 waits 100 ms and then drops it.)
-//   - Every call ends: with the reply, or with Timeout at the deadline it was given.
+// Two problems of the ROS 2 stack are avoided:
+//   - A reply is held until the reader of the calling client is matched, so that it cannot be lost
+//     between the two halves of discovery. (ROS 2 waits 100 ms and then drops it.)
+//   - Every call ends: with the reply, or with a timeout at its deadline.
 //
-// These are the typed faces of RawClient and RawServer. Threads: loop thread only.
+// Typed wrappers of RawClient and RawServer. Threads: loop thread only.
 
 #include <cstdint>
 #include <functional>
@@ -32,7 +32,7 @@ msg::Bytes EncodeEnvelope(const msg::RequestId& id, const Body& body) {
   return std::move(writer).Take();
 }
 
-// False when the bytes are not an id and a body.
+// False if the bytes are not an id and a body.
 template <class Body>
 bool DecodeEnvelope(std::span<const std::byte> bytes, Body& body) {
   msg::CdrReader reader(bytes);
@@ -53,17 +53,17 @@ class Client {
 
   explicit Client(std::unique_ptr<RawClient> raw) : raw_(std::move(raw)) {}
 
-  // Whether a server is matched in both directions, so that a call sent now arrives.
+  // Whether a server is matched in both directions, so that a call sent now reaches it.
   bool Ready() const { return raw_->Ready(); }
 
-  // The participants of those servers. One that died is among them until its lease is over; its
-  // successor is another.
+  // The participants of those servers. A crashed one stays in the list until its lease expires; its
+  // successor is another participant.
   std::vector<PeerId> Servers() const { return raw_->Servers(); }
 
-  // Sends the request, at once when a server is matched, else as soon as one is. `on_reply` runs
-  // exactly once on the loop: with the reply, or with kCodeTimeout after `timeout`, or with the
-  // reason why it could not be sent. It never runs inside Call(). Dropping the client drops the
-  // calls under way: their `on_reply` does not run.
+  // Sends the request at once if a server is matched, else as soon as one is. `on_reply` runs
+  // exactly once on the loop: with the reply, with kCodeTimeout after `timeout`, or with the reason
+  // why the request could not be sent. It never runs inside Call(). Dropping the client drops its
+  // pending calls: their `on_reply` does not run.
   void Call(const Request& request, Duration timeout, OnReply on_reply) {
     const msg::RequestId id = raw_->NextId();
     raw_->Call(id, internal::EncodeEnvelope(id, request), timeout,
@@ -86,19 +86,19 @@ class Server {
  public:
   using Request = typename S::Request;
   using Response = typename S::Response;
-  // Answers one request, now or later, on the loop; a second call and a call after the server has
-  // gone do nothing.
+  // Answers one request, now or later, on the loop; a second call and a call after the server is
+  // dropped do nothing.
   using Reply = std::function<void(const Response&)>;
   using Handler = std::function<void(const Request&, Reply)>;
-  // The same, told the participant that asks.
+  // The same, with the calling participant.
   using HandlerOfCaller = std::function<void(const Request&, Reply, PeerId caller)>;
 
   explicit Server(std::unique_ptr<RawServer> raw) : raw_(std::move(raw)) {}
 
-  // Requests that did not decode; replies that reached nobody within 5 s or could not be sent.
+  // Requests that did not decode; replies that reached no client within 5 s or could not be sent.
   std::uint64_t malformed() const { return raw_->malformed(); }
   std::uint64_t dropped() const { return raw_->dropped(); }
-  // Whether a reply is held until the client that asked can be reached.
+  // Whether a reply is held until the calling client is matched.
   bool Holds() const { return raw_->Holds(); }
 
  private:

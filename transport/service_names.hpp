@@ -1,5 +1,5 @@
 #pragma once
-// How ROS 2 maps a service on DDS topics, types and QoS.
+// ROS 2's mapping of services on DDS topics, types and QoS.
 
 #include <string>
 
@@ -20,8 +20,8 @@ inline std::string ResponseType(const std::string& type) {
   return type + "Response_";
 }
 
-// Matches ROS 2's service QoS. The depth is each side's own affair: a reader that keeps all does
-// not lose the eleventh of many requests that come at once.
+// Matches ROS 2's service QoS. The depth is local to each side: a reader that keeps all does not
+// lose the eleventh of many simultaneous requests.
 inline constexpr Qos kServiceReaderQos{Qos::Reliability::kReliable, Qos::Durability::kVolatile, 0};
 
 }  // namespace musher::transport

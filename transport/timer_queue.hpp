@@ -1,8 +1,9 @@
 #pragma once
-// Timers in the order they become due; those due at the same time in the order they were made.
-// Reads no clock and owns no thread: a loop asks when it must wake up and says what time it is.
+// Timers in the order in which they become due; timers due at the same time in order of creation.
+// Reads no clock and owns no thread: a loop queries the next wake-up time and passes the current
+// time.
 //
-// Threads: the loop's only. The queue must outlive the handles it gave out.
+// Threads: loop thread only. The queue must outlive its handles.
 
 #include <cstdint>
 #include <functional>
@@ -17,17 +18,16 @@ namespace musher::transport {
 
 class TimerQueue {
  public:
-  // Runs `callback` at `when`; with a `period` above zero again and again, without making up for
-  // periods that were missed.
+  // Runs `callback` at `when`; with a `period` above zero periodically, skipping missed periods.
   LoopHandlePtr Add(Time when, Duration period, std::function<void()> callback);
 
-  // When the first timer is due; nullopt when there is none.
+  // When the first timer is due; nullopt if there is none.
   std::optional<Time> NextDue() const;
 
-  // Runs the first timer if it is due at `now`; says whether one ran.
+  // Runs the first timer if it is due at `now`; returns whether one ran.
   bool RunNext(Time now);
 
-  // Every timer becomes due later by `by`, or sooner when it is negative.
+  // Every timer becomes due later by `by`, or sooner if it is negative.
   void Shift(Duration by);
 
  private:

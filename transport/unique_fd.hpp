@@ -1,5 +1,5 @@
 #pragma once
-// The sole owner of a file descriptor: closes it when it goes.
+// The sole owner of a file descriptor: closes it in its destructor.
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// musher behavior NAME [--watch] [--send COMMAND]: the state machine of an application that runs.
+// musher behavior NAME [--watch] [--send COMMAND]: the state machine of a running application.
 
 #include <algorithm>
 
@@ -22,7 +22,7 @@ void Print(const std::string& name, const Report& report, Console& console) {
                                     : BehaviorText(name, report, console.mode().colour));
 }
 
-// What has happened since: the changes after `last`, all of them when it is not among them.
+// The changes after `last`; all of them if it is not among them.
 std::vector<msg::BehaviorChange> Since(const std::optional<msg::BehaviorChange>& last,
                                        std::vector<msg::BehaviorChange> changes) {
   if (!last) return changes;
@@ -39,28 +39,28 @@ class Watch {
   ExitCode Run(const Report& begin) {
     Remember(begin);
     transport::SubscriptionEvents events;
-    events.on_writer_lost = [this](transport::PeerId) { gone_ = true; };
+    events.on_writer_lost = [this](transport::PeerId) { lost_ = true; };
     const auto states = transport::MakeSubscription<msg::String>(
         link_.node(), transport::ResolveName(global_.name_space, name_ + "/behavior_state"),
         [this](const msg::String&, const transport::SampleInfo&) { changed_ = true; },
         transport::kLatchedQos, std::move(events));
     if (!states) return console_.Fail(states.error());
-    // The latched state comes at once, unless it has gone before it was found.
-    const bool found = link_.RunUntil([this] { return changed_ || gone_; }, link_.discovery());
-    if (!found) gone_ = true;
+    // The latched state arrives at once, unless the application exits before it is discovered.
+    const bool found = link_.RunUntil([this] { return changed_ || lost_; }, link_.discovery());
+    if (!found) lost_ = true;
     while (!link_.interrupted()) {
-      link_.RunUntil([this] { return changed_ || gone_; }, std::chrono::hours(24));
-      if (std::exchange(changed_, false)) Look();
-      if (std::exchange(gone_, false)) TellItHasGone();
+      link_.RunUntil([this] { return changed_ || lost_; }, std::chrono::hours(24));
+      if (std::exchange(changed_, false)) PrintChanges();
+      if (std::exchange(lost_, false)) PrintLost();
     }
     return ExitCode::kDone;
   }
 
  private:
-  void Look() {
-    const auto answer = AskBehavior(link_, global_, name_, {"", kAllChanges});
+  void PrintChanges() {
+    const auto answer = QueryBehavior(link_, global_, name_, {"", kAllChanges});
     if (link_.interrupted()) return;
-    if (const auto* failure = std::get_if<Failure>(&answer)) return Tell(*failure);
+    if (const auto* failure = std::get_if<Failure>(&answer)) return PrintFailure(*failure);
     Report report = std::get<Report>(answer);
     const bool moved = report.current_state != state_;
     report.history = Since(last_, std::move(report.history));
@@ -72,13 +72,13 @@ class Watch {
     }
     Remember(report);
   }
-  // Its next life has a history of its own.
-  void TellItHasGone() {
+  // A restarted application begins a new history.
+  void PrintLost() {
     last_.reset();
     state_.clear();
-    Tell({ExitCode::kNoController, {kCodeNetError, name_ + " has gone"}});
+    PrintFailure({ExitCode::kNoController, {kCodeNetError, name_ + " is lost"}});
   }
-  void Tell(const Failure& failure) {
+  void PrintFailure(const Failure& failure) {
     if (console_.mode().json) return console_.Print(FailureJson(failure));
     console_.Print(LocalTime(WallNow()) + "  " + failure.error.message);
   }
@@ -92,12 +92,12 @@ class Watch {
   const std::string& name_;
   Console& console_;
   bool changed_ = false;
-  bool gone_ = false;
+  bool lost_ = false;
   std::string state_;
   std::optional<msg::BehaviorChange> last_;
 };
 
-// Of an application that has just answered.
+// Sends options.send to an application that has just answered.
 std::optional<Failure> Send(Link& link, const GlobalOptions& global,
                             const BehaviorOptions& options) {
   using Reply = Result<msg::SendCommand::Response>;
@@ -110,8 +110,9 @@ std::optional<Failure> Send(Link& link, const GlobalOptions& global,
   link.RunUntil([&reply] { return reply.has_value(); }, wait);
   if (link.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
   if (!reply || !*reply) {
-    return Failure{ExitCode::kNoAnswer,
-                   {kCodeTimeout, options.name + " did not say whether it takes " + options.send}};
+    return Failure{
+        ExitCode::kNoAnswer,
+        {kCodeTimeout, options.name + " did not answer whether it accepts " + options.send}};
   }
   if (!reply->value().success) {
     return Failure{ExitCode::kNotDone, {kCodeFailed, reply->value().message}};
@@ -124,15 +125,15 @@ std::optional<Failure> Send(Link& link, const GlobalOptions& global,
 ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto answer = AskBehavior(*link.value(), global, options.name,
-                                  {"", options.watch ? kAllChanges : options.history});
+  const auto answer = QueryBehavior(*link.value(), global, options.name,
+                                    {"", options.watch ? kAllChanges : options.history});
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& report = std::get<Report>(answer);
   if (!options.send.empty()) {
     if (const auto failure = Send(*link.value(), global, options)) return console.Fail(*failure);
     if (!options.watch) {
       console.Print(console.mode().json ? BehaviorSentJson(options.name, options.send)
-                                        : options.send + " is sent to " + options.name + "\n");
+                                        : "sent " + options.send + " to " + options.name + "\n");
       return ExitCode::kDone;
     }
   }

@@ -15,37 +15,38 @@ namespace {
 constexpr Duration kAnswerTime = std::chrono::seconds(5);
 
 Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std::string& name,
-                       const std::set<std::string>& there) {
-  if (there.empty() && !link.HasMachine()) return link.NotFound("actuator");
-  if (there.empty()) {
+                       const std::set<std::string>& present) {
+  if (present.empty() && !link.HasMachine()) return link.NotFound("actuator");
+  if (present.empty()) {
     return {ExitCode::kNoController,
             {kCodeNetError, fmt::format("no actuator '{}' in namespace '{}': none runs there", name,
                                         global.name_space)}};
   }
-  const std::vector<std::string> names(there.begin(), there.end());
+  const std::vector<std::string> names(present.begin(), present.end());
   const std::string near = Nearest(name, names);
   return {
       ExitCode::kNoController,
       {kCodeNetError, fmt::format("no actuator '{}' in namespace '{}'; {}", name, global.name_space,
-                                  near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                  near.empty() ? fmt::format("running: {}", fmt::join(names, ", "))
                                                : fmt::format("did you mean '{}'?", near))}};
 }
 
 }  // namespace
 
-BehaviorAnswer AskBehavior(Link& link, const GlobalOptions& global, const std::string& name,
-                           const msg::GetBehavior::Request& request) {
+BehaviorAnswer QueryBehavior(Link& link, const GlobalOptions& global, const std::string& name,
+                             const msg::GetBehavior::Request& request) {
   if (!config_toml::IsName(name)) {
-    return Failure{ExitCode::kUsage, {kCodeParametersInvalid, "'" + name + "' is no actuator"}};
+    return Failure{ExitCode::kUsage,
+                   {kCodeParametersInvalid, "invalid actuator name '" + name + "'"}};
   }
-  // Who else is there, for the complaint. Observers may not hear that, and are told less.
-  std::set<std::string> there;
+  // The running actuators, for the error message. Observers may lack permission to subscribe to it.
+  std::set<std::string> present;
   transport::Qos qos = transport::kLatchedFromManyQos;
-  qos.partition = transport::HearingPartition(!global.keys.empty());
+  qos.partition = transport::ReaderPartition(!global.keys.empty());
   const auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       link.node(), transport::ActuatorStatusTopic(global.name_space),
-      [&there](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
-        there.insert(status.name);
+      [&present](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+        present.insert(status.name);
       },
       qos);
   const auto client = transport::MakeClient<msg::GetBehavior>(
@@ -63,10 +64,10 @@ BehaviorAnswer AskBehavior(Link& link, const GlobalOptions& global, const std::s
   if (link.interrupted()) {
     return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
   }
-  if (!found && !there.contains(name)) return NoSuchActuator(link, global, name, there);
+  if (!found && !present.contains(name)) return NoSuchActuator(link, global, name, present);
   if (!found) {
     return Failure{ExitCode::kNotDone,
-                   {kCodeUnSupport, name + " runs, but it is no state machine: it does not serve " +
+                   {kCodeUnSupport, name + " runs but is not a state machine: it does not offer " +
                                         name + "/get_behavior"}};
   }
   if (!reply || !*reply) {

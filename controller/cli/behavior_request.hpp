@@ -1,5 +1,5 @@
 #pragma once
-// Asks an application what its state machine is like.
+// Queries the state machine of an application.
 
 #include <string>
 #include <variant>
@@ -11,9 +11,9 @@ namespace musher::cli {
 
 using BehaviorAnswer = std::variant<msg::GetBehavior::Response, Failure>;
 
-// Of the actuator `name`. Fails, saying which, when nobody of that name runs, when it is no state
-// machine, when it does not answer, and when the answer is an error.
-BehaviorAnswer AskBehavior(Link& link, const GlobalOptions& global, const std::string& name,
-                           const msg::GetBehavior::Request& request);
+// Queries the actuator `name`. The Failure says whether no actuator of that name runs, it is not a
+// state machine, it does not answer, or it answered with an error.
+BehaviorAnswer QueryBehavior(Link& link, const GlobalOptions& global, const std::string& name,
+                             const msg::GetBehavior::Request& request);
 
 }  // namespace musher::cli

@@ -1,4 +1,4 @@
-// musher capabilities [NAME]: what the robot can do now, and why not.
+// musher capabilities [NAME]: what the robot can do now, and why not the rest.
 
 #include <algorithm>
 
@@ -11,14 +11,14 @@
 namespace musher::cli {
 namespace {
 
-Failure Unknown(const std::string& name, const msg::Capabilities& told) {
+Failure Unknown(const std::string& name, const msg::Capabilities& known) {
   std::vector<std::string> names;
-  for (const msg::Capability& capability : told.capabilities) names.push_back(capability.name);
+  for (const msg::Capability& capability : known.capabilities) names.push_back(capability.name);
   const bool near = !Nearest(name, names).empty();
   return {ExitCode::kNotDone,
           {kCodeParametersInvalid,
            NoSuch("capability", name, names) +
-               (near ? "" : "; what the config does not declare runs in Active only")}};
+               (near ? "" : "; a function that the config does not declare runs in Active only")}};
 }
 
 }  // namespace
@@ -28,17 +28,17 @@ ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& g
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
   const auto answer =
-      link.value()->Ask<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
+      link.value()->Call<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
-  const auto& told = std::get<msg::Capabilities>(answer);
+  const auto& all = std::get<msg::Capabilities>(answer);
   const bool colour = console.mode().colour;
   if (options.name.empty()) {
-    console.Print(console.mode().json ? CapabilitiesJson(told) : CapabilitiesText(told, colour));
+    console.Print(console.mode().json ? CapabilitiesJson(all) : CapabilitiesText(all, colour));
     return ExitCode::kDone;
   }
-  const auto one = std::find_if(told.capabilities.begin(), told.capabilities.end(),
+  const auto one = std::find_if(all.capabilities.begin(), all.capabilities.end(),
                                 [&](const auto& c) { return c.name == options.name; });
-  if (one == told.capabilities.end()) return console.Fail(Unknown(options.name, told));
+  if (one == all.capabilities.end()) return console.Fail(Unknown(options.name, all));
   console.Print(console.mode().json ? CapabilityJson(*one) : CapabilityText(*one, colour));
   return one->allowed ? ExitCode::kDone : ExitCode::kNotDone;
 }

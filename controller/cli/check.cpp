@@ -1,4 +1,4 @@
-// musher check FILE...: every fault of state configs. Touches no network.
+// musher check FILE...: reports every error in state configs. Uses no network.
 
 #include <filesystem>
 
@@ -13,8 +13,8 @@
 namespace musher::cli {
 namespace {
 
-// It lies in a robot's folder of versions, or the manager's OTA service is offered. Without such a
-// sign, the owner may do without upgrades, and is left alone.
+// The config lies in an upgrade root, or offers the manager's OTA service. Otherwise the owner may
+// not want upgrades and gets no warning.
 bool WantsUpgrades(const MachineConfig& config) {
   if (config.policy && config.policy->manager) return true;
   std::error_code error;
@@ -29,8 +29,8 @@ bool WantsUpgrades(const MachineConfig& config) {
 void AddUpgradeFault(const MachineConfig& config, std::vector<Diagnostic>& diagnostics) {
   if (config.states.empty() || config.HasState(kOta) || !WantsUpgrades(config)) return;
   diagnostics.push_back({config.file, 0, 0, Severity::kWarning,
-                         "the machine has no state OTA, in which a robot is upgraded: `musher ota` "
-                         "refuses this config; list OTA in `states` of [controller]"});
+                         "the machine has no state OTA, which upgrades need: `musher ota` "
+                         "refuses this config; add OTA to `states` of [controller]"});
 }
 
 }  // namespace

@@ -13,30 +13,30 @@ namespace {
 
 constexpr const char* kDescription =
     "Musher drives a team of robot processes: it starts them, switches all of them between states\n"
-    "such as Active, LowPower and Error, and says for certain how every switch ended.";
+    "such as Active, LowPower and Error, and reports a definite outcome for every switch.";
 
 constexpr const char* kFooter = R"(
 A first tour:
-  musher check robot.toml          find every fault of a config
+  musher check robot.toml          report every error in a config
   musher up robot.toml             start the machine; Ctrl-C takes it down
-  musher status --watch            (another terminal) see it live
+  musher status --watch            (another terminal) watch it live
   musher capabilities              what the robot can do now, and why not
-  musher plan LowPower             what a switch would do, without doing it
+  musher plan LowPower             show what a switch would do; changes nothing
   musher set LowPower              switch the machine
   musher set Active audio          switch one actuator
-  musher restart audio             end its process and start it again
-  musher behavior show             where an application's state machine is, and how it came there
-  musher estop "smoke"             stop everything that moves, now; --release ends that
+  musher restart audio             restart its process
+  musher behavior show             an application's state machine: current state and last changes
+  musher estop "smoke"             emergency stop of all actuators, now; --release ends it
   musher history --since 10m       what happened
   musher history --why             why the machine is in its state
-  musher replay journal.sqlite     the same decisions once more, without a robot
-  musher keys init robot.toml      from now on let in only those with keys
-  musher ota install BUNDLE        a new version, or the one before if it does not come up
+  musher replay journal.sqlite     re-run the recorded decisions, without a robot
+  musher keys init robot.toml      from now on admit only processes with credentials
+  musher ota install BUNDLE        install a version; roll back if it does not come up
   musher down                      take the machine down
 
-Exit codes: 0 done; 1 refused, undone or done without some (reason on stderr); 2 wrong usage or
-config; 3 no controller found; 4 the controller did not answer in time; 5 it ended during the
-switch, and no other tells what became of that; 130 interrupted.
+Exit codes: 0 done; 1 refused, undone or done-degraded (reason on stderr); 2 wrong usage or
+config; 3 no controller found; 4 the controller did not answer in time; 5 the controller exited
+during the switch and no successor reports its outcome; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
 MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 
@@ -53,7 +53,7 @@ CLI::Validator InSeconds() {
 
 bool IsNamespace(const std::string& text) {
   if (text.empty()) return true;
-  bool at_begin = true;  // of a part between slashes
+  bool at_begin = true;  // at the first character of a part between slashes
   for (const char c : text) {
     if (c == '/' ? at_begin : !(std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_')) {
       return false;
@@ -94,7 +94,7 @@ std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* 
     std::ostringstream out;
     std::ostringstream ignored;
     if (app_->exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str(), "", false};
-    return ParseEnd{ExitCode::kUsage, "", Complaint(e), false};
+    return ParseEnd{ExitCode::kUsage, "", ErrorText(e), false};
   }
   return CommandLine{global_, take_command_()};
 }
@@ -153,24 +153,24 @@ void Grammar::AddGlobalOptions() {
                          "default $MUSHER_TRANSPORT, else local (up: as its config says)"),
         {"local", "lan"});
   timeout_ = app_->add_option("--timeout", timeout_s_,
-                              "How long to wait for the controller's answer;\n"
+                              "Time to wait for the controller's answer;\n"
                               "default 60 for set, down and restart, else 5")
                  ->check(InSeconds())
                  ->type_name("SECONDS");
   Offer(app_->add_option("--keys", global_.keys,
-                         "Folder with the keys of a machine that has [security];\n"
+                         "Folder with the credentials of a machine with [security];\n"
                          "default $MUSHER_KEYS, else none"),
         Names::kFolders)
       ->type_name("FOLDER");
   app_->add_option("--identity", global_.identity,
-                   "Whose keys; default $MUSHER_IDENTITY, else operator")
+                   "Whose credentials; default $MUSHER_IDENTITY, else operator")
       ->type_name("NAME");
   OneOf(app_->add_option("--color", colour_,
-                         "When to colour; auto: on a terminal, unless NO_COLOR is set"),
+                         "Colour the output; auto: on a terminal, unless NO_COLOR is set"),
         {"auto", "always", "never"});
 }
 
-std::string Grammar::Complaint(const CLI::ParseError& e) const {
+std::string Grammar::ErrorText(const CLI::ParseError& e) const {
   std::string help = "see musher";
   const CLI::App* command = app_.get();
   while (!command->get_subcommands().empty()) {
@@ -187,7 +187,7 @@ std::string Grammar::Complaint(const CLI::ParseError& e) const {
     return (missing ? "missing command" : std::string(e.what())) + "; " + help;
   }
   const std::string near = Nearest(unknown.front(), commands);
-  return "there is no command '" + unknown.front() + "'; " +
+  return "unknown command '" + unknown.front() + "'; " +
          (near.empty() ? "" : "did you mean '" + near + "'? ") + help;
 }
 
@@ -196,8 +196,8 @@ void Grammar::TakeGlobalOptions() {
   global_.name_space = name_space_;
   TakeEnvironment();
   if (!IsNamespace(global_.name_space)) {
-    throw CLI::ValidationError("the namespace '" + global_.name_space +
-                               "' is not made of names separated by '/', as in fleet/dog1");
+    throw CLI::ValidationError("invalid namespace '" + global_.name_space +
+                               "'; expected names separated by '/', as in fleet/dog1");
   }
   if (colour_ == "always") global_.colour = ColourWhen::kAlways;
   if (colour_ == "never") global_.colour = ColourWhen::kNever;
@@ -219,12 +219,12 @@ void Grammar::TakeEnvironment() {
 
 namespace {
 
-// `musher` alone and `musher help [COMMAND]` ask for help, as --help does.
+// `musher` alone and `musher help [COMMAND]` mean --help.
 std::vector<const char*> WithHelp(int argc, const char* const* argv) {
   std::vector<const char*> words(argv, argv + argc);
-  const bool asks = argc > 1 && std::string_view(argv[1]) == "help";
-  if (asks) words.erase(words.begin() + 1);
-  if (asks || argc == 1) words.push_back("--help");
+  const bool help = argc > 1 && std::string_view(argv[1]) == "help";
+  if (help) words.erase(words.begin() + 1);
+  if (help || argc == 1) words.push_back("--help");
   return words;
 }
 
@@ -237,7 +237,7 @@ std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const
   const auto words = WithHelp(argc, argv);
   auto parsed = Grammar().Parse(static_cast<int>(words.size()), words.data());
   if (auto* end = std::get_if<ParseEnd>(&parsed)) {
-    // The parser may not have come as far as --json.
+    // The parser may have stopped before --json.
     end->json = std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
   }
   return parsed;

@@ -1,5 +1,5 @@
 #pragma once
-// From argv to values: the grammar of `musher` and its help.
+// Parses argv into option values: the grammar of `musher` and its help.
 
 #include <string>
 #include <variant>
@@ -10,19 +10,20 @@
 
 namespace musher::cli {
 
-// There is nothing to run: help was asked for, or the command line is wrong.
+// No command to run: the caller requested help, or the command line is wrong.
 struct ParseEnd {
   ExitCode exit = ExitCode::kDone;
-  std::string out;  // help or version
-  std::string err;  // what is wrong; then `json` says that --json was given
-  bool json = false;
+  std::string out;    // help or version
+  std::string err;    // what is wrong
+  bool json = false;  // with `err`: --json was given
 };
 
-// $MUSHER_NAMESPACE counts where --namespace is missing.
+// Uses $MUSHER_NAMESPACE if --namespace is missing.
 std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv);
 
-// Every command with each of its arguments and options, a line for each: "up FILE", "up --detach",
-// "ota bundle --key"; "--json" and the like belong to every command. For what is compared with it.
+// Every command with each of its arguments and options, one per line: "up FILE", "up --detach",
+// "ota bundle --key"; "--json" and other options of every command stand alone. A test compares
+// docs/reference.md with it.
 std::vector<std::string> GrammarLines();
 
 }  // namespace musher::cli

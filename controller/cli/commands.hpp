@@ -1,6 +1,6 @@
 #pragma once
-// The commands of `musher`, one file each: <command>.cpp. Each does its work, says what came of it
-// on the console, and gives the exit code.
+// The commands of `musher`, one file each: <command>.cpp. Each prints its result to the console and
+// returns the exit code.
 
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/exit_code.hpp"

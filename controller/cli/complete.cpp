@@ -1,6 +1,6 @@
-// musher complete WORD...: what a shell offers for the last word, one on a line, with what it means
-// behind a tab; ":files", ":folders" and ":configs" (.toml) ask the shell for those of the disk.
-// The scripts of `musher completion` call it. It answers soon, and says nothing of what goes wrong.
+// musher complete WORD...: prints the completions of the last word, one per line, with its meaning
+// after a tab; ":files", ":folders" and ":configs" (.toml) make the shell complete file names. The
+// scripts of `musher completion` call it. It answers soon and reports no errors.
 
 #include <algorithm>
 #include <filesystem>
@@ -22,13 +22,13 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// A controller of this host is found in some 10 ms, and answers at once.
+// A controller of this host is discovered in some 10 ms and answers at once.
 constexpr Duration kFind = Milliseconds(500);
 constexpr Duration kFindElsewhere = Milliseconds(200);
 constexpr Duration kFindApplications = Milliseconds(300);
 
-// SetUp and Uninitialized cannot be commanded.
-Words Commanded(const std::vector<std::string_view>& states) {
+// The states without SetUp and Uninitialized, which cannot be commanded.
+Words Commandable(const std::vector<std::string_view>& states) {
   Words words;
   for (const std::string_view state : states) {
     if (state != kUninitialized && state != kSetUp) words.emplace_back(state);
@@ -38,7 +38,7 @@ Words Commanded(const std::vector<std::string_view>& states) {
 
 Words Of(const MachineConfig& config, Names names) {
   Words words;
-  if (names == Names::kStates) return Commanded({config.states.begin(), config.states.end()});
+  if (names == Names::kStates) return Commandable({config.states.begin(), config.states.end()});
   if (names == Names::kCapabilities) {
     words.reserve(config.capabilities.size());
     for (const CapabilityConfig& capability : config.capabilities) words.push_back(capability.name);
@@ -49,7 +49,7 @@ Words Of(const MachineConfig& config, Names names) {
   return words;
 }
 
-// Those of the actuators that answer for a state machine of theirs.
+// The actuators that offer a state machine.
 Words Applications(Link& link, const std::string& name_space, const Words& actuators) {
   using Client = transport::Client<msg::GetBehavior>;
   std::vector<std::unique_ptr<Client>> clients;
@@ -71,10 +71,10 @@ Words Applications(Link& link, const std::string& name_space, const Words& actua
 
 Words Capabilities(Link& link) {
   Words words;
-  const auto answer = link.Ask<msg::GetCapabilities>("get_capabilities", {}, kFind);
-  if (const auto* told = std::get_if<msg::Capabilities>(&answer)) {
-    words.reserve(told->capabilities.size());
-    for (const msg::Capability& capability : told->capabilities) words.push_back(capability.name);
+  const auto answer = link.Call<msg::GetCapabilities>("get_capabilities", {}, kFind);
+  if (const auto* all = std::get_if<msg::Capabilities>(&answer)) {
+    words.reserve(all->capabilities.size());
+    for (const msg::Capability& capability : all->capabilities) words.push_back(capability.name);
   }
   return words;
 }
@@ -84,7 +84,7 @@ Words Commands(const CompleteOptions& options, GlobalOptions global) {
   global.timeout = kFind;
   const auto link = Link::Open(global);
   if (!link) return {};
-  const auto answer = AskBehavior(*link.value(), global, options.application, {"", 0});
+  const auto answer = QueryBehavior(*link.value(), global, options.application, {"", 0});
   const auto* report = std::get_if<msg::GetBehavior::Response>(&answer);
   return report == nullptr ? Words{} : report->commands;
 }
@@ -96,7 +96,7 @@ Words RunningHere(const std::string& name_space) {
       transport::NameLock::NameOf(domain.value(), name_space, ""));
 }
 
-// Of the machine that runs; none where it is not found in time.
+// The names of the running machine; none if it is not discovered in time.
 Words OfMachine(const GlobalOptions& global, Names names) {
   const auto opened = Link::Open(global);
   if (!opened) return {};
@@ -122,7 +122,7 @@ Words OfMachine(const GlobalOptions& global, Names names) {
 
 Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
   if (options.names == Names::kCommands) return Commands(options, global);
-  std::error_code error;  // a FIFO would be waited for
+  std::error_code error;  // reading a FIFO would block
   if (std::filesystem::is_regular_file(options.config, error)) {
     const ConfigReading reading = ReadConfigFile(options.config);
     const auto& read = reading.config ? reading.config : reading.faulty;
@@ -130,7 +130,7 @@ Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
   }
   Words words = OfMachine(global, options.names);
   const bool none = words.empty() && options.names == Names::kStates;
-  return none ? Commanded(BuiltInStates()) : words;
+  return none ? Commandable(BuiltInStates()) : words;
 }
 
 }  // namespace

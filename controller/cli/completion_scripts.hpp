@@ -1,5 +1,5 @@
 #pragma once
-// The texts of completion/, built in by CMake.
+// The scripts of completion/, embedded by CMake.
 
 namespace musher::cli {
 

@@ -1,5 +1,5 @@
 #pragma once
-// A command's config: read, judged, its findings told.
+// Reads and validates a command's config and prints the diagnostics.
 
 #include <optional>
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace musher::cli {
 
-// The config of `file`. Findings go to the complaint stream, in JSON mode those that are errors
-// become the result document. nullopt: it is not valid, and all is said.
+// Reads the config `file`. Diagnostics go to stderr; in JSON mode errors also become the result
+// document. nullopt: the config is invalid and everything is already printed.
 std::optional<MachineConfig> LoadConfig(const std::string& file, Console& console);
 
 }  // namespace musher::cli

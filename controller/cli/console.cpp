@@ -67,13 +67,13 @@ void Console::Note(std::string_view text) {
   err_.flush();
 }
 
-void Console::Complain(std::string_view text) {
+void Console::PrintError(std::string_view text) {
   Note("musher: " + std::string(text));
 }
 
 ExitCode Console::Fail(const Failure& failure) {
   if (mode_.json) Print(FailureJson(failure));
-  Complain(failure.error.message);
+  PrintError(failure.error.message);
   return failure.exit;
 }
 

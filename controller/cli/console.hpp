@@ -1,6 +1,6 @@
 #pragma once
-// Where a command's words go: results on one stream, complaints on the other, in colour or not, for
-// people or as JSON.
+// The output of a command: results on one stream, errors and warnings on the other; with or without
+// colour, as text or as JSON.
 
 #include <ostream>
 #include <string>
@@ -16,10 +16,10 @@ enum class Style { kPlain, kBold, kDim, kGood, kBusy, kBad };
 // `text` in the style's colour; unchanged without colour.
 std::string Paint(std::string_view text, Style style, bool colour);
 
-// Whether output to a terminal (or not) is to be coloured: --color decides, then NO_COLOR and TERM.
+// Whether to colour the output: --color decides, then NO_COLOR and TERM.
 bool WantsColour(ColourWhen when, bool terminal);
 
-// The text as one line that does nothing to a terminal: control characters become spaces.
+// The text as one line that is safe for a terminal: control characters become spaces.
 std::string Printable(std::string_view text);
 
 class Console {
@@ -34,17 +34,17 @@ class Console {
 
   const Mode& mode() const { return mode_; }
 
-  // A line, a block of lines or a JSON document on the result stream, seen at once.
+  // Prints a line, a block of lines or a JSON document to the result stream and flushes it.
   void Print(std::string_view text);
-  // False once something printed was lost, because the reader of a pipe has ended.
+  // False once output was lost because the reader of the pipe has exited.
   bool HasReader() const { return !out_.fail(); }
-  // Print() without the end of a line, for what is drawn over; on a terminal only.
+  // Print() without a newline, for a line that is redrawn; on a terminal only.
   void Redraw(std::string_view text);
-  // "musher: <text>" for a person, on the other stream.
-  void Complain(std::string_view text);
-  // A located finding or the like, as it is, on the other stream.
+  // Prints "musher: <text>" to the error stream.
+  void PrintError(std::string_view text);
+  // Prints the text unchanged to the error stream, for example a diagnostic.
   void Note(std::string_view text);
-  // Complains; in JSON mode the failure is the result document, too. Returns its exit code.
+  // Prints the error; in JSON mode the failure is the result document, too. Returns its exit code.
   ExitCode Fail(const Failure& failure);
   // Fails with ExitCode::kUsage.
   ExitCode Fail(const Error& error);

@@ -30,14 +30,14 @@ std::string LogLine(std::string_view text, std::int32_t code) {
 struct ControllerLog::State {
   const std::string path;
 
-  // The disk thread's.
+  // Used by the disk thread only.
   transport::UniqueFd file;
   bool took_output = false;  // stdout and stderr
-  bool complained = false;
+  bool reported = false;
 
-  std::mutex mutex;  // guards what follows; never held during IO
+  std::mutex mutex;  // guards the members below; never held during I/O
   std::string waiting;
-  std::uint64_t dropped = 0;  // lines, after those that wait
+  std::uint64_t dropped = 0;  // lines, newer than `waiting`
 
   explicit State(std::string p) : path(std::move(p)) {}
 
@@ -50,12 +50,12 @@ struct ControllerLog::State {
     waiting += TakeDropNote();
     waiting += line;
   }
-  // With the mutex.
+  // The mutex must be held.
   std::string TakeDropNote() {
     if (dropped == 0) return "";
-    return LogLine(std::to_string(std::exchange(dropped, 0)) +
-                       " lines dropped here: the disk did not take them",
-                   kCodeFailed);
+    return LogLine(
+        std::to_string(std::exchange(dropped, 0)) + " lines dropped here: the disk was too slow",
+        kCodeFailed);
   }
 
   Result<> Drain() {
@@ -77,7 +77,7 @@ struct ControllerLog::State {
     }
   }
 
-  // Again where the file was removed.
+  // Opens the file; opens it again if it was removed.
   Result<> Open() {
     struct stat named {};
     struct stat open_file {};
@@ -89,7 +89,7 @@ struct ControllerLog::State {
     file = transport::UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
     if (file.valid()) made = Ok();
     if (!file.valid() && made) made = transport::SystemError("can't write " + path);
-    if (!made && !std::exchange(complained, true)) {
+    if (!made && !std::exchange(reported, true)) {
       std::fprintf(stderr, "musher: no log: %s\n", made.error().message.c_str());
     }
     if (file.valid() || !took_output) TakeStandardOutput();

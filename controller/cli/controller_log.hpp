@@ -1,11 +1,12 @@
 #pragma once
-// The controller process's log: a text file for people, beside the journal. Lines wait in a buffer
-// of 1 MiB for the disk; what does not fit is dropped, and a line says how much that was.
+// The controller process's log: a text file for people, beside the journal. Lines wait for the disk
+// in a buffer of 1 MiB; lines that do not fit are dropped, and one line reports how many.
 //
-// The file is appended to, and kept within its bound with the others (log_files.hpp). It also takes
-// the process's stdout and stderr: what libraries and a crash print.
+// The file is appended to; log_files.hpp enforces its size limit. It also receives the process's
+// stdout and stderr: the output of libraries and of a crash.
 //
-// Threads: the loop's, which waits for no disk. The file is written on the disk thread.
+// Threads: Write() runs on the loop thread and never waits for the disk. The disk thread writes the
+// file.
 
 #include <cstdint>
 #include <memory>
@@ -19,10 +20,10 @@ namespace musher::cli {
 
 class ControllerLog {
  public:
-  // Opened by the first line. The disk must outlive the log.
+  // The first line opens the file. The disk must outlive the log.
   ControllerLog(DiskWriter& disk, std::string path);
 
-  // `code` other than 0 makes it a warning. Without a usable file, that is said once on stderr.
+  // A `code` other than 0 makes the line a warning. An unusable file is reported once on stderr.
   void Write(std::string_view line, std::int32_t code = kCodeOk);
 
  private:

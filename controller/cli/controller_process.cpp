@@ -16,7 +16,7 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kLastAnswers = Milliseconds(1500);
-constexpr Duration kLastWords = Milliseconds(2000);  // for the disk, at the end
+constexpr Duration kLastWrites = Milliseconds(2000);  // for the disk, at the end
 
 void LeaveTerminal() {
   setsid();
@@ -24,7 +24,7 @@ void LeaveTerminal() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO}) dup2(nothing.get(), fd);
 }
 
-// Programs that come with this one, such as musher-exec, are found wherever it is installed.
+// So that programs installed beside this one, such as musher-exec, are found.
 void PutOwnFolderFirstInPath() {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -37,13 +37,13 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                                     transport::UniqueFd progress, pid_t front, Start start)
+                                     transport::UniqueFd progress, pid_t launcher, Start start)
     : config_(config),
       run_(std::move(run)),
-      front_(front),
+      launcher_(launcher),
       start_(start),
       signals_(TakeEndSignals()),
-      let_go_(TakeSignals({kLetGoSignal})),
+      release_(TakeSignals({kLetGoSignal})),
       again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
       children_(TakeSignals({SIGCHLD})),
       progress_(loop_, std::move(progress)),
@@ -52,32 +52,34 @@ ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<
       service_manager_(loop_, config) {}
 
 int ControllerProcess::Run() {
-  if (front_ != 0) {
+  if (launcher_ != 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != front_) return static_cast<int>(ExitCode::kInterrupted);  // died before
+    if (getppid() != launcher_) return static_cast<int>(ExitCode::kInterrupted);  // already exited
   }
   LeaveTerminal();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit counts as a full disk
   PutOwnFolderFirstInPath();
   if (run_) PutSlotFirstInPath(*run_);
   if (run_) EndOtherSlot(*run_);
   if (const auto begun = Begin(); !begun) {
-    // A version that cannot even be started is left for the one before.
+    // A version on trial boot that cannot be started is abandoned for the previous one.
     start_again_ = run_ && run_->on_trial_boot && EndTrialBoot(*run_, begun.error());
-    if (start_again_) OnTrouble("version " + run_->version + " is left: " + begun.error().message);
+    if (start_again_)
+      OnTrouble("version " + run_->version + " abandoned: " + begun.error().message);
     if (start_again_) return static_cast<int>(ExitCode::kUsage);
-    Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
+    SendProgress(Progress::kNotStarted, begun.error().message, begun.error().code);
     return static_cast<int>(ExitCode::kUsage);
   }
   loop_.Run();
-  // The last answers, such as that to `musher down`; not after another controller has taken over.
+  // Sends the last replies, such as that to `musher down`; not if another controller has taken
+  // over.
   const auto answered = [this] { return !controller_->shell().OpenForClients(); };
   loop_.RunUntil(answered, loop_.Now() + kLastAnswers);
-  const bool disk_works = controller_->Flush(kLastWords);
-  loop_.RunUntil([] { return false; }, loop_.Now());  // what the disk had to say about that
-  disk_.Flush(disk_works ? kLastWords : Milliseconds(100));
+  const bool disk_works = controller_->Flush(kLastWrites);
+  loop_.RunUntil([] { return false; }, loop_.Now());  // runs the disk's callbacks
+  disk_.Flush(disk_works ? kLastWrites : Milliseconds(100));
   if (start_again_) return static_cast<int>(exit_);
-  if (exit_ == ExitCode::kDone) Tell(Progress::kStopped, config_.name + " is stopped");
+  if (exit_ == ExitCode::kDone) SendProgress(Progress::kStopped, config_.name + " is stopped");
   return static_cast<int>(exit_);
 }
 
@@ -99,9 +101,9 @@ Result<> ControllerProcess::Begin() {
     if (NextSignal(children_) != 0) controller_->ReapOrphans();
   });
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
-  let_go_watch_ = loop_.WhenReadable(let_go_.get(), [this] {
+  release_watch_ = loop_.WhenReadable(release_.get(), [this] {
     pid_t sender = 0;
-    if (NextSignal(let_go_, &sender) == 0) return;
+    if (NextSignal(release_, &sender) == 0) return;
     controller_->shell().LetGo("process " + std::to_string(sender) + " of this host");
   });
   if (run_) BeginRun();
@@ -110,13 +112,13 @@ Result<> ControllerProcess::Begin() {
 
 void ControllerProcess::BeginRun() {
   if (auto locked = root_lock_.Take(run_->root); !locked) OnTrouble(locked.error().message);
-  if (!run_->told.empty()) {
-    controller_->shell().Remark(run_->on_trial_boot ? kCodeOk : kCodeFailed, run_->told);
+  if (!run_->reason.empty()) {
+    controller_->shell().Remark(run_->on_trial_boot ? kCodeOk : kCodeFailed, run_->reason);
   }
   again_watch_ = loop_.WhenReadable(again_.get(), [this] {
     pid_t sender = 0;
     if (NextSignal(again_, &sender) == 0) return;
-    StartAgain("process " + std::to_string(sender) + " asks for a start from the slot that is due");
+    StartAgain("restart from the slot that is due, requested by process " + std::to_string(sender));
   });
   if (!run_->on_trial_boot) return;
   trial_boot_.emplace(
@@ -129,13 +131,13 @@ void ControllerProcess::OnTrialBootEnd(const Result<>& outcome) {
   const std::string what =
       "version " + run_->version + " in slot " + std::string(ota::SlotName(run_->slot));
   if (!outcome) {
-    return StartAgain(what + " is not kept: " + outcome.error().message);
+    return StartAgain(what + " is rolled back: " + outcome.error().message);
   }
-  controller_->shell().Remark(kCodeOk, what + " is kept: it is up, and its self-check is good");
+  controller_->shell().Remark(kCodeOk, what + " is kept: it is up and passed its self-check");
   if (start_up_) OnStartUpEnded(*start_up_);
 }
 
-// As `musher down`, but this process goes on as a new one.
+// As `musher down`, but this process then executes the program anew.
 void ControllerProcess::StartAgain(const std::string& why) {
   const Phase phase = controller_->shell().machine().phase;
   if (start_again_ || phase == Phase::kStopping || phase == Phase::kStopped) return;
@@ -154,7 +156,7 @@ ControllerOptions ControllerProcess::Options() {
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {
-    // Somebody took it down before it was known whether it is any good.
+    // The machine was taken down before the trial boot was decided.
     if (trial_boot_)
       trial_boot_->Fail({kCodeFailed, "the machine was taken down before it was up"});
     loop_.Stop();
@@ -176,68 +178,68 @@ void ControllerProcess::OnRecord(const action::Record& record) {
   progress.message = record.message;
   progress_.Send(progress);
   log_.Write(record.message, record.code);
-  if (controller_) service_manager_.Follow(controller_->shell().machine());
+  if (controller_) service_manager_.Update(controller_->shell().machine());
 }
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
-  // It ends what an earlier controller had begun to end: nothing stays up, and the front stays.
+  // This controller only completes a TearDown: the launcher stays until the machine is stopped.
   const Phase phase = controller_->shell().machine().phase;
   if (phase == Phase::kStopping || phase == Phase::kStopped) return;
-  const bool judged = trial_boot_ && !trial_boot_->under_way();
-  if (run_ && run_->on_trial_boot && !judged) {
+  const bool decided = trial_boot_ && !trial_boot_->under_way();
+  if (run_ && run_->on_trial_boot && !decided) {
     start_up_ = ended;
     if (trial_boot_ && !ended.usable) trial_boot_->Fail({kCodeFailed, ended.message});
     return;
   }
-  // The front leaves after a failed start, and the machine stays up for inspection.
-  if (!ended.usable) LeaveFront();
+  // After a failed start the launcher exits, and the machine stays up for inspection.
+  if (!ended.usable) DetachLauncher();
   service_manager_.StartUpEnded(ended);
-  Tell(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
+  SendProgress(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
 }
 
-// Another controller leads: this one has lost the machine, or was refused before it began.
+// Another controller leads: this one is fenced, or was refused before it began.
 void ControllerProcess::OnFenced(const std::string& message) {
   const bool begun = controller_->shell().machine().phase == Phase::kFenced;
   exit_ = begun ? ExitCode::kNotDone : ExitCode::kUsage;
   log_.Write(message, kCodePermissionDenied);
   service_manager_.Fenced(message);
-  Tell(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);
+  SendProgress(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);
   loop_.Stop();
 }
 
 void ControllerProcess::OnTrouble(const std::string& message) {
-  Tell(Progress::kTrouble, message, kCodeFailed);
+  SendProgress(Progress::kTrouble, message, kCodeFailed);
   log_.Write(message, kCodeFailed);
 }
 
 void ControllerProcess::OnSignal() {
   const int signal = NextSignal(signals_);
-  if (signal == SIGHUP) return GoOnAlone();
+  if (signal == SIGHUP) return GoOnWithoutTerminal();
   if (signal != 0) TakeDown();
 }
 
-// The front has lost its terminal, and leaves once it is told that nothing of us hangs on it.
-void ControllerProcess::GoOnAlone() {
-  if (front_ != 0) {
-    LeaveFront();
+// The launcher has lost its terminal. It exits once this process reports that it has detached.
+void ControllerProcess::GoOnWithoutTerminal() {
+  if (launcher_ != 0) {
+    DetachLauncher();
     controller_->shell().Remark(
-        kCodeOk, "the terminal of `musher up` is closed; this controller goes on without it");
+        kCodeOk, "the terminal of `musher up` is closed; this controller keeps running");
   }
-  Tell(Progress::kAlone, config_.name + " is led without a terminal");
+  SendProgress(Progress::kAlone, config_.name + " is led without a terminal");
 }
 
-void ControllerProcess::LeaveFront() {
+void ControllerProcess::DetachLauncher() {
   prctl(PR_SET_PDEATHSIG, 0);
-  front_ = 0;
+  launcher_ = 0;
 }
 
-// By a signal: Ctrl-C, or a supervisor that ends the machine.
+// On a signal: Ctrl-C, or a supervisor that stops the machine.
 void ControllerProcess::TakeDown() {
   controller_->shell().TearDown(AfterTearDown::kMayStart);
 }
 
-void ControllerProcess::Tell(const std::string& kind, const std::string& message,
-                             std::int32_t code) {
+void ControllerProcess::SendProgress(const std::string& kind, const std::string& message,
+                                     std::int32_t code) {
   progress_.Send({WallNow(), kind, "", 0, code, message});
 }
 

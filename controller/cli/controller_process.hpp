@@ -1,18 +1,18 @@
 #pragma once
-// The process that leads a machine, as `musher up` starts it. In a session of its own: Ctrl-C in
-// the terminal is for the front, which asks with SIGTERM; the machine is then taken down within its
-// shutdown budget, and the process ends.
+// The controller process that `musher up` starts. It runs in a session of its own: Ctrl-C in the
+// terminal reaches the launcher (up_launcher.hpp), which sends SIGTERM; the controller then takes
+// the machine down within its shutdown budget and exits.
 //
 //   Run(): join the domain ─▶ take the machine over ─▶ lead it until it is stopped ─▶ exit code 0
-//                 └──────────────────┴─▶ "not-started" to the front ─▶ exit code 2
-//   led by another controller from now on: "fenced" to the front ─▶ exit code 1
+//                 └──────────────────┴─▶ "not-started" to the launcher ─▶ exit code 2
+//   another controller takes the machine over: "fenced" to the launcher ─▶ exit code 1
 //
-// In the latter two the actuators' processes go on.
+// In the latter two cases the actuators' processes keep running.
 //
-// A machine that was started from a root (slot_run.hpp) may end to start again, from another slot:
-// Run() returns when it is stopped, and StartsAgain() holds.
+// A machine that was started from an upgrade root (slot_run.hpp) may stop and restart from another
+// slot: Run() then returns once the machine is stopped, and StartsAgain() is true.
 //
-// Threads: the loop's; the disk, the journal and Cyclone have their own.
+// Threads: loop thread; the disk, the journal and Cyclone have threads of their own.
 
 #include <sys/types.h>
 
@@ -33,22 +33,22 @@ namespace musher::cli {
 
 class ControllerProcess {
  public:
-  // How it begins; each as ControllerOptions has it.
+  // Start options; see ControllerOptions.
   struct Start {
     bool takeover = false;
     bool adopt = false;
     bool restarted = false;
   };
-  // `front`: the process in the foreground. If it is killed, so are we, until it has left: after a
-  // failed start, or because its terminal was closed (SIGHUP). 0: there is none. `restarted`: see
-  // ControllerOptions.
+  // `launcher`: pid of the process in the foreground, 0 for none. If it is killed, this process is
+  // killed too, until the launcher detaches: after a failed start, or when its terminal was closed
+  // (SIGHUP).
   ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                    transport::UniqueFd progress, pid_t front, Start start);
+                    transport::UniqueFd progress, pid_t launcher, Start start);
 
-  // In a new process, before it has threads. Gives its exit code.
+  // To be called in a new process, before it has threads. Returns its exit code.
   int Run();
   bool StartsAgain() const { return start_again_; }
-  pid_t front() const { return front_; }  // 0: there is none, or none any more
+  pid_t launcher() const { return launcher_; }  // 0: none, or detached
 
  private:
   Result<> Begin();
@@ -61,34 +61,35 @@ class ControllerProcess {
   void OnFenced(const std::string& message);
   void OnTrouble(const std::string& message);
   void OnSignal();
-  void GoOnAlone();
+  void GoOnWithoutTerminal();
   void TakeDown();
-  void LeaveFront();
-  void Tell(const std::string& kind, const std::string& message, std::int32_t code = kCodeOk);
+  void DetachLauncher();
+  void SendProgress(const std::string& kind, const std::string& message,
+                    std::int32_t code = kCodeOk);
 
   const MachineConfig& config_;
   const std::optional<SlotRun> run_;
-  pid_t front_;
+  pid_t launcher_;
   const Start start_;
   bool start_again_ = false;
   ExitCode exit_ = ExitCode::kDone;
   transport::UniqueFd signals_;
-  transport::UniqueFd let_go_;
+  transport::UniqueFd release_;
   transport::UniqueFd again_;
   transport::UniqueFd children_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
-  DiskWriter disk_;  // for the log and the end of a trial
+  DiskWriter disk_;  // for the log and the end of a trial boot
   ControllerLog log_;
   ServiceManager service_manager_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<Controller> controller_;
   transport::LoopHandlePtr signal_watch_;
-  transport::LoopHandlePtr let_go_watch_;
+  transport::LoopHandlePtr release_watch_;
   transport::LoopHandlePtr again_watch_;
   transport::LoopHandlePtr children_watch_;
   RootLock root_lock_;
-  std::optional<action::StartUpEnded> start_up_;  // of a version on trial, not told yet
+  std::optional<action::StartUpEnded> start_up_;  // of a trial boot; not reported yet
   std::optional<TrialBoot> trial_boot_;
 };
 

@@ -1,5 +1,5 @@
-// musher down: TearDown in reverse order, then the processes end, then the controller does.
-// musher down --without-controller: ends what runs though no controller leads it.
+// musher down: TearDown in reverse order, then the processes exit, then the controller.
+// musher down --without-controller: stops the actuators that run without a controller.
 
 #include <fmt/format.h>
 
@@ -15,9 +15,9 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kPatience = std::chrono::seconds(10);
+constexpr Duration kTearDownTime = std::chrono::seconds(10);
 
-ExitCode EndWhatRuns(const GlobalOptions& global, Console& console) {
+ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
   const auto running =
@@ -28,13 +28,13 @@ ExitCode EndWhatRuns(const GlobalOptions& global, Console& console) {
     return console.Fail(
         {ExitCode::kNotDone,
          {kCodeTargetBusy, "a controller leads the actuators of namespace '" + global.name_space +
-                               "': `musher down` ends them in their order, and it"}});
+                               "': `musher down` stops them in their order, and it"}});
   }
   if (running.value()->Now().empty()) {
-    return console.Fail(link.value()->NotFound("controller and no actuator"));
+    return console.Fail(link.value()->NotFound("controller or actuator"));
   }
   const auto ending = Ending::Begin(link.value()->node(), global.name_space, *running.value(),
-                                    global.timeout.value_or(kPatience));
+                                    global.timeout.value_or(kTearDownTime));
   if (!ending) return console.Fail(ending.error());
   link.value()->RunUntil([&] { return ending.value()->Ended() || ending.value()->OutOfTime(); },
                          std::chrono::hours(1));
@@ -43,14 +43,14 @@ ExitCode EndWhatRuns(const GlobalOptions& global, Console& console) {
                                     : EndingText(outcomes, console.mode().colour));
   if (link.value()->interrupted()) return ExitCode::kInterrupted;
   if (ending.value()->Ended()) return ExitCode::kDone;
-  console.Complain("not all actuators have ended");
+  console.PrintError("not all actuators have exited");
   return ExitCode::kNotDone;
 }
 
 }  // namespace
 
 ExitCode Down(const DownOptions& options, const GlobalOptions& global, Console& console) {
-  if (options.without_controller) return EndWhatRuns(global, console);
+  if (options.without_controller) return DownWithoutController(global, console);
   return RequestSwitch(State(kTearDown), "", global, console);
 }
 

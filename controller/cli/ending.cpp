@@ -17,7 +17,7 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kPeriod = Milliseconds(50);
-constexpr Duration kExitGrace = Milliseconds(1000);  // a process that is torn down ends by itself
+constexpr Duration kExitGrace = Milliseconds(1000);  // a process that is torn down exits by itself
 constexpr Duration kTerminateTime = Milliseconds(2000);
 constexpr Duration kKillTime = Milliseconds(1000);
 constexpr Duration kHeartbeatPeriod = Milliseconds(200);
@@ -27,7 +27,7 @@ bool HasEnded(const transport::UniqueFd& process) {
   return poll(&ended, 1, 0) == 1;
 }
 
-// To its whole group, where it leads one that is not ours.
+// Signals its whole process group if it leads one other than ours.
 void Send(const transport::UniqueFd& process, pid_t pid, int signal) {
   if (syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0) != 0) return;
   if (getpgid(pid) == pid && pid != getpgrp()) kill(-pid, signal);
@@ -36,15 +36,15 @@ void Send(const transport::UniqueFd& process, pid_t pid, int signal) {
 }  // namespace
 
 Ending::Ending(transport::Node& node, std::string name_space, const Running& running,
-               Duration patience)
+               Duration timeout)
     : node_(node),
       name_space_(std::move(name_space)),
       running_(running),
-      deadline_(node.loop().Now() + patience) {}
+      deadline_(node.loop().Now() + timeout) {}
 
 Result<std::unique_ptr<Ending>> Ending::Begin(transport::Node& node, const std::string& name_space,
-                                              const Running& running, Duration patience) {
-  std::unique_ptr<Ending> ending(new Ending(node, name_space, running, patience));
+                                              const Running& running, Duration timeout) {
+  std::unique_ptr<Ending> ending(new Ending(node, name_space, running, timeout));
   if (auto opened = ending->Open(); !opened) return opened.error();
   return ending;
 }
@@ -59,12 +59,12 @@ Result<> Ending::Open() {
     if (actuator.status.host == transport::HostId()) {
       const std::string lock = transport::NameLock::NameOf(domain, name_space_, name);
       auto process = transport::OpenPidfd(actuator.status.pid);
-      // Pinned first, then proven: a pid in a status is a claim.
+      // Opens the pidfd first, then checks it: a pid in a status is unproven.
       target.here = process && transport::NameLock::CheckHolder(lock, actuator.status.pid);
       if (target.here) target.process = std::move(process).value();
     }
     if (!actuator.heard) {
-      target.outcome.trouble = "its process is not heard";
+      target.outcome.trouble = "its process publishes no status";
       continue;
     }
     auto commands = transport::MakeClient<msg::ActuatorCommand>(
@@ -72,13 +72,13 @@ Result<> Ending::Open() {
     if (!commands) return commands.error();
     target.commands = std::move(commands).value();
   }
-  auto beats = transport::MakePublisher<msg::ControllerBeat>(
+  auto heartbeats = transport::MakePublisher<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
-  if (!beats) return beats.error();
-  heartbeats_ = std::move(beats).value();
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
   heartbeat_ = {"musher down",       epoch_,   transport::NewIncarnation(),
                 transport::HostId(), getpid(), kHeartbeatPeriod.count()};
-  if (auto told = heartbeats_->Publish(heartbeat_); !told) return told;
+  if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();
 }
@@ -87,35 +87,35 @@ void Ending::Advance() {
   const Time now = node_.loop().Now();
   const auto running = running_.Now();
   for (auto& [name, target] : targets_) {
-    Look(target, running);
+    Check(target, running);
     if (target.outcome.ended) continue;
     const bool torn_down = target.outcome.torn_down;
     if (!torn_down && now < deadline_ && target.commands) {
-      Ask(target, running);
+      CommandTearDown(target, running);
     } else if (!torn_down || now >= *target.torn_down_at + kExitGrace) {
       Signal(target);
     }
   }
 }
 
-void Ending::Look(Target& target, const Actuators& running) {
+void Ending::Check(Target& target, const Actuators& running) {
   const bool runs = running.contains(target.outcome.name);
-  if (!runs && !target.outcome.torn_down && running_.Hears(target.outcome.name)) {
+  if (!runs && !target.outcome.torn_down && running_.HasStatusOf(target.outcome.name)) {
     target.outcome.torn_down = true;
     target.torn_down_at = node_.loop().Now();
   }
   target.outcome.ended =
-      target.here ? HasEnded(target.process) : !running_.Hears(target.outcome.name);
+      target.here ? HasEnded(target.process) : !running_.HasStatusOf(target.outcome.name);
 }
 
-void Ending::Ask(Target& target, const Actuators& running) {
+void Ending::CommandTearDown(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
-  if (target.asked || found == running.end() || !found->second.heard) return;
+  if (target.commanded || found == running.end() || !found->second.heard) return;
   if (!target.commands->Ready()) return;
   const msg::ActuatorStatus& status = found->second.status;
   const Time now = node_.loop().Now();
-  target.asked = true;
-  static_cast<void>(heartbeats_->Publish(heartbeat_));  // it obeys only whom it has heard of
+  target.commanded = true;
+  static_cast<void>(heartbeats_->Publish(heartbeat_));  // it obeys only an announced controller
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindSwitch;
   request.epoch = epoch_;
@@ -126,7 +126,7 @@ void Ending::Ask(Target& target, const Actuators& running) {
   request.since_status_ns = Duration(now - found->second.at).count();
   request.incarnation = status.incarnation;
   target.commands->Call(request, deadline_ - now, [this, &target](const auto& reply) {
-    target.asked = false;  // asked again, if it was refused
+    target.commanded = false;  // commanded again if it was refused
     if (!reply) return;
     const bool done = reply.value().verdict == msg::ActuatorCommand::kVerdictDone;
     target.outcome.trouble = done ? "" : reply.value().message;
@@ -143,7 +143,7 @@ void Ending::Signal(Target& target) {
     target.terminated_at = now;
     target.outcome.signal = "SIGTERM";
     Send(target.process, target.outcome.pid, SIGTERM);
-    Send(target.process, target.outcome.pid, SIGCONT);  // a stopped one gets it only then
+    Send(target.process, target.outcome.pid, SIGCONT);  // a stopped one handles SIGTERM only then
   } else if (!target.killed && now >= *target.terminated_at + kTerminateTime) {
     target.killed = true;
     target.outcome.signal = "SIGKILL";

@@ -1,11 +1,11 @@
 #pragma once
-// Ends actuators that no controller leads: each gets TearDown, as a controller would send it, and a
-// process of this host that does not end by itself gets SIGTERM and SIGKILL.
+// Stops actuators that run without a controller: each gets TearDown, as a controller would command
+// it; a process of this host that does not exit by itself gets SIGTERM, then SIGKILL.
 //
-//   asked ──torn down, 1 s──▶ SIGTERM ──2 s──▶ SIGKILL
-//     └──not torn down within its time──▲
+//   commanded ──torn down, 1 s──▶ SIGTERM ──2 s──▶ SIGKILL
+//       └──not torn down in time────▲
 //
-// All at the same time: their order is in the config, which is not read.
+// All stop at the same time: their order is in the config, which this class does not read.
 //
 // Threads: loop thread only.
 
@@ -25,30 +25,30 @@ namespace musher::cli {
 
 class Ending {
  public:
-  // What became of one.
+  // The result for one actuator.
   struct Outcome {
     std::string name;
     std::int32_t pid = 0;
     bool torn_down = false;
     bool ended = false;
-    std::string signal;   // the last one that its process got: "SIGTERM", "SIGKILL"
-    std::string trouble;  // why it was not torn down, as far as it says
+    std::string signal;   // the last signal sent to its process: "SIGTERM", "SIGKILL"
+    std::string trouble;  // why it was not torn down, if it says so
   };
 
-  // `patience`: for the TearDowns. The node and `running` must outlive it.
+  // `timeout`: for the TearDowns. The node and `running` must outlive it.
   static Result<std::unique_ptr<Ending>> Begin(transport::Node& node, const std::string& name_space,
-                                               const Running& running, Duration patience);
+                                               const Running& running, Duration timeout);
 
   bool Ended() const;
-  // Nothing more is tried.
+  // The time for all attempts is over.
   bool OutOfTime() const;
   std::vector<Outcome> Outcomes() const;
 
  private:
   struct Target {
     Outcome outcome;
-    bool here = false;  // a process of this host that is ours to signal
-    bool asked = false;
+    bool here = false;  // a process of this host, proven to hold the actuator's name
+    bool commanded = false;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
     transport::UniqueFd process;
     std::optional<Time> torn_down_at;
@@ -58,11 +58,11 @@ class Ending {
 
   using Actuators = std::map<std::string, Running::Actuator>;
 
-  Ending(transport::Node& node, std::string name_space, const Running& running, Duration patience);
+  Ending(transport::Node& node, std::string name_space, const Running& running, Duration timeout);
   Result<> Open();
   void Advance();
-  void Look(Target& target, const Actuators& running);
-  void Ask(Target& target, const Actuators& running);
+  void Check(Target& target, const Actuators& running);
+  void CommandTearDown(Target& target, const Actuators& running);
   void Signal(Target& target);
 
   transport::Node& node_;

@@ -1,5 +1,5 @@
-// musher estop [REASON...]: stops everything that moves, with or without a controller, and says who
-// has stopped. musher estop --release: ends that; nothing moves by it.
+// musher estop [REASON...]: engages an emergency stop, with or without a controller, and prints
+// which actuators have stopped. musher estop --release: releases it; that alone moves nothing.
 
 #include <fmt/format.h>
 #include <pwd.h>
@@ -40,15 +40,16 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
   return {RandomId(), true, Me(), words.substr(0, kLongestReason)};
 }
 
-// A controller knows who is there. Without one everybody has as long to show up as discovery takes.
-EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeout) {
+// Waits until all actuators have latched the stop. A controller knows which are present; without
+// one the actuators have as long to appear as discovery takes.
+EstopReport AwaitAll(Link& link, const Latching& latching, Duration timeout) {
   const Time begin = link.loop().Now();
   const auto report = [&] { return latching.Report(link.status()); };
   const auto led = [&] { return report().controller && report().settled(); };
   if (!link.RunUntil(led, std::min(link.discovery(), timeout))) {
-    const bool nobody = report().actuators.empty() && !report().controller;
+    const bool none = report().actuators.empty() && !report().controller;
     const auto settled = [&] { return report().settled(); };
-    if (!nobody || link.HasMachine()) {
+    if (!none || link.HasMachine()) {
       link.RunUntil(settled, begin + timeout - link.loop().Now());
     }
   }
@@ -65,13 +66,13 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
     return console.Fail(followed.error());
   }
   const EstopReport report =
-      AwaitEverybody(*link.value(), *latching.value(), global.timeout.value_or(kStopTimeout));
+      AwaitAll(*link.value(), *latching.value(), global.timeout.value_or(kStopTimeout));
   if (!report.controller && report.actuators.empty()) {
-    return console.Fail(link.value()->NotFound("controller and no actuator"));
+    return console.Fail(link.value()->NotFound("controller or actuator"));
   }
   console.Print(console.mode().json ? EstopJson(report) : EstopText(report, console.mode().colour));
   if (report.complete()) return ExitCode::kDone;
-  console.Complain(EstopComplaint(report));
+  console.PrintError(EstopError(report));
   return link.value()->interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
 }
 
@@ -79,7 +80,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
   const auto answer =
-      link.value()->Ask<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);
+      link.value()->Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {
@@ -91,7 +92,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
   if (released.code != kCodeOk) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
   }
-  const auto status = link.value()->Ask<msg::GetStatus>("get_status", {}, kStopTimeout);
+  const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
   console.Print(console.mode().json ? ReleaseJson(machine)

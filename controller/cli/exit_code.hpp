@@ -1,5 +1,5 @@
 #pragma once
-// What the `musher` program tells its caller, and why.
+// The exit codes of the `musher` program, and failures with their exit code.
 
 #include <cstdint>
 
@@ -11,17 +11,17 @@ enum class ExitCode : int {
   kDone = 0,
   kNotDone = 1,       // refused, undone, done-degraded; or the start-up failed
   kUsage = 2,         // a wrong command line, config or environment
-  kNoController = 3,  // nobody leads a machine where we asked
-  kNoAnswer = 4,      // a controller is there but did not answer in time
-  kUnknownEnd = 5,    // the controller ended during a switch, and no other tells what became of it
-  kInterrupted = 130  // by Ctrl-C, as shells have it
+  kNoController = 3,  // no controller in the namespace
+  kNoAnswer = 4,      // the controller did not answer in time
+  kUnknownEnd = 5,    // the controller exited during a switch and no successor reports its outcome
+  kInterrupted = 130  // by Ctrl-C, as in shells
 };
 
-// Why a command could not do its work.
+// Why a command failed.
 struct Failure {
   ExitCode exit = ExitCode::kUsage;
   Error error;
-  std::uint64_t switch_number = 0;  // the switch that goes on without us; 0: none
+  std::uint64_t switch_number = 0;  // the switch that continues nevertheless; 0: none
 };
 
 }  // namespace musher::cli

@@ -1,5 +1,5 @@
-// musher graph FILE: the states or the actuators of a config as a drawing; or the state machine of
-// an application.
+// musher graph FILE: draws the states or the actuators of a config, or the state machine of an
+// application.
 
 #include <filesystem>
 #include <fstream>
@@ -21,8 +21,8 @@ Result<std::string> FormatOf(const GraphOptions& options) {
   if (end == ".mmd" || end == ".mermaid") return std::string("mermaid");
   if (end.empty() || end == ".dot" || end == ".gv") return std::string("dot");
   return Error{kCodeParametersInvalid,
-               options.output + ": a graph is .dot, .gv, .mmd, .mermaid or .svg; for a file of " +
-                   "another name give --format"};
+               options.output + ": unknown graph format; expected .dot, .gv, .mmd, .mermaid or " +
+                   ".svg, or --format"};
 }
 
 Result<std::string> Draw(const MachineConfig& config, const std::string& what,
@@ -45,7 +45,7 @@ Drawing DrawBehavior(const std::string& name, const std::string& format,
   const auto link = Link::Open(global);
   if (!link) return Failure{ExitCode::kUsage, link.error()};
   const bool svg = format == "svg";
-  auto answer = AskBehavior(*link.value(), global, name, {svg ? "dot" : format, 0});
+  auto answer = QueryBehavior(*link.value(), global, name, {svg ? "dot" : format, 0});
   if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
   std::string graph = std::move(std::get<msg::GetBehavior::Response>(answer).graph);
   return svg ? OrFailure(RenderSvg(graph)) : Drawing(std::move(graph));

@@ -1,5 +1,5 @@
-// musher history: what happened and why, told by the controller, or read from the journal of one
-// that has gone.
+// musher history: past events and their causes, from the controller, or from the journal of one
+// that has exited.
 
 #include <cstdint>
 #include <memory>
@@ -18,12 +18,13 @@
 namespace musher::cli {
 namespace {
 
-using Told = msg::GetHistory::Response;
+using Entries = msg::GetHistory::Response;
 
 constexpr unsigned kAll = UINT32_MAX;
 constexpr Duration kFollowPeriod = Milliseconds(300);
 
-std::variant<Told, Failure> FromFile(const std::string& path, std::int64_t since, unsigned limit) {
+std::variant<Entries, Failure> FromFile(const std::string& path, std::int64_t since,
+                                        unsigned limit) {
   const auto read = ReadJournal(path, since, limit);
   if (!read) return Failure{ExitCode::kUsage, read.error()};
   msg::GetHistory::Response history;
@@ -34,14 +35,13 @@ std::variant<Told, Failure> FromFile(const std::string& path, std::int64_t since
   return history;
 }
 
-std::variant<Told, Failure> Ask(Link& link, std::int64_t since, unsigned limit) {
+std::variant<Entries, Failure> FromController(Link& link, std::int64_t since, unsigned limit) {
   const auto answer =
-      link.Ask<msg::GetHistory>("get_history", {since, limit}, std::chrono::seconds(5));
+      link.Call<msg::GetHistory>("get_history", {since, limit}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {
-      with_hint.error.message +=
-          "; the journal of one that has gone: --journal <its state_dir>/journal.sqlite";
+      with_hint.error.message += "; to read its journal: --journal <its state_dir>/journal.sqlite";
     }
     return with_hint;
   }
@@ -52,14 +52,14 @@ std::variant<Told, Failure> Ask(Link& link, std::int64_t since, unsigned limit) 
   return response;
 }
 
-// What of the history is asked for.
+// Which entries are requested.
 struct Selection {
   std::int64_t since = 0;
   std::int64_t until = INT64_MAX;
   std::string actuator;
   unsigned limit = 0;  // 0: all
 
-  // The limit is of what matches.
+  // The limit counts matching entries only.
   unsigned ReadLimit() const {
     const bool filters = until != INT64_MAX || !actuator.empty();
     return limit == 0 || filters ? kAll : limit;
@@ -92,7 +92,7 @@ Result<Selection> Select(const HistoryOptions& options) {
   return selection;
 }
 
-void Show(const Told& history, bool csv, bool first, Console& console) {
+void Show(const Entries& history, bool csv, bool first, Console& console) {
   if (csv) {
     console.Print(HistoryCsv(history.entries, first));
   } else if (console.mode().json) {
@@ -102,17 +102,17 @@ void Show(const Told& history, bool csv, bool first, Console& console) {
   }
 }
 
-// Prints what comes after the last entry that was shown, until Ctrl-C or the end of the controller.
+// Prints the entries after `last`, until Ctrl-C or until the controller exits.
 ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_t since, bool csv,
                 Console& console) {
   while (!link.interrupted()) {
     link.RunUntil([] { return false; }, kFollowPeriod);
     if (link.interrupted()) break;
-    auto told = Ask(link, since, kAll);
-    if (const auto* failure = std::get_if<Failure>(&told)) {
+    auto read = FromController(link, since, kAll);
+    if (const auto* failure = std::get_if<Failure>(&read)) {
       return link.interrupted() ? ExitCode::kDone : console.Fail(*failure);
     }
-    auto& history = std::get<Told>(told);
+    auto& history = std::get<Entries>(read);
     std::erase_if(history.entries, [last](const auto& entry) { return entry.id <= last; });
     if (history.entries.empty()) continue;
     last = history.entries.back().id;
@@ -145,11 +145,11 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
     if (!opened) return console.Fail(opened.error());
     link = std::move(opened).value();
   }
-  auto told = link ? Ask(*link, wanted.since, wanted.ReadLimit())
+  auto read = link ? FromController(*link, wanted.since, wanted.ReadLimit())
                    : FromFile(options.journal, wanted.since, wanted.ReadLimit());
-  if (const auto* failure = std::get_if<Failure>(&told)) return console.Fail(*failure);
-  auto& history = std::get<Told>(told);
-  if (!history.error.empty()) console.Complain(history.error);
+  if (const auto* failure = std::get_if<Failure>(&read)) return console.Fail(*failure);
+  auto& history = std::get<Entries>(read);
+  if (!history.error.empty()) console.PrintError(history.error);
   const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
   const std::int64_t since =
       history.entries.empty() ? wanted.since : history.entries.back().wall_ns;

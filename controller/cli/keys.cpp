@@ -1,5 +1,5 @@
-// musher keys init|add|revoke|list: who is let into a machine that has [security]. Never shows what
-// is secret. Touches no network.
+// musher keys init|add|revoke|list: the identities of a machine with [security]. Never prints
+// secrets. Uses no network.
 
 #include <fmt/format.h>
 
@@ -27,19 +27,20 @@ constexpr const char* kOperator = "operator";
 // The folder of --keys, or why there is none.
 Result<KeyFolder> ChosenFolder(const GlobalOptions& global) {
   if (global.keys.empty()) {
-    return Error{kCodeParametersInvalid, "which keys? --keys FOLDER or $MUSHER_KEYS says it"};
+    return Error{kCodeParametersInvalid,
+                 "no folder of credentials given; use --keys FOLDER or $MUSHER_KEYS"};
   }
   return KeyFolder(std::filesystem::absolute(global.keys).lexically_normal());
 }
 
-// Where keys are to be made, and whose.
+// The folder and identities to create.
 struct KeyPlan {
   KeyFolder folder{""};
   std::vector<std::pair<std::string, Role>> identities = {
       {transport::kControllerIdentity, Role::kController}, {kOperator, Role::kOperator}};
 };
 
-// Of a config, or of a folder that may not be there yet. nullopt: all is said.
+// For a config, or for a folder that may not exist yet. nullopt: the error is already printed.
 std::optional<KeyPlan> PlanFor(const std::string& where, Console& console) {
   KeyPlan plan;
   if (std::filesystem::path(where).extension() != ".toml") {
@@ -50,16 +51,16 @@ std::optional<KeyPlan> PlanFor(const std::string& where, Console& console) {
   if (!config) return std::nullopt;
   if (config->keys.empty()) {
     console.Fail({kCodeParametersInvalid,
-                  where + " does not say where its keys are to be; add to it: [security] keys = "
-                          "\"keys\""});
+                  where + ": no folder for credentials; add: [security] keys = \"keys\""});
     return std::nullopt;
   }
   plan.folder = KeyFolder(config->keys);
   for (const ActuatorConfig& actuator : config->actuators) {
     for (const auto& [name, role] : plan.identities) {
       if (name != actuator.name) continue;
-      console.Fail({kCodeParametersInvalid, "an actuator cannot have the name '" + name +
-                                                "' of an identity that every machine has"});
+      console.Fail({kCodeParametersInvalid, "actuator '" + name +
+                                                "': this name is reserved for an " +
+                                                "identity of every machine; rename the actuator"});
       return std::nullopt;
     }
   }
@@ -80,10 +81,10 @@ std::string NoteOf(const Identity& identity, std::int64_t now_ns) {
   if (left_s <= 0) return "expired";
   constexpr std::int64_t kDay = 86'400;
   if (left_s < 30 * kDay) return fmt::format("expires in {} days", left_s / kDay);
-  return identity.has_key ? "" : "its key is not here";
+  return identity.has_key ? "" : "its private key is not in this folder";
 }
 
-// What was done; with --json, who there is by now.
+// Prints what was done; with --json, the identities that now exist.
 ExitCode Done(Console& console, const KeyFolder& folder, const std::string& text) {
   if (!console.mode().json) {
     console.Print(text);
@@ -113,7 +114,7 @@ ExitCode KeysInit(const KeysInitOptions& options, Console& console) {
   const std::string& path = plan->folder.path();
   return Done(console, plan->folder,
               fmt::format("{0}: {1} identities\n"
-                          "Take {2} off the robot: who has it can let anybody in.\n"
+                          "Move {2} off the robot: its owner can admit any process.\n"
                           "For the other commands: export MUSHER_KEYS={0}",
                           path, plan->identities.size(), plan->folder.CaFolder()));
 }
@@ -128,7 +129,7 @@ ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Con
   }
   return Done(
       console, folder.value(),
-      fmt::format("{0} may come as {1}. It needs, in a folder of its own, {0}.key, {0}.cert, "
+      fmt::format("{0} is admitted as {1}. Give it a folder of its own with {0}.key, {0}.cert, "
                   "{0}.permissions,\n"
                   "identity_ca.cert, permissions_ca.cert, governance.p7s and revoked.crl of {2}.",
                   options.name, options.role, folder.value().path()));
@@ -144,9 +145,10 @@ ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& globa
   return Done(
       console, folder.value(),
       fmt::format(
-          "{0} is revoked by {1}. Processes read that file when they start: copy it into the "
+          "{0} is revoked in {1}. Processes read that file when they start: copy it into the "
           "folder\n"
-          "of keys on every host, then `musher down` and `musher up`. Until then {0} is let in.",
+          "of credentials on every host, then `musher down` and `musher up`. Until then {0} is "
+          "still admitted.",
           options.name, folder.value().Revocations()));
 }
 

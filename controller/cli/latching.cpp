@@ -11,8 +11,8 @@
 namespace musher::cli {
 namespace {
 
-// Whether it may move: one that crashed does not, one that is out of reach may.
-bool IsThere(const msg::ActuatorInfo& actuator) {
+// Whether it may move: a crashed actuator does not, one whose connection is lost may.
+bool MayMove(const msg::ActuatorInfo& actuator) {
   return actuator.presence == PresenceName(Presence::kPresent) ||
          actuator.health == HealthName(Health::kHung) ||
          actuator.health == HealthName(Health::kPartitioned);
@@ -29,9 +29,10 @@ std::vector<std::string> EstopReport::Missing() const {
 }
 
 bool EstopReport::settled() const {
-  return controller == controller_took && (!controller || knows_who) &&
-         std::all_of(actuators.begin(), actuators.end(),
-                     [](const Actuator& actuator) { return actuator.stopped || actuator.deaf; });
+  return controller == controller_latched && (!controller || knows_origin) &&
+         std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
+           return actuator.stopped || actuator.unsupported;
+         });
 }
 
 Latching::Latching(transport::Node& node, msg::EmergencyStop stop)
@@ -45,14 +46,14 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
       node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
   if (!stops) return stops.error();
   latching->stops_ = std::move(stops).value();
-  if (auto told = latching->stops_->Publish(stop); !told) return told.error();
+  if (auto published = latching->stops_->Publish(stop); !published) return published.error();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = latching.get()](transport::PeerId writer) {
-    std::erase_if(self->heard_,
-                  [writer](const auto& heard) { return heard.second.writer == writer; });
+    std::erase_if(self->received_,
+                  [writer](const auto& received) { return received.second.writer == writer; });
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
-  qos.partition = transport::HearingPartition(with_keys);
+  qos.partition = transport::ReaderPartition(with_keys);
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
       [self = latching.get()](const msg::ActuatorStatus& status,
@@ -66,9 +67,9 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
 }
 
 void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
-  Heard& heard = heard_[status.name];
-  const bool news = heard.writer != info.writer || heard.latched != status.emergency_stop;
-  if (news) heard = {info.writer, status.emergency_stop, loop_.Now() - begun_};
+  Received& last = received_[status.name];
+  const bool changed = last.writer != info.writer || last.latched != status.emergency_stop;
+  if (changed) last = {info.writer, status.emergency_stop, loop_.Now() - begun_};
 }
 
 EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller) const {
@@ -77,20 +78,22 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
   report.reason = stop_.reason;
   if (controller) {
     report.controller = true;
-    report.controller_took = controller->emergency_stop;
+    report.controller_latched = controller->emergency_stop;
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
       const bool well = actuator.health == HealthName(Health::kWell);
-      if (!IsThere(actuator) && !heard_.contains(actuator.name)) continue;
+      if (!MayMove(actuator) && !received_.contains(actuator.name)) continue;
       auto& taken = Take(report, actuator.name, well ? "" : actuator.health);
-      taken.deaf = actuator.protocol != ProtocolName(Protocol::kMusher);
-      if (taken.deaf) taken.trouble = "knows no emergency stop (" + actuator.protocol + ")";
+      taken.unsupported = actuator.protocol != ProtocolName(Protocol::kMusher);
+      if (taken.unsupported) {
+        taken.trouble = "emergency stop not supported (" + actuator.protocol + ")";
+      }
     }
   }
   const auto listed = [&report](const std::string& name) {
     return std::any_of(report.actuators.begin(), report.actuators.end(),
                        [&name](const auto& actuator) { return actuator.name == name; });
   };
-  for (const auto& [name, heard] : heard_) {
+  for (const auto& [name, received] : received_) {
     if (!listed(name)) Take(report, name, "");
   }
   const bool other = controller && !controller->emergency_stop_by.empty() &&
@@ -98,9 +101,9 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
                       controller->emergency_stop_reason != stop_.reason);
   const bool before = std::any_of(report.actuators.begin(), report.actuators.end(),
                                   [](const auto& actuator) { return actuator.before; });
-  // It may have heard of the stop from an actuator first. Whoever engaged this one must not go
-  // before he was heard himself.
-  report.knows_who = before || (controller && !controller->emergency_stop_by.empty());
+  // The controller may have learned of the stop from an actuator first. The program that engaged it
+  // must not exit before the controller has received the stop from the program itself.
+  report.knows_origin = before || (controller && !controller->emergency_stop_by.empty());
   if (before || other) report.earlier.emplace();
   if (report.earlier && controller) {
     *report.earlier = {controller->emergency_stop_by, controller->emergency_stop_reason};
@@ -113,11 +116,11 @@ EstopReport::Actuator& Latching::Take(EstopReport& report, const std::string& na
   EstopReport::Actuator& actuator = report.actuators.emplace_back();
   actuator.name = name;
   actuator.trouble = trouble;
-  const auto heard = heard_.find(name);
-  if (heard == heard_.end() || heard->second.latched == 0) return actuator;
+  const auto received = received_.find(name);
+  if (received == received_.end() || received->second.latched == 0) return actuator;
   actuator.stopped = true;
-  actuator.before = heard->second.latched != stop_.id;
-  if (!actuator.before) actuator.after = heard->second.after;
+  actuator.before = received->second.latched != stop_.id;
+  if (!actuator.before) actuator.after = received->second.after;
   return actuator;
 }
 

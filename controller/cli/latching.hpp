@@ -1,6 +1,6 @@
 #pragma once
-// An emergency stop on its way to everybody who listens, and who has latched it. Needs no
-// controller: the actuators hear it themselves, and say in their status what they have latched.
+// Publishes an emergency stop and collects which actuators have latched it. Needs no controller:
+// the actuators subscribe to the stop themselves and publish in their status what they latched.
 //
 // Threads: loop thread only.
 
@@ -17,17 +17,17 @@
 
 namespace musher::cli {
 
-// How an emergency stop has been taken so far.
+// Which actuators have latched an emergency stop so far.
 struct EstopReport {
   struct Actuator {
     std::string name;
     bool stopped = false;
-    bool before = false;  // by an earlier emergency stop
-    Duration after{};     // since this one was told; 0 when it was stopped before
-    std::string trouble;  // what the controller knows of one that is not stopped: "hung"
-    bool deaf = false;    // its protocol knows no emergency stop
+    bool before = false;       // by an earlier emergency stop
+    Duration after{};          // since this one was published; 0 if it was stopped before
+    std::string trouble;       // if not stopped: its health according to the controller, "hung"
+    bool unsupported = false;  // its protocol has no emergency stop
   };
-  // One that was engaged already. Who and why is known to a controller.
+  // An emergency stop that was already engaged. Only a controller knows by whom and why.
   struct Earlier {
     std::string by;
     std::string reason;
@@ -35,35 +35,35 @@ struct EstopReport {
 
   std::string by;
   std::string reason;
-  bool controller = false;       // there is one …
-  bool controller_took = false;  // … and it will tell those who come later …
-  bool knows_who = false;        // … by whom and why, unless that was lost with an earlier one
+  bool controller = false;          // a controller leads …
+  bool controller_latched = false;  // … has latched the stop and publishes it to later actuators …
+  bool knows_origin = false;        // … and knows by whom and why, unless that was lost earlier
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
 
-  std::vector<std::string> Missing() const;  // who is not stopped
-  // Everybody who can take it has it: nothing more is to be waited for.
+  std::vector<std::string> Missing() const;  // the actuators that are not stopped
+  // Every actuator that can latch the stop has: no need to wait longer.
   bool settled() const;
-  // Everybody who is known has it.
-  bool complete() const { return Missing().empty() && controller == controller_took; }
+  // Every known actuator has latched it.
+  bool complete() const { return Missing().empty() && controller == controller_latched; }
 };
 
 class Latching {
  public:
-  // Tells the stop at once, and again to whoever comes as long as this lives. `node` must outlive
-  // it.
+  // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
+  // must outlive it.
   // `with_keys`: the machine has [security], and so has `node`.
   static Result<std::unique_ptr<Latching>> Begin(transport::Node& node,
                                                  const std::string& name_space,
                                                  const msg::EmergencyStop& stop,
                                                  bool with_keys = false);
 
-  // Those who were heard, and those of whom the controller's status says that they are there, in
-  // its order.
+  // The actuators whose status was received, and those that the controller's status lists as
+  // present, in its order.
   EstopReport Report(const std::optional<msg::MachineStatus>& controller) const;
 
  private:
-  struct Heard {
+  struct Received {
     transport::PeerId writer = 0;
     std::uint64_t latched = 0;
     Duration after{};
@@ -77,7 +77,7 @@ class Latching {
   transport::EventLoop& loop_;
   const msg::EmergencyStop stop_;
   const Time begun_;
-  std::map<std::string, Heard> heard_;
+  std::map<std::string, Received> received_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };

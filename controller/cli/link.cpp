@@ -47,22 +47,22 @@ Result<> Link::Join() {
 
 Result<> Link::FollowStatus(OnStatus on_change) {
   on_status_ = std::move(on_change);
-  const auto tell = [this](std::optional<msg::MachineStatus> status, transport::PeerId writer) {
+  const auto take = [this](std::optional<msg::MachineStatus> status, transport::PeerId writer) {
     status_ = std::move(status);
     if (status_) last_leader_ = status_;
     status_writer_ = writer;
     if (on_status_) on_status_(status_);
   };
   transport::SubscriptionEvents events;
-  // A successor may have spoken before its predecessor is known to have gone.
-  events.on_writer_lost = [this, tell](transport::PeerId writer) {
-    if (writer == status_writer_) tell(std::nullopt, 0);
+  // A successor may publish before its predecessor is reported lost.
+  events.on_writer_lost = [this, take](transport::PeerId writer) {
+    if (writer == status_writer_) take(std::nullopt, 0);
   };
   auto subscription = transport::MakeSubscription<msg::MachineStatus>(
       *node_, transport::MachineStatusTopic(global_.name_space),
-      [this, tell](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+      [this, take](const msg::MachineStatus& status, const transport::SampleInfo& info) {
         const bool older = status_ && status.epoch < status_->epoch;
-        if (!older) tell(status, info.writer);
+        if (!older) take(status, info.writer);
       },
       transport::kLatchedFromManyQos, std::move(events));
   if (!subscription) return subscription.error();
@@ -76,8 +76,8 @@ const std::optional<msg::MachineStatus>& Link::StatusTowards(const std::string& 
 }
 
 std::optional<Failure> Link::AwaitStatus() {
-  const auto told = [this] { return status_.has_value(); };
-  return Await(told, told, global_.timeout.value_or(discovery()));
+  const auto received = [this] { return status_.has_value(); };
+  return Await(received, received, global_.timeout.value_or(discovery()));
 }
 
 bool Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
@@ -131,7 +131,7 @@ Failure Link::NotFound(const std::string& what) const {
   std::string message = "no " + what + " in namespace '" + global_.name_space + "'";
   if (machines_.empty()) {
     message += fmt::format(
-        " of DDS domain {}; `musher up FILE` starts one, and --transport lan looks on other hosts",
+        " of DDS domain {}; `musher up FILE` starts one, --transport lan searches other hosts",
         transport::DomainId({}).value());
     message += UnreachableController();
   } else {
@@ -153,20 +153,22 @@ pid_t Link::LeaderHere() const {
       .pid;
 }
 
-// One with [security] is not heard without its keys, nor one without [security] with keys.
+// A controller with [security] is unreachable without its credentials, and one without [security]
+// is unreachable with credentials.
 std::string Link::UnreachableController() const {
   const pid_t holder = LeaderHere();
   if (holder == 0) return "";
-  const std::string there = fmt::format("; process {} leads one here, but is not heard ", holder);
-  if (global_.keys.empty()) return there + "without keys: use --keys FOLDER if it has [security]";
-  return there + fmt::format("with the keys of {} in {}", global_.identity, global_.keys);
+  const std::string here =
+      fmt::format("; process {} leads one on this host, but is unreachable ", holder);
+  if (global_.keys.empty()) return here + "without keys: use --keys FOLDER if it has [security]";
+  return here + fmt::format("with the keys of {} in {}", global_.identity, global_.keys);
 }
 
 Failure Link::NoAnswer(Duration timeout) const {
   std::string who = "the controller";
   for (const auto& [writer, machine] : machines_) {
     if (machine.name_space != global_.name_space) continue;
-    who = fmt::format("the controller of {} (process {})", machine.machine, machine.pid);
+    who = fmt::format("the controller of {} (pid {})", machine.machine, machine.pid);
   }
   return {ExitCode::kNoAnswer,
           {kCodeTimeout, fmt::format("{} did not answer within {:g} s", who,

@@ -1,10 +1,10 @@
 #pragma once
-// The way from a command to the controller: joins the domain, finds the controller, asks it.
+// The connection of a command to the controller: joins the domain, finds the controller, calls it.
 //
-//   Open() ── Ask() ──▶ the answer
-//                 └──▶ a Failure: no controller, no answer in time, interrupted, or a bad network
+//   Open() ── Call() ──▶ the reply
+//                 └──▶ a Failure: no controller, no reply in time, interrupted, or a bad network
 //
-// Threads: one; Ask() runs the loop until there is an answer. Ctrl-C ends an Ask(), not the
+// Threads: one; Call() runs the loop until the reply is there. Ctrl-C ends a Call(), not the
 // program.
 
 #include <sys/types.h>
@@ -29,14 +29,14 @@ namespace musher::cli {
 
 class Link {
  public:
-  // How long a controller may take to be discovered. One that is there is found in some 10 ms; when
-  // a packet of discovery is lost, what repairs it comes within a second.
+  // Time for discovering a controller. A running one is found in some 10 ms; a lost discovery
+  // packet is repaired within a second.
   static constexpr Duration kDiscovery = Milliseconds(1200);
-  // With keys in some 400 ms; what is lost of an introduction is repeated after a second.
+  // With credentials discovery takes some 400 ms; a lost handshake message is repeated after 1 s.
   static constexpr Duration kSecuredDiscovery = Milliseconds(4000);
   Duration discovery() const { return global_.keys.empty() ? kDiscovery : kSecuredDiscovery; }
-  // One whose process leads on this host, or looks around before it does, answers soon; it may
-  // also have had no CPU for a while.
+  // A controller process of this host, leading or still listening for others, answers soon; it may
+  // also lack CPU for a while.
   static constexpr Duration kDiscoveryOfOneHere = Milliseconds(4000);
   static constexpr Duration kSecuredDiscoveryOfOneHere = Milliseconds(9000);
   Duration discovery_of_one_here() const {
@@ -48,42 +48,43 @@ class Link {
   template <msg::Service S>
   using Answer = std::variant<typename S::Response, Failure>;
 
-  // `service`: "set_state" and the like. Waits as long as --timeout says, else `timeout`.
+  // `service`: for example "set_state". Waits for --timeout if given, else for `timeout`.
   template <msg::Service S>
-  Answer<S> Ask(const std::string& service, const typename S::Request& request, Duration timeout);
+  Answer<S> Call(const std::string& service, const typename S::Request& request, Duration timeout);
 
-  // From now on keeps the machine's latched status; on_change hears of it, with none when the
-  // controller has gone. To be called once.
+  // Subscribes to the machine's latched status. on_change gets each one, and none when the
+  // controller is lost. To be called once.
   using OnStatus = std::function<void(const std::optional<msg::MachineStatus>&)>;
   Result<> FollowStatus(OnStatus on_change);
   const std::optional<msg::MachineStatus>& status() const { return status_; }
 
-  // The machine's latest status; runs the loop until it is on its way to `target`, but not for
-  // long: after that, what is known.
+  // The machine's latest status. Runs the loop until the machine switches to `target`, at most for
+  // discovery().
   const std::optional<msg::MachineStatus>& StatusTowards(const std::string& target);
-  // Runs the loop until a status is there; says nullopt, or why there is none.
+  // Runs the loop until a status is received. Returns nullopt, or why there is none.
   std::optional<Failure> AwaitStatus();
-  // The last controller that FollowStatus() heard of, also one that has gone; none: no one.
+  // The last status that FollowStatus() received, also of a controller that is lost; none: never
+  // any.
   const std::optional<msg::MachineStatus>& last_leader() const { return last_leader_; }
-  // Runs the loop until this controller has ended, at most `timeout`: its process, where we can see
-  // it, else its status, which FollowStatus() must have begun to follow. Says whether it has.
+  // Runs the loop until this controller has exited, at most `timeout`. Watches its process if it is
+  // on this host, else its status, which requires FollowStatus(). Returns whether it has.
   bool AwaitEndOf(const msg::MachineStatus& controller, Duration timeout);
-  // For commands that speak with others than the controller.
+  // For commands that call other peers than the controller.
   transport::Node& node() { return *node_; }
   transport::EventLoop& loop() { return loop_; }
-  // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C; says whether it held.
+  // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C. Returns whether it held.
   bool RunUntil(const std::function<bool()>& done, Duration timeout);
   bool interrupted() const { return interrupted_; }
-  pid_t LeaderHere() const;  // 0: no controller of this host leads in our namespace
-  bool HasMachine() const;   // a controller in our namespace has been heard of
-  // Nothing was found: "no <what> in namespace …".
+  pid_t LeaderHere() const;  // 0: no controller of this host leads in the command's namespace
+  bool HasMachine() const;   // a controller in the command's namespace was discovered
+  // The failure "no <what> in namespace …".
   Failure NotFound(const std::string& what) const;
 
   // Runs the loop until Ctrl-C.
   void RunUntilInterrupted();
 
-  // Runs the loop until the answer is there, or there is a reason to stop waiting for it: no
-  // controller is found in time, or it does not answer within `timeout`.
+  // Runs the loop until the answer is there. Fails if no controller is found in time, or if it does
+  // not answer within `timeout`.
   std::optional<Failure> Await(const std::function<bool()>& answered,
                                const std::function<bool()>& found, Duration timeout);
 
@@ -99,10 +100,10 @@ class Link {
   transport::LinuxEventLoop loop_;
   bool interrupted_ = false;
   transport::LoopHandlePtr signal_watch_;
-  std::map<transport::PeerId, msg::MachineInfo> machines_;  // by the writer that told of them
+  std::map<transport::PeerId, msg::MachineInfo> machines_;  // by their writer
   std::optional<msg::MachineStatus> status_;
   std::optional<msg::MachineStatus> last_leader_;
-  transport::PeerId status_writer_ = 0;  // of the leader that told it
+  transport::PeerId status_writer_ = 0;  // the leader that published it
   OnStatus on_status_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Subscription> machine_infos_;
@@ -110,15 +111,15 @@ class Link {
 };
 
 template <msg::Service S>
-Link::Answer<S> Link::Ask(const std::string& service, const typename S::Request& request,
-                          Duration timeout) {
+Link::Answer<S> Link::Call(const std::string& service, const typename S::Request& request,
+                           Duration timeout) {
   auto client =
       transport::MakeClient<S>(*node_, transport::MachineService(global_.name_space, service));
   if (!client) return Failure{ExitCode::kUsage, client.error()};
   const Duration wait = global_.timeout.value_or(timeout);
   std::optional<Result<typename S::Response>> reply;
-  // The call's own deadline is not the first to end, not even when we come late to both: Await()
-  // says more about who is silent.
+  // The call's own deadline must not expire first, even if the loop is late: Await() reports more
+  // about who does not answer.
   client.value()->Call(request, wait + std::chrono::minutes(1),
                        [&reply](auto result) { reply = std::move(result); });
   const auto failure =

@@ -9,7 +9,7 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kAgain = Milliseconds(100);
+constexpr Duration kRetry = Milliseconds(100);
 
 std::string_view KindOf(std::string_view message) {
   return message.substr(0, message.find('='));
@@ -31,23 +31,23 @@ Notifier::Notifier(transport::EventLoop& loop) : loop_(loop) {
 }
 
 Notifier::~Notifier() {
-  SendKept();
+  SendQueued();
 }
 
-void Notifier::Tell(const std::string& message) {
+void Notifier::Notify(const std::string& message) {
   if (!enabled()) return;
-  std::erase_if(kept_, [&](const std::string& old) { return KindOf(old) == KindOf(message); });
-  kept_.push_back(message);
-  SendKept();
+  std::erase_if(queued_, [&](const std::string& old) { return KindOf(old) == KindOf(message); });
+  queued_.push_back(message);
+  SendQueued();
 }
 
 void Notifier::Ping() {
   if (!enabled()) return;
-  SendKept();
-  if (kept_.empty()) Send("WATCHDOG=1");
+  SendQueued();
+  if (queued_.empty()) Send("WATCHDOG=1");
 }
 
-// False if it found no room. Where nobody listens it is lost.
+// False if there was no room. Without a receiver the message is lost.
 bool Notifier::Send(const std::string& message) {
   const auto* const to = reinterpret_cast<const sockaddr*>(&address_);
   if (sendto(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL, to, address_size_) >= 0) {
@@ -56,12 +56,12 @@ bool Notifier::Send(const std::string& message) {
   return errno != EAGAIN && errno != ENOBUFS && errno != EINTR;
 }
 
-void Notifier::SendKept() {
-  const auto left = std::find_if(kept_.begin(), kept_.end(),
+void Notifier::SendQueued() {
+  const auto left = std::find_if(queued_.begin(), queued_.end(),
                                  [this](const std::string& message) { return !Send(message); });
-  kept_.erase(kept_.begin(), left);
-  again_ = nullptr;
-  if (!kept_.empty()) again_ = loop_.At(loop_.Now() + kAgain, [this] { SendKept(); });
+  queued_.erase(queued_.begin(), left);
+  retry_ = nullptr;
+  if (!queued_.empty()) retry_ = loop_.At(loop_.Now() + kRetry, [this] { SendQueued(); });
 }
 
 }  // namespace musher::cli

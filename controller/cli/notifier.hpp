@@ -1,10 +1,10 @@
 #pragma once
-// Messages to a service manager (sd_notify(3)), sent without ever waiting for it: PID 1 may be slow
-// or stand still, and its socket takes only so many messages that nobody has read. (libsystemd's
-// sd_notify() waits for room, and the loop with it.)
+// Messages to a service manager (sd_notify(3)), sent without blocking: PID 1 may be slow or
+// stopped, and its socket queues only a limited number of unread messages. (libsystemd's
+// sd_notify() waits for room and would block the loop.)
 //
-// A message that finds no room is kept, the latest of each kind, and sent when there is. Those that
-// are kept stay in order, and none overtakes them.
+// A message that finds no room is queued, only the latest of each kind, and sent later. Queued
+// messages keep their order, and no other message overtakes them.
 //
 // Threads: loop thread only.
 
@@ -21,31 +21,31 @@ namespace musher::cli {
 
 class Notifier {
  public:
-  // To the socket that NOTIFY_SOCKET names, an abstract one if it begins with '@'. Without it, or
-  // if it names none, nothing is done at all. The loop must outlive it.
+  // Sends to the socket that NOTIFY_SOCKET names, an abstract one if it begins with '@'. Without a
+  // valid NOTIFY_SOCKET it does nothing. The loop must outlive it.
   explicit Notifier(transport::EventLoop& loop);
   Notifier(const Notifier&) = delete;
   Notifier& operator=(const Notifier&) = delete;
-  // Tries once more what is kept.
+  // Tries the queued messages once more.
   ~Notifier();
 
   bool enabled() const { return socket_.valid(); }
 
-  // "READY=1", say; its kind is what is before the first '='.
-  void Tell(const std::string& message);
-  // "WATCHDOG=1", which is dropped where it finds no room.
+  // Sends for example "READY=1"; the kind of a message is the part before the first '='.
+  void Notify(const std::string& message);
+  // Sends "WATCHDOG=1"; drops it if there is no room.
   void Ping();
 
  private:
   bool Send(const std::string& message);
-  void SendKept();
+  void SendQueued();
 
   transport::EventLoop& loop_;
   transport::UniqueFd socket_;
   sockaddr_un address_{};
   socklen_t address_size_ = 0;
-  std::vector<std::string> kept_;
-  transport::LoopHandlePtr again_;
+  std::vector<std::string> queued_;
+  transport::LoopHandlePtr retry_;
 };
 
 }  // namespace musher::cli

@@ -1,5 +1,5 @@
 #pragma once
-// What a person can ask of `musher`, as values. command_line.hpp makes them from argv.
+// The options of `musher`'s commands as values. command_line.hpp makes them from argv.
 
 #include <cstdint>
 #include <optional>
@@ -21,29 +21,30 @@ struct GlobalOptions {
   std::optional<std::string> transport;  // "local" or "lan"; none: MUSHER_TRANSPORT, else local
   std::optional<Duration> timeout;       // for the controller's answer; none: the command's own
   ColourWhen colour = ColourWhen::kAuto;
-  std::string keys;      // folder of keys; empty: none are used
-  std::string identity;  // whose keys
+  std::string keys;      // folder with credentials; empty: none are used
+  std::string identity;  // whose credentials
 };
 
 struct CheckOptions {
   std::vector<std::string> files;
 };
 struct UpOptions {
-  std::string file;  // or a root of upgrades
+  std::string file;  // or an upgrade root
   bool detach = false;
-  bool takeover = false;  // from a living controller
-  bool adopt = false;     // actuators that run with another config, too
-  // A supervisor may be starting it again after a crash: a TearDown that was begun is finished.
+  bool takeover = false;  // replace a running controller
+  bool adopt = false;     // take control of actuators that run with another config, too
+  // A supervisor may restart it after a crash: complete a TearDown that was under way.
   bool restarted = false;
-  // A controller that starts again: its connection to the front, and the front's pid or 0.
+  // For a controller that restarts itself: its connection to the launcher, and the launcher's pid
+  // or 0.
   struct Resume {
     int progress = -1;
-    int front = 0;
+    int launcher = 0;
   };
   std::optional<Resume> resume;
 };
 struct DownOptions {
-  bool without_controller = false;  // end what runs, which none leads
+  bool without_controller = false;  // stop the actuators that run without a controller
 };
 struct StatusOptions {
   bool watch = false;
@@ -70,7 +71,7 @@ struct KeepOptions {
 };
 struct LowPowerOptions {
   bool on = false;
-  bool this_run = false;  // else it is remembered
+  bool this_run = false;  // else it is saved
 };
 struct PowerOffOptions {};
 struct RebootOptions {};
@@ -82,15 +83,15 @@ struct HistoryOptions {
   std::string since;      // empty: all
   std::string until;      // empty: all
   std::string actuator;   // empty: of all, and of the machine
-  std::string journal;    // empty: ask the controller
+  std::string journal;    // empty: query the controller
   unsigned limit = 1000;  // 0: no limit
   bool csv = false;
-  bool follow = false;             // then print what comes
-  std::optional<std::string> why;  // explain this state instead; empty: the present one
+  bool follow = false;             // then print new entries
+  std::optional<std::string> why;  // explain this state instead; empty: the current one
 };
 struct ReplayOptions {
   std::string journal;
-  std::string config;  // empty: the one that was recorded
+  std::string config;  // empty: the recorded one
   std::string since;   // empty: all
   std::optional<std::uint64_t> epoch;
 };
@@ -98,11 +99,11 @@ struct BehaviorOptions {
   std::string name;
   std::uint32_t history = 10;  // changes
   bool watch = false;
-  std::string send;  // a command; empty: it is only looked at
+  std::string send;  // a command; empty: only show the state machine
 };
 struct GraphOptions {
-  std::string file;           // empty: of `behavior`
-  std::string behavior;       // the application whose machine is drawn; empty: a config
+  std::string file;           // empty: draw `behavior`
+  std::string behavior;       // the application whose state machine is drawn; empty: a config
   std::string what = "flow";  // or "actuators"
   std::string format;         // "dot", "mermaid" or "svg"
   std::string output;         // empty: standard output
@@ -110,12 +111,12 @@ struct GraphOptions {
 struct SimulateOptions {
   std::string file;
   std::uint64_t seeds = 1000;
-  std::optional<std::uint64_t> seed;  // tell this one scenario instead
-  std::string only;                   // of its injected events: "3,7"; empty: all
-  std::optional<double> bound_s;      // in which the machine has to come to rest
-  std::string home;                   // where people bring it back to; empty: Active
-  std::string svg;    // file for the picture of the failing scenario, or of the one told
-  unsigned jobs = 0;  // threads; 0: as many as there are cores
+  std::optional<std::uint64_t> seed;  // show only the run of this seed
+  std::string only;                   // inject only these of its events: "3,7"; empty: all
+  std::optional<double> bound_s;      // within which the machine must reach a stable state
+  std::string home;                   // the state that operators recover it to; empty: Active
+  std::string svg;                    // file for the drawing of the failing or shown run
+  unsigned jobs = 0;                  // threads; 0: one per core
 };
 struct KeysInitOptions {
   std::string where;  // a state config with [security], or a folder
@@ -153,8 +154,8 @@ struct OtaInitOptions {
 };
 struct OtaVerifyOptions {
   std::string bundle;
-  std::string root;  // empty: $MUSHER_OTA_ROOT, else that of the machine that runs
-  std::string key;   // of a bundle that no root is there for
+  std::string root;  // empty: $MUSHER_OTA_ROOT, else that of the running machine
+  std::string key;   // for a bundle without a root
 };
 struct OtaInstallOptions {
   std::string bundle;
@@ -170,29 +171,29 @@ struct OtaRollbackOptions {
 struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
-// What can be named on a command line: of the robot, or of the disk.
+// What an argument can name: part of the robot, or a file.
 enum class Names {
   kNone,
   kStates,
   kActuators,
   kApplications,
-  kCommands,  // of the application on the line
+  kCommands,  // of the application on the command line
   kCapabilities,
   kConfigs,  // .toml files and folders
   kFiles,
   kFolders
 };
-// `musher complete WORD...`: what a shell offers for the last word. The installed scripts ask it.
+// `musher complete WORD...`: the completions of the last word. The installed scripts call it.
 struct CompleteOptions {
   struct Word {
     std::string text;
     std::string meaning;
   };
-  std::vector<Word> words;  // that the grammar has there
+  std::vector<Word> words;  // from the grammar
   Names names = Names::kNone;
-  std::string begin;   // of what is offered
-  std::string prefix;  // that stands before it already: "--format="
-  std::string config;  // whose names are meant; empty: those of the running machine
+  std::string begin;   // prefix that each completion must have
+  std::string prefix;  // text already typed before it: "--format="
+  std::string config;  // complete names of this config; empty: of the running machine
   std::string application;
 };
 

@@ -1,4 +1,4 @@
-// musher ota keygen|bundle|init|verify: what is done with files alone.
+// musher ota keygen|bundle|init|verify: the commands that work on files only.
 
 #include <fmt/format.h>
 
@@ -33,7 +33,7 @@ Result<std::string> ReadPrivateKey(ota::Disk& disk, const std::string& file) {
   const auto info = disk.Look(file);
   if (info && (info.value().mode & kOthers) != 0) {
     return Error{kCodePermissionDenied,
-                 file + " can be read by others; a key that signs is for its owner: chmod 600"};
+                 file + ": the signing key is readable by others; restrict it: chmod 600"};
   }
   return ota::ReadAll(disk, file, kLargestKey);
 }
@@ -43,7 +43,7 @@ std::string Now() {
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
 }
 
-// Of the options of a bundle; nullopt: all is said.
+// Makes the manifest from the options; nullopt: the error is already printed.
 std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Console& console) {
   ota::Manifest manifest;
   const auto read = [&](const std::string& text, const char* option) {
@@ -72,7 +72,7 @@ std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Consol
   return manifest;
 }
 
-// Runs `work`, and shows on a terminal that it gets on.
+// Runs `work` and shows its progress on a terminal.
 template <class T>
 Result<T> Show(Console& console, const std::string& step,
                const std::function<Result<T>(const ota::OnBytes&)>& work) {
@@ -107,9 +107,9 @@ ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console) {
   const std::string secret = options.name + ".key";
   const std::string open = options.name + ".pub";
   for (const std::string& file : {secret, open}) {
-    const auto there = disk.Look(file);
-    if (!there || there.value().kind == ota::Disk::Kind::kNothing) continue;
-    return console.Fail({kCodeParametersInvalid, file + " is there already"});
+    const auto existing = disk.Look(file);
+    if (!existing || existing.value().kind == ota::Disk::Kind::kNothing) continue;
+    return console.Fail({kCodeParametersInvalid, file + " already exists"});
   }
   const auto keys = ota::MakeKeyPair();
   if (!keys) return console.Fail(keys.error());
@@ -121,8 +121,8 @@ ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console) {
   }
   console.Print(console.mode().json
                     ? OtaKeysJson(secret, open)
-                    : fmt::format("{} signs bundles: it never goes to a robot, and who has it can "
-                                  "upgrade every robot.\n{} goes to the robots.",
+                    : fmt::format("{} signs bundles: keep it off the robots, its owner can upgrade "
+                                  "every one of them.\n{} goes to the robots.",
                                   secret, open));
   return ExitCode::kDone;
 }
@@ -182,12 +182,12 @@ ExitCode OtaVerify(const OtaVerifyOptions& options, const GlobalOptions& global,
   const ota::Manifest& manifest = read.value().manifest;
   if (root && manifest.robot != root->config().robot) {
     return console.Fail({ExitCode::kNotDone, Refusal(ota::Fault::kOtherRobot,
-                                                     "it is for the robot " + manifest.robot +
-                                                         ", this one is " + root->config().robot)});
+                                                     "it is for robot " + manifest.robot +
+                                                         ", not for " + root->config().robot)});
   }
   return DoneWith(
       console, manifest, options.bundle,
-      fmt::format("{}: version {} for {}, {}; whole, and signed for this key", options.bundle,
+      fmt::format("{}: version {} for {}, {}; complete, signature valid", options.bundle,
                   manifest.version.text, manifest.robot, Size(manifest)));
 }
 

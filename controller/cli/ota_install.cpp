@@ -1,6 +1,6 @@
-// musher ota install|rollback: another version into the slot that is not used, a trial boot of it,
-// and back where it fails. The files are this process's work, which can be killed at any time; the
-// machine is the controller's, which is only asked.
+// musher ota install|rollback: writes another version into the unused slot, trial-boots it, and
+// rolls back if that fails. This process handles the files and can be killed at any time; the
+// controller handles the machine, on request.
 
 #include <fmt/format.h>
 
@@ -40,7 +40,7 @@ class Upgrade {
     return Run(ota::InstallFlow(machine_ != nullptr));
   }
   ExitCode Rollback() {
-    // A robot does not have to lie down to learn that there is nothing to go back to.
+    // Checked before the robot lies down: there may be no version to roll back to.
     const auto version = ota::FindRollback(root_, running());
     if (!version) return console_.Fail({ExitCode::kNotDone, version.error()});
     return Run(ota::RollbackFlow(machine_ != nullptr));
@@ -55,7 +55,7 @@ class Upgrade {
       if (outcome) progress_.End();
       ota::Advance(flow, outcome);
     }
-    return Tell(flow);
+    return PrintResult(flow);
   }
 
   std::uint64_t BytesOf(Step step) const {
@@ -99,7 +99,7 @@ class Upgrade {
   Result<> Check(const ota::OnBytes& count) {
     if (auto checked = installation_->Check(count); !checked) return checked;
     version_ = installation_->manifest().version.text;
-    // A robot does not have to lie down to learn that a config has a slip.
+    // Checked before the robot lies down: the config may have an error.
     const std::string file = bundle_ + "/" + ota::kPayload + "/" + root_.config().config;
     const ConfigReading reading = ReadConfigFile(file);
     if (reading.config) {
@@ -107,7 +107,7 @@ class Upgrade {
         return Refusal(ota::Fault::kBadManifest, *fault);
       return Ok();
     }
-    std::string message = "its state config is faulty";
+    std::string message = "its state config is invalid";
     for (const Diagnostic& diagnostic : reading.diagnostics) {
       if (diagnostic.severity != Severity::kError) continue;
       message += ": " + FormatDiagnostic(diagnostic);
@@ -124,28 +124,28 @@ class Upgrade {
     return Ok();
   }
 
-  ExitCode Tell(const Flow& flow) {
+  ExitCode PrintResult(const Flow& flow) {
     if (flow.afterwards) {
-      console_.Complain("the machine does not leave OTA: " + flow.afterwards->message);
+      console_.PrintError("the machine stays in OTA: " + flow.afterwards->message);
     }
-    if (flow.failure) return TellFailure(*flow.failure);
+    if (flow.failure) return PrintFailure(*flow.failure);
     const bool kept = machine_ != nullptr;
     console_.Print(console_.mode().json ? OtaResultJson(version_, kept ? "kept" : "waiting", "")
-                   : kept               ? "version " + version_ + " runs, and is kept"
-                          : "version " + version_ + " is tried at the next start: musher up " +
-                                root_.path());
+                   : kept               ? "version " + version_ + " runs and is kept"
+                                        : "version " + version_ +
+                                " is trial-booted at the next start: musher up " + root_.path());
     return ExitCode::kDone;
   }
 
-  ExitCode TellFailure(const Error& failure) {
+  ExitCode PrintFailure(const Error& failure) {
     const bool interrupted = machine_ && machine_->Interrupted();
     const ExitCode exit = interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone;
     if (!ota::Is(failure, ota::Fault::kGoneBack)) return console_.Fail({exit, failure});
     if (console_.mode().json) {
       console_.Print(OtaResultJson(version_, "gone back", failure.message));
     }
-    console_.Complain("version " + version_ +
-                      " is not kept, the robot has gone back: " + failure.message);
+    console_.PrintError("version " + version_ +
+                        " failed, the robot has rolled back: " + failure.message);
     return exit;
   }
 
@@ -158,7 +158,7 @@ class Upgrade {
   std::optional<ota::Installation> installation_;
 };
 
-// Finds root and machine, and lets `work` do the rest.
+// Finds the root and its machine and runs `work` with them.
 ExitCode WithRoot(const std::string& option, const GlobalOptions& global, Console& console,
                   const std::function<ExitCode(Upgrade&)>& work) {
   const auto path = FindRoot(option, global);
@@ -177,7 +177,7 @@ ExitCode WithRoot(const std::string& option, const GlobalOptions& global, Consol
 
 ExitCode OtaInstall(const OtaInstallOptions& options, const GlobalOptions& global,
                     Console& console) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit counts as a full disk
   return WithRoot(options.root, global, console, [&](Upgrade& upgrade) {
     return upgrade.Install(options.bundle, {options.allow_downgrade});
   });

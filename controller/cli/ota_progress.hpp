@@ -1,6 +1,6 @@
 #pragma once
-// How far an upgrade is: on a terminal one line that is redrawn, else a line for each step, with
-// --json a document for each.
+// The progress of an upgrade: on a terminal one line that is redrawn, else a line for each step,
+// with --json a document for each step.
 
 #include <cstdint>
 #include <string>
@@ -16,7 +16,7 @@ class OtaProgress {
   OtaProgress(const OtaProgress&) = delete;
   OtaProgress& operator=(const OtaProgress&) = delete;
 
-  // The next step; `total_bytes` 0: it has none to count.
+  // Begins the next step; `total_bytes` 0: it counts no bytes.
   void Begin(std::string_view step, std::uint64_t total_bytes = 0);
   void Add(std::uint64_t bytes);
   void End();
@@ -29,7 +29,7 @@ class OtaProgress {
   std::string step_;
   std::uint64_t total_bytes_ = 0;
   std::uint64_t bytes_ = 0;
-  int percent_ = -1;  // drawn
+  int percent_ = -1;  // last drawn; -1: none
 };
 
 }  // namespace musher::cli

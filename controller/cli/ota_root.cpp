@@ -22,11 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Duration kAnswerTimeout = std::chrono::seconds(5);
-constexpr Duration kSwitchTimeout = std::chrono::minutes(5);  // lying down takes its time
+constexpr Duration kSwitchTimeout = std::chrono::minutes(5);  // lying down takes long
 constexpr Duration kGrace =
-    std::chrono::seconds(60);  // beside the trial boot's own: down, and up again
+    std::chrono::seconds(60);  // added to the trial boot's limit: down and up
 
-// "/robot/slots/a/robot.toml" → "/robot"; empty: not of a root.
+// "/robot/slots/a/robot.toml" → "/robot"; empty: not in a root.
 std::string RootOf(const std::string& config_file) {
   for (fs::path folder = fs::path(config_file).parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
@@ -49,8 +49,8 @@ GlobalOptions ForMachine(const MachineConfig& config, GlobalOptions global) {
 std::optional<std::string> UpgradeFault(const MachineConfig& config) {
   if (config.HasState(kOta)) return std::nullopt;
   return config.file +
-         ": the machine has no state OTA, in which a robot is upgraded: a robot that "
-         "runs this config takes no further upgrade; list OTA in `states` of [controller]";
+         ": the machine has no state OTA, which upgrades need: a robot with this config could "
+         "not be upgraded again; add OTA to `states` of [controller]";
 }
 
 Result<std::string> FindRoot(const std::string& option, const GlobalOptions& global) {
@@ -58,7 +58,7 @@ Result<std::string> FindRoot(const std::string& option, const GlobalOptions& glo
   std::string root = option;
   if (root.empty() && variable != nullptr) root = variable;
   if (root.empty()) {
-    const std::string which = "which root? --root FOLDER or $MUSHER_OTA_ROOT says it; ";
+    const std::string which = "no upgrade root given; use --root FOLDER or $MUSHER_OTA_ROOT; ";
     const auto link = Link::Open(global);
     if (!link) return link.error();
     if (auto r = link.value()->FollowStatus({}); !r) return r.error();
@@ -102,7 +102,7 @@ std::optional<Failure> RootMachine::Connect() {
   if (RootOf(status.config_file) != root_.path()) {
     return Failure{ExitCode::kNotDone,
                    {kCodeStateInvalid,
-                    fmt::format("process {} leads the machine of {}, but what answers in namespace "
+                    fmt::format("process {} leads the machine of {}, but the machine in namespace "
                                 "'{}' was started from {}",
                                 pid_, root_.path(), global_.name_space, status.config_file)}};
   }
@@ -111,21 +111,20 @@ std::optional<Failure> RootMachine::Connect() {
   return std::nullopt;
 }
 
-Result<> RootMachine::AskPolicy(bool enter) {
+Result<> RootMachine::RequestPolicy(bool enter) {
   const auto answer =
-      link_->Ask<msg::RequestPolicy>("request_policy", {"ota", "", 0, enter}, kSwitchTimeout);
+      link_->Call<msg::RequestPolicy>("request_policy", {"ota", "", 0, enter}, kSwitchTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
-  // Who is there without some of its actuators is there: a robot with a broken one has to be
-  // upgraded, too.
-  const bool there = (response.state == kOta) == enter;
-  const bool refused = response.code == kCodeUnSupport || !there;
+  // done-degraded counts as done: a robot with a failed actuator must be upgradable, too.
+  const bool reached = (response.state == kOta) == enter;
+  const bool refused = response.code == kCodeUnSupport || !reached;
   if (response.code != kCodeOk && refused) return Error{response.code, response.reason};
   return Ok();
 }
 
 Result<> RootMachine::Switch(const std::string& state) {
-  const auto answer = link_->Ask<msg::SetState>("set_state", {state, ""}, kSwitchTimeout);
+  const auto answer = link_->Call<msg::SetState>("set_state", {state, ""}, kSwitchTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const auto& response = std::get<msg::SetState::Response>(answer);
   if (response.state == state) return Ok();
@@ -133,28 +132,28 @@ Result<> RootMachine::Switch(const std::string& state) {
 }
 
 Result<> RootMachine::EnterOta() {
-  // By its own word: the topic may be a moment behind.
-  const auto answer = link_->Ask<msg::GetStatus>("get_status", {}, kAnswerTimeout);
+  // Calls the service: the topic may lag behind.
+  const auto answer = link_->Call<msg::GetStatus>("get_status", {}, kAnswerTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
   const msg::MachineStatus& status = std::get<msg::GetStatus::Response>(answer).status;
-  // One that did not come up is in nobody's use, and may need nothing more than this upgrade.
+  // A machine that failed to start is not in use; this upgrade may fix it.
   if (status.phase == "failed") return Ok();
   before_ = status.state;
-  asked_for_ota_ = true;
-  auto entered = AskPolicy(true);
-  // A robot without [policy] has no rules about it.
+  requested_ota_ = true;
+  auto entered = RequestPolicy(true);
+  // A robot without [policy] has no rules for OTA: switch directly.
   if (!entered && entered.error().code == kCodeUnSupport) entered = Switch(std::string(kOta));
   if (entered) return Ok();
-  return Error{entered.error().code, "the machine does not go to OTA: " + entered.error().message};
+  return Error{entered.error().code, "switch to OTA failed: " + entered.error().message};
 }
 
 Result<> RootMachine::LeaveOta() {
-  if (!asked_for_ota_) return Ok();
-  if (Interrupted()) {  // it has ended what this connection waits for
+  if (!requested_ota_) return Ok();
+  if (Interrupted()) {  // an interrupted connection no longer waits
     if (auto failure = Connect()) return failure->error;
   }
   if (Switch(before_)) return Ok();
-  auto left = AskPolicy(false);
+  auto left = RequestPolicy(false);
   if (!left && left.error().code == kCodeUnSupport) left = Switch(std::string(kActive));
   return left;
 }
@@ -163,25 +162,26 @@ Result<> RootMachine::StartAgain() {
   const auto process = transport::OpenPidfd(pid_);
   if (!process) return process.error();
   if (ota::HolderOf(root_.RunLock()) != pid_) {
-    return Error{kCodeStateInvalid, "the machine's controller has ended meanwhile"};
+    return Error{kCodeStateInvalid, "the machine's controller has exited meanwhile"};
   }
-  // The lock counts, not what is in its file.
+  // The pid in the lock file proves nothing; the lock does.
   if (!transport::HoldsLockOn(pid_, root_.RunLock())) {
     return Error{kCodePermissionDenied,
-                 root_.RunLock() + " is locked, but not by process " + std::to_string(pid_) +
-                     ", which it names, or that cannot be seen; no process is signalled"};
+                 root_.RunLock() + " names process " + std::to_string(pid_) +
+                     ", which does not hold its lock or cannot be inspected; no process is "
+                     "signalled"};
   }
   const long sent =
       syscall(SYS_pidfd_send_signal, process.value().get(), kStartAgainSignal, nullptr, 0);
   if (sent == 0) return Ok();
-  return transport::SystemError("can't reach the controller, process " + std::to_string(pid_));
+  return transport::SystemError("can't signal the controller (pid " + std::to_string(pid_) + ")");
 }
 
 std::optional<Result<>> RootMachine::TrialBootEnd() const {
   const auto state = root_.LoadState();
   if (!state || state->on_trial_boot) return std::nullopt;
   if (state->last && state->last->kept) return Result<>(Ok());
-  const std::string why = state->last ? state->last->reason : "it is not known why";
+  const std::string why = state->last ? state->last->reason : "the reason is unknown";
   return Result<>(Refusal(ota::Fault::kGoneBack, why));
 }
 
@@ -207,16 +207,17 @@ Result<> RootMachine::AwaitTrialBoot() {
     if (!ended) AwaitMachine();
     return *end;
   }
-  const std::string later = "; `musher ota status` shows how it ends";
+  const std::string later = "; `musher ota status` shows its outcome";
   if (ended) {
-    return Error{kCodeFailed, "the controller has ended during the trial; the next `musher up " +
-                                  root_.path() + "` goes back"};
+    return Error{kCodeFailed, "the controller exited during the trial boot; the next `musher up " +
+                                  root_.path() + "` rolls back"};
   }
-  if (link_->interrupted()) return Error{kCodeFailed, "interrupted, the trial goes on" + later};
-  return Error{kCodeTimeout, "the trial has not ended in time" + later};
+  if (link_->interrupted())
+    return Error{kCodeFailed, "interrupted; the trial boot continues" + later};
+  return Error{kCodeTimeout, "the trial boot has not ended in time" + later};
 }
 
-// Until the machine of the version that was decided for is up, or cannot be.
+// Waits until the machine of the confirmed version is up, or has failed to start.
 void RootMachine::AwaitMachine() {
   const auto state = root_.LoadState();
   if (!state) return;

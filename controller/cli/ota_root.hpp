@@ -1,7 +1,7 @@
 #pragma once
-// Which root a `musher ota` command is about, and the machine that runs from it.
+// The upgrade root of a `musher ota` command, and the machine that runs from it.
 //
-// Threads: one. Ctrl-C ends what waits for the machine, and then the command.
+// Threads: one. Ctrl-C ends the waiting for the machine, and then the command.
 
 #include <memory>
 #include <optional>
@@ -12,16 +12,16 @@
 
 namespace musher::cli {
 
-// Why a robot with this config could not be upgraded any more; nothing: it can.
+// Why a robot with this config could not be upgraded any more; nullopt: it can.
 std::optional<std::string> UpgradeFault(const MachineConfig& config);
 
-// --root, else $MUSHER_OTA_ROOT, else that of the machine that runs in our namespace.
+// --root, else $MUSHER_OTA_ROOT, else that of the machine that runs in the command's namespace.
 Result<std::string> FindRoot(const std::string& option, const GlobalOptions& global);
 
 // The machine that was started from a root, on this host.
 class RootMachine {
  public:
-  // nullptr: none runs.
+  // nullptr: no machine runs from it.
   static std::variant<std::unique_ptr<RootMachine>, Failure> Find(const ota::Root& root,
                                                                   const GlobalOptions& global);
 
@@ -29,22 +29,22 @@ class RootMachine {
   ota::Slot slot() const { return slot_; }
 
   Result<> EnterOta();
-  // Back to where it was.
+  // Switches back to the state before EnterOta().
   Result<> LeaveOta();
-  // Asks its controller to take it down, and to start it from the slot that is due.
+  // Signals its controller to take the machine down and to start it from the slot that is due.
   Result<> StartAgain();
-  // Waits for the end of the trial boot, which a machine that has gone back survives. An Error:
-  // Fault::kGoneBack, or that it is not known.
+  // Waits for the end of the trial boot, and after a rollback for the machine. Error:
+  // Fault::kGoneBack, or that the outcome is unknown.
   Result<> AwaitTrialBoot();
 
-  // Whether somebody wants the command to end. To be called now and then.
+  // Whether the command was interrupted. To be called repeatedly.
   bool Interrupted();
 
  private:
   RootMachine(const ota::Root& root, GlobalOptions global, int pid)
       : root_(root), global_(std::move(global)), pid_(pid) {}
   std::optional<Failure> Connect();
-  Result<> AskPolicy(bool enter);
+  Result<> RequestPolicy(bool enter);
   Result<> Switch(const std::string& state);
   std::optional<Result<>> TrialBootEnd() const;
   void AwaitMachine();
@@ -54,7 +54,7 @@ class RootMachine {
   const int pid_;
   ota::Slot slot_ = ota::Slot::kA;
   std::string before_;  // its state before it went to OTA
-  bool asked_for_ota_ = false;
+  bool requested_ota_ = false;
   bool interrupted_ = false;
   std::unique_ptr<Link> link_;
 };

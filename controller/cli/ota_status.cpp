@@ -1,4 +1,4 @@
-// musher ota status: which versions a robot has, and what became of the last one.
+// musher ota status: the versions of a robot and the outcome of the last trial boot.
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/ota_root.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using ota::Slot;
 
-// What a slot is for, in a word.
+// The role of a slot; a value of the JSON document, too.
 std::string RoleOf(const ota::SlotState& state, Slot slot) {
   if (slot == state.confirmed) return "confirmed";
   if (state.on_trial_boot) return state.started ? "on trial" : "tried at the next start";
@@ -44,9 +44,8 @@ ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global,
     console.Print(OtaStatusJson(robot));
     return ExitCode::kDone;
   }
-  console.Print(
-      robot.robot + "  " + robot.root +
-      (robot.pid == 0 ? "  (does not run)" : "  controller " + std::to_string(robot.pid)));
+  console.Print(robot.robot + "  " + robot.root +
+                (robot.pid == 0 ? "  (not running)" : "  controller " + std::to_string(robot.pid)));
   Table table({"SLOT", "VERSION", "ROLE", "NOTE"});
   for (const OtaRobot::SlotInfo& slot : robot.slots) {
     const bool bad = slot.version.empty() && slot.role != "not used";
@@ -57,7 +56,7 @@ ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global,
   }
   console.Print(table.Text(console.mode().colour));
   if (robot.last && !robot.last->kept) {
-    console.Print("version " + robot.last->version + " was not kept: " + robot.last->reason);
+    console.Print("version " + robot.last->version + " failed: " + robot.last->reason);
   }
   return ExitCode::kDone;
 }

@@ -10,13 +10,13 @@ namespace musher::cli {
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->Ask<msg::GetPlan>("get_plan", {options.state, options.actuator},
-                                                      std::chrono::seconds(5));
+  const auto answer = link.value()->Call<msg::GetPlan>(
+      "get_plan", {options.state, options.actuator}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& plan = std::get<msg::GetPlan::Response>(answer);
   console.Print(console.mode().json ? PlanJson(plan) : PlanText(plan, console.mode().colour));
   if (plan.allowed) return ExitCode::kDone;
-  console.Complain(plan.target + " would be refused: " + plan.reason);
+  console.PrintError(plan.target + " would be refused: " + plan.reason);
   return ExitCode::kNotDone;
 }
 

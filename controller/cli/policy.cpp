@@ -1,4 +1,4 @@
-// What a person asks of the policy: musher wake, keep, low-power, poweroff, reboot.
+// Requests to the policy: musher wake, keep, low-power, poweroff, reboot.
 
 #include <fmt/format.h>
 
@@ -14,25 +14,26 @@ namespace {
 
 constexpr Duration kPolicyTimeout = std::chrono::seconds(60);
 
-struct Asked {
-  std::string command;  // as it was typed, for messages
+struct PolicyCommand {
+  std::string command;  // as typed, for messages
   msg::RequestPolicy::Request request;
 };
 
-// `done` makes a sentence of the state that the machine is in then.
-ExitCode Ask(const Asked& asked, const std::function<std::string(const std::string&)>& done,
-             const GlobalOptions& global, Console& console) {
+// `done` makes the result message from the state that the machine is then in.
+ExitCode Request(const PolicyCommand& policy,
+                 const std::function<std::string(const std::string&)>& done,
+                 const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
   const auto answer =
-      link.value()->Ask<msg::RequestPolicy>("request_policy", asked.request, kPolicyTimeout);
+      link.value()->Call<msg::RequestPolicy>("request_policy", policy.request, kPolicyTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
   if (response.code != kCodeOk) {
     return console.Fail(
-        {ExitCode::kNotDone, {response.code, asked.command + ": " + response.reason}});
+        {ExitCode::kNotDone, {response.code, policy.command + ": " + response.reason}});
   }
-  console.Print(console.mode().json ? PolicyJson(asked.request, response)
+  console.Print(console.mode().json ? PolicyJson(policy.request, response)
                                     : done(response.state) + "\n");
   return ExitCode::kDone;
 }
@@ -40,7 +41,7 @@ ExitCode Ask(const Asked& asked, const std::function<std::string(const std::stri
 }  // namespace
 
 ExitCode Wake(const GlobalOptions& global, Console& console) {
-  return Ask(
+  return Request(
       {"wake", {"wake-up", "", 0, true}},
       [](const std::string& state) { return "awake: the machine is in " + state; }, global,
       console);
@@ -48,15 +49,13 @@ ExitCode Wake(const GlobalOptions& global, Console& console) {
 
 ExitCode Keep(const KeepOptions& options, const GlobalOptions& global, Console& console) {
   if (options.end) {
-    return Ask(
+    return Request(
         {"keep --end", {"keep", "", 0, false}},
-        [](const std::string& state) {
-          return "nothing keeps the machine in " + state + " any more";
-        },
-        global, console);
+        [](const std::string& state) { return "keep ended; the machine is in " + state; }, global,
+        console);
   }
   const auto seconds = options.seconds;
-  return Ask(
+  return Request(
       {"keep " + options.state, {"keep", options.state, seconds, true}},
       [seconds](const std::string& state) {
         return fmt::format("the machine is kept in {} for {} s", state, seconds);
@@ -66,25 +65,24 @@ ExitCode Keep(const KeepOptions& options, const GlobalOptions& global, Console& 
 
 ExitCode LowPower(const LowPowerOptions& options, const GlobalOptions& global, Console& console) {
   const char* request = options.this_run ? "low-power" : "low-power-store";
-  return Ask(
+  return Request(
       {"low-power", {request, "", 0, options.on}},
       [&options](const std::string&) {
-        return std::string("who lies still ") +
-               (options.on ? "goes to LowPower" : "stays as it is") +
-               (options.this_run ? ", until the controller ends" : "");
+        return std::string("automatic LowPower when lying still: ") + (options.on ? "on" : "off") +
+               (options.this_run ? ", until the controller exits" : "");
       },
       global, console);
 }
 
 ExitCode PowerOff(const GlobalOptions& global, Console& console) {
-  return Ask(
+  return Request(
       {"poweroff", {"power-off", "", 0, true}},
       [](const std::string&) { return "the robot is being torn down and powered off"; }, global,
       console);
 }
 
 ExitCode Reboot(const GlobalOptions& global, Console& console) {
-  return Ask(
+  return Request(
       {"reboot", {"reboot", "", 0, true}},
       [](const std::string&) { return "the robot is being torn down and rebooted"; }, global,
       console);

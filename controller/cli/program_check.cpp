@@ -28,8 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where a key of an actuator's table stands in the text, as a person looks for it; the table itself
-// where it has no such key.
+// Finds the line of a key in an actuator's table; the line of the table if it has no such key.
 class Places {
  public:
   explicit Places(const std::string& file) {
@@ -58,14 +57,14 @@ std::string PathOf(const ActuatorConfig& actuator) {
   const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
   if (own != actuator.env.end()) return own->second;
   std::error_code error;
-  const auto self = fs::read_symlink("/proc/self/exe", error);  // as the controller has it
+  const auto self = fs::read_symlink("/proc/self/exe", error);  // as the controller does
   return (error ? "" : self.parent_path().string() + ":") + (inherited != nullptr ? inherited : "");
 }
 
-// The program that a command would run; empty: `why` says what is wrong.
+// The path of the program that a command would run; empty: `why` has the error.
 std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
   const std::string& program = actuator.command.front();
-  const auto judge = [&](const fs::path& path) {
+  const auto is_program = [&](const fs::path& path) {
     std::error_code error;
     if (!fs::exists(path, error)) return false;
     why = fs::is_directory(path, error)     ? path.string() + " is a folder"
@@ -76,21 +75,21 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
   if (program.find('/') != std::string::npos) {
     const fs::path path =
         actuator.cwd.empty() ? fs::path(program) : actuator.cwd / fs::path(program);
-    why = "there is no program " + path.string();
-    return judge(path) ? path.string() : "";
+    why = "program not found: " + path.string();
+    return is_program(path) ? path.string() : "";
   }
-  why = "there is no program '" + program + "' in PATH";
+  why = "program '" + program + "' not found in PATH";
   std::istringstream folders(PathOf(actuator));
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path path = fs::path(folder.empty() ? "." : folder) / program;
-    if (judge(path)) return path.string();
+    if (is_program(path)) return path.string();
   }
   return "";
 }
 
-// Musher's own programs, which all know --check. Another program whose name begins like theirs
-// could take the option for nothing, and start.
-bool KnowsCheck(const std::string& program) {
+// Musher's own programs, which all support --check. Another program with a similar name could
+// ignore the option and start.
+bool SupportsCheck(const std::string& program) {
   constexpr std::array<std::string_view, 9> kPrograms = {
       "musher-exec",           "musher-motion-manager", "musher-audio-manager",
       "musher-device-manager", "musher-sensor-manager", "musher-camera-manager",
@@ -104,10 +103,10 @@ struct Ran {
   std::string err;
 };
 
-bool EndsWithin(pid_t pid, Duration patience) {
+bool ExitsWithin(pid_t pid, Duration timeout) {
   const auto process = transport::OpenPidfd(pid);
   if (!process) return false;
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
         deadline - std::chrono::steady_clock::now());
@@ -117,9 +116,9 @@ bool EndsWithin(pid_t pid, Duration patience) {
   }
 }
 
-// What the program itself reports of its part of the config.
+// Runs the program with --check and returns its report.
 Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
-             const std::string& config_file, Duration patience) {
+             const std::string& config_file, Duration timeout) {
   std::vector<std::string> words = {program,     "--check",    "--config",
                                     config_file, "--actuator", actuator.name};
   words.insert(words.end(), actuator.command.begin() + 1, actuator.command.end());
@@ -138,14 +137,14 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
   const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return {false, "can't run " + program + ": " + std::strerror(error)};
-  const bool ended = EndsWithin(pid, patience);
-  if (!ended) kill(pid, SIGKILL);
+  const bool exited = ExitsWithin(pid, timeout);
+  if (!exited) kill(pid, SIGKILL);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!ended) {
-    return {false, program + " --check has not ended within " +
-                       std::to_string(ToMilliseconds(patience)) + " ms"};
+  if (!exited) {
+    return {false, program + " --check did not exit within " +
+                       std::to_string(ToMilliseconds(timeout)) + " ms"};
   }
   std::array<char, 8192> text{};
   const ssize_t size = pread(output.get(), text.data(), text.size(), 0);
@@ -153,14 +152,14 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
           std::string(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size))};
   if (!ran.ok && ran.err.empty()) {
     ran.err = program + " --check " +
-              (WIFEXITED(status) ? "ended with exit code " + std::to_string(WEXITSTATUS(status))
+              (WIFEXITED(status) ? "exited with code " + std::to_string(WEXITSTATUS(status))
                                  : "was killed by signal " + std::to_string(WTERMSIG(status))) +
-              " and said nothing";
+              " without a message";
   }
   return ran;
 }
 
-// Whether the line is a finding on the state config, which every program reads: that is reported.
+// Whether the line is about the state config itself, which is already reported.
 bool IsOn(const std::string& file, const std::string& line) {
   const std::size_t at = line.find(file + ":");
   const std::size_t number = at + file.size() + 1;
@@ -170,9 +169,9 @@ bool IsOn(const std::string& file, const std::string& line) {
 
 }  // namespace
 
-std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration patience) {
+std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration timeout) {
   const Places places(config.file);
-  std::error_code no_folder;  // then the path stays as it is
+  std::error_code no_folder;  // then the path stays relative
   const std::string file = fs::absolute(config.file, no_folder).string();
   std::vector<Diagnostic> found;
   const auto add = [&](const ActuatorConfig& actuator, const std::string& key, Severity severity,
@@ -185,7 +184,7 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration pati
     if (actuator.command.empty()) continue;
     std::error_code error;
     if (!actuator.cwd.empty() && !fs::is_directory(actuator.cwd, error)) {
-      add(actuator, "cwd", Severity::kWarning, "there is no folder " + actuator.cwd);
+      add(actuator, "cwd", Severity::kWarning, "folder not found: " + actuator.cwd);
       continue;
     }
     std::string why;
@@ -194,8 +193,8 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration pati
       add(actuator, "command", Severity::kWarning, why);
       continue;
     }
-    if (!KnowsCheck(program)) continue;
-    const Ran ran = RunCheck(program, actuator, file, patience);
+    if (!SupportsCheck(program)) continue;
+    const Ran ran = RunCheck(program, actuator, file, timeout);
     if (ran.ok) continue;
     std::istringstream lines(ran.err);
     for (std::string line; std::getline(lines, line);) {

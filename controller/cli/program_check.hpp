@@ -1,7 +1,7 @@
 #pragma once
-// What a state config names on this computer: programs, folders, and the files that musher-exec and
-// Musher's own modules read. For `musher check`, which may run on another computer than the robot:
-// what is missing here is a warning.
+// Checks what a state config names on this computer: programs, folders, and the files that
+// musher-exec and Musher's own modules read. For `musher check`, which may run on another computer
+// than the robot: a missing program or folder is a warning.
 
 #include <vector>
 
@@ -11,9 +11,9 @@
 
 namespace musher::cli {
 
-// Of a faulty config: what could be read of it. By position in the file. Musher's own programs run
-// with --check, each for `patience` at most; no other program runs.
+// The diagnostics, by position in the file; of a faulty config, of the part that could be read.
+// Runs Musher's own programs with --check, each for at most `timeout`; runs no other program.
 std::vector<Diagnostic> CheckPrograms(const MachineConfig& config,
-                                      Duration patience = Milliseconds(5000));
+                                      Duration timeout = Milliseconds(5000));
 
 }  // namespace musher::cli

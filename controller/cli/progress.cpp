@@ -24,10 +24,10 @@ std::pair<transport::UniqueFd, transport::UniqueFd> MakeProgressPair() {
 }
 
 void ProgressSender::Send(const Progress& progress) {
-  if (front_gone_) return;
+  if (launcher_exited_) return;
   msg::Bytes bytes = msg::Encode(progress);
   if (bytes.size() > kLargestMessage) return;
-  // A front that takes nothing for long loses the oldest lines, never the newest.
+  // A launcher that reads nothing for long loses the oldest lines, never the newest.
   if (waiting_.size() == kMostLinesWaiting) waiting_.pop_front();
   waiting_.push_back(std::move(bytes));
   Flush();
@@ -44,7 +44,7 @@ void ProgressSender::Flush() {
       return;
     }
     if (sent < 0) {
-      front_gone_ = true;
+      launcher_exited_ = true;
       waiting_.clear();
       return;
     }

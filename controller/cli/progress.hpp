@@ -1,6 +1,6 @@
 #pragma once
-// What the controller process tells the `musher up` that started it, over a socket pair: what
-// happens, and how the start ended.
+// The controller process reports its progress to the `musher up` that started it, over a socket
+// pair: events, and how the start-up ended.
 //
 // Threads: loop thread only.
 
@@ -16,11 +16,11 @@
 namespace musher::cli {
 
 struct Progress {
-  static constexpr const char* kStartUp = "start-up";        // it has ended; code 0: usable
-  static constexpr const char* kNotStarted = "not-started";  // there is no controller, and why
-  static constexpr const char* kTrouble = "trouble";         // the robot goes on in spite of it
-  static constexpr const char* kFenced = "fenced";           // another controller leads it now
-  static constexpr const char* kAlone = "alone";      // the controller goes on without the front
+  static constexpr const char* kStartUp = "start-up";        // complete; code 0: usable
+  static constexpr const char* kNotStarted = "not-started";  // no controller runs; says why
+  static constexpr const char* kTrouble = "trouble";         // a problem; the robot continues
+  static constexpr const char* kFenced = "fenced";           // another controller leads now
+  static constexpr const char* kAlone = "alone";      // the controller continues without launcher
   static constexpr const char* kStopped = "stopped";  // the machine is stopped
 
   std::int64_t wall_ns = 0;
@@ -37,11 +37,11 @@ struct Progress {
   friend bool operator==(const Progress&, const Progress&) = default;
 };
 
-// The two ends of a connection; each message arrives whole.
+// The two ends of a connection that keeps message boundaries.
 std::pair<transport::UniqueFd, transport::UniqueFd> MakeProgressPair();
 
-// The controller's end. Never blocks: what a front that is stopped does not take waits here, and
-// once the front has gone nothing is sent any more.
+// The controller's end. Never blocks: messages that a stopped launcher does not read wait here;
+// once the launcher has exited, nothing is sent any more.
 class ProgressSender {
  public:
   ProgressSender(transport::EventLoop& loop, transport::UniqueFd socket)
@@ -54,12 +54,13 @@ class ProgressSender {
 
   transport::EventLoop& loop_;
   transport::UniqueFd socket_;
-  bool front_gone_ = false;
+  bool launcher_exited_ = false;
   std::deque<msg::Bytes> waiting_;
   transport::LoopHandlePtr retry_;
 };
 
-// The front's end: gives what comes, then says once that the controller process has let go.
+// The launcher's end: calls on_progress for each message, then once on_end when the controller
+// process has closed its end.
 class ProgressReceiver {
  public:
   ProgressReceiver(transport::EventLoop& loop, transport::UniqueFd socket,

@@ -8,10 +8,10 @@
 namespace musher::cli {
 namespace {
 
-// Longer than a restart is put off for by default: one that ends after that is news.
+// Longer than the default restart delay: a later exit counts as new.
 constexpr std::int64_t kForgetAfterNs = 30'000'000'000;
-// A reason that was printed so lately is still in sight; a short one is not worth looking for
-// there.
+// A reason printed more recently than this is still visible on the terminal. A short reason is not
+// replaced.
 constexpr std::int64_t kInSightNs = 10'000'000'000;
 constexpr std::size_t kShortReason = 30;
 constexpr std::size_t kMostReasons = 32;
@@ -42,7 +42,7 @@ bool IsPowerOfTen(int number) {
   return number == 1;
 }
 
-// Why an actuator is degraded; empty: the line does not tell.
+// Why an actuator is degraded; empty: the line does not say.
 std::string ReasonIn(const std::string& message) {
   constexpr std::string_view kBefore = " is degraded: ";
   const std::size_t at = message.find(kBefore);
@@ -53,7 +53,7 @@ Progress Summary(const Progress& of, int times) {
   Progress summary = of;
   summary.code = 0;
   summary.message =
-      of.actuator + ": the same again " + (times == 1 ? "once" : std::to_string(times) + " times");
+      of.actuator + ": repeated " + (times == 1 ? "once" : std::to_string(times) + " times");
   return summary;
 }
 
@@ -84,7 +84,7 @@ void Repetitions::Shorten(Progress& line) {
 
 std::vector<Progress> Repetitions::NewLines(const Progress& progress) {
   if (progress.actuator.empty()) {
-    // A switch has lines of its own, which are not those of a crash.
+    // The lines of a switch are not those of a crash.
     if (progress.kind == "switch") loops_.clear();
     return {progress};
   }
@@ -102,7 +102,7 @@ std::vector<Progress> Repetitions::NewLines(const Progress& progress) {
   }
   std::vector<Progress> lines;
   if (loop.times > 0) lines.push_back(Summary(progress, loop.times));
-  if (loop.restarted) loop = {progress.wall_ns, {}, false, 0};  // it is another one: all is told
+  if (loop.restarted) loop = {progress.wall_ns, {}, false, 0};  // a new failure: print all lines
   lines.push_back(progress);
   loop.said.insert(said);
   loop.restarted |= restart;

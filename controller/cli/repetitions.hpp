@@ -1,7 +1,7 @@
 #pragma once
-// What `musher up` prints of an actuator that ends, perhaps again and again: each line once, then
-// how many times the same came again; its reason once, then "as above" where the actuator, the
-// switch or the machine repeats it. The controller's log and the journal have all of it.
+// Filters what `musher up` prints of an actuator that exits repeatedly: each line once, then how
+// often it repeated; its reason once, then "as above" where the actuator, the switch or the machine
+// repeats it. The controller's log and the journal have all lines.
 
 #include <cstdint>
 #include <map>
@@ -15,17 +15,16 @@ namespace musher::cli {
 
 class Repetitions {
  public:
-  // What is to be printed now, oldest first: nothing where the actuator has been started again and
-  // an earlier line says the same but for a process number, a time or a count. To be called with
-  // every line, in their order.
+  // The lines to print now, oldest first: none if the actuator was restarted and an earlier line is
+  // equal except for a process number, a time or a count. To be called with every line, in order.
   std::vector<Progress> Take(const Progress& progress);
 
  private:
   struct Loop {
-    std::int64_t last_ns = 0;    // of its last line, since 1970
-    std::set<std::string> said;  // without numbers that change
-    bool restarted = false;      // since then what was said is counted
-    int times = 0;               // it was started again and all was said already
+    std::int64_t last_ns = 0;    // time of its last line, since 1970
+    std::set<std::string> said;  // lines printed, without the numbers that change
+    bool restarted = false;      // from then on repeated lines are only counted
+    int times = 0;               // restarts without any new line
   };
 
   struct Reason {
@@ -38,7 +37,7 @@ class Repetitions {
   void Shorten(Progress& line);
 
   std::map<std::string, Loop> loops_;  // by actuator
-  std::vector<Reason> reasons_;        // that were printed lately, the newest last
+  std::vector<Reason> reasons_;        // printed recently, the newest last
 };
 
 }  // namespace musher::cli

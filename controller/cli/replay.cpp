@@ -1,4 +1,4 @@
-// musher replay JOURNAL: the decisions that a journal recorded, made once more. Touches no robot.
+// musher replay JOURNAL: re-runs the recorded decisions of a journal. Needs no robot.
 
 #include "musher/controller/recording/replay.hpp"
 
@@ -25,11 +25,11 @@ ExitCode Replay(const ReplayOptions& options, Console& console) {
   const auto journal = ReadRecording(options.journal);
   if (!journal) return console.Fail(journal.error());
   const std::string& damage = journal.value().damage;
-  if (!damage.empty()) console.Complain(damage);
+  if (!damage.empty()) console.PrintError(damage);
   const auto replayed = recording::Replay(journal.value().rows, what);
   if (!replayed) return console.Fail(replayed.error());
   const recording::ReplayReport& report = replayed.value();
-  for (const std::string& note : report.notes) console.Complain(note);
+  for (const std::string& note : report.notes) console.PrintError(note);
   console.Print(console.mode().json ? ReplayJson(report, damage)
                                     : ReplayText(report, console.mode().colour));
   return report.equal() ? ExitCode::kDone : ExitCode::kNotDone;

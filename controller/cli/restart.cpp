@@ -1,5 +1,4 @@
-// musher restart ACTUATOR: its process is ended and started again, and it is driven back to where
-// the machine is.
+// musher restart ACTUATOR: restarts its process and switches it back to the machine's state.
 
 #include <algorithm>
 
@@ -16,7 +15,7 @@ constexpr Duration kRestartTimeout = std::chrono::seconds(60);
 Failure WithHint(Failure failure, const std::string& actuator) {
   if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
     failure.error.message +=
-        "; the restart of " + actuator + " goes on, `musher status` shows how it ends";
+        "; the restart of " + actuator + " continues, `musher status` shows its outcome";
   }
   return failure;
 }
@@ -26,8 +25,8 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  const auto answer = link.value()->Ask<msg::RestartActuator>("restart_actuator",
-                                                              {options.actuator}, kRestartTimeout);
+  const auto answer = link.value()->Call<msg::RestartActuator>("restart_actuator",
+                                                               {options.actuator}, kRestartTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return console.Fail(WithHint(*failure, options.actuator));
   }
@@ -37,13 +36,13 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
         {ExitCode::kNotDone,
          {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
   }
-  const auto status = link.value()->Ask<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  const auto status = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
   const auto& actuators = std::get<msg::GetStatus::Response>(status).status.actuators;
   const auto back = std::find_if(actuators.begin(), actuators.end(), [&](const auto& actuator) {
     return actuator.name == options.actuator;
   });
-  if (back == actuators.end()) return ExitCode::kDone;  // another machine leads by now
+  if (back == actuators.end()) return ExitCode::kDone;  // another machine runs by now
   console.Print(console.mode().json ? RestartJson(*back)
                                     : RestartText(*back, console.mode().colour));
   return ExitCode::kDone;

@@ -78,7 +78,7 @@ int Run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
                   {line.global.json, WantsColour(line.global.colour, terminal), terminal});
   try {
     return static_cast<int>(std::visit(Dispatch{line.global, console}, line.command));
-  } catch (const std::exception& e) {  // the system has run out of something
+  } catch (const std::exception& e) {  // a system resource is exhausted
     return static_cast<int>(console.Fail({kCodeFailed, e.what()}));
   }
 }

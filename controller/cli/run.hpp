@@ -1,11 +1,11 @@
 #pragma once
-// The whole program but main().
+// The program without main().
 
 #include <ostream>
 
 namespace musher::cli {
 
-// Runs one command line and gives the process's exit code. `terminal`: whether `out` is one.
+// Runs one command line and returns the process's exit code. `terminal`: whether `out` is one.
 int Run(int argc, const char* const* argv, std::ostream& out, std::ostream& err, bool terminal);
 
 }  // namespace musher::cli

@@ -14,18 +14,19 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
   std::unique_ptr<Running> running(new Running(node.loop(), name_space));
   transport::SubscriptionEvents events;
   events.on_writer_lost = [self = running.get()](transport::PeerId writer) {
-    std::erase_if(self->heard_, [writer](const auto& one) { return one.second.writer == writer; });
+    std::erase_if(self->received_,
+                  [writer](const auto& one) { return one.second.writer == writer; });
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
-  qos.partition = transport::HearingPartition(with_keys);
+  qos.partition = transport::ReaderPartition(with_keys);
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
       [self = running.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
         if (!transport::IsFrom(status.name, info)) return;
-        self->heard_[status.name] = {status, true, self->loop_.Now(), info.writer};
+        self->received_[status.name] = {status, true, self->loop_.Now(), info.writer};
       },
       qos, std::move(events));
-  // The keys of an observer that were made by an earlier version do not allow it: it sees none.
+  // The permissions of an observer from an earlier version do not allow it: the list stays empty.
   if (!statuses && !with_keys) return statuses.error();
   if (statuses) running->statuses_ = std::move(statuses).value();
   return running;
@@ -33,13 +34,13 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
 
 std::map<std::string, Running::Actuator> Running::Now() const {
   std::map<std::string, Actuator> running;
-  for (const auto& [name, actuator] : heard_) {
+  for (const auto& [name, actuator] : received_) {
     if (actuator.status.state != kTearDown) running[name] = actuator;
   }
   const std::string prefix =
       transport::NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   for (const std::string& name : transport::NameLock::HeldBelow(prefix)) {
-    if (heard_.contains(name)) continue;
+    if (received_.contains(name)) continue;
     Actuator& silent = running[name];
     silent.heard = false;
     silent.status.name = name;

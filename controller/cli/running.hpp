@@ -1,6 +1,6 @@
 #pragma once
-// The actuators of a namespace that run, with or without a controller: by their latched status, and
-// on this host by the name that each process holds.
+// The running actuators of a namespace, with or without a controller: from their latched status,
+// and on this host from the name that each process holds.
 //
 // Threads: loop thread only.
 
@@ -17,19 +17,19 @@ namespace musher::cli {
 class Running {
  public:
   struct Actuator {
-    msg::ActuatorStatus status;  // its name and pid alone where it is not heard
-    bool heard = true;
-    Time at{};  // when the status came
+    msg::ActuatorStatus status;  // only name and pid if no status was received
+    bool heard = true;           // its status was received
+    Time at{};                   // when the status was received
     transport::PeerId writer = 0;
   };
 
-  // Follows the statuses from now on. The node must outlive it.
+  // Subscribes to the statuses. The node must outlive it.
   static Result<std::unique_ptr<Running>> Begin(transport::Node& node,
                                                 const std::string& name_space, bool with_keys);
 
-  // Those that have not been torn down, by their names.
+  // The actuators that are not torn down, by name.
   std::map<std::string, Actuator> Now() const;
-  bool Hears(const std::string& actuator) const { return heard_.contains(actuator); }
+  bool HasStatusOf(const std::string& actuator) const { return received_.contains(actuator); }
 
  private:
   Running(transport::EventLoop& loop, std::string name_space)
@@ -37,7 +37,7 @@ class Running {
 
   transport::EventLoop& loop_;
   const std::string name_space_;
-  std::map<std::string, Actuator> heard_;
+  std::map<std::string, Actuator> received_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };
 

@@ -16,9 +16,9 @@ namespace musher::cli {
 namespace {
 
 constexpr int kPingsInAPeriod = 3;
-constexpr Duration kLastMoments = Milliseconds(5000);  // of the process, after the machine's end
+constexpr Duration kExitTime = Milliseconds(5000);  // of the process, after the machine has stopped
 
-// Within which systemd wants to hear of us. Who has to show life is the main process, our parent.
+// The watchdog period of systemd. It applies to the main process, our parent.
 std::optional<Duration> WatchdogPeriod() {
   const char* pid = std::getenv("WATCHDOG_PID");  // NOLINT(concurrency-mt-unsafe)
   const bool ours =
@@ -48,34 +48,34 @@ ServiceManager::ServiceManager(transport::EventLoop& loop, const MachineConfig& 
 }
 
 void ServiceManager::StartUpEnded(const action::StartUpEnded& ended) {
-  if (ended.usable) return notifier_.Tell("READY=1");
+  if (ended.usable) return notifier_.Notify("READY=1");
   Status(ended.message);
 }
 
-void ServiceManager::Follow(const Machine& machine) {
+void ServiceManager::Update(const Machine& machine) {
   const bool stops = machine.phase == Phase::kStopping || machine.phase == Phase::kStopped;
   if (stops && !stopping_) {
     stopping_ = true;
-    // A service that ends before it was ready has failed, and would be started again.
-    if (machine.finishing) notifier_.Tell("READY=1");
-    // However short the unit's own TimeoutStopSec is.
-    notifier_.Tell("STOPPING=1\nEXTEND_TIMEOUT_USEC=" +
-                   Microseconds(config_.shutdown_budget + kLastMoments));
+    // systemd counts a service that exits before READY as failed and would restart it.
+    if (machine.finishing) notifier_.Notify("READY=1");
+    // The unit's own TimeoutStopSec may be shorter.
+    notifier_.Notify("STOPPING=1\nEXTEND_TIMEOUT_USEC=" +
+                     Microseconds(config_.shutdown_budget + kExitTime));
   }
-  // Why the start failed says more than where it did.
+  // After a failed start STATUS keeps the reason.
   if (machine.phase != Phase::kFailed) Status(StatusWords(config_, machine));
 }
 
 void ServiceManager::Fenced(const std::string& why) {
   stopping_ = true;
-  notifier_.Tell("STOPPING=1");
+  notifier_.Notify("STOPPING=1");
   Status(why);
 }
 
 void ServiceManager::Status(const std::string& words) {
-  if (words == told_) return;
-  told_ = words;
-  notifier_.Tell("STATUS=" + Printable(words));  // in one line, as systemd wants it
+  if (words == sent_status_) return;
+  sent_status_ = words;
+  notifier_.Notify("STATUS=" + Printable(words));  // systemd takes one line
 }
 
 std::string StatusWords(const MachineConfig& config, const Machine& machine) {

@@ -1,14 +1,14 @@
 #pragma once
-// What systemd is told when it runs `musher up` as a service of Type=notify: that the machine is
-// usable, its state in words, that the loop still turns, and that the machine is being taken down
-// or led by another. Without NOTIFY_SOCKET in the environment nothing is done at all.
+// Notifies systemd, if it runs `musher up` as a service of Type=notify: when the machine is usable,
+// its state in words, the watchdog ping, and when the machine is taken down or led by another
+// controller. Without NOTIFY_SOCKET in the environment it does nothing.
 //
-// It is the controller process that tells, while systemd's main process is the front, its parent:
-// so the unit needs NotifyAccess=all. The watchdog of the front is served from here, too; whatever
-// blocks this loop lets it run out.
+// The controller process sends the notifications, but systemd's main process is its parent, the
+// launcher: the unit needs NotifyAccess=all. The launcher's watchdog is pinged from here, too;
+// whatever blocks this loop lets the watchdog expire.
 //
-// Threads: loop thread only. Nothing waits for systemd: what it has no room for is told later, but
-// for a sign of life.
+// Threads: loop thread only. Nothing waits for systemd: a message without room is sent later, a
+// watchdog ping is dropped.
 
 #include <string>
 
@@ -20,14 +20,14 @@ namespace musher::cli {
 
 class ServiceManager {
  public:
-  // Serves the watchdog from now on, if there is one. Both must outlive it.
+  // Pings the watchdog from now on, if there is one. Both must outlive it.
   ServiceManager(transport::EventLoop& loop, const MachineConfig& config);
 
   // READY=1 when the machine is usable, else STATUS= with why it is not.
   void StartUpEnded(const action::StartUpEnded& ended);
   // STATUS= whenever the words change, STOPPING=1 as soon as the machine is taken down.
-  void Follow(const Machine& machine);
-  // The machine will be taken down to be started again: that is no end of the service.
+  void Update(const Machine& machine);
+  // The machine will be taken down and restarted: the service does not stop.
   void StartsAgain() { stopping_ = true; }
   // STOPPING=1, and STATUS= with why: another controller leads the machine.
   void Fenced(const std::string& why);
@@ -38,7 +38,7 @@ class ServiceManager {
   const MachineConfig& config_;
   Notifier notifier_;
   bool stopping_ = false;
-  std::string told_;  // the last STATUS=
+  std::string sent_status_;  // the last STATUS=
   transport::LoopHandlePtr watchdog_;
 };
 

@@ -1,4 +1,4 @@
-// musher set STATE [ACTUATOR]: switches the machine or one actuator, and says how that ended.
+// musher set STATE [ACTUATOR]: switches the machine or one actuator and prints the outcome.
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/switch_request.hpp"

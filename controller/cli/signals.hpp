@@ -1,5 +1,5 @@
 #pragma once
-// Signals, such as those that ask a program to end, as a file descriptor.
+// Signals, such as those that end a program, as a file descriptor.
 
 #include <sys/types.h>
 
@@ -9,15 +9,14 @@
 
 namespace musher::cli {
 
-// Blocks the signals for this thread and those it makes from now on; the descriptor becomes
-// readable when one has come. Throws std::system_error when there are no descriptors left.
+// Blocks the signals for this thread and the threads that it creates from now on; the descriptor
+// becomes readable when one arrives. Throws std::system_error if no descriptor is left.
 transport::UniqueFd TakeSignals(std::initializer_list<int> signals);
 
 // SIGINT, SIGTERM and SIGHUP.
 transport::UniqueFd TakeEndSignals();
 
-// The signal that made the descriptor readable, taken, and which process sent it; 0 when there is
-// none.
+// Takes the next signal from the descriptor and the process that sent it; 0 if there is none.
 int NextSignal(const transport::UniqueFd& signals, pid_t* sender = nullptr);
 
 }  // namespace musher::cli

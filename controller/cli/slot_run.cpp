@@ -29,13 +29,13 @@ constexpr Duration kCheckEvery = Milliseconds(100);
 constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
 constexpr Duration kRunKillTime = Milliseconds(2000);
 
-// Slots are replaced: what the controller writes is not to go with one.
+// Slots are replaced by upgrades: the controller's own files must be outside of them.
 std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
   const std::string slot = run.Folder() + "/";
   return path.starts_with(slot) ? run.root + "/" + path.substr(slot.size()) : path;
 }
 
-// The processes whose state config lies in `folder`, and what they have started.
+// The processes whose state config is in `folder`, and their children.
 std::vector<pid_t> ProcessesOf(const std::string& folder) {
   std::vector<pid_t> pids;
   std::error_code error;
@@ -55,7 +55,7 @@ std::vector<pid_t> ProcessesOf(const std::string& folder) {
   return pids;
 }
 
-// Sends the signal to all, and waits for their ends.
+// Sends the signal to all and waits until they exit.
 void SignalAll(std::vector<transport::UniqueFd>& processes, int signal, Duration timeout) {
   for (const auto& process : processes) {
     syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0);
@@ -83,17 +83,17 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
   if (!root) return fail(root.error());
   const int holder = ota::HolderOf(root.value().RunLock());
   if (holder != 0 && !takeover) {
-    return fail({kCodeTargetBusy, fmt::format("process {} leads the machine of {} already; `musher "
-                                              "status` shows it, --takeover ends it",
+    return fail({kCodeTargetBusy, fmt::format("process {} already leads the machine of {}; `musher "
+                                              "status` shows it, --takeover replaces it",
                                               holder, root.value().path())});
   }
-  std::string left;  // a version that had to be left
+  std::string abandoned;  // why a version was abandoned
   while (true) {
     const auto boot = root.value().Boot();
     if (!boot) return fail(boot.error());
     const ota::Boot& b = boot.value();
     ChosenSlot chosen{{root.value().path(), b.start, b.on_trial_boot, b.version.text,
-                       root.value().config().trial, left.empty() ? b.told : left},
+                       root.value().config().trial, abandoned.empty() ? b.reason : abandoned},
                       {}};
     auto config = LoadConfig(root.value().ConfigFile(b.start), console);
     if (config) {
@@ -103,9 +103,9 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
       return chosen;
     }
     if (!b.on_trial_boot) return std::nullopt;
-    const auto ended = EndTrialBoot(chosen.run, Error{kCodeFailed, "its state config is faulty"});
+    const auto ended = EndTrialBoot(chosen.run, Error{kCodeFailed, "its state config is invalid"});
     if (!ended) return fail(ended.error());
-    left = "version " + b.version.text + " is left: its state config is faulty";
+    abandoned = "version " + b.version.text + " abandoned: its state config is invalid";
   }
 }
 
@@ -151,13 +151,13 @@ TrialBoot::TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun
       config_(config),
       machine_(std::move(machine)),
       on_end_(std::move(on_end)),
-      evaluation_(loop.Every(kCheckEvery, [this] { Judge(); })),
+      evaluation_(loop.Every(kCheckEvery, [this] { Evaluate(); })),
       deadline_(loop.At(loop.Now() + run.trial, [this] {
         Fail({kCodeTimeout, fmt::format("it was not up within {:g} s",
                                         std::chrono::duration<double>(run_.trial).count())});
       })) {}
 
-void TrialBoot::Judge() {
+void TrialBoot::Evaluate() {
   const Machine* machine = machine_();
   if (machine == nullptr || ending_) return;
   if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine)) End(*verdict);
@@ -167,7 +167,7 @@ void TrialBoot::Fail(const Error& why) {
   if (!ending_) End(why);
 }
 
-// A version that cannot be remembered as kept is not kept: the next start would leave it anyway.
+// If "kept" cannot be saved, the version is rolled back: the next start would do so anyway.
 void TrialBoot::End(const Result<>& outcome) {
   ending_ = true;
   const auto saved = std::make_shared<Result<>>();
@@ -175,13 +175,13 @@ void TrialBoot::End(const Result<>& outcome) {
       "trial",
       [run = run_, outcome, saved] {
         *saved = EndTrialBoot(run, outcome);
-        return Ok();  // it is tried once
+        return Ok();  // no retry
       },
       [this, outcome, saved](const Result<>&) {
         under_way_ = false;
         if (!outcome || *saved) return on_end_(outcome);
         const Error& why = saved->error();
-        on_end_(Error{why.code, "it cannot be remembered: " + why.message});
+        on_end_(Error{why.code, "its outcome cannot be saved: " + why.message});
       });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// What `musher up ROOT` starts: a version of the robot's software, from one of the two slots of a
-// root (controller/ota). And what its controller does about it: a version on trial boot is judged
-// when it is up, and kept or left.
+// `musher up ROOT`: chooses a version of the robot's software from one of the two slots of an
+// upgrade root (controller/ota). The controller then evaluates a version on trial boot once it is
+// up, and keeps it or rolls back.
 //
 // Threads: loop thread only. The end of a trial boot is saved on the disk thread.
 
@@ -20,8 +20,8 @@
 
 namespace musher::cli {
 
-// By this signal the controller of a machine that was started from a root is asked to take it down
-// and to start it again, from the slot that is then due.
+// With this signal the controller of a machine that was started from a root takes the machine down
+// and restarts it from the slot that is then due.
 inline constexpr int kStartAgainSignal = SIGUSR2;
 
 struct SlotRun {
@@ -29,8 +29,8 @@ struct SlotRun {
   ota::Slot slot = ota::Slot::kA;
   bool on_trial_boot = false;
   std::string version;
-  Duration trial{};  // that it may take to come up
-  std::string told;  // why it is this slot
+  Duration trial{};    // time limit of a trial boot
+  std::string reason;  // why this slot was chosen
 
   std::string Folder() const { return root + "/slots/" + std::string(ota::SlotName(slot)); }
 };
@@ -40,26 +40,25 @@ struct ChosenSlot {
   MachineConfig config;
 };
 
-// Chooses the slot of a root and remembers that. A version on trial boot whose config is faulty is
-// given up for the one before. Says what is wrong, and gives nothing, when there is no version to
-// start, or when the machine of this root runs already and is not to be taken over.
+// Chooses the slot of a root and saves the choice. A version on trial boot with a faulty config is
+// abandoned for the previous one. Prints the error and returns nullopt if there is no version to
+// start, or if the machine of this root already runs and `takeover` is false.
 std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
 
-// Remembers how the trial boot has ended: the version is kept, or why not.
+// Saves the outcome of the trial boot: the version is kept, or why not.
 Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
 
-// The programs of the slot are found before all others, from now on in this process and in those it
-// starts.
+// From now on this process and the processes that it starts find the slot's programs first.
 void PutSlotFirstInPath(const SlotRun& run);
 
-// Ends the processes that a controller, which has died, has left running from the other slot: two
-// versions of a module would be two modules. Waits for them, some seconds at most.
+// Stops the processes that a crashed controller left running from the other slot: otherwise two
+// versions of a module would run. Waits for them, some seconds at most.
 void EndOtherSlot(const SlotRun& run);
 
-// Says that a machine runs from this root, as long as it lives.
+// Marks, while it exists, that a machine runs from this root.
 class RootLock {
  public:
-  // An Error is to be told and gone on with: then nobody knows of this machine.
+  // Report an Error and continue: `musher ota` then cannot find this machine.
   Result<> Take(const std::string& root);
 
  private:
@@ -70,17 +69,17 @@ class RootLock {
 // The trial boot of a version.
 class TrialBoot {
  public:
-  // `outcome`: it is kept, or why not. Called once that is on disk, on the loop.
+  // `outcome`: the version is kept, or why not. Called on the loop once the outcome is on disk.
   using OnEnd = std::function<void(const Result<>& outcome)>;
   TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
             const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
 
   bool under_way() const { return under_way_; }
-  // It has ended for a reason that the machine does not show. Nothing where it had ended before.
+  // Ends the trial boot for a reason that the machine does not show. No effect if it has ended.
   void Fail(const Error& why);
 
  private:
-  void Judge();
+  void Evaluate();
   void End(const Result<>& outcome);
 
   DiskWriter& disk_;

@@ -1,4 +1,4 @@
-// musher status [--watch]: the machine now, or every change of it.
+// musher status [--watch]: the machine's status now, or every change of it.
 
 #include <algorithm>
 #include <map>
@@ -17,25 +17,25 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kHeardWithin = Milliseconds(300);
+constexpr Duration kStatusTime = Milliseconds(300);
 constexpr const char* kRedraw = "\x1b[H\x1b[2J";  // from the top of an empty screen
 
 void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
-  const Failure gone{ExitCode::kNoController, {kCodeNetError, "the controller has gone"}};
+  const Failure gone{ExitCode::kNoController, {kCodeNetError, "controller lost"}};
   if (console.mode().json) {
     console.Print(status ? StatusJson(*status) : FailureJson(gone));
   } else if (console.mode().terminal) {
     console.Print(kRedraw + (status ? StatusText(*status, console.mode().colour)
-                                    : gone.error.message + "; waiting for another\n"));
+                                    : gone.error.message + "; waiting for another one\n"));
   } else {
     console.Print(status ? StatusLine(*status, WallNow())
                          : LocalTime(WallNow()) + "  " + gone.error.message);
   }
 }
 
-// With keys an actuator that we did not start may run here and not be heard: then it has none, or
-// others.
-void HintAtKeys(msg::MachineStatus& status, const GlobalOptions& global) {
+// With [security] an actuator that the controller did not start may run here but be unreachable: it
+// then has no credentials, or other ones.
+void AddCredentialHints(msg::MachineStatus& status, const GlobalOptions& global) {
   if (global.keys.empty() || status.host != transport::HostId()) return;
   const int domain = transport::DomainId({}).value();
   for (msg::ActuatorInfo& actuator : status.actuators) {
@@ -44,15 +44,16 @@ void HintAtKeys(msg::MachineStatus& status, const GlobalOptions& global) {
     const pid_t holder = transport::NameLock::HolderOf(name).pid;
     if (holder == 0) continue;
     actuator.message = "process " + std::to_string(holder) +
-                       " is not heard: has it the keys of this machine?" +
+                       " runs but publishes no status: check that it has the keys of this machine" +
                        (actuator.message.empty() ? "" : " " + actuator.message);
   }
 }
 
-using Unled = std::map<std::string, Running::Actuator>;
+using Uncontrolled = std::map<std::string, Running::Actuator>;
 
-// What holds a name on this host may be an actuator that starts, and is in no status yet.
-Unled NotIn(const msg::MachineStatus& status, Unled running) {
+// The actuators with a status that the machine does not list. A process that only holds a name on
+// this host may be an actuator that is still starting.
+Uncontrolled NotIn(const msg::MachineStatus& status, Uncontrolled running) {
   std::erase_if(running, [&](const auto& one) {
     return !one.second.heard ||
            std::any_of(status.actuators.begin(), status.actuators.end(),
@@ -61,30 +62,31 @@ Unled NotIn(const msg::MachineStatus& status, Unled running) {
   return running;
 }
 
-// The actuators latch their status as the controller does, and all are heard at about the same
+// Actuators latch their status as the controller does, so all statuses arrive at about the same
 // time.
-Unled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
-  const auto all_heard = [&] {
-    const Unled here = running.Now();  // a name that is held here is seen before its status comes
-    const auto heard = [](const auto& one) { return one.second.heard; };
-    if (!std::all_of(here.begin(), here.end(), heard)) return false;
+Uncontrolled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
+  const auto all_received = [&] {
+    const Uncontrolled here = running.Now();  // a name held here is found before its status arrives
+    const auto received = [](const auto& one) { return one.second.heard; };
+    if (!std::all_of(here.begin(), here.end(), received)) return false;
     return std::all_of(status.actuators.begin(), status.actuators.end(), [&](const auto& actuator) {
       return actuator.protocol != ProtocolName(Protocol::kMusher) ||
-             actuator.presence != PresenceName(Presence::kPresent) || running.Hears(actuator.name);
+             actuator.presence != PresenceName(Presence::kPresent) ||
+             running.HasStatusOf(actuator.name);
     });
   };
-  link.RunUntil(all_heard, kHeardWithin);
+  link.RunUntil(all_received, kStatusTime);
   return NotIn(status, running.Now());
 }
 
-ExitCode WithoutController(Failure failure, const Unled& running, Console& console) {
+ExitCode WithoutController(Failure failure, const Uncontrolled& running, Console& console) {
   if (failure.exit != ExitCode::kNoController || running.empty()) return console.Fail(failure);
   failure.error.message += "; " + RunningNames(running) + (running.size() == 1 ? " runs" : " run") +
-                           " without one: `musher up` with their config takes them over, `musher "
-                           "down --without-controller` ends them";
+                           " without one: `musher up` with their config takes control of them, "
+                           "`musher down --without-controller` stops them";
   console.Print(console.mode().json ? RunningJson(failure, running)
                                     : RunningText(running, console.mode().colour));
-  console.Complain(failure.error.message);
+  console.PrintError(failure.error.message);
   return failure.exit;
 }
 
@@ -106,21 +108,21 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
-  const auto answer = link.value()->Ask<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return WithoutController(*failure, running.value()->Now(), console);
   }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
-  HintAtKeys(status, global);
-  const Unled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
+  AddCredentialHints(status, global);
+  const Uncontrolled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
   console.Print(console.mode().json ? StatusJson(status, unlisted)
                                     : StatusText(status, console.mode().colour));
   if (!unlisted.empty()) {
-    console.Complain(RunningNames(unlisted) + (unlisted.size() == 1 ? " runs" : " run") +
-                     " in this namespace and " + (unlisted.size() == 1 ? "is" : "are") +
-                     " not in " + status.config_file +
-                     ": no controller leads them. `musher down` and "
-                     "then `musher down --without-controller` end them");
+    console.PrintError(RunningNames(unlisted) + (unlisted.size() == 1 ? " runs" : " run") +
+                       " in this namespace and " + (unlisted.size() == 1 ? "is" : "are") +
+                       " not in " + status.config_file +
+                       ": they run without a controller. `musher down` and "
+                       "then `musher down --without-controller` stop them");
   }
   return ExitCode::kDone;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// What a switch still waits for: on a terminal one line that is drawn over, from half a second
-// after the request until its end. Elsewhere, and with --json, nothing.
+// Shows which actuators a switch still waits for: on a terminal one line that is redrawn, from 0.5
+// s after the request until its end. Without a terminal, and with --json, nothing.
 //
 // Threads: loop thread only.
 
@@ -20,7 +20,7 @@ class SwitchProgress {
   SwitchProgress(const SwitchProgress&) = delete;
   SwitchProgress& operator=(const SwitchProgress&) = delete;
 
-  // Before anything else is printed. It is drawn again while the switch goes on.
+  // To be called before anything else is printed. The line is redrawn while the switch continues.
   void Clear();
 
  private:

@@ -17,35 +17,35 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kSwitchTimeout = std::chrono::seconds(60);
-// For its last writes to a slow disk, and to leave the network.
+// For the controller's last writes to a slow disk and for leaving the network.
 constexpr Duration kControllerEnd = std::chrono::seconds(7);
-// Longer than a service manager takes to start another controller, and that to look around.
+// Longer than a service manager takes to start another controller, including its listening time.
 constexpr Duration kSuccessor = std::chrono::seconds(6);
 constexpr Duration kSecuredSuccessor = std::chrono::seconds(12);
 
-// A switch does not end because nobody waits for it any more: says which one goes on.
+// A switch continues when the client stops waiting: adds to the message which switch that is.
 Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   if (failure.exit != ExitCode::kNoAnswer && failure.exit != ExitCode::kInterrupted) return failure;
   const auto& status = link.StatusTowards(target);
   if (status && status->target == target) {
     failure.switch_number = status->switch_number;
     failure.error.message +=
-        fmt::format("; switch {} to {} goes on, `musher status` shows how it ends",
+        fmt::format("; switch {} to {} continues, `musher status` shows its outcome",
                     status->switch_number, target);
   } else if (status) {
-    failure.error.message += fmt::format(
-        "; a switch that was begun goes on, its number is above {} (`musher history` tells)",
-        status->switch_number);
+    failure.error.message +=
+        fmt::format("; a requested switch continues, its number is above {}: see `musher history`",
+                    status->switch_number);
   }
   return failure;
 }
 
-// An actuator of an earlier config, or one that the TearDown did not reach.
-void NameLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
+// Reports running actuators of an earlier config, or ones that the TearDown did not reach.
+void ReportLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
   std::erase_if(running, [](const auto& one) { return !one.second.heard; });
   if (running.empty()) return;
-  console.Complain(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
-                   " in this namespace; `musher down --without-controller` ends what is left");
+  console.PrintError(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
+                     " in this namespace; `musher down --without-controller` stops what is left");
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   const Duration timeout = global.timeout.value_or(kSwitchTimeout);
   SwitchClient::Options options;
   options.leader = {global.name_space, transport::HostId(), WatchByPidfd(link.value()->loop())};
-  options.timeout = timeout + std::chrono::minutes(1);  // Await() says more about who is silent
+  options.timeout = timeout + std::chrono::minutes(1);  // Await() has the better error message
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;
   SwitchProgress progress(*link.value(), target, console);
@@ -71,7 +71,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
       link.value()->node(), options, target, actuator,
       [&](const std::string& news) {
         progress.Clear();
-        console.Complain(news);
+        console.PrintError(news);
       },
       [&end](const SwitchEnd& known) { end = known; });
   if (!client) return console.Fail(client.error());
@@ -84,21 +84,21 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
     return console.Fail(
         {ExitCode::kUnknownEnd, {result.code, result.reason}, result.switch_number});
   }
-  // A controller ends with its machine. Once we return, the next one may start.
-  // Its status may be gone before it is, and it is known whose that was.
+  // The controller exits with its machine. Once this command returns, the next one may start.
+  // Its status may be lost before the process exits, so the last known one identifies it.
   const auto leader = link.value()->last_leader();
   const bool down = target == kTearDown && actuator.empty() && result.state == kTearDown;
   if (down && leader && !link.value()->AwaitEndOf(*leader, kControllerEnd)) {
-    console.Complain(
-        fmt::format("the controller, process {}, has not ended yet; until then the "
-                    "machine is not started again",
+    console.PrintError(
+        fmt::format("the controller (pid {}) has not exited yet; the machine cannot be "
+                    "started again until then",
                     leader->pid));
   }
   console.Print(console.mode().json ? SwitchJson(result)
                                     : SwitchText(result, console.mode().colour));
-  if (down) NameLeftBehind(running.value()->Now(), console);
+  if (down) ReportLeftBehind(running.value()->Now(), console);
   if (result.outcome == "done") return ExitCode::kDone;
-  console.Complain(SwitchComplaint(result));
+  console.PrintError(SwitchError(result));
   return ExitCode::kNotDone;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What `set` and `down` have in common: ask for a switch, wait for its end, say how it ended.
+// Shared by `set` and `down`: requests a switch, waits for its outcome and prints it.
 
 #include <string>
 

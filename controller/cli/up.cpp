@@ -1,9 +1,9 @@
 // musher up FILE|ROOT: starts a machine. The controller gets a process of its own, forked before
-// there is a thread or a socket of DDS; this one stays in the foreground and shows what happens.
+// any thread or DDS socket exists; this process stays in the foreground and prints events.
 //
-// The controller of a root's machine may have to start again from another slot. It executes this
-// program anew, in the same process and with --resume: so its front, systemd and whoever else knows
-// it by its pid notice nothing, and nothing of the machine before is left in its memory.
+// The controller of an upgrade root may have to restart from another slot. It executes this program
+// anew, in the same process and with --resume: its launcher, systemd and others that know its pid
+// notice nothing, and its memory keeps nothing of the previous machine.
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -32,19 +32,19 @@ namespace {
 
 constexpr unsigned kLeaveTime = 2;  // seconds, for leaving the domain
 
-// How a controller process ends when it has been left by DDS or its time for that is over.
+// How a controller process exits once DDS has shut down or the time for that is over.
 struct End {
   int exit_code = 0;
   std::vector<char*> argv;  // of the program to execute instead; may be empty
   std::vector<char*> environment;
   std::string program;
 };
-End the_end;  // for a signal handler, which has no other way to it
+End the_end;  // global, for the signal handler
 
 // Async-signal-safe.
 [[noreturn]] void EndNow() {
   if (!the_end.argv.empty()) {
-    alarm(0);  // it would go on
+    alarm(0);  // it would survive execve()
     sigset_t alarms;
     sigemptyset(&alarms);
     sigaddset(&alarms, SIGALRM);
@@ -55,28 +55,28 @@ End the_end;  // for a signal handler, which has no other way to it
   _exit(the_end.exit_code);
 }
 
-// DDS waits for ever to leave a network that has gone. By now all is said and done.
+// DDS waits for ever to leave a network that is lost. Everything else is done by now.
 void EndWithin(unsigned seconds) {
   std::signal(SIGALRM, [](int) { EndNow(); });
   alarm(seconds);
 }
 
-// What a controller needs to start again.
-struct Again {
+// What a controller needs to execute this program anew.
+struct Reexec {
   std::vector<std::string> words;
   std::vector<std::string> environment;  // as it was before this process changed it
 
-  Again(const std::string& root, int progress)
+  Reexec(const std::string& root, int progress)
       : words{"musher", "up", root, "--resume", std::to_string(progress)} {
     for (char** variable = environ; *variable != nullptr; ++variable) {
       environment.emplace_back(*variable);
     }
   }
-  void Prepare(pid_t front) {
-    words.back() += "," + std::to_string(front);
+  void Prepare(pid_t launcher) {
+    words.back() += "," + std::to_string(launcher);
     std::error_code error;
     the_end.program = std::filesystem::read_symlink("/proc/self/exe", error);
-    // A package may have replaced it meanwhile, or be just about to.
+    // A package manager may have replaced the file, or may be about to.
     if (error || !std::filesystem::exists(the_end.program, error)) {
       the_end.program = "/proc/self/exe";
     }
@@ -87,7 +87,7 @@ struct Again {
   }
 };
 
-// What is to be started: a state config, or the slot of a root that is due.
+// What to start: a state config, or the slot of an upgrade root that is due.
 struct Target {
   MachineConfig config;
   std::optional<SlotRun> run;
@@ -104,9 +104,9 @@ std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
   return Target{std::move(*config), std::nullopt};
 }
 
-// Whether a supervisor starts the machine again, as far as --restarted tells. systemd uses one
-// command for the first start and for those after a crash; with RuntimeDirectoryPreserve=restart
-// its folder is new for the first one, and stays until the unit is stopped.
+// Whether --restarted means a restart after a crash. systemd uses the same command for the first
+// start and for restarts; with RuntimeDirectoryPreserve=restart the unit's folder is new for the
+// first start and kept until the unit is stopped.
 bool StartedAgain(const UpOptions& options) {
   if (!options.restarted) return false;
   const char* folders = std::getenv("RUNTIME_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
@@ -119,8 +119,8 @@ bool StartedAgain(const UpOptions& options) {
 
 constexpr std::chrono::days kSoon(30);
 
-// The controller's keys, and those of the actuators that it starts and that need them. When they
-// expire the processes part, also those that run: that is told in time.
+// Checks the credentials of the controller and of the actuators that it starts and that need them.
+// When they expire, running processes lose each other too: a warning comes 30 days before.
 Result<> CheckKeys(const MachineConfig& config, Console& console) {
   if (config.keys.empty()) return Ok();
   std::vector<std::string> identities = {transport::kControllerIdentity};
@@ -133,10 +133,10 @@ Result<> CheckKeys(const MachineConfig& config, Console& console) {
     const auto until = transport::keys::Check(folder, identity);
     if (!until) return until.error();
     if (until.value() < std::chrono::system_clock::now() + kSoon) {
-      console.Complain(folder.Certificate(identity) + " expires on " +
-                       transport::keys::IsoTime(until.value()) +
-                       ", and the machine falls apart then; `musher keys add " + identity +
-                       " --force` makes a new one");
+      console.PrintError(folder.Certificate(identity) + " expires on " +
+                         transport::keys::IsoTime(until.value()) + "; " + identity +
+                         " loses its connection then; `musher keys add " + identity +
+                         " --force` creates a new one");
     }
   }
   return Ok();
@@ -148,17 +148,18 @@ namespace {
 
 // Leads the machine in this process, which has neither threads nor DDS yet.
 [[noreturn]] void Lead(const UpOptions& options, Target& target, transport::UniqueFd progress,
-                       pid_t front) {
-  fcntl(progress.get(), F_SETFD, FD_CLOEXEC);  // the one that was handed on is not
-  // Kept for the program that comes after this one; those that the machine is made of get none.
+                       pid_t launcher) {
+  fcntl(progress.get(), F_SETFD, FD_CLOEXEC);  // an inherited one does not have it
+  // Kept for the program that is executed after this one; the machine's processes do not inherit
+  // it.
   const transport::UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
-  Again again(target.run ? target.run->root : "", kept.get());
+  Reexec reexec(target.run ? target.run->root : "", kept.get());
   {
     ControllerProcess process(
-        target.config, target.run, std::move(progress), front,
+        target.config, target.run, std::move(progress), launcher,
         {options.takeover, options.adopt, options.resume || StartedAgain(options)});
     the_end.exit_code = process.Run();
-    if (process.StartsAgain()) again.Prepare(process.front());
+    if (process.StartsAgain()) reexec.Prepare(process.launcher());
     EndWithin(kLeaveTime);
   }
   if (the_end.argv.empty()) std::exit(the_end.exit_code);  // NOLINT(concurrency-mt-unsafe)
@@ -166,20 +167,19 @@ namespace {
   EndNow();
 }
 
-Result<> Judge(Target& target, const UpOptions& options, const GlobalOptions& global,
-               Console& console) {
+Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptions& global,
+                     Console& console) {
   MachineConfig& config = target.config;
   config.file = std::filesystem::absolute(config.file);  // for actuators that run elsewhere
   transport::DdsOptions dds;
   dds.profile = config.transport;
   const auto profile = transport::Profile(dds);
   if (!profile) return profile.error();
-  config.transport = profile.value();  // what is made of silence goes by it, too
+  config.transport = profile.value();  // decisions about silent actuators depend on it, too
   if (global.name_space_given && global.name_space != config.name_space) {
     return Error{kCodeParametersInvalid,
-                 "the namespace of a machine is in its config, since its actuators read it "
-                 "there: " +
-                     options.file + " says '" + config.name_space + "'"};
+                 "--namespace differs from the config: actuators read the namespace from " +
+                     options.file + ", which says '" + config.name_space + "'"};
   }
   return CheckKeys(config, console);
 }
@@ -187,36 +187,36 @@ Result<> Judge(Target& target, const UpOptions& options, const GlobalOptions& gl
 }  // namespace
 
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
-  // A reader of the output that ends, as in `| head -2`, ends neither this process nor the
-  // controller. What the controller starts has all signals at their defaults.
+  // If the reader of the output exits, as in `| head -2`, this process and the controller continue.
+  // The processes that the controller starts get the default action of all signals.
   std::signal(SIGPIPE, SIG_IGN);
   auto target = ChooseTarget(options, console);
   if (!target) return ExitCode::kUsage;
-  auto good = Judge(*target, options, global, console);
+  auto good = CheckTarget(*target, options, global, console);
   if (!good && target->run && target->run->on_trial_boot && EndTrialBoot(*target->run, good)) {
-    const std::string told =
-        "version " + target->run->version + " is left: " + good.error().message;
-    console.Complain(told);
+    const std::string reason =
+        "version " + target->run->version + " abandoned: " + good.error().message;
+    console.PrintError(reason);
     target = ChooseTarget(options, console);
     if (!target) return ExitCode::kUsage;
-    if (target->run) target->run->told = told;
-    good = Judge(*target, options, global, console);
+    if (target->run) target->run->reason = reason;
+    good = CheckTarget(*target, options, global, console);
   }
   if (!good) return console.Fail(good.error());
   if (options.resume)
-    Lead(options, *target, transport::UniqueFd(options.resume->progress), options.resume->front);
+    Lead(options, *target, transport::UniqueFd(options.resume->progress), options.resume->launcher);
   const MachineConfig& config = target->config;
   if (!console.mode().json) console.Print(config.name + ": " + ConfigSummary(config));
 
-  transport::UniqueFd signals = TakeEndSignals();  // before: none may come in between
+  transport::UniqueFd signals = TakeEndSignals();  // before the fork, so that none is missed
   auto [ours, theirs] = MakeProgressPair();
-  const pid_t front = getpid();
+  const pid_t launcher = getpid();
   const pid_t controller = fork();
   if (controller < 0) return console.Fail(transport::SystemError("fork"));
   if (controller == 0) {
     signals = {};
     ours = {};
-    Lead(options, *target, std::move(theirs), options.detach ? 0 : front);
+    Lead(options, *target, std::move(theirs), options.detach ? 0 : launcher);
   }
   theirs = {};
   return UpLauncher(console, config.name, controller, std::move(ours), std::move(signals),

@@ -59,16 +59,17 @@ void UpLauncher::OnProgress(const Progress& progress) {
   if (progress.kind == Progress::kNotStarted) {
     failed_to_start_ = true;
     exit_ = console_.Fail({progress.code, progress.message});
-    return;  // its end follows
+    return;  // the controller exits next
   }
   if (progress.kind == Progress::kFenced) {
     fenced_ = true;
     if (console_.mode().json) console_.Print(ProgressJson(progress));
-    return console_.Complain(progress.message + "; this controller ends, the actuators go on");
+    return console_.PrintError(progress.message +
+                               "; this controller exits, the actuators keep running");
   }
   if (progress.kind == Progress::kAlone) {
-    console_.Complain("the terminal is closed; " + Controller() +
-                      ", goes on: `musher down` ends it");
+    console_.PrintError("the terminal is closed; " + Controller() +
+                        " keeps running: `musher down` stops it");
     return Leave(ExitCode::kDone);
   }
   Show(progress);
@@ -77,77 +78,78 @@ void UpLauncher::OnProgress(const Progress& progress) {
 }
 
 void UpLauncher::Show(const Progress& progress) {
-  const bool said_already = progress.kind == Progress::kStartUp;  // as a record of the machine
+  const bool printed = progress.kind == Progress::kStartUp;  // already, as a record of the machine
   if (console_.mode().json) {
     console_.Print(ProgressJson(progress));
   } else if (progress.kind == Progress::kTrouble) {
-    console_.Complain(progress.message);
-  } else if (!said_already) {
+    console_.PrintError(progress.message);
+  } else if (!printed) {
     for (const Progress& line : repetitions_.Take(progress)) {
       console_.Print(ProgressText(line, console_.mode().colour));
     }
   }
-  if (console_.HasReader() || said_unread_ || stop_asked_) return;
-  said_unread_ = true;
-  console_.Complain("the output is lost, its reader has ended; " + machine_ +
-                    " goes on: Ctrl-C or `musher down` ends it");
+  if (console_.HasReader() || reported_unread_ || stop_requested_) return;
+  reported_unread_ = true;
+  console_.PrintError("output lost: its reader has exited; " + machine_ +
+                      " keeps running: Ctrl-C or `musher down` stops it");
 }
 
 std::string UpLauncher::Controller() const {
-  return "the controller, process " + std::to_string(controller_);
+  return "the controller (pid " + std::to_string(controller_) + ")";
 }
 
 void UpLauncher::OnStartUp(const Progress& progress) {
   if (progress.code == kCodeOk) {
     came_up_ = true;
-    if (stop_asked_ || !detach_) return;
+    if (stop_requested_ || !detach_) return;
     if (!console_.mode().json) {
-      console_.Print(machine_ + " is up; " + Controller() + ", stays: `musher down` ends it");
+      console_.Print(machine_ + " is up; " + Controller() +
+                     " keeps running: `musher down` stops it");
     }
     return Leave(ExitCode::kDone);
   }
-  console_.Complain(progress.message);
-  if (stop_asked_) return;
-  console_.Complain(Controller() +
-                    ", and the actuators stay up for inspection: `musher status` shows "
-                    "them, `musher down` ends them");
+  console_.PrintError(progress.message);
+  if (stop_requested_) return;
+  console_.PrintError(Controller() +
+                      " and the actuators stay up for inspection: `musher status` shows "
+                      "them, `musher down` stops them");
   Leave(ExitCode::kNotDone);
 }
 
 void UpLauncher::OnEnd() {
   const std::string how = HowItEnded(controller_);
   if (stopped_) {
-    if (!came_up_) console_.Complain(machine_ + " was stopped before it was up");
+    if (!came_up_) console_.PrintError(machine_ + " was stopped before it was up");
     return Leave(came_up_ || restarted_ ? ExitCode::kDone : ExitCode::kNotDone);
   }
   if (failed_to_start_) return Leave(exit_);
   if (fenced_) return Leave(ExitCode::kNotDone);
-  Leave(
-      console_.Fail({ExitCode::kNotDone,
-                     {kCodeFailed, "the controller of " + machine_ + " has died (" + how +
-                                       "); actuators go on without it, and `musher up` takes them "
-                                       "over again"}}));
+  Leave(console_.Fail({ExitCode::kNotDone,
+                       {kCodeFailed, "the controller of " + machine_ + " has crashed (" + how +
+                                         "); actuators keep running, and `musher up` takes control "
+                                         "of them again"}}));
 }
 
 void UpLauncher::OnSignal() {
   const int signal = NextSignal(signals_);
   if (signal == 0) return;
   if (signal == SIGHUP) return OnTerminalClosed();
-  if (stop_asked_) return console_.Complain(machine_ + " is being taken down already");
-  stop_asked_ = true;
-  console_.Complain("taking " + machine_ + " down");
+  if (stop_requested_) return console_.PrintError(machine_ + " is already being taken down");
+  stop_requested_ = true;
+  console_.PrintError("taking " + machine_ + " down");
   kill(controller_, SIGTERM);
 }
 
-// The controller is told first: until it has let go of this process, it ends with it.
+// The controller gets the signal first: until it detaches from this process, it is killed with it.
 void UpLauncher::OnTerminalClosed() {
   if (std::getenv("NOTIFY_SOCKET") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
-    return console_.Complain("SIGHUP: a service has no terminal to lose; " + machine_ + " goes on");
+    return console_.PrintError("SIGHUP ignored: a service has no terminal; " + machine_ +
+                               " keeps running");
   }
   kill(controller_, SIGHUP);
 }
 
-// All that have ended but the controller, whose end is judged by its exit code.
+// Reaps all exited children except the controller, whose exit code is still needed.
 void UpLauncher::ReapOrphans() {
   std::ifstream file("/proc/self/task/1/children");
   for (pid_t pid = 0; file >> pid;) {
@@ -157,7 +159,7 @@ void UpLauncher::ReapOrphans() {
 
 void UpLauncher::OnAbort() {
   if (NextSignal(abort_) == 0) return;
-  console_.Complain("SIGABRT: ending the controller, process " + std::to_string(controller_));
+  console_.PrintError("SIGABRT: aborting " + Controller());
   kill(controller_, SIGABRT);
   kill(controller_, SIGCONT);  // a stopped process gets no other signal
 }

@@ -1,25 +1,25 @@
 #pragma once
-// What the terminal sees of `musher up`: the process in the foreground, which shows what the
-// controller process tells and hands signals on to it.
+// The foreground process of `musher up`: prints what the controller process reports and forwards
+// signals to it.
 //
-//                       ┌ detached: leaves with 0
+//                       ┌ --detach: exits with 0
 //   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
-//      ├─ SIGHUP, its terminal was closed ─▶ leaves with 0; the controller goes on, as if detached
-//      ├─ failed ─▶ leaves with 1; the controller and the actuators stay up for inspection
+//      ├─ SIGHUP, terminal closed ─▶ exits with 0; the controller continues, as with --detach
+//      ├─ failed ─▶ exits with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
 //      ├─ taken over by another controller, now or later ─▶ 1
-//      └─ stopped before it was usable ─▶ 1; 0 where a supervisor may have started it again and
-//         it has finished the TearDown of the controller before
+//      └─ stopped before it was usable ─▶ 1; 0 with --restarted, when it has completed the TearDown
+//         of the previous controller
 //
-// A reader of its output that ends (`musher up … | head -2`) changes nothing but that this process
-// says so once on stderr. A service has no terminal: there SIGHUP does nothing.
+// If the reader of its output exits (`musher up … | head -2`), this process reports that once on
+// stderr and continues. A service has no terminal: there SIGHUP does nothing.
 //
-// As process 1 of a container it reaps what has lost its parent.
+// As process 1 of a container it reaps orphaned processes.
 //
-// SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
-// it is the controller that ends and leaves a core dump.
+// SIGABRT, which systemd's watchdog sends to this process as the main process, is forwarded too, so
+// that the controller exits and leaves a core dump.
 //
-// Threads: one. Has no DDS.
+// Threads: one. Does not use DDS.
 
 #include <sys/types.h>
 
@@ -34,7 +34,7 @@ namespace musher::cli {
 
 class UpLauncher {
  public:
-  // `signals`: TakeEndSignals(). `restarted`: as UpOptions has it.
+  // `signals`: TakeEndSignals(). `restarted`: see UpOptions.
   UpLauncher(Console& console, std::string machine, pid_t controller, transport::UniqueFd progress,
              transport::UniqueFd signals, bool detach, bool restarted);
 
@@ -50,7 +50,7 @@ class UpLauncher {
   void OnAbort();
   void ReapOrphans();
   void Leave(ExitCode exit);
-  std::string Controller() const;  // "the controller, process 4711"
+  std::string Controller() const;  // "the controller (pid 4711)"
 
   Console& console_;
   const std::string machine_;
@@ -58,10 +58,10 @@ class UpLauncher {
   const bool detach_;
   const bool restarted_;
   Repetitions repetitions_;
-  bool said_unread_ = false;
+  bool reported_unread_ = false;
   bool came_up_ = false;
   bool stopped_ = false;
-  bool stop_asked_ = false;
+  bool stop_requested_ = false;
   bool failed_to_start_ = false;
   bool fenced_ = false;
   ExitCode exit_ = ExitCode::kNotDone;

@@ -15,7 +15,7 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kLongestAgo = 100LL * 365 * 86400;  // seconds; keeps the arithmetic in range
 
 std::string Format(std::int64_t wall_ns, bool local, const char* pattern) {
-  const bool before_1970 = wall_ns % kSecond < 0;  // rounded towards the past as all others are
+  const bool before_1970 = wall_ns % kSecond < 0;  // rounds towards the past as for later times
   const auto seconds = static_cast<std::time_t>(wall_ns / kSecond - (before_1970 ? 1 : 0));
   std::tm parts{};
   local ? localtime_r(&seconds, &parts) : gmtime_r(&seconds, &parts);
@@ -40,14 +40,14 @@ std::optional<std::int64_t> SecondsAgo(std::string_view text) {
   return count * scale;
 }
 
-// Of whole seconds and nanoseconds; nothing where that does not fit (before 1678, after 2261).
+// From whole seconds and nanoseconds; nullopt if the time does not fit (before 1678, after 2261).
 std::optional<std::int64_t> Nanoseconds(std::int64_t seconds, std::int64_t fraction) {
   constexpr std::int64_t kFarthest = INT64_MAX / kSecond - 1;
   if (seconds < -kFarthest || seconds > kFarthest) return std::nullopt;
   return seconds * kSecond + fraction;
 }
 
-// Nanoseconds since 1970 of a date with or without a time; nothing else may follow.
+// Nanoseconds since 1970 of a date with or without a time, without trailing text.
 std::optional<std::int64_t> PointInTime(const std::string& text) {
   std::tm parts{};
   parts.tm_isdst = -1;
@@ -98,8 +98,8 @@ Result<std::int64_t> ParseSince(std::string_view text, std::int64_t now_wall_ns)
   if (const auto ago = SecondsAgo(text)) return now_wall_ns - *ago * kSecond;
   if (const auto point = PointInTime(std::string(text))) return *point;
   return Error{kCodeParametersInvalid,
-               "'" + std::string(text) +
-                   "' is no time: expected how long ago (90s, 10m, 2h, 1d) or a date such as "
+               "invalid time '" + std::string(text) +
+                   "'; expected how long ago (90s, 10m, 2h, 1d) or a date such as "
                    "2026-03-01T12:00 or 2026-03-01T12:00:00Z"};
 }
 

@@ -10,12 +10,11 @@ Result<Why> FindWhy(const std::vector<msg::HistoryEntry>& entries, const State& 
     return state.empty() ? !entry.state.empty() : entry.state == state;
   });
   if (newest == entries.rend()) {
-    return Error{kCodeFailed, state.empty()
-                                  ? "none of these entries tells of a change of the state"
-                                  : "the machine has not gone to " + state + " in these entries"};
+    return Error{kCodeFailed, state.empty() ? "these entries contain no state change of the machine"
+                                            : "these entries contain no change to " + state};
   }
   Why why{newest->state, {*newest}, true};
-  // A cause is before its effect, in the life of the same controller: numbers only fall.
+  // A cause precedes its effect in the run of one controller: going back, ids only fall.
   std::uint64_t before = newest->id;
   for (auto entry = std::next(newest); entry != entries.rend(); ++entry) {
     if (entry->id == 0) continue;

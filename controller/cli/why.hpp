@@ -1,5 +1,5 @@
 #pragma once
-// Why the machine is in its state: the chain of causes in what the journal tells.
+// Why the machine is in its state: the chain of causes among the journal's entries.
 
 #include <optional>
 #include <string>
@@ -13,13 +13,13 @@ namespace musher::cli {
 
 struct Why {
   State state;
-  // That which tells that the machine went there, then its cause, then the cause of that, ...
+  // The entry of the change to `state`, then its cause, then the cause of that, ...
   std::vector<msg::HistoryEntry> chain;
-  bool complete = true;  // false: the last one has a cause that is not among the entries
+  bool complete = true;  // false: the cause of the last one is not among the entries
 };
 
-// Why `state` was entered last; empty: why the machine is where it is. `entries` oldest first.
-// Fails when they do not tell of it.
+// Why `state` was last entered; empty: why the machine is in its current state. `entries`: oldest
+// first. Fails if they do not contain the change.
 Result<Why> FindWhy(const std::vector<msg::HistoryEntry>& entries, const State& state);
 
 }  // namespace musher::cli

@@ -19,11 +19,11 @@ Announcements::Announcements(transport::Endpoints& endpoints, const MachineConfi
     : loop_(endpoints.node().loop()),
       config_(config),
       machine_(machine),
-      tell_state_(endpoints.Tell<msg::StateSwitchStatus>("state_switch_status")),
-      tell_self_check_(endpoints.Tell<msg::SelfCheckStatus>("self_check_status")),
-      tell_ready_(endpoints.Tell<msg::Bool>("ready_notify")) {
+      publish_state_(endpoints.Tell<msg::StateSwitchStatus>("state_switch_status")),
+      publish_self_check_(endpoints.Tell<msg::SelfCheckStatus>("self_check_status")),
+      publish_ready_(endpoints.Tell<msg::Bool>("ready_notify")) {
   self_check_timer_ = loop_.Every(kSelfCheckPeriod, [this] {
-    if (Leads()) tell_self_check_(SelfCheckOf(config_, machine_));
+    if (Leads()) publish_self_check_(SelfCheckOf(config_, machine_));
   });
 }
 
@@ -34,45 +34,45 @@ bool Announcements::Leads() const {
 void Announcements::OnRecord(const action::Record& record) {
   if (!Leads()) return;
   FollowSwitch(record);
-  if (machine_.phase == Phase::kRunning && !ready_timer_ && ready_times_ == 0) TellReady();
+  if (machine_.phase == Phase::kRunning && !ready_timer_ && ready_times_ == 0) PublishReady();
 }
 
-// The machine has taken the whole step that the record is of.
+// To be called when the machine has completed the step of the record.
 void Announcements::FollowSwitch(const action::Record& record) {
   const auto& current = machine_.current;
-  const bool tells_end = pending_ && record.kind == "switch" &&
-                         record.switch_number == pending_->number &&
-                         (!current || current->number != pending_->number);
-  if (tells_end) TellEnd(*std::exchange(pending_, std::nullopt), record.code);
+  const bool is_end = pending_ && record.kind == "switch" &&
+                      record.switch_number == pending_->number &&
+                      (!current || current->number != pending_->number);
+  if (is_end) PublishEnd(*std::exchange(pending_, std::nullopt), record.code);
   const bool counts = current && !current->only && current->direction != Direction::kCheck;
   if (counts && !pending_) {
-    pending_ = {current->number, current->target, IsToldAtBegin(current->target)};
-    if (pending_->told) {
-      tell_state_({StatusNumberOf(current->target), kCodeOk});
-      told_state_ = current->target;
+    pending_ = {current->number, current->target, IsPublishedAtBegin(current->target)};
+    if (pending_->published) {
+      publish_state_({StatusNumberOf(current->target), kCodeOk});
+      published_state_ = current->target;
     }
-  } else if (!current && !pending_ && machine_.state != told_state_) {
-    tell_state_({StatusNumberOf(machine_.state), kCodeOk});  // it was there at once
-    told_state_ = machine_.state;
+  } else if (!current && !pending_ && machine_.state != published_state_) {
+    publish_state_({StatusNumberOf(machine_.state), kCodeOk});  // the switch ended at once
+    published_state_ = machine_.state;
   }
 }
 
-void Announcements::TellEnd(const Pending& ended, std::int32_t code) {
-  told_state_ = machine_.state;
+void Announcements::PublishEnd(const Pending& ended, std::int32_t code) {
+  published_state_ = machine_.state;
   if (machine_.state != ended.target) {
-    tell_state_({msg::StateSwitchStatus::kError, code});
-  } else if (!ended.told || code != kCodeOk) {
-    tell_state_({StatusNumberOf(ended.target), code});
+    publish_state_({msg::StateSwitchStatus::kError, code});
+  } else if (!ended.published || code != kCodeOk) {
+    publish_state_({StatusNumberOf(ended.target), code});
   }
 }
 
-void Announcements::TellReady() {
+void Announcements::PublishReady() {
   ready_timer_ = loop_.Every(kReadyPeriod, [this] {
     const bool over = machine_.phase != Phase::kRunning || ++ready_times_ > kReadyTimes;
     if (over) {
       ready_timer_ = nullptr;
     } else {
-      tell_ready_({true});
+      publish_ready_({true});
     }
   });
 }

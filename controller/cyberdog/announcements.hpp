@@ -1,6 +1,6 @@
 #pragma once
-// What CyberDog's manager tells by itself: `state_switch_status` at switches, `self_check_status`
-// every second, `ready_notify` for a while once the robot is usable.
+// The topics that CyberDog's manager publishes: `state_switch_status` at switches,
+// `self_check_status` every second, `ready_notify` for a while once the robot is usable.
 //
 // Threads: loop thread only.
 
@@ -22,30 +22,30 @@ class Announcements {
   Announcements(transport::Endpoints& endpoints, const MachineConfig& config,
                 const Machine& machine);
 
-  // Every change of the machine leaves a record.
+  // To be called for every record: each change of the machine leaves one.
   void OnRecord(const action::Record& record);
 
  private:
   struct Pending {  // a switch under way
     std::uint64_t number = 0;
     State target;
-    bool told = false;
+    bool published = false;
   };
 
   bool Leads() const;
   void FollowSwitch(const action::Record& record);
-  void TellEnd(const Pending& ended, std::int32_t code);
-  void TellReady();
+  void PublishEnd(const Pending& ended, std::int32_t code);
+  void PublishReady();
 
   transport::EventLoop& loop_;
   const MachineConfig& config_;
   const Machine& machine_;
   std::optional<Pending> pending_;
-  State told_state_;
+  State published_state_;
   int ready_times_ = 0;
-  std::function<void(const msg::StateSwitchStatus&)> tell_state_;
-  std::function<void(const msg::SelfCheckStatus&)> tell_self_check_;
-  std::function<void(const msg::Bool&)> tell_ready_;
+  std::function<void(const msg::StateSwitchStatus&)> publish_state_;
+  std::function<void(const msg::SelfCheckStatus&)> publish_self_check_;
+  std::function<void(const msg::Bool&)> publish_ready_;
   transport::LoopHandlePtr self_check_timer_;
   transport::LoopHandlePtr ready_timer_;
 };

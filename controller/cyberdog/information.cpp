@@ -24,7 +24,7 @@ constexpr std::array<const char*, 15> kKeys = {
     "mic_state",   "voice_control", "wifi",  "bat_info",         "motor_temper",
     "audio_state", "device_model",  "stand", "lowpower_control", "charging"};
 
-// On one line; bytes that are not UTF-8 become U+FFFD.
+// As one line; bytes that are not UTF-8 become U+FFFD.
 std::string Text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -46,8 +46,8 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
       transport::kSensorDataQos);
   endpoints.Hear<msg::NodeError>(
       "node_errors",
-      [tell = endpoints.Tell<msg::String>("manager_errors")](const msg::NodeError& error) {
-        tell({Text({{"name", error.name.substr(0, kLongestName)}, {"code", error.code}})});
+      [publish = endpoints.Tell<msg::String>("manager_errors")](const msg::NodeError& error) {
+        publish({Text({{"name", error.name.substr(0, kLongestName)}, {"code", error.code}})});
       });
   endpoints.Serve<msg::BmsInfo>("bms_info",
                                 [this](const auto&, const auto& reply) { reply(Battery()); });
@@ -57,7 +57,7 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
   ServeIdentity(endpoints);
 }
 
-// The bridge to the app waits for the serial number before it does anything else.
+// The bridge to the app needs the serial number before anything else.
 void Information::ServeIdentity(transport::Endpoints& endpoints) {
   endpoints.Hear<msg::String>(
       "uid_set", [this](const msg::String& uid) { uid_ = uid.data.substr(0, kLongestName); });
@@ -66,13 +66,14 @@ void Information::ServeIdentity(transport::Endpoints& endpoints) {
   });
   endpoints.Serve<msg::Trigger>("get_dog_sn", [this](const auto&, const auto& reply) {
     const bool known = !serial_number_.empty();
-    reply({known, known ? serial_number_ : "this computer shows no serial number"});
+    reply({known, known ? serial_number_ : "no serial number found on this computer"});
   });
   if (serial_number_.empty()) return;
-  serial_timer_ = loop_.Every(kSerialPeriod, [this, tell = endpoints.Tell<msg::String>("dog_sn")] {
-    tell({serial_number_});
-    if (++serial_told_ == kSerialTimes) serial_timer_ = nullptr;
-  });
+  serial_timer_ =
+      loop_.Every(kSerialPeriod, [this, publish = endpoints.Tell<msg::String>("dog_sn")] {
+        publish({serial_number_});
+        if (++serial_told_ == kSerialTimes) serial_timer_ = nullptr;
+      });
 }
 
 msg::BmsInfo::Response Information::Battery() const {
@@ -81,7 +82,7 @@ msg::BmsInfo::Response Information::Battery() const {
   return {*battery_, old ? MakeCode(ModuleCode::kBms, KeyCode::kTimeout) : kCodeOk};
 }
 
-// What this controller does not know, since it is an account's or another module's, is null.
+// Fields of an account or of another module, which this controller does not know, are null.
 msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) const {
   if (enables.size() > kKeys.size()) return {"", kCodeParametersInvalid};
   Json known;

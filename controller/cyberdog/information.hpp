@@ -1,6 +1,6 @@
 #pragma once
-// What CyberDog's manager knows of the robot beside its state: the battery, the errors that modules
-// report, and what an app asks for at a glance.
+// The robot's information that CyberDog's manager offers beside its state: the battery, the errors
+// that modules report, and device information for an app.
 //
 // Threads: loop thread only.
 
@@ -18,7 +18,7 @@ namespace musher::cyberdog {
 
 class Information {
  public:
-  // All must outlive it. `serial_number` may be empty: it is not known.
+  // All must outlive it. `serial_number` empty: unknown.
   Information(transport::Endpoints& endpoints, const MachineConfig& config, const Machine& machine,
               std::string serial_number);
 
@@ -31,7 +31,7 @@ class Information {
   const MachineConfig& config_;
   const Machine& machine_;
   const std::string serial_number_;
-  std::string uid_;      // of the account that the app has set, as long as this controller runs
+  std::string uid_;      // of the account that the app has set; kept while this controller runs
   int serial_told_ = 0;  // times
   transport::LoopHandlePtr serial_timer_;
   std::optional<msg::BmsStatus> battery_;  // the last sample

@@ -1,7 +1,7 @@
 #pragma once
-// CyberDog's manager, as the dog's app and ROS 2 scripts know it: its topics and services, where
-// the config says `[policy] manager = true`. An adapter: what is decided is decided by the policy
-// in lifecycle/.
+// The topics and services of CyberDog's manager, for the dog's app and ROS 2 scripts, if the config
+// has
+// `[policy] manager = true`. An adapter: the policy in lifecycle/ makes all decisions.
 //
 // Threads: loop thread only.
 
@@ -17,7 +17,7 @@
 
 namespace musher::cyberdog {
 
-// Of the computer that it runs on.
+// The computer that the manager runs on.
 struct Host {
   SaveText save_text;  // may be empty
   std::string serial_number;
@@ -25,11 +25,11 @@ struct Host {
 
 class Manager {
  public:
-  // Null where the config wants none. The shell must outlive it.
+  // Null unless the config enables it. The shell must outlive it.
   static Result<std::unique_ptr<Manager>> Make(transport::Node& node, ControllerShell& shell,
                                                const Host& host);
 
-  // To be told of every record of the shell.
+  // To be called for every record of the shell.
   void OnRecord(const action::Record& record);
 
  private:
@@ -41,7 +41,7 @@ class Manager {
   SelfCheckFile self_check_file_;
   PowerSaving power_saving_;
   Requests requests_;
-  std::unique_ptr<Speaker> speaker_;  // null where nothing is to be said
+  std::unique_ptr<Speaker> speaker_;  // null without [policy] voice
 };
 
 }  // namespace musher::cyberdog

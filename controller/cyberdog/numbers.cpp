@@ -18,7 +18,7 @@ struct Row {
 using Number = msg::MachineState;
 using Status = msg::StateSwitchStatus;
 
-// CyberDog's manager has no text of its own for DeActive, which it never is in.
+// CyberDog's manager has no text for DeActive, which it never enters.
 constexpr std::array<Row, 8> kRows = {{
     {kActive, Number::kActive, Status::kActive, "active"},
     {kProtected, Number::kProtect, Status::kProtected, "protected"},
@@ -55,7 +55,7 @@ std::int32_t StatusNumberOf(std::string_view state) {
   return row == nullptr ? Status::kUnknown : row->status;
 }
 
-bool IsToldAtBegin(std::string_view state) {
+bool IsPublishedAtBegin(std::string_view state) {
   return state == kLowPower || state == kOta || state == kTearDown;
 }
 

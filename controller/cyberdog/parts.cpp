@@ -16,7 +16,7 @@ bool IsDecimal(char c) {
   return c >= '0' && c <= '9';
 }
 
-// Whether `message` has `code` in it as a number of its own.
+// Whether `message` contains `code` as a separate number.
 bool Names(const std::string& message, std::int32_t code) {
   const std::string number = std::to_string(code);
   for (std::size_t at = message.find(number); at != std::string::npos;
@@ -29,8 +29,8 @@ bool Names(const std::string& message, std::int32_t code) {
   return false;
 }
 
-// Those of the first parts, which have keys of their own, that add up to `code`: with more of them
-// a sum would have two meanings.
+// The parts with keys of their own whose codes add up to `code`: with more parts a sum would be
+// ambiguous.
 unsigned Summands(std::span<const Part> parts, std::int32_t code) {
   const unsigned subsets = 1U << parts.size();
   for (unsigned subset = 1; subset < subsets; ++subset) {
@@ -58,7 +58,7 @@ std::vector<std::int32_t> FailedCodes(std::span<const Part> parts, const Error& 
   const unsigned summands = Summands(parts, fault.code);
   const bool of_part = std::any_of(parts.begin(), parts.end(),
                                    [&](const Part& part) { return part.code == fault.code; });
-  // A number in the message of something else may be anything, a process for one.
+  // A number in another message may be anything, for example a pid.
   if (summands == 0 && !of_part) return {fault.code};
   std::vector<std::int32_t> codes;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -1,8 +1,8 @@
 #pragma once
-// Which of its parts an actuator's fault is about, for those that stand for several. Pure.
+// The failed parts in an actuator's fault, for actuators that consist of several parts. Pure.
 //
-// CyberDog's modules add the codes of their parts up; ours give that of the worst and name all in
-// the message. Both are understood.
+// CyberDog's modules report the sum of their parts' codes; ours report the worst code and list all
+// in the message. Both are supported.
 
 #include <cstdint>
 #include <span>
@@ -19,10 +19,10 @@ struct Part {
   bool own_key = true;    // in the description of `self_check_status`
 };
 
-// Empty for an actuator that is one thing.
+// Empty for an actuator without parts.
 std::span<const Part> PartsOf(std::string_view actuator);
 
-// The codes of the parts that failed, in their order; a code that is of none of them is alone.
+// The codes of the failed parts, in their order; a code of no part is returned alone.
 std::vector<std::int32_t> FailedCodes(std::span<const Part> parts, const Error& fault);
 
 }  // namespace musher::cyberdog

@@ -13,12 +13,12 @@ PowerSaving::PowerSaving(transport::Endpoints& endpoints, ControllerShell& shell
     : shell_(shell),
       loop_(endpoints.node().loop()),
       client_(endpoints.Ask<msg::SetBool>(kService, [this] {
-        on_.reset();  // another power manager, or none: nothing is known of it
+        on_.reset();  // another power manager, or none: its state is unknown
         given_up_.reset();
         Look();
       })) {}
 
-// The battery's LowPower is the actuators' alone, as on CyberDog.
+// LowPower because of the battery applies only to the actuators, as on CyberDog.
 bool PowerSaving::Wanted() const {
   const Machine& machine = shell_.machine();
   const auto& current = machine.current;
@@ -84,8 +84,8 @@ void PowerSaving::Leave(std::function<void(const Result<>&)> then) {
   Look();
 }
 
-// What waited begins its switch now; where that is refused, the machine stays in LowPower, and so
-// does the board.
+// The waiting requests continue now; if a switch is refused, the machine and the board stay in
+// LowPower.
 void PowerSaving::AnswerWaiting(const Result<>& left) {
   if (waiting_.empty()) return;
   answered_ = loop_.At(loop_.Now(), [this] {

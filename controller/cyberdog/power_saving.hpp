@@ -1,13 +1,13 @@
 #pragma once
-// Low power of the board: CyberDog's power manager is told by the service `low_power_consumption`
-// (std_srvs/SetBool) when the machine is in LowPower, and when it leaves it.
+// Low power of the board: calls the service `low_power_consumption` (std_srvs/SetBool) of
+// CyberDog's power manager when the machine is in LowPower, and when it leaves it.
 //
 //   true    the machine has arrived in LowPower, unless the battery took it there
 //   false   at the start, and as soon as a switch out of LowPower begins. Requests to the manager
 //           (low_power_exit, dog_wakeup, the state topics and services) wait for it
 //
-// A call is made up to three times, one second apart. What comes to nothing is on record, and is
-// tried again with the next switch. A robot without that service has nothing to be told.
+// A call is tried up to three times, one second apart. A failure is recorded and retried with the
+// next switch. On a robot without that service nothing happens.
 //
 // Threads: loop thread only.
 
@@ -26,16 +26,16 @@ class PowerSaving {
  public:
   inline static constexpr int kTries = 3;
   inline static constexpr Duration kPause = std::chrono::seconds(1);     // between two of them
-  inline static constexpr Duration kCallTime = std::chrono::seconds(3);  // that one may take
+  inline static constexpr Duration kCallTime = std::chrono::seconds(3);  // timeout of one call
 
   // Both must outlive it.
   PowerSaving(transport::Endpoints& endpoints, ControllerShell& shell);
 
-  // Every change of the machine leaves a record.
+  // To be called for every record: each change of the machine leaves one.
   void OnRecord() { Look(); }
 
-  // Runs `then` once low power is left, at once where it is not on; with the reason where it cannot
-  // be left.
+  // Runs `then` once the board has left low power, at once if it is not on; with an Error if it
+  // cannot leave it.
   void Leave(std::function<void(const Result<>&)> then);
   bool leaving() const { return !waiting_.empty(); }
 
@@ -50,13 +50,13 @@ class PowerSaving {
   transport::EventLoop& loop_;
   transport::Client<msg::SetBool>* client_;
   std::optional<bool> on_;        // what the power manager has confirmed
-  std::optional<bool> given_up_;  // what it was told in vain
+  std::optional<bool> given_up_;  // the last value that failed
   std::optional<bool> trying_;
-  int tries_ = 0;                                              // of that
+  int tries_ = 0;                                              // of trying_
   bool calling_ = false;                                       // no reply yet
-  std::vector<std::function<void(const Result<>&)>> waiting_;  // for low power to be left
+  std::vector<std::function<void(const Result<>&)>> waiting_;  // callbacks of Leave()
   transport::LoopHandlePtr again_;
-  transport::LoopHandlePtr answered_;  // what waited begins its switch
+  transport::LoopHandlePtr answered_;  // runs the waiting callbacks
 };
 
 }  // namespace musher::cyberdog

@@ -8,17 +8,17 @@
 namespace musher::cyberdog {
 namespace {
 
-constexpr std::int32_t kKeptAlready = -1;  // as CyberDog answers
+constexpr std::int32_t kKeptAlready = -1;  // as in CyberDog
 
-// std_srvs has no field for a code, so it is part of the sentence.
+// std_srvs has no field for a code, so the message contains it.
 template <class Response>
-Response Told(const Result<>& result) {
+Response ReplyFrom(const Result<>& result) {
   if (result) return {true, ""};
   return {false, WithCode(result.error().message, result.error().code)};
 }
 
 std::string NoState(std::uint8_t number) {
-  return std::to_string(number) + " is the number of no state";
+  return std::to_string(number) + " is not the number of a state";
 }
 
 }  // namespace
@@ -40,27 +40,32 @@ void Requests::ServeStates(transport::Endpoints& endpoints) {
     reply({true, std::string(TextOf(shell_.machine().state))});
   });
   endpoints.Serve<msg::SetBool>("ota_state_switch", [this](const auto& request, const auto& reply) {
-    event::PolicyRequested asked;
-    asked.what = PolicyRequest::kOta;
-    asked.enable = request.data;
-    Ask(asked, [reply](const Result<>& result) { reply(Told<msg::SetBool::Response>(result)); });
+    event::PolicyRequested requested;
+    requested.what = PolicyRequest::kOta;
+    requested.enable = request.data;
+    Request(requested,
+            [reply](const Result<>& result) { reply(ReplyFrom<msg::SetBool::Response>(result)); });
   });
 }
 
 void Requests::ServePower(transport::Endpoints& endpoints) {
   const auto enable = [&](const char* name, PolicyRequest what) {
     endpoints.Serve<msg::SetBool>(name, [this, what](const auto& request, const auto& reply) {
-      event::PolicyRequested asked;
-      asked.what = what;
-      asked.enable = request.data;
-      Ask(asked, [reply](const Result<>& result) { reply(Told<msg::SetBool::Response>(result)); });
+      event::PolicyRequested requested;
+      requested.what = what;
+      requested.enable = request.data;
+      Request(requested, [reply](const Result<>& result) {
+        reply(ReplyFrom<msg::SetBool::Response>(result));
+      });
     });
   };
   const auto trigger = [&](const char* name, PolicyRequest what) {
     endpoints.Serve<msg::Trigger>(name, [this, what](const auto&, const auto& reply) {
-      event::PolicyRequested asked;
-      asked.what = what;
-      Ask(asked, [reply](const Result<>& result) { reply(Told<msg::Trigger::Response>(result)); });
+      event::PolicyRequested requested;
+      requested.what = what;
+      Request(requested, [reply](const Result<>& result) {
+        reply(ReplyFrom<msg::Trigger::Response>(result));
+      });
     });
   };
   enable("low_power_enable", PolicyRequest::kLowPowerSwitch);
@@ -75,22 +80,23 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
   endpoints.Hear<msg::Bool>("dog_wakeup", [this](const msg::Bool&) { OnWakeWord(); });
 }
 
-void Requests::Ask(const event::PolicyRequested& asked, const ControllerShell::OnAnswer& done) {
+void Requests::Request(const event::PolicyRequested& requested,
+                       const ControllerShell::OnAnswer& done) {
   const bool to_a_state =
-      asked.what == PolicyRequest::kSwitch || asked.what == PolicyRequest::kKeep;
-  const bool urgent = asked.state == kTearDown || asked.state == kError;
-  const bool calls_off = asked.what == PolicyRequest::kKeep && asked.ticks == 0;
-  const bool leads_out = asked.what == PolicyRequest::kWakeUp ||
-                         asked.what == PolicyRequest::kOta ||
-                         (to_a_state && asked.state != kLowPower && !urgent && !calls_off);
+      requested.what == PolicyRequest::kSwitch || requested.what == PolicyRequest::kKeep;
+  const bool urgent = requested.state == kTearDown || requested.state == kError;
+  const bool cancels = requested.what == PolicyRequest::kKeep && requested.ticks == 0;
+  const bool leads_out = requested.what == PolicyRequest::kWakeUp ||
+                         requested.what == PolicyRequest::kOta ||
+                         (to_a_state && requested.state != kLowPower && !urgent && !cancels);
   const PolicyState& policy = shell_.machine().policy;
   const bool refused = policy.keep || policy.level >= BatteryLevel::kLowPower;  // by the policy
   if (shell_.machine().state != kLowPower || !leads_out || refused) {
-    return shell_.AskPolicy(asked, done);
+    return shell_.AskPolicy(requested, done);
   }
-  power_saving_.Leave([this, asked, done](const Result<>& left) {
+  power_saving_.Leave([this, requested, done](const Result<>& left) {
     if (!left) return done(left);
-    shell_.AskPolicy(asked, done);
+    shell_.AskPolicy(requested, done);
   });
 }
 
@@ -99,38 +105,38 @@ void Requests::OnSwitch(std::uint8_t number) {
   if (!state) {
     return shell_.Remark(kCodeParametersInvalid, "machine_state_switch: " + NoState(number));
   }
-  event::PolicyRequested asked;
-  asked.what = PolicyRequest::kSwitch;
-  asked.state = *state;
-  Ask(asked, [](const Result<>&) {});  // a refusal is in the journal
+  event::PolicyRequested requested;
+  requested.what = PolicyRequest::kSwitch;
+  requested.state = *state;
+  Request(requested, [](const Result<>&) {});  // a refusal is in the journal
 }
 
 void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply& reply) {
   const bool kept = shell_.machine().policy.keep.has_value();
-  const bool calls_off = kept && request.ticks == 0;  // whatever state it names
+  const bool cancels = kept && request.ticks == 0;  // in whichever state
   const auto state = StateOfNumber(request.state);
-  if (!state && !calls_off) {
+  if (!state && !cancels) {
     shell_.Remark(kCodeParametersInvalid, "machine_state_switch_keep: " + NoState(request.state));
     return reply({false, kCodeParametersInvalid});
   }
-  event::PolicyRequested asked;
-  asked.what = PolicyRequest::kKeep;
-  asked.state = state.value_or(shell_.machine().state);
-  asked.ticks = request.ticks;
-  Ask(asked, [reply, kept](const Result<>& result) {
+  event::PolicyRequested requested;
+  requested.what = PolicyRequest::kKeep;
+  requested.state = state.value_or(shell_.machine().state);
+  requested.ticks = request.ticks;
+  Request(requested, [reply, kept](const Result<>& result) {
     if (result) return reply({true, kCodeOk});
     if (kept) return reply({true, kKeptAlready});
     reply({false, result.error().code});
   });
 }
 
-// Heard all day long; it means something to a robot that rests.
+// Received all day long; only a resting robot wakes up by it.
 void Requests::OnWakeWord() {
   const State& state = shell_.machine().state;
   if (state == kActive || state == kProtected || power_saving_.leaving()) return;
-  event::PolicyRequested asked;
-  asked.what = PolicyRequest::kWakeUp;
-  Ask(asked, [](const Result<>&) {});  // a refusal is in the journal
+  event::PolicyRequested requested;
+  requested.what = PolicyRequest::kWakeUp;
+  Request(requested, [](const Result<>&) {});  // a refusal is in the journal
 }
 
 }  // namespace musher::cyberdog

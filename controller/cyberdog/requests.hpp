@@ -1,6 +1,6 @@
 #pragma once
-// What CyberDog's manager is asked for: states, low power, OTA, power. The wire only: what is
-// allowed is decided by the policy, who is asked through the controller's shell.
+// The requests to CyberDog's manager: states, low power, OTA, power. Only the wire: the policy
+// decides what is allowed, through the controller's shell.
 //
 // Threads: loop thread only.
 
@@ -24,9 +24,9 @@ class Requests {
 
   void ServeStates(transport::Endpoints& endpoints);
   void ServePower(transport::Endpoints& endpoints);
-  // Asks the policy; where that leads out of LowPower, once the board has left it. TearDown and
-  // Error do not wait for the board, and what the policy refuses does not wake it.
-  void Ask(const event::PolicyRequested& asked, const ControllerShell::OnAnswer& done);
+  // Sends a request to the policy; if it leads out of LowPower, once the board has left low power.
+  // TearDown and Error do not wait for the board, and a refused request does not wake it.
+  void Request(const event::PolicyRequested& requested, const ControllerShell::OnAnswer& done);
   void OnSwitch(std::uint8_t number);
   void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);
   void OnWakeWord();

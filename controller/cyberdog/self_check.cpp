@@ -24,7 +24,7 @@ std::int32_t CodeOf(const MachineConfig& config, const Machine& machine, std::st
   return record.presence == Presence::kPresent && passed ? kCodeOk : kNotKnown;
 }
 
-// One actuator for several parts. What is none of these is some other trouble.
+// An actuator with several parts. A code of no part is another fault.
 Json Parts(const MachineConfig& config, const Machine& machine, std::string_view actuator,
            const std::vector<const char*>& more = {}) {
   const std::int32_t code = CodeOf(config, machine, actuator);
@@ -35,7 +35,7 @@ Json Parts(const MachineConfig& config, const Machine& machine, std::string_view
   const auto has_failed = [&](std::int32_t part) {
     return std::find(failed.begin(), failed.end(), part) != failed.end();
   };
-  // Of a trouble that is none of its parts' nothing is known of them.
+  // With a fault of no part the state of the parts is unknown.
   const bool of_parts =
       code == kCodeOk || std::any_of(parts.begin(), parts.end(),
                                      [&](const Part& part) { return has_failed(part.code); });
@@ -64,9 +64,9 @@ std::string Describe(const MachineConfig& config, const Machine& machine) {
   json["device"] = Parts(config, machine, "device_manager", {"bluetooth"});
   json["sensor"] = Parts(config, machine, "sensor_manager");
   for (const ActuatorConfig& actuator : config.actuators) {
-    const bool told = json.contains(actuator.name) || actuator.name == "device_manager" ||
-                      actuator.name == "sensor_manager";
-    if (!told) json[actuator.name] = code(actuator.name);
+    const bool listed = json.contains(actuator.name) || actuator.name == "device_manager" ||
+                        actuator.name == "sensor_manager";
+    if (!listed) json[actuator.name] = code(actuator.name);
   }
   return json.dump();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the last self-check of a start has found, in a file that outlives the controller:
+// The result of the last self-check of a start, in a file that survives the controller:
 // `last_selfcheck_info.json` in the controller's folder, the description of `self_check_status`.
 //
 // Threads: loop thread only.
@@ -13,7 +13,7 @@
 
 namespace musher::cyberdog {
 
-// Hands a small file of the controller's folder to the disk, and does not wait for it.
+// Saves a small file of the controller's folder without waiting for the disk.
 using SaveText = std::function<void(const std::string& name, const std::string& text)>;
 
 class SelfCheckFile {
@@ -26,8 +26,8 @@ class SelfCheckFile {
                 SaveText save)
       : loop_(loop), config_(config), machine_(machine), save_(std::move(save)) {}
 
-  // Every change of the machine leaves a record. Saves once, when the start has ended; a controller
-  // that adopts a running machine has checked nothing.
+  // To be called for every record. Saves once, when the start has ended; not for a controller that
+  // adopts a running machine, since it has checked nothing.
   void OnRecord();
 
  private:

@@ -10,15 +10,15 @@ namespace {
 
 constexpr std::int32_t kCodesOfAModule = 100;
 
-// 0: there is no such phrase.
+// 0: no such phrase.
 struct SoundRow {
   ModuleCode module;
   std::uint16_t self_check;
   std::uint16_t state_switch;
 };
 
-// CyberDog's manager says 31024 and 31025 for sensor and device manager, which are those of audio
-// and motion; its AudioPlay.msg has these.
+// CyberDog's manager plays 31024 and 31025 for sensor and device manager, which are the phrases of
+// audio and motion; these are from its AudioPlay.msg.
 constexpr std::array<SoundRow, 18> kSoundRows = {{
     {ModuleCode::kGps, 31006, 31016},
     {ModuleCode::kLidar, 31007, 31017},
@@ -68,7 +68,7 @@ std::optional<std::uint16_t> SoundOf(ModuleCode module, std::uint16_t SoundRow::
 
 std::optional<std::uint16_t> SelfCheckSound(std::string_view actuator, std::int32_t code) {
   ModuleCode module = ModuleOf(code);
-  if (module == ModuleCode::kRobot) {  // the machine says it of the actuator: it is gone, or silent
+  if (module == ModuleCode::kRobot) {  // the machine reports the actuator lost or silent
     const auto* const owner = std::find_if(kOwners.begin(), kOwners.end(),
                                            [&](const Owner& o) { return o.actuator == actuator; });
     if (owner != kOwners.end()) module = owner->module;

@@ -1,5 +1,5 @@
 #pragma once
-// Which phrase of CyberDog tells of which trouble. Pure.
+// CyberDog's phrases for faults. Pure.
 
 #include <cstdint>
 #include <optional>
@@ -7,11 +7,11 @@
 
 namespace musher::cyberdog {
 
-// What is wrong with `actuator` after a failed self-check, by its code; nullopt: there is no phrase
-// for that.
+// The phrase for a failed self-check of `actuator`, by its code; nullopt: none.
 std::optional<std::uint16_t> SelfCheckSound(std::string_view actuator, std::int32_t code);
 
-// Which module did not switch, by the code of a switch. A self-check's code has the phrase of that.
+// The phrase for a failed switch, by its code, which names the module. A self-check's code has its
+// own phrase.
 std::optional<std::uint16_t> SwitchSound(std::int32_t code);
 
 }  // namespace musher::cyberdog

@@ -8,8 +8,8 @@
 namespace musher::cyberdog {
 namespace {
 
-constexpr const char* kName = "cyberdog_manager";          // CyberDog's node that speaks
-constexpr Duration kLookPeriod = std::chrono::seconds(1);  // for what leaves no record
+constexpr const char* kName = "cyberdog_manager";          // the node name of CyberDog's manager
+constexpr Duration kLookPeriod = std::chrono::seconds(1);  // for changes without a record
 constexpr Duration kCallTime = std::chrono::minutes(1);    // by the steady clock
 constexpr Duration kStandUpTime = std::chrono::seconds(20);
 
@@ -26,29 +26,29 @@ Result<std::unique_ptr<Speaker>> Speaker::Make(transport::Endpoints& endpoints,
 Result<> Speaker::Open(transport::Endpoints& endpoints) {
   loop_ = &endpoints.node().loop();
   auto clock = transport::Clock::Of(shell_.config(), endpoints.node(),
-                                    [this] { Hear(heard::TimePassed{}); });
+                                    [this] { Handle(voice_event::TimePassed{}); });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  first_time_ = clock_->At(Time{}, [this] { Hear(heard::TimePassed{}); });
+  first_time_ = clock_->At(Time{}, [this] { Handle(voice_event::TimePassed{}); });
   player_ = endpoints.Ask<msg::AudioTextPlay>("speech_text_play", [this] { Look(); });
   motion_ = endpoints.Ask<msg::MotionResultCmd>("motion_result_cmd");
   endpoints.Hear<msg::TouchStatus>("touch_status", [this](const msg::TouchStatus& touch) {
-    if (touch.touch_state == msg::TouchStatus::kDouble) Hear(heard::DoubleTapped{});
+    if (touch.touch_state == msg::TouchStatus::kDouble) Handle(voice_event::DoubleTapped{});
   });
   endpoints.Hear<msg::Bool>("app_connection_state", [this](const msg::Bool& connected) {
-    if (connected.data) Hear(heard::AppConnected{});
+    if (connected.data) Handle(voice_event::AppConnected{});
   });
   endpoints.Hear<msg::Bool>("audio_notification_report", [this](const msg::Bool& playing) {
-    Hear(heard::PlayReported{playing.data});
+    Handle(voice_event::PlayReported{playing.data});
   });
   if (!endpoints.opened()) return endpoints.opened().error();
   look_ = loop_->Every(kLookPeriod, [this] { Look(); });
   return Ok();
 }
 
-// A record is judged by what was known before it; what it has changed is seen a moment later.
+// Handles the record before the machine's change: the change is read on the loop's next turn.
 void Speaker::OnRecord(const action::Record& record) {
-  Hear(heard::Recorded{record});
+  Handle(voice_event::Recorded{record});
   if (look_soon_) return;
   look_soon_ = loop_->At(loop_->Now(), [this] {
     look_soon_ = nullptr;
@@ -57,15 +57,15 @@ void Speaker::OnRecord(const action::Record& record) {
 }
 
 void Speaker::Look() {
-  if (const bool there = player_->Ready(); there != voice_.player) {
-    Hear(heard::PlayerMatched{there});
+  if (const bool matched = player_->Ready(); matched != voice_.player) {
+    Handle(voice_event::PlayerMatched{matched});
   }
-  const Glimpse machine = GlimpseOf(shell_.config(), shell_.machine());
-  if (machine != voice_.machine) Hear(heard::MachineSeen{machine});
+  const MachineView machine = ViewOf(shell_.config(), shell_.machine());
+  if (machine != voice_.machine) Handle(voice_event::MachineSeen{machine});
 }
 
-void Speaker::Hear(const Heard& heard) {
-  for (const VoiceAction& action : Speak(shell_.config(), voice_, heard, clock_->Now())) {
+void Speaker::Handle(const VoiceEvent& event) {
+  for (const VoiceAction& action : Speak(shell_.config(), voice_, event, clock_->Now())) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
   Arm();
@@ -79,7 +79,7 @@ void Speaker::Arm() {
   if (!next) return;
   timer_ = clock_->At(*next, [this] {
     armed_for_.reset();
-    Hear(heard::TimePassed{});
+    Handle(voice_event::TimePassed{});
   });
 }
 
@@ -89,7 +89,7 @@ void Speaker::Do(const voice_action::Play& play) {
       kName, !utterance.text.empty(), {kName, utterance.id}, utterance.text};
   player_->Call(request, kCallTime,
                 [this, number = play.number](const Result<msg::AudioTextPlay::Response>&) {
-                  Hear(heard::PlayEnded{number});
+                  Handle(voice_event::PlayEnded{number});
                 });
 }
 
@@ -101,14 +101,14 @@ void Speaker::Do(const voice_action::StandUp&) {
                 [this](const Result<msg::MotionResultCmd::Response>& answer) {
                   if (answer && answer.value().result) return;
                   shell_.Remark(answer ? answer.value().code : answer.error().code,
-                                "the app has connected, but the robot does not stand up");
+                                "app connected, but the robot does not stand up");
                 });
 }
 
-void Speaker::Do(const voice_action::TellDropped&) {
-  if (!shell_.config().IndexOf("audio")) return;  // nobody expects it
+void Speaker::Do(const voice_action::LogDropped&) {
+  if (!shell_.config().IndexOf("audio")) return;  // no player is expected
   shell_.Remark(kCodeNetError,
-                "nobody plays what the manager says: there is no service speech_text_play");
+                "the manager's announcements are not played: no service speech_text_play");
 }
 
 }  // namespace musher::cyberdog

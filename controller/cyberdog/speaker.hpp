@@ -1,10 +1,10 @@
 #pragma once
-// The manager's voice on the wire: what it hears (the machine, `touch_status`,
-// `app_connection_state`, `audio_notification_report`) goes to the decision in voice.hpp, what that
-// wants said to `speech_text_play`. Nothing waits for it.
+// The I/O of the manager's voice: its inputs (the machine, `touch_status`, `app_connection_state`,
+// `audio_notification_report`) go to the decision in voice.hpp, its utterances to
+// `speech_text_play`. Nothing waits for it.
 //
-// Its times follow the policy's clock. A call ends by the steady one, too, for a world that stands
-// still.
+// Its times follow the policy's clock. A call also has a timeout on the steady clock, in case the
+// world stands still.
 //
 // Threads: loop thread only.
 
@@ -22,23 +22,23 @@ namespace musher::cyberdog {
 
 class Speaker {
  public:
-  // Null where nothing is to be said. Both must outlive it.
+  // Null without [policy] voice. Both must outlive it.
   static Result<std::unique_ptr<Speaker>> Make(transport::Endpoints& endpoints,
                                                ControllerShell& shell);
 
-  // To be told of every record of the shell.
+  // To be called for every record of the shell.
   void OnRecord(const action::Record& record);
 
  private:
   explicit Speaker(ControllerShell& shell) : shell_(shell) {}
   Result<> Open(transport::Endpoints& endpoints);
 
-  void Hear(const Heard& heard);
+  void Handle(const VoiceEvent& event);
   void Look();
   void Arm();
   void Do(const voice_action::Play& play);
   void Do(const voice_action::StandUp& stand_up);
-  void Do(const voice_action::TellDropped& dropped);
+  void Do(const voice_action::LogDropped& dropped);
 
   ControllerShell& shell_;
   VoiceState voice_;
@@ -46,7 +46,7 @@ class Speaker {
   transport::Client<msg::MotionResultCmd>* motion_ = nullptr;
   std::unique_ptr<transport::Clock> clock_;
   transport::EventLoop* loop_ = nullptr;
-  transport::LoopHandlePtr first_time_;  // of a world that had not been heard yet
+  transport::LoopHandlePtr first_time_;  // the first sample of /clock
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
   transport::LoopHandlePtr look_soon_;

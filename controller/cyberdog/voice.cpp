@@ -13,12 +13,12 @@ namespace {
 
 using Play = msg::AudioPlay;
 
-// The more urgent the later: nothing to say, battery_at, and the levels of the policy.
+// In order of urgency: nothing to say, battery_at, and the levels of the policy.
 constexpr std::array<std::uint16_t, 5> kBatteryWords = {0, Play::kBattery30, Play::kBattery20,
                                                         Play::kBattery5, Play::kBattery0};
 constexpr std::size_t kLongestSentence = 240;  // bytes; some ten seconds
 
-// Without a character cut in two.
+// Cuts at a character boundary.
 std::string Shortened(std::string text) {
   if (text.size() <= kLongestSentence) return text;
   std::size_t end = kLongestSentence;
@@ -32,14 +32,14 @@ class Speaking {
   Speaking(const MachineConfig& config, VoiceState& voice, Time now)
       : config_(config), rules_(config.policy->voice), voice_(voice), now_(now) {}
 
-  void On(const heard::MachineSeen& seen);
-  void On(const heard::Recorded& recorded);
-  void On(const heard::DoubleTapped& tapped);
-  void On(const heard::AppConnected& connected);
-  void On(const heard::PlayerMatched& matched);
-  void On(const heard::PlayReported& reported);
-  void On(const heard::PlayEnded& ended);
-  void On(const heard::TimePassed&) {}
+  void On(const voice_event::MachineSeen& seen);
+  void On(const voice_event::Recorded& recorded);
+  void On(const voice_event::DoubleTapped& tapped);
+  void On(const voice_event::AppConnected& connected);
+  void On(const voice_event::PlayerMatched& matched);
+  void On(const voice_event::PlayReported& reported);
+  void On(const voice_event::PlayEnded& ended);
+  void On(const voice_event::TimePassed&) {}
 
   void FollowClock();
   void Settle();
@@ -52,14 +52,14 @@ class Speaking {
   void SaySentence(Occasion occasion, const std::string& sentence);
   void Queue(VoiceState::Waiting waiting, bool first);
 
-  void TellStart();
-  void TellFaults();
-  void TellBattery();
+  void AnnounceStart();
+  void AnnounceFaults();
+  void AnnounceBattery();
   int BatteryUrgency() const;
-  void TellSwitch(const action::Record& record);
+  void AnnounceSwitch(const action::Record& record);
 
   void End();
-  void DropWhatNobodyPlays();
+  void DropWithoutPlayer();
   void PlayNext();
 
   const MachineConfig& config_;
@@ -69,7 +69,7 @@ class Speaking {
   std::vector<VoiceAction> actions_;
 };
 
-// A world that begins anew, or is heard for the first time, has another zero.
+// The zero of /clock changes when the world restarts, and with its first sample.
 void Speaking::FollowClock() {
   if (voice_.now == Time{} || now_ < voice_.now) {
     const Duration jump = now_ - voice_.now;
@@ -82,16 +82,16 @@ void Speaking::FollowClock() {
   voice_.now = now_;
 }
 
-void Speaking::On(const heard::MachineSeen& seen) {
+void Speaking::On(const voice_event::MachineSeen& seen) {
   voice_.machine = seen.machine;
   switch (seen.machine.phase) {
     case Phase::kFailed:
-      if (std::exchange(voice_.failure_told, true)) return;
+      if (std::exchange(voice_.failure_announced, true)) return;
       Say(Occasion::kStart, {Play::kSelfCheckFailed, ""});
-      return TellFaults();
+      return AnnounceFaults();
     case Phase::kRunning:
-      TellStart();
-      return TellBattery();
+      AnnounceStart();
+      return AnnounceBattery();
     case Phase::kIdle:
     case Phase::kStarting:
       return;
@@ -102,31 +102,31 @@ void Speaking::On(const heard::MachineSeen& seen) {
   }
 }
 
-void Speaking::TellStart() {
-  const Glimpse& machine = voice_.machine;
-  if (!std::exchange(voice_.start_told, true)) {
+void Speaking::AnnounceStart() {
+  const MachineView& machine = voice_.machine;
+  if (!std::exchange(voice_.start_announced, true)) {
     if (machine.adopted) {
-      voice_.loading_told = true;
+      voice_.loading_announced = true;
     } else {
       Say(Occasion::kStart, {Play::kReady, ""});
       const bool well = machine.faults.empty();
       Say(Occasion::kStart, {well ? Play::kSelfCheckOk : Play::kSelfCheckFailed, ""});
-      TellFaults();
+      AnnounceFaults();
     }
   }
-  if (!machine.loaded || std::exchange(voice_.loading_told, true)) return;
-  TellFaults();
+  if (!machine.loaded || std::exchange(voice_.loading_announced, true)) return;
+  AnnounceFaults();
   const auto& all = config_.actuators;
   const bool staged =
       std::any_of(all.begin(), all.end(), [](const auto& a) { return a.stage > 1; });
   if (staged) Say(Occasion::kStart, {Play::kStarted, ""});
 }
 
-void Speaking::TellFaults() {
-  for (const Glimpse::Fault& fault : voice_.machine.faults) {
-    auto& told = voice_.faults_told;
-    if (std::find(told.begin(), told.end(), fault) != told.end()) continue;
-    told.push_back(fault);
+void Speaking::AnnounceFaults() {
+  for (const MachineView::Fault& fault : voice_.machine.faults) {
+    auto& announced = voice_.faults_announced;
+    if (std::find(announced.begin(), announced.end(), fault) != announced.end()) continue;
+    announced.push_back(fault);
     for (const std::int32_t code : FailedCodes(PartsOf(fault.actuator), fault.error)) {
       if (const auto sound = SelfCheckSound(fault.actuator, code)) {
         Say(Occasion::kStart, {*sound, ""});
@@ -137,9 +137,9 @@ void Speaking::TellFaults() {
   }
 }
 
-// 0: there is nothing to say about it.
+// 0: nothing to announce.
 int Speaking::BatteryUrgency() const {
-  const Glimpse& machine = voice_.machine;
+  const MachineView& machine = voice_.machine;
   if (!machine.battery) return 0;
   switch (machine.level) {
     case BatteryLevel::kEmpty:
@@ -152,50 +152,50 @@ int Speaking::BatteryUrgency() const {
       break;
   }
   const int hysteresis = config_.policy->battery ? config_.policy->battery->hysteresis : 0;
-  const int left_at = rules_.battery_at + (voice_.battery_told > 0 ? hysteresis : 1);
+  const int left_at = rules_.battery_at + (voice_.battery_announced > 0 ? hysteresis : 1);
   return *machine.battery < left_at ? 1 : 0;
 }
 
-// What may not be said now is not told: it is said later if it is still so.
-void Speaking::TellBattery() {
+// An announcement that is not permitted now is not marked as done: it follows later if still true.
+void Speaking::AnnounceBattery() {
   const int urgency = BatteryUrgency();
-  if (urgency > voice_.battery_told) {
+  if (urgency > voice_.battery_announced) {
     if (voice_.machine.charging || !May(Occasion::kBattery)) return;
     Say(Occasion::kBattery, {kBatteryWords.at(static_cast<std::size_t>(urgency)), ""});
   }
-  voice_.battery_told = urgency;
+  voice_.battery_announced = urgency;
 }
 
-// Before the machine is running the start has words of its own.
-void Speaking::On(const heard::Recorded& recorded) {
+// Before the machine is running, the start has announcements of its own.
+void Speaking::On(const voice_event::Recorded& recorded) {
   const action::Record& record = recorded.record;
-  if (record.kind == "switch") return TellSwitch(record);
-  const bool told = record.kind == "policy" && record.code != kCodeOk &&
-                    record.code != kCodeTargetBusy && voice_.machine.phase == Phase::kRunning;
-  if (told) SaySentence(Occasion::kRefusal, record.message);
+  if (record.kind == "switch") return AnnounceSwitch(record);
+  const bool announced = record.kind == "policy" && record.code != kCodeOk &&
+                         record.code != kCodeTargetBusy && voice_.machine.phase == Phase::kRunning;
+  if (announced) SaySentence(Occasion::kRefusal, record.message);
 }
 
-void Speaking::TellSwitch(const action::Record& record) {
+void Speaking::AnnounceSwitch(const action::Record& record) {
   const bool begins = record.switch_number != 0 && record.switch_number != voice_.switch_number;
   if (begins) {
     voice_.switch_number = record.switch_number;
     voice_.known.clear();
     for (const auto& fault : voice_.machine.faults) voice_.known.push_back(fault.error.code);
   }
-  // Neither is news: another switch took over, and one is degraded that was before.
+  // No announcement if another switch superseded this one, or if the actuator was already degraded.
   const bool known =
       record.switch_number != 0 &&
       std::find(voice_.known.begin(), voice_.known.end(), record.code) != voice_.known.end();
-  const bool told = record.code != kCodeOk && record.code != kCodeTargetBusy && !known &&
-                    !record.actuator && voice_.machine.phase == Phase::kRunning;
-  if (!told) return;
+  const bool announced = record.code != kCodeOk && record.code != kCodeTargetBusy && !known &&
+                         !record.actuator && voice_.machine.phase == Phase::kRunning;
+  if (!announced) return;
   const auto sound = record.switch_number == 0 ? std::nullopt : SwitchSound(record.code);
   if (sound) return Say(Occasion::kSwitch, {*sound, ""});
   SaySentence(Occasion::kSwitch, record.message);
 }
 
-void Speaking::On(const heard::DoubleTapped&) {
-  const Glimpse& machine = voice_.machine;
+void Speaking::On(const voice_event::DoubleTapped&) {
+  const MachineView& machine = voice_.machine;
   if (machine.phase != Phase::kRunning) return;
   if (voice_.tapped && now_ < *voice_.tapped + kTapPause) return;
   voice_.tapped = now_;
@@ -205,29 +205,29 @@ void Speaking::On(const heard::DoubleTapped&) {
   SayFirst({static_cast<std::uint16_t>(Play::kBatteryLevel + *machine.battery), ""});
 }
 
-void Speaking::On(const heard::AppConnected&) {
-  const Glimpse& machine = voice_.machine;
+void Speaking::On(const voice_event::AppConnected&) {
+  const MachineView& machine = voice_.machine;
   const bool awake = machine.state == kActive || machine.state == kProtected;
   if (machine.phase != Phase::kRunning || !awake || machine.charging) return;
   if (!May(Occasion::kApp) || std::exchange(voice_.greeted, true)) return;
   if (voice_.player) {
-    Queue({{Play::kAppConnected, ""}, now_ + kVoicePatience, true}, false);
+    Queue({{Play::kAppConnected, ""}, now_ + kVoiceTimeout, true}, false);
   } else {
     actions_.emplace_back(voice_action::StandUp{});
   }
 }
 
-void Speaking::On(const heard::PlayerMatched& matched) {
-  voice_.player = matched.there;
-  if (!matched.there && voice_.playing) End();
+void Speaking::On(const voice_event::PlayerMatched& matched) {
+  voice_.player = matched.available;
+  if (!matched.available && voice_.playing) End();
 }
 
-void Speaking::On(const heard::PlayReported& reported) {
+void Speaking::On(const voice_event::PlayReported& reported) {
   voice_.busy_until = reported.playing ? now_ + kReportLasts : now_;
 }
 
-void Speaking::On(const heard::PlayEnded& ended) {
-  if (!voice_.playing || ended.number != voice_.number) return;  // it was waited for long enough
+void Speaking::On(const voice_event::PlayEnded& ended) {
+  if (!voice_.playing || ended.number != voice_.number) return;  // its deadline is over
   End();
 }
 
@@ -237,12 +237,12 @@ bool Speaking::May(Occasion occasion) const {
 }
 
 void Speaking::Say(Occasion occasion, Utterance utterance) {
-  if (May(occasion)) Queue({std::move(utterance), now_ + kVoicePatience}, false);
+  if (May(occasion)) Queue({std::move(utterance), now_ + kVoiceTimeout}, false);
 }
 
-// Somebody stands there and waits for it.
+// A person waits for the answer to a double tap.
 void Speaking::SayFirst(Utterance utterance) {
-  if (May(Occasion::kTouch)) Queue({std::move(utterance), now_ + kVoicePatience}, true);
+  if (May(Occasion::kTouch)) Queue({std::move(utterance), now_ + kVoiceTimeout}, true);
 }
 
 void Speaking::SaySentence(Occasion occasion, const std::string& sentence) {
@@ -274,15 +274,15 @@ void Speaking::End() {
 
 void Speaking::Settle() {
   if (voice_.playing && now_ >= voice_.playing->until) End();
-  if (!voice_.player) DropWhatNobodyPlays();
+  if (!voice_.player) DropWithoutPlayer();
   if (voice_.player && !voice_.playing) PlayNext();
 }
 
-void Speaking::DropWhatNobodyPlays() {
+void Speaking::DropWithoutPlayer() {
   const auto dropped =
       std::erase_if(voice_.waiting, [&](const auto& w) { return now_ >= w.until; });
-  if (dropped == 0 || std::exchange(voice_.silence_told, true)) return;
-  actions_.emplace_back(voice_action::TellDropped{});
+  if (dropped == 0 || std::exchange(voice_.silence_announced, true)) return;
+  actions_.emplace_back(voice_action::LogDropped{});
 }
 
 void Speaking::PlayNext() {
@@ -297,29 +297,29 @@ void Speaking::PlayNext() {
 
 }  // namespace
 
-Glimpse GlimpseOf(const MachineConfig& config, const Machine& machine) {
-  Glimpse glimpse;
-  glimpse.phase = machine.phase;
-  glimpse.state = machine.state;
-  glimpse.adopted = machine.last_switch == 0;
-  glimpse.loaded = machine.policy.loaded;
-  glimpse.battery = machine.policy.battery;
-  glimpse.level = machine.policy.level;
-  glimpse.charging = machine.policy.charging;
-  glimpse.battery_silent = machine.policy.battery_silent;
+MachineView ViewOf(const MachineConfig& config, const Machine& machine) {
+  MachineView view;
+  view.phase = machine.phase;
+  view.state = machine.state;
+  view.adopted = machine.last_switch == 0;
+  view.loaded = machine.policy.loaded;
+  view.battery = machine.policy.battery;
+  view.level = machine.policy.level;
+  view.charging = machine.policy.charging;
+  view.battery_silent = machine.policy.battery_silent;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     if (const auto fault = TroubleOf(machine.actuators[i])) {
-      glimpse.faults.push_back({config.actuators[i].name, *fault});
+      view.faults.push_back({config.actuators[i].name, *fault});
     }
   }
-  return glimpse;
+  return view;
 }
 
-std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice, const Heard& heard,
-                               Time now) {
+std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice,
+                               const VoiceEvent& event, Time now) {
   Speaking speaking(config, voice, now);
   speaking.FollowClock();
-  std::visit([&](const auto& what) { speaking.On(what); }, heard);
+  std::visit([&](const auto& what) { speaking.On(what); }, event);
   speaking.Settle();
   return std::move(speaking).Take();
 }

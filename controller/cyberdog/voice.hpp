@@ -1,13 +1,13 @@
 #pragma once
-// What the manager says and when: (state, what was heard, now) → what to play. Plain values, no
-// clock, no IO; the shell is speaker.hpp.
+// Decides what the manager says and when: (state, event, now) → what to play. Plain values, no
+// clock, no I/O; the shell is speaker.hpp.
 //
-//   heard ──▶ is it an occasion? ──▶ waiting ──(audio is there and free)──▶ playing ──▶ ended
-//                                       └─(audio is not there for 10 s)──▶ dropped
+//   event ──▶ is it an occasion? ──▶ waiting ──(audio available and free)──▶ playing ──▶ ended
+//                                       └─(audio not available for 10 s)──▶ dropped
 //
-// One thing is played at a time, by `speech_text_play`, whose answer is its end. A player that does
-// not answer is waited for no longer than the deadline. Nothing is said twice: what the robot is
-// (ready, low on battery) once each way, sentences not again within half a minute.
+// Plays one utterance at a time, with `speech_text_play`, whose reply is its end. Waits for a
+// player that does not reply only until the deadline. Nothing is repeated: states of the robot
+// (ready, low battery) are announced once per change, sentences not again within 30 s.
 
 #include <cstdint>
 #include <optional>
@@ -20,7 +20,7 @@
 
 namespace musher::cyberdog {
 
-// A phrase by its number, or a sentence where `text` is not empty.
+// A phrase by its number, or a sentence if `text` is not empty.
 struct Utterance {
   std::uint16_t id = 0;
   std::string text;
@@ -28,8 +28,8 @@ struct Utterance {
   friend bool operator==(const Utterance&, const Utterance&) = default;
 };
 
-// What of the machine matters here.
-struct Glimpse {
+// The part of the machine that matters here.
+struct MachineView {
   struct Fault {
     std::string actuator;
     Error error;
@@ -39,7 +39,7 @@ struct Glimpse {
 
   Phase phase = Phase::kIdle;
   State state;
-  bool adopted = false;        // it ran when this controller began
+  bool adopted = false;        // it already ran when this controller began
   bool loaded = false;         // all stages are up
   std::optional<int> battery;  // in percent
   BatteryLevel level = BatteryLevel::kFree;
@@ -47,63 +47,64 @@ struct Glimpse {
   bool battery_silent = false;
   std::vector<Fault> faults;  // of degraded actuators
 
-  friend bool operator==(const Glimpse&, const Glimpse&) = default;
+  friend bool operator==(const MachineView&, const MachineView&) = default;
 };
-Glimpse GlimpseOf(const MachineConfig& config, const Machine& machine);
+MachineView ViewOf(const MachineConfig& config, const Machine& machine);
 
-namespace heard {
+namespace voice_event {
 
-struct MachineSeen {  // comes after the records of what has changed it
-  Glimpse machine;
+struct MachineSeen {  // follows the records of its changes
+  MachineView machine;
 };
 struct Recorded {
   action::Record record;
 };
 struct DoubleTapped {};
 struct AppConnected {};
-struct PlayerMatched {  // whether somebody serves `speech_text_play`
-  bool there = false;
+struct PlayerMatched {  // whether a server of `speech_text_play` is matched
+  bool available = false;
 };
-struct PlayReported {  // audio_notification_report: somebody's sound plays, or has ended
+struct PlayReported {  // audio_notification_report: a sound of any client plays, or has ended
   bool playing = false;
 };
-struct PlayEnded {  // it answered, or the call came to nothing
+struct PlayEnded {  // the reply, or the call failed
   std::uint64_t number = 0;
 };
 struct TimePassed {};
 
-}  // namespace heard
+}  // namespace voice_event
 
-using Heard =
-    std::variant<heard::MachineSeen, heard::Recorded, heard::DoubleTapped, heard::AppConnected,
-                 heard::PlayerMatched, heard::PlayReported, heard::PlayEnded, heard::TimePassed>;
+using VoiceEvent =
+    std::variant<voice_event::MachineSeen, voice_event::Recorded, voice_event::DoubleTapped,
+                 voice_event::AppConnected, voice_event::PlayerMatched, voice_event::PlayReported,
+                 voice_event::PlayEnded, voice_event::TimePassed>;
 
 namespace voice_action {
 
 struct Play {
-  std::uint64_t number = 0;  // comes back in PlayEnded
+  std::uint64_t number = 0;  // returned in PlayEnded
   Utterance utterance;
   friend bool operator==(const Play&, const Play&) = default;
 };
-struct StandUp {  // motion 111, as the app would ask for it
+struct StandUp {  // motion 111, as the app would request it
   friend bool operator==(const StandUp&, const StandUp&) = default;
 };
-struct TellDropped {  // for the log: nobody plays, for the first time
-  friend bool operator==(const TellDropped&, const TellDropped&) = default;
+struct LogDropped {  // log once that no player is available
+  friend bool operator==(const LogDropped&, const LogDropped&) = default;
 };
 
 }  // namespace voice_action
 
 using VoiceAction =
-    std::variant<voice_action::Play, voice_action::StandUp, voice_action::TellDropped>;
+    std::variant<voice_action::Play, voice_action::StandUp, voice_action::LogDropped>;
 
-// How long a phrase and a sentence are waited for once they are sent; the player itself gives up
-// after 10 s.
+// Timeouts for a phrase and a sentence once they are sent; the player's own limit is 10 s.
 inline constexpr Duration kPhraseTime = std::chrono::seconds(6);
 inline constexpr Duration kSentenceTime = std::chrono::seconds(11);
-// How long something waits: then it is said although others speak, or dropped where nobody plays.
-inline constexpr Duration kVoicePatience = std::chrono::seconds(10);
-// After the last report that something plays, which comes twice a second.
+// How long an utterance waits: then it is played although other sounds play, or dropped without a
+// player.
+inline constexpr Duration kVoiceTimeout = std::chrono::seconds(10);
+// How long a report that a sound plays is valid; it comes twice a second.
 inline constexpr Duration kReportLasts = Milliseconds(800);
 inline constexpr Duration kTapPause = Milliseconds(2000);
 inline constexpr Duration kSameSentence = std::chrono::seconds(30);
@@ -112,8 +113,8 @@ inline constexpr std::size_t kMostWaiting = 8;  // the oldest is dropped
 struct VoiceState {
   struct Waiting {
     Utterance utterance;
-    Time until{};           // by then it is said or dropped
-    bool stand_up = false;  // once it is said
+    Time until{};           // by then it is played or dropped
+    bool stand_up = false;  // after it was played
 
     friend bool operator==(const Waiting&, const Waiting&) = default;
   };
@@ -124,31 +125,31 @@ struct VoiceState {
     friend bool operator==(const Sentence&, const Sentence&) = default;
   };
 
-  Glimpse machine;
+  MachineView machine;
   Time now{};  // of the last step
   std::vector<Waiting> waiting;
   std::optional<Waiting> playing;  // until its deadline
-  std::uint64_t number = 0;        // of the last one that was sent
+  std::uint64_t number = 0;        // of the last one sent
   bool player = false;
-  Time busy_until{};  // others are heard
+  Time busy_until{};  // other sounds play
 
-  bool start_told = false;
-  bool failure_told = false;
-  bool loading_told = false;
-  bool silence_told = false;
-  bool greeted = false;  // the app
-  int battery_told = 0;  // how urgent the last word was
-  std::vector<Glimpse::Fault> faults_told;
-  std::uint64_t switch_number = 0;  // of the last one that began …
-  std::vector<std::int32_t> known;  // … and the codes of what was degraded then
+  bool start_announced = false;
+  bool failure_announced = false;
+  bool loading_announced = false;
+  bool silence_announced = false;
+  bool greeted = false;       // the app
+  int battery_announced = 0;  // urgency of the last announcement
+  std::vector<MachineView::Fault> faults_announced;
+  std::uint64_t switch_number = 0;  // of the last switch that began …
+  std::vector<std::int32_t> known;  // … and the codes of the actuators degraded then
   std::optional<Time> tapped;
-  std::vector<Sentence> sentences;  // of the last half minute
+  std::vector<Sentence> sentences;  // of the last 30 s
 
   friend bool operator==(const VoiceState&, const VoiceState&) = default;
 };
 
-std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice, const Heard& heard,
-                               Time now);
+std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice,
+                               const VoiceEvent& event, Time now);
 
 // When to step next with TimePassed; nullopt: never.
 std::optional<Time> NextVoiceDeadline(const VoiceState& voice);

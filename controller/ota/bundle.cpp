@@ -37,11 +37,11 @@ Result<Manifest> MakeBundle(Disk& disk, const std::string& folder, Manifest mani
   const auto there = disk.Look(out);
   if (!there) return there.error();
   if (there.value().kind != Disk::Kind::kNothing) {
-    return Error{kCodeParametersInvalid, out + " is there already"};
+    return Error{kCodeParametersInvalid, out + " already exists"};
   }
   if (auto listed = ListFiles(disk, folder, manifest, on_bytes); !listed) return listed.error();
   const std::string text = FormatManifest(manifest);
-  // What nobody would take is not made.
+  // Does not make a bundle that no robot would accept.
   if (const auto parsed = ParseManifest(text, kManifestFile); !parsed) return parsed.error();
   if (text.size() > kLargestManifest) {
     return Refusal(Fault::kBadManifest, "there are too many files for one manifest");
@@ -71,7 +71,7 @@ Result<SignedManifest> CheckBundle(Disk& disk, const std::string& bundle,
   const auto info = disk.Look(bundle);
   if (!info) return info.error();
   if (info.value().kind != Disk::Kind::kFolder) {
-    return Refusal(Fault::kMissing, bundle + " is no bundle: it is not a folder");
+    return Refusal(Fault::kMissing, bundle + " is not a bundle: it is not a folder");
   }
   auto manifest = ReadManifest(disk, bundle, public_pem);
   if (!manifest) return manifest.error();

@@ -1,9 +1,9 @@
 #pragma once
-// All that upgrades do with files, so small that a test can stop it, fill it or cut its power after
-// any of these calls.
+// All file operations of upgrades, in an interface so small that a test can stop, fill or power-cut
+// the disk after each call.
 //
-// Nothing is on disk before Sync() says so: the content of a file after Sync(file), its name after
-// Sync(folder). A rename is whole or has not happened.
+// Nothing is on disk before Sync() succeeds: the content of a file after Sync(file), its name after
+// Sync(folder). A rename is atomic.
 //
 // Threads: one.
 
@@ -36,7 +36,7 @@ class Disk {
     virtual ~Writer() = default;
     virtual Result<> Write(std::string_view bytes) = 0;
   };
-  // Held until it is dropped, or its process ends in whatever way.
+  // Held until it is dropped, or its process exits in any way.
   class Lock {
    public:
     virtual ~Lock() = default;
@@ -44,7 +44,7 @@ class Disk {
 
   virtual ~Disk() = default;
 
-  // Of the thing itself, not of what a link leads to. What is not there is no Error.
+  // Of the path itself; does not follow links. A missing path is not an Error.
   virtual Result<Info> Look(const std::string& path) = 0;
   virtual Result<std::vector<std::string>> List(const std::string& folder) = 0;
   virtual Result<std::string> ReadLink(const std::string& path) = 0;
@@ -52,7 +52,7 @@ class Disk {
   virtual Result<std::unique_ptr<Reader>> Open(const std::string& path) = 0;
   virtual Result<std::uint64_t> FreeBytes(const std::string& folder) = 0;
 
-  // A file with these permissions, empty; one that is there is emptied.
+  // An empty file with these permissions; truncates an existing one.
   virtual Result<std::unique_ptr<Writer>> Create(const std::string& path, unsigned mode) = 0;
   virtual Result<> Sync(const std::string& path) = 0;
   virtual Result<> MakeFolder(const std::string& path) = 0;
@@ -60,29 +60,30 @@ class Disk {
   virtual Result<> Rename(const std::string& from, const std::string& to) = 0;
   virtual Result<> Remove(const std::string& path) = 0;  // a file, a link, an empty folder
 
-  // Fails with kCodeTargetBusy when somebody else has it; with `wait` only when that one keeps it
-  // for longer than anybody here does, 10 s.
+  // Fails with kCodeTargetBusy if another process holds it; with `wait` only after 10 s, longer
+  // than any normal holder.
   virtual Result<std::unique_ptr<Lock>> Take(const std::string& path, bool wait) = 0;
 };
 
 // The folder that `path` is in.
 std::string FolderOf(const std::string& path);
 
-// The whole of a file; Fault::kMissing when there is none, kCodeFailed when it is larger than
+// The content of a file; Fault::kMissing if it does not exist, kCodeFailed if it is larger than
 // `most_bytes`.
 Result<std::string> ReadAll(Disk& disk, const std::string& path, std::size_t most_bytes);
 
 // A file with this content, not yet synced.
 Result<> WriteAll(Disk& disk, const std::string& path, std::string_view text, unsigned mode);
 
-// After a power cut there is the old content or the new one, never half of it.
+// Replaces a file atomically: after a power cut it has the old content or the new one.
 Result<> Replace(Disk& disk, const std::string& path, std::string_view text, unsigned mode);
 
-// A folder with all that is in it; links are removed, not followed. What is not there is no Error.
+// Removes a folder with its content; removes links, does not follow them. A missing path is not an
+// Error.
 Result<> RemoveAll(Disk& disk, const std::string& path);
 
-// All files below `folder` as paths relative to it, sorted. Anything but files and folders is
-// Fault::kBadPath.
+// All files below `folder` as paths relative to it, sorted. Fault::kBadPath for anything except
+// files and folders.
 Result<std::vector<std::string>> FilesBelow(Disk& disk, const std::string& folder);
 
 }  // namespace musher::ota

@@ -1,5 +1,5 @@
 #pragma once
-// Why a bundle is not taken: each reason has a code of its own, in CyberDog's module for upgrades.
+// Why a bundle is refused: each reason has a code of its own, in CyberDog's module for upgrades.
 
 #include <cstdint>
 #include <string>
@@ -10,20 +10,20 @@
 namespace musher::ota {
 
 enum class Fault : std::int32_t {  // keys of the module OTA
-  kUnsigned = 21,                  // there is no signature
-  kWrongSignature,                 // another key, or the manifest was altered after it was signed
-  kBadManifest,                    // it cannot be read, or says what no manifest may say
-  kUnknownFormat,                  // a newer musher made it
-  kBadPath,                        // a file that would lie outside, or twice at the same place
-  kMissing,                        // a listed file is not there
-  kAltered,                        // a file is not the one that was signed
+  kUnsigned = 21,                  // no signature
+  kWrongSignature,                 // signed with another key, or altered after signing
+  kBadManifest,                    // unreadable or invalid manifest
+  kUnknownFormat,                  // made by a newer musher
+  kBadPath,                        // a file outside of the slot, or listed twice
+  kMissing,                        // a listed file is missing
+  kAltered,                        // a file differs from the signed one
   kExtra,                          // a file that is not listed
-  kOtherRobot,                     // made for a robot of another name
-  kNotNewer,                       // older than what the robot has, or the same
-  kTooFar,                         // it needs a newer version than the robot has
-  kNoSpace,                        // it does not fit
-  kGoneBack,                       // it was tried, and the robot went back
-  kNoVersion,                      // neither slot holds a version that may be started
+  kOtherRobot,                     // for a robot of another name
+  kNotNewer,                       // older than the robot's version, or the same
+  kTooFar,                         // needs a newer version than the robot has
+  kNoSpace,                        // not enough disk space
+  kGoneBack,                       // the trial boot failed, and the robot rolled back
+  kNoVersion,                      // neither slot has a version that can be started
 };
 
 inline Error Refusal(Fault fault, std::string message) {

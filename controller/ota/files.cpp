@@ -14,7 +14,7 @@ Error Interrupted() {
   return {kCodeFailed, "interrupted"};
 }
 
-// Reads a file to its end, gives each piece to `take`.
+// Reads a file to its end, passes each piece to `take`.
 Result<Digest> Stream(Disk& disk, const std::string& path, const OnBytes& on_bytes,
                       const std::function<Result<>(std::string_view)>& take) {
   auto reader = disk.Open(path);
@@ -72,9 +72,9 @@ Result<> CheckFiles(Disk& disk, const std::string& folder, const Manifest& manif
       return Refusal(Fault::kMissing, file.path + " is missing");
     }
     if (info.value().kind != Disk::Kind::kFile) {
-      return Refusal(Fault::kBadPath, file.path + " is no plain file");
+      return Refusal(Fault::kBadPath, file.path + " is not a plain file");
     }
-    // Before it is read: of one that is too large nothing has to be.
+    // Checked before reading: a file of the wrong size need not be read.
     if (info.value().size_bytes != file.size_bytes) {
       return Compare(file, {file.sha256, info.value().size_bytes});
     }
@@ -105,7 +105,7 @@ Result<> CheckPrograms(Disk& disk, const std::string& folder, const Manifest& ma
   if (!there) return there.error();
   if (there.value().kind == Disk::Kind::kNothing) return Ok();
   if (there.value().kind != Disk::Kind::kFolder) {
-    return Refusal(Fault::kBadPath, std::string(kProgramFolder) + " is no folder");
+    return Refusal(Fault::kBadPath, std::string(kProgramFolder) + " is not a folder");
   }
   const auto names = disk.List(programs);
   if (!names) return names.error();

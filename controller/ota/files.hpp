@@ -1,5 +1,5 @@
 #pragma once
-// The files of a version, compared with its manifest or copied by it.
+// Compares the files of a version with its manifest, or copies them.
 
 #include <cstdint>
 #include <functional>
@@ -10,38 +10,38 @@
 
 namespace musher::ota {
 
-// Told now and then how many bytes are done; false: stop.
+// Called repeatedly with the number of bytes just processed; returns false to stop.
 using OnBytes = std::function<bool(std::uint64_t bytes)>;
 
-// The digest of a file, and its size.
+// Digest and size of a file.
 struct Digest {
   std::string sha256;
   std::uint64_t size_bytes = 0;
 };
 Result<Digest> DigestOf(Disk& disk, const std::string& path, const OnBytes& on_bytes);
 
-// Whether `folder` has every file of the manifest, whole: Fault::kMissing, kAltered. What it has
-// beside them is of no interest: a module may leave a file in its slot.
+// Whether `folder` has every file of the manifest unaltered: Fault::kMissing, kAltered. Ignores
+// other files: a module may leave a file in its slot.
 Result<> CheckFiles(Disk& disk, const std::string& folder, const Manifest& manifest,
                     const OnBytes& on_bytes);
 
-// Whether it has nothing beside them: Fault::kExtra, and kBadPath for links and the like.
+// Whether it has no other files: Fault::kExtra, and kBadPath for links and other kinds.
 Result<> CheckNothingElse(Disk& disk, const std::string& folder, const Manifest& manifest);
 
-// The folder of a version that comes first on PATH.
+// The folder of a version's programs, first in PATH.
 inline constexpr const char* kProgramFolder = "bin";
 
-// Whether the folder of programs in `folder` has nothing that could be run and is not of the
-// manifest: it would be found before all other programs of its name. Fault::kExtra for a file that
-// is executable and for a link; what a module leaves there beside them is of no interest.
+// Whether the program folder in `folder` has no executable that is not in the manifest: it would
+// run instead of any other program of its name. Fault::kExtra for an executable file and for a
+// link; ignores other files that a module leaves there.
 Result<> CheckPrograms(Disk& disk, const std::string& folder, const Manifest& manifest);
 
-// Copies the files from one folder into another, which is empty. The digest is taken of the bytes
-// that are written, so that it does not matter who changes the source meanwhile.
+// Copies the files from one folder into another, which must be empty. Computes the digest from the
+// written bytes, so that a change of the source meanwhile is detected.
 Result<> CopyFiles(Disk& disk, const std::string& from, const std::string& to,
                    const Manifest& manifest, const OnBytes& on_bytes);
 
-// Everything in `folder` is on disk after this, with its name.
+// Syncs everything in `folder` to disk, with its name.
 Result<> SyncTree(Disk& disk, const std::string& folder);
 
 }  // namespace musher::ota

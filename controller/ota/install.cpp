@@ -19,7 +19,7 @@ std::uint64_t Room(const Manifest& manifest) {
   return bytes;
 }
 
-// What is taken by a folder, as far as it can be seen.
+// The size of a folder, as far as it can be read.
 std::uint64_t Taken(Disk& disk, const std::string& folder) {
   std::uint64_t bytes = 0;
   const auto files = FilesBelow(disk, folder);
@@ -30,7 +30,7 @@ std::uint64_t Taken(Disk& disk, const std::string& folder) {
   return bytes;
 }
 
-// A slot that is a link would lead the files elsewhere.
+// Refuses a slot that is a link: it would redirect the files.
 Result<> MakeEmptySlot(Disk& disk, const std::string& folder) {
   if (auto removed = RemoveAll(disk, folder); !removed) return removed;
   return disk.MakeFolder(folder);
@@ -56,11 +56,11 @@ Result<> FillSlot(const Root& root, Slot slot, const std::string& bundle,
 Result<> CheckState(const SlotState& state, std::optional<Slot> running) {
   if (!running) return Ok();
   if (state.on_trial_boot && state.started) {
-    return Error{kCodeTargetBusy, "a version is on trial; it will be known soon whether it stays"};
+    return Error{kCodeTargetBusy, "a trial boot is running; wait for its outcome"};
   }
   if (*running != state.confirmed) {
     return Error{kCodeTargetBusy,
-                 "the machine runs from the slot that is to be changed; `musher "
+                 "the machine runs from the slot that the installation would change; run `musher "
                  "down`, then try again"};
   }
   return Ok();
@@ -74,10 +74,10 @@ Result<> CheckVersion(const Manifest& manifest, const Version& present,
   const std::string both = "version " + manifest.version.text + ", the robot has " + present.text;
   if (std::is_eq(order)) return Refusal(Fault::kNotNewer, "it is the same version: " + both);
   if (std::is_lt(order) && !options.allow_downgrade) {
-    return Refusal(Fault::kNotNewer, "it is older: " + both + "; --allow-downgrade takes it");
+    return Refusal(Fault::kNotNewer, "it is older: " + both + "; --allow-downgrade accepts it");
   }
   if (manifest.min_version && std::is_lt(Compare(present, *manifest.min_version))) {
-    return Refusal(Fault::kTooFar, "it can only follow version " + manifest.min_version->text +
+    return Refusal(Fault::kTooFar, "it can only upgrade version " + manifest.min_version->text +
                                        " or newer, the robot has " + present.text);
   }
   return Ok();
@@ -89,7 +89,7 @@ Result<Installation> Installation::Begin(const Root& root, std::string bundle,
   auto lock = root.disk().Take(root.InstallLock(), /*wait=*/false);
   if (!lock) {
     if (lock.error().code != kCodeTargetBusy) return lock.error();
-    return Error{kCodeTargetBusy, "another installation is under way: " + lock.error().message};
+    return Error{kCodeTargetBusy, "another installation is running: " + lock.error().message};
   }
   installation.lock_ = std::move(lock).value();
   const auto state = root.State();
@@ -106,13 +106,13 @@ Result<Installation> Installation::Begin(const Root& root, std::string bundle,
 }
 
 Result<> Installation::Check(const OnBytes& on_bytes) {
-  // The manifest first: of a bundle that is not wanted nothing else has to be read.
+  // The manifest first: the rest of a refused bundle need not be read.
   auto manifest = ReadManifest(root_->disk(), bundle_, root_->public_key());
   if (!manifest) return manifest.error();
   const Manifest& offered = manifest.value().manifest;
   if (offered.robot != root_->config().robot) {
-    return Refusal(Fault::kOtherRobot, "it is for the robot " + offered.robot + ", this one is " +
-                                           root_->config().robot);
+    return Refusal(Fault::kOtherRobot,
+                   "it is for robot " + offered.robot + ", not for " + root_->config().robot);
   }
   if (auto good = CheckVersion(offered, present_, options_); !good) return good;
   auto whole = CheckBundle(root_->disk(), bundle_, root_->public_key(), on_bytes);
@@ -137,7 +137,7 @@ Result<> Installation::CheckRoom() const {
 Result<> Installation::Prepare() {
   return root_->Change([this](const SlotState& state) -> Result<SlotState> {
     if (Other(state.confirmed) != slot_) {
-      return Error{kCodeTargetBusy, "somebody has changed which slot is used meanwhile"};
+      return Error{kCodeTargetBusy, "another process changed the slot state meanwhile; try again"};
     }
     SlotState next = state;
     next.on_trial_boot = next.started = next.other_good = false;
@@ -163,7 +163,7 @@ Result<> Installation::CheckWritten(const OnBytes& on_bytes) {
 Result<> Installation::MarkTrialBoot() {
   return root_->Change([this](const SlotState& state) -> Result<SlotState> {
     if (Other(state.confirmed) != slot_) {
-      return Error{kCodeTargetBusy, "somebody has changed which slot is used meanwhile"};
+      return Error{kCodeTargetBusy, "another process changed the slot state meanwhile; try again"};
     }
     SlotState next = state;
     next.on_trial_boot = true;
@@ -174,15 +174,15 @@ Result<> Installation::MarkTrialBoot() {
 
 namespace {
 
-// The version of the slot that is not confirmed, where it may be tried again.
+// The version of the unconfirmed slot, if it may be trial-booted again.
 Result<Version> RollbackTarget(const Root& root, const SlotState& state,
                                std::optional<Slot> running) {
   if (auto good = CheckState(state, running); !good) return good.error();
   const Slot other = Other(state.confirmed);
   if (!state.other_good) {
-    return Refusal(Fault::kNoVersion, "there is nothing to go back to: slot " +
+    return Refusal(Fault::kNoVersion, "no version to roll back to: slot " +
                                           std::string(SlotName(other)) +
-                                          " holds no version that has run here");
+                                          " has no version that was confirmed here");
   }
   return root.Look(other);
 }
@@ -216,7 +216,8 @@ Result<> InitRoot(Disk& disk, const std::string& path, const std::string& bundle
   const auto there = disk.Look(path + "/ota_state");
   if (!there) return there.error();
   if (there.value().kind != Disk::Kind::kNothing) {
-    return Error{kCodeStateInvalid, path + " is a root already; `musher ota install` upgrades it"};
+    return Error{kCodeStateInvalid,
+                 path + " is already an upgrade root; `musher ota install` upgrades it"};
   }
   const auto manifest = CheckBundle(disk, bundle, public_pem, on_bytes);
   if (!manifest) return manifest.error();

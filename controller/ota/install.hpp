@@ -1,11 +1,11 @@
 #pragma once
-// A new version into the slot that is not used. Each step leaves the robot with a version that
-// starts; the one that changes which, MarkTrial(), is the replacement of one small file.
+// Installs a new version into the unused slot. After each step the robot has a version that starts;
+// the step that changes which one, MarkTrialBoot(), atomically replaces one small file.
 //
-//   Check ─▶ (the machine to OTA) ─▶ Prepare ─▶ Copy ─▶ CheckWritten ─▶ MarkTrial ─▶ (restart)
+//   Check ─▶ (machine to OTA) ─▶ Prepare ─▶ Copy ─▶ CheckWritten ─▶ MarkTrialBoot ─▶ (restart)
 //
-// What fails before MarkTrial() has changed nothing that the robot starts from; but once Prepare()
-// is done the version in the other slot is no more.
+// A failure before MarkTrialBoot() does not change what the robot starts; but Prepare() deletes the
+// version in the other slot.
 //
 // Threads: one.
 
@@ -22,17 +22,17 @@ struct InstallOptions {
   bool allow_downgrade = false;
 };
 
-// Why a version may not follow the present one.
+// Fails if this version may not replace the current one.
 Result<> CheckVersion(const Manifest& manifest, const Version& present,
                       const InstallOptions& options);
 
 class Installation {
  public:
-  // Takes the lock of installers. `running`: the slot that a machine runs from now.
+  // Takes the install lock. `running`: the slot that a machine runs from now.
   static Result<Installation> Begin(const Root& root, std::string bundle, InstallOptions options,
                                     std::optional<Slot> running);
 
-  // The bundle is whole, signed, for this robot, newer, and there is room for it.
+  // Checks that the bundle is complete, signed, for this robot and newer, and fits on the disk.
   Result<> Check(const OnBytes& on_bytes);
   Result<> Prepare();
   Result<> Copy(const OnBytes& on_bytes);
@@ -58,13 +58,13 @@ class Installation {
   SignedManifest manifest_;
 };
 
-// The version that MarkRollback() would let be tried; fails where there is none. Changes nothing.
+// The version that MarkRollback() would mark; fails if there is none. Changes nothing.
 Result<Version> FindRollback(const Root& root, std::optional<Slot> running);
 
-// Lets the other slot, which was confirmed once, be tried again. Gives its version.
+// Marks the other slot, which was confirmed once, for a trial boot. Returns its version.
 Result<Version> MarkRollback(const Root& root, std::optional<Slot> running);
 
-// A new root for the robot that the bundle is for, with the bundle as its first version.
+// Makes a new upgrade root for the bundle's robot, with the bundle as its first version.
 Result<> InitRoot(Disk& disk, const std::string& path, const std::string& bundle,
                   const std::string& public_pem, RootConfig config, const OnBytes& on_bytes);
 

@@ -53,7 +53,7 @@ void Advance(Flow& flow, const Result<>& outcome) {
   assert(!flow.left.empty());
   const Step step = flow.left.front();
   flow.left.pop_front();
-  // Also one that failed may have taken the machine there in part.
+  // A failed switch may also have moved some actuators.
   if (step == Step::kEnterOta) flow.in_ota = true;
   if (step == Step::kStartAgain && outcome) flow.in_ota = false;
   if (outcome) return;
@@ -63,7 +63,8 @@ void Advance(Flow& flow, const Result<>& outcome) {
   }
   flow.failure = outcome.error();
   flow.left.clear();
-  // Once it is on trial boot, whoever starts the machine next tries it; until then it rests in OTA.
+  // Once marked, the next start of the machine is the trial boot; until then the machine stays in
+  // OTA.
   if (flow.in_ota && step != Step::kStartAgain) flow.left.push_back(Step::kLeaveOta);
 }
 

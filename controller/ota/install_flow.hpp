@@ -1,14 +1,13 @@
 #pragma once
-// The order of an upgrade, and what follows when a step fails. Pure: steps and their ends go in,
-// the next step comes out.
+// The order of an upgrade's steps, and what follows a failed step. Pure: takes the outcome of a
+// step and returns the next step.
 //
-//   check ─▶ enter OTA ─▶ prepare ─▶ copy ─▶ check written ─▶ mark trial boot ─▶ start again ─▶
-//   trial boot
-//     │          └─────────────┴─────────┴──────────┴──────────────┘             │           │
-//     ▼                         leave OTA                                        ▼           ▼
-//    end, the machine as it was                                          end: kept, or gone back
+//   check ─▶ enter OTA ─▶ prepare ─▶ copy ─▶ check written ─▶ mark ─▶ start again ─▶ trial boot
+//     │          └───────────┴─────────┴────────────┴───────────┘         │               │
+//     ▼                         leave OTA                                 ▼               ▼
+//    end, machine unchanged                                       end: kept, or rolled back
 //
-// Without a machine that runs, the steps that need one fall out: the next start is the trial boot.
+// Without a running machine the steps that need one are skipped: the next start is the trial boot.
 
 #include <deque>
 #include <optional>
@@ -32,10 +31,10 @@ enum class Step {
 std::string_view StepName(Step step);  // "check", "enter OTA", …
 
 struct Flow {
-  std::deque<Step> left;            // the first is to be done now
-  bool in_ota = false;              // we have taken the machine there, or tried to
-  std::optional<Error> failure;     // the first
-  std::optional<Error> afterwards;  // that of leaving OTA, which does not hide the first
+  std::deque<Step> left;            // the first is next
+  bool in_ota = false;              // the machine was switched to OTA, or that was tried
+  std::optional<Error> failure;     // the first failure
+  std::optional<Error> afterwards;  // failure of leaving OTA; does not hide the first
 
   friend bool operator==(const Flow&, const Flow&) = default;
 };
@@ -43,7 +42,7 @@ struct Flow {
 Flow InstallFlow(bool machine_runs);
 Flow RollbackFlow(bool machine_runs);
 
-// The first of the steps left has ended.
+// To be called when the first of the steps left has ended.
 void Advance(Flow& flow, const Result<>& outcome);
 
 }  // namespace musher::ota

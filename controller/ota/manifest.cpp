@@ -20,7 +20,7 @@ using config_toml::TableReader;
 
 constexpr std::size_t kMostFiles = 20'000;
 constexpr std::size_t kLongestPath = 1024;  // characters
-constexpr std::size_t kLongestName = 255;   // of a file or folder, as file systems have it
+constexpr std::size_t kLongestName = 255;   // of a file or folder; limit of file systems
 constexpr std::size_t kDigestDigits = 64;
 constexpr unsigned kOwnerReads = 0400;
 
@@ -76,7 +76,7 @@ FileEntry ReadEntry(TableReader& reader) {
   return entry;
 }
 
-// A file twice, or one where another needs a folder.
+// Reports a file that is listed twice, or whose path is also a folder.
 std::optional<std::string> Collision(const std::vector<FileEntry>& files) {
   std::set<std::string_view> paths;
   for (const FileEntry& file : files) {
@@ -98,7 +98,7 @@ Manifest Read(TableReader& root, std::int64_t& format) {
   Manifest manifest;
   root.Require("format", "a number");
   format = root.Integer("format", 1, 1'000'000).value_or(kFormat);
-  if (format != kFormat) return manifest;  // what else it says is not known
+  if (format != kFormat) return manifest;  // the rest is unknown
   root.Require("robot", "the robot's name");
   root.Require("version", "a version such as \"1.4.0\"");
   if (const auto robot = root.String("robot")) {

@@ -1,10 +1,10 @@
 #pragma once
-// What a version consists of, and who vouches for it. manifest.toml lists its files,
+// The signed manifest of a version. manifest.toml lists its files,
 //
 //   format = 1
 //   robot = "cyberdog"
 //   version = "1.4.0"
-//   min_version = "1.2.0"               # the oldest version it can follow; may be missing
+//   min_version = "1.2.0"               # the oldest version it can upgrade; may be missing
 //   created = "2026-04-01T09:30:00Z"
 //   [[file]]
 //   path = "bin/musher-motion-manager"  # in the slot
@@ -49,7 +49,7 @@ struct Manifest {
   std::uint64_t SizeBytes() const;
 };
 
-// A manifest with the bytes that were signed.
+// A manifest with the signed bytes.
 struct SignedManifest {
   Manifest manifest;
   std::string text;
@@ -58,14 +58,13 @@ struct SignedManifest {
 
 std::string FormatManifest(const Manifest& manifest);
 
-// `file` names it in messages. Judges all that can be said without its files.
+// `file` is its name in messages. Checks everything except the files themselves.
 Result<Manifest> ParseManifest(std::string_view text, const std::string& file);
 
 // Why `path` may not be a file of a version; nullopt: it may.
 std::optional<std::string> PathFault(std::string_view path);
 
-// The manifest of a bundle or of a slot, once its signature is good; before that nothing of it is
-// looked at.
+// The manifest of a bundle or of a slot. Verifies the signature before it parses anything.
 Result<SignedManifest> ReadManifest(Disk& disk, const std::string& folder,
                                     std::string_view public_pem);
 

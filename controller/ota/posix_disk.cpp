@@ -24,7 +24,7 @@ namespace {
 using transport::SystemError;
 using transport::UniqueFd;
 
-// For whoever holds a lock and is stopped: a robot's start must not wait for that for ever.
+// Limit for a stopped lock holder: a robot's start must not wait for ever.
 constexpr int kTries = 500;
 constexpr int kTryEveryMs = 20;
 
@@ -82,8 +82,8 @@ class PosixLock : public Disk::Lock {
   UniqueFd fd_;
 };
 
-// A lock of this kind on a whole file. It belongs to the open file and not to the process, and to
-// ask about one disturbs nobody.
+// A lock on a whole file. It belongs to the open file and not to the process, and a query does not
+// disturb the holder.
 struct flock Whole(short kind) {
   struct flock lock {};
   lock.l_type = kind;
@@ -138,12 +138,12 @@ Result<std::string> PosixDisk::ReadLink(const std::string& path) {
   return std::string(target.data(), static_cast<std::size_t>(size));
 }
 
-// Without O_NONBLOCK a pipe would be waited for.
+// Without O_NONBLOCK opening a pipe would block.
 Result<std::unique_ptr<Disk::Reader>> PosixDisk::Open(const std::string& path) {
   UniqueFd fd(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (!fd.valid() || fstat(fd.get(), &status) != 0) return SystemError("can't open " + path);
-  if (!S_ISREG(status.st_mode)) return Refusal(Fault::kBadPath, path + " is no plain file");
+  if (!S_ISREG(status.st_mode)) return Refusal(Fault::kBadPath, path + " is not a plain file");
   posix_fadvise(fd.get(), 0, 0, POSIX_FADV_SEQUENTIAL);
   return std::unique_ptr<Reader>(std::make_unique<PosixReader>(path, std::move(fd)));
 }
@@ -201,7 +201,7 @@ Result<std::unique_ptr<Disk::Lock>> PosixDisk::Take(const std::string& path, boo
                  path + " is held by process " + std::to_string(ReadPid(fd.get()))};
   }
   if (taken != 0) return SystemError("can't lock " + path);
-  // The lock counts, not what is in the file: on a full disk it may stay empty.
+  // Only the lock counts: on a full disk the file may stay empty.
   const std::string pid = std::to_string(getpid()) + "\n";
   if (ftruncate(fd.get(), 0) == 0) {
     [[maybe_unused]] const ssize_t written = pwrite(fd.get(), pid.data(), pid.size(), 0);

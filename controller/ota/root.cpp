@@ -25,16 +25,16 @@ std::string FormatRootConfig(const RootConfig& config) {
   return "# What is fixed for this robot, whatever version runs on it.\n\n"
          "robot = \"" +
          config.robot +
-         "\"  # its name; a bundle for another one is refused\n"
+         "\"  # its name; bundles for another robot are refused\n"
          "key = \"" +
          config.key +
-         "\"  # public key (PEM) that bundles are signed for, relative to this file\n"
+         "\"  # public key (PEM) that verifies bundles, relative to this file\n"
          "config = \"" +
          config.config +
          "\"  # the state config, relative to a slot\n"
          "trial_s = " +
          std::to_string(seconds) +
-         "  # s that a new version may take to come up; after that the robot goes back\n";
+         "  # s for a new version to come up; after that the robot rolls back\n";
 }
 
 Result<RootConfig> ParseRootConfig(std::string_view text, const std::string& file) {
@@ -75,7 +75,7 @@ Result<Root> Root::Open(Disk& disk, const std::string& path) {
   const std::string file = path + "/" + kRootFile;
   const auto text = ReadAll(disk, file, kLargestSmallFile);
   if (!text) {
-    return Error{kCodeParametersInvalid, path + " is no root of upgrades: " + text.error().message +
+    return Error{kCodeParametersInvalid, path + " is not an upgrade root: " + text.error().message +
                                              "; `musher ota init` makes one"};
   }
   auto config = ParseRootConfig(text.value(), file);
@@ -100,7 +100,7 @@ SlotContent Root::LookAtManifest(Slot slot) const {
   if (!read) return read.error();
   Manifest& manifest = read.value().manifest;
   if (manifest.robot != config_.robot) {
-    return Refusal(Fault::kOtherRobot, "it is for the robot " + manifest.robot);
+    return Refusal(Fault::kOtherRobot, "it is for robot " + manifest.robot);
   }
   return std::move(manifest.version);
 }
@@ -139,7 +139,7 @@ Result<> Root::Change(const std::function<Result<SlotState>(const SlotState&)>& 
 }
 
 Result<Boot> Root::Boot() const {
-  // Where it cannot be had the disk is read-only, or who has it does not move: a start goes on.
+  // Without the lock (read-only disk, or a stopped holder) the start continues.
   const auto lock = LockState();
   const auto look = [this](Slot slot) { return Look(slot); };
   const auto state = LoadState();
@@ -152,12 +152,12 @@ Result<Boot> Root::Boot() const {
       untried.on_trial_boot = false;
       auto confirmed = DecideBoot(untried, CurrentSlot(), look);
       if (!confirmed) return confirmed.error();
-      confirmed.value().told = boot.value().told + ", but not now: " + saved.error().message;
+      confirmed.value().reason = boot.value().reason + ", but not now: " + saved.error().message;
       return confirmed;
     }
-    if (!saved) boot.value().told += "; this cannot be remembered: " + saved.error().message;
+    if (!saved) boot.value().reason += "; this cannot be saved: " + saved.error().message;
   }
-  // Only a help for people: what it says is never needed while there is a state.
+  // Only for people: the link is not used while there is a state.
   if (CurrentSlot() != boot.value().next.confirmed) {
     [[maybe_unused]] const auto pointed = PointTo(boot.value().next.confirmed);
   }
@@ -166,7 +166,7 @@ Result<Boot> Root::Boot() const {
 
 Result<> Root::EndTrialBoot(const std::string& version, const Result<>& outcome) const {
   auto changed = Change([&](const SlotState& state) -> Result<SlotState> {
-    if (!state.on_trial_boot) return Error{kCodeStateInvalid, "no version is on trial"};
+    if (!state.on_trial_boot) return Error{kCodeStateInvalid, "no trial boot is running"};
     return AfterTrialBoot(state, version, outcome);
   });
   if (!changed || !outcome) return changed;

@@ -1,16 +1,16 @@
 #pragma once
-// The folder that a robot's software lives in, when it is upgraded by `musher ota`:
+// An upgrade root: the folder of a robot's software that `musher ota` upgrades:
 //
-//   ota.toml        what is fixed for this robot: its name, whose signature counts (see below)
+//   ota.toml        fixed settings of this robot: its name, the key of signatures (see below)
 //   ota.pub         the public key
-//   slots/a, b      a version each: its files, its manifest.toml and manifest.sig
-//   ota_state       which of them is started (slots.hpp); the one thing that decides
-//   current         a link to the confirmed one, for people, and for the day ota_state is lost
-//   state           the controller's folder, unless the config puts it elsewhere
-//   *.lock          who works here: install.lock an installer, ota_state.lock whoever changes
-//                   ota_state, run.lock the controller of a machine that was started from here
+//   slots/a, b      one version each: its files, its manifest.toml and manifest.sig
+//   ota_state       which slot is started (slots.hpp); only this file decides
+//   current         a link to the confirmed slot, for people, and used if ota_state is lost
+//   state           the controller's folder, unless the config sets another one
+//   *.lock          install.lock: held by an installer; ota_state.lock: by a process that changes
+//                   ota_state; run.lock: by the controller of a machine that was started from here
 //
-// `musher` itself is not in a slot: it is what chooses between them.
+// `musher` itself is not in a slot: it chooses between them.
 //
 // Threads: one.
 
@@ -28,10 +28,10 @@ namespace musher::ota {
 inline constexpr const char* kRootFile = "ota.toml";
 
 struct RootConfig {
-  std::string robot;                           // whose bundles are taken
+  std::string robot;                           // name in accepted bundles
   std::string key = "ota.pub";                 // file of the public key, relative to the root
   std::string config = "robot.toml";           // the state config in a slot
-  Duration trial = std::chrono::seconds(300);  // that a new version has to come up
+  Duration trial = std::chrono::seconds(300);  // limit for a new version to come up
 
   friend bool operator==(const RootConfig&, const RootConfig&) = default;
 };
@@ -42,8 +42,7 @@ Result<RootConfig> ParseRootConfig(std::string_view text, const std::string& fil
 
 class Root {
  public:
-  // `path` absolute. The disk must outlive it. An Error says what is wrong with ota.toml or the
-  // key.
+  // `path`: absolute. The disk must outlive it. Fails if ota.toml or the key is wrong.
   static Result<Root> Open(Disk& disk, const std::string& path);
 
   Disk& disk() const { return *disk_; }
@@ -55,24 +54,25 @@ class Root {
   std::string InstallLock() const { return path_ + "/install.lock"; }
   std::string RunLock() const { return path_ + "/run.lock"; }
 
-  // All of a slot, read and compared with its manifest; and that it has no programs beside those.
+  // The version of a slot after a full check: all files compared with the manifest, and no other
+  // programs.
   SlotContent Look(Slot slot) const;
-  // The same without its files: what it says it is.
+  // The version in the slot's manifest, without a check of the files.
   SlotContent LookAtManifest(Slot slot) const;
 
-  // What is on disk; nullopt: lost or damaged.
+  // The state on disk; nullopt: lost or damaged.
   std::optional<SlotState> LoadState() const;
-  // What is on disk, or what is to be made of it when it is lost.
+  // The state on disk, or a reconstructed one if it is lost.
   Result<SlotState> State() const;
-  // Replaces the state by what `change` makes of it, while nobody else does.
+  // Replaces the state by the result of `change`, under the lock.
   Result<> Change(const std::function<Result<SlotState>(const SlotState&)>& change) const;
 
-  // Chooses what is started now, and remembers that. A trial boot that cannot be remembered is not
-  // begun.
+  // Chooses which slot is started now, and saves that. Does not begin a trial boot that cannot be
+  // saved.
   Result<ota::Boot> Boot() const;
-  // The end of the trial boot under way.
+  // Ends the running trial boot.
   Result<> EndTrialBoot(const std::string& version, const Result<>& outcome) const;
-  // The first version of a new root is in this slot.
+  // Initialises the state: the first version of a new root is in this slot.
   Result<> Begin(Slot slot) const;
 
  private:

@@ -40,7 +40,7 @@ std::string Content(BIO* bio) {
   return size > 0 ? std::string(data, static_cast<std::size_t>(size)) : std::string();
 }
 
-// "<what>: <libcrypto's reason>"; takes the reason, so that the next failure has its own.
+// "<what>: <libcrypto's reason>"; removes the reason from libcrypto's queue.
 Error CryptoError(const std::string& what) {
   const unsigned long code = ERR_get_error();
   ERR_clear_error();
@@ -62,7 +62,7 @@ Result<KeyPtr> PublicKey(std::string_view pem) {
                  "an Ed25519 public key");
 }
 
-// A password is never asked for: keys that have one are refused.
+// Never prompts for a password: refuses keys that have one.
 int NoPassword(char*, int, int, void*) {
   return -1;
 }
@@ -110,7 +110,7 @@ Result<> VerifySignature(std::string_view text, std::string_view signature,
   ERR_clear_error();
   if (good) return Ok();
   return Refusal(Fault::kWrongSignature,
-                 "the signature is not of this manifest and this robot's key: it was made with "
+                 "the signature does not match this manifest and this robot's key: signed with "
                  "another key, or altered");
 }
 

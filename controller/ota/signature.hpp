@@ -1,9 +1,8 @@
 #pragma once
-// What is made of libcrypto here: Ed25519 signatures and SHA-256. signature.cpp is the only file of
-// the controller that knows OpenSSL.
+// Ed25519 signatures and SHA-256, from libcrypto. signature.cpp is the only file of the controller
+// that uses OpenSSL.
 //
-// A signature is the 64 bytes themselves, so that `openssl pkeyutl -verify -rawin` can judge it,
-// too.
+// A signature is the raw 64 bytes, so that `openssl pkeyutl -verify -rawin` can verify it, too.
 
 #include <memory>
 #include <string>
@@ -20,11 +19,11 @@ struct KeyPair {
 };
 Result<KeyPair> MakeKeyPair();
 
-// The signature of `text`. An Error tells what is wrong with the key; never its content.
+// The signature of `text`. An Error says what is wrong with the key, never its content.
 Result<std::string> Sign(std::string_view text, std::string_view private_pem);
 
-// Ok: `signature` was made of this `text` with the private key that belongs to `public_pem`.
-// Fault::kWrongSignature: it was not. Any other Error: the key is none.
+// Ok: `signature` was made from `text` with the private key of `public_pem`.
+// Fault::kWrongSignature: it was not. Any other Error: the key is invalid.
 Result<> VerifySignature(std::string_view text, std::string_view signature,
                          std::string_view public_pem);
 

@@ -19,7 +19,7 @@ std::string ChecksumLine(std::string_view text) {
   return std::string(kChecksum) + hex + "\n";
 }
 
-// For one line between single quotation marks.
+// Quotes a text for one line with single quotation marks.
 std::string Literal(std::string text) {
   for (char& c : text) {
     if (c == '\'') c = '"';
@@ -44,8 +44,8 @@ std::string Name(Slot slot) {
   return "slot " + std::string(SlotName(slot));
 }
 
-// Without a state: what the link names, which is what was confirmed last. Without that the older
-// version, since it is the newer one that may never have been tried.
+// Without a state: the target of the link, which was confirmed last. Without a link the older
+// version, since the newer one may never have been trial-booted.
 Result<Boot> DecideWithoutState(std::optional<Slot> link, const LookIntoSlot& look) {
   const SlotContent a = look(Slot::kA);
   const SlotContent b = look(Slot::kB);
@@ -58,8 +58,8 @@ Result<Boot> DecideWithoutState(std::optional<Slot> link, const LookIntoSlot& lo
   if (a && b && link) start = *link;
   const SlotContent& content = start == Slot::kA ? a : b;
   Boot boot{start, false, content.value(), {start, false, false, false, {}}, ""};
-  boot.told = "what was remembered about the slots is lost; " + Name(start) +
-              " is started, version " + boot.version.text;
+  boot.reason =
+      "the state of the slots is lost; starting " + Name(start) + ", version " + boot.version.text;
   return boot;
 }
 
@@ -114,7 +114,7 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
                         const LookIntoSlot& look) {
   if (!state) return DecideWithoutState(link, look);
   SlotState next = *state;
-  std::string told;
+  std::string reason;
   const Slot other = Other(state->confirmed);
   std::optional<SlotContent> tried;  // the other slot, once it was looked into
   if (state->on_trial_boot) {
@@ -122,17 +122,16 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
     if (*tried && !state->started) {
       next.started = true;
       return Boot{other, true, tried->value(), next,
-                  Name(other) + " is tried, version " + tried->value().text};
+                  "trial boot of " + Name(other) + ", version " + tried->value().text};
     }
     const std::string version = *tried ? tried->value().text : "";
-    const std::string why =
-        *tried ? "its first start did not come to its end" : tried->error().message;
+    const std::string why = *tried ? "its trial boot did not finish" : tried->error().message;
     next = AfterTrialBoot(next, version, Error{kCodeFailed, why});
-    told = "back to " + Name(state->confirmed) + ", since the version in " + Name(other) +
-           " was not kept: " + why;
+    reason = "rolled back to " + Name(state->confirmed) + "; the version in " + Name(other) +
+             " failed: " + why;
   }
   const SlotContent confirmed = look(state->confirmed);
-  if (confirmed) return Boot{state->confirmed, false, confirmed.value(), next, told};
+  if (confirmed) return Boot{state->confirmed, false, confirmed.value(), next, reason};
   if (!tried) tried = look(other);
   if (!*tried) {
     return Refusal(Fault::kNoVersion, "no version can be started. " + Name(state->confirmed) +
@@ -142,7 +141,7 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
   next = SlotState{other, false, false, false, next.last};
   return Boot{other, false, tried->value(), next,
               Name(state->confirmed) + " is damaged (" + confirmed.error().message + "); " +
-                  Name(other) + " is started, version " + tried->value().text};
+                  "starting " + Name(other) + ", version " + tried->value().text};
 }
 
 SlotState AfterTrialBoot(const SlotState& state, const std::string& version,

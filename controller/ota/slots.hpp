@@ -1,16 +1,15 @@
 #pragma once
-// Which of a robot's two versions is started, and what is remembered of that. Pure: state and slots
-// in, the slot to start and the state to write out.
+// Decides which of a robot's two versions is started. Pure: takes the state and the slots, returns
+// the slot to start and the state to save.
 //
-//             install, rollback        up                        self-check good
-//   confirmed ────────────────▶ trial boot ────▶ trial boot, started once ────────────────▶
-//   confirmed (the new)
-//       ▲                         │                 │
-//       └─────────────────────────┴─────────────────┘ it does not verify; it failed; it was started
-//                                                     before and did not come to its end
+//           install, rollback           up                     self-check passed
+//   confirmed ───────────▶ trial boot ──────▶ trial boot, started ─────────▶ confirmed (the new)
+//       ▲                      │                       │
+//       └──────────────────────┴───────────────────────┘ verification failed; trial boot failed;
+//                                                        started before and not finished
 //
-// The state is one small file that is replaced whole, so every change of it is one step: before it
-// the robot starts the one version, after it the other.
+// The state is one small file that is replaced atomically: before a change the robot starts one
+// version, after it the other.
 
 #include <functional>
 #include <optional>
@@ -40,7 +39,7 @@ struct TrialBootEnd {
 };
 
 struct SlotState {
-  Slot confirmed = Slot::kA;   // what the robot trusts
+  Slot confirmed = Slot::kA;   // the version known to work
   bool on_trial_boot = false;  // the other one is to be tried …
   bool started = false;        // … and its one start has been used
   bool other_good = false;     // the other one was confirmed once, and is as it was then
@@ -53,9 +52,9 @@ std::string FormatState(const SlotState& state);
 // nullopt: not whole.
 std::optional<SlotState> ParseState(std::string_view text);
 
-// What a slot holds: a version, or why it must not be started.
+// The version in a slot, or why it must not be started.
 using SlotContent = Result<Version>;
-// Reads a slot, all of it; asked for as few as are needed.
+// Reads a whole slot; called only if needed.
 using LookIntoSlot = std::function<SlotContent(Slot)>;
 
 struct Boot {
@@ -63,11 +62,11 @@ struct Boot {
   bool on_trial_boot = false;  // it has to prove itself; only to be started once `next` is on disk
   Version version;
   SlotState next;
-  std::string told;  // why it is not what one would expect; empty: it is
+  std::string reason;  // why it is not what one would expect; empty: it is
 };
 
-// `state`: nullopt when it is lost or damaged; `link` is what ROOT/current names then. Fails with
-// Fault::kNoVersion when neither slot may be started.
+// `state`: nullopt if it is lost or damaged; then `link`, the target of ROOT/current, is used.
+// Fails with Fault::kNoVersion if neither slot can be started.
 Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slot> link,
                         const LookIntoSlot& look);
 

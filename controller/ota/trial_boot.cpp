@@ -7,7 +7,7 @@
 namespace musher::ota {
 namespace {
 
-// It is where the machine is, or it is known why not.
+// The actuator is in the machine's state, or has a fault.
 bool Settled(const MachineConfig& config, const Machine& machine, std::size_t actuator) {
   const ActuatorRecord& record = machine.actuators[actuator];
   if (record.fault || record.held) return true;

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a new version has proved itself: judged from the machine, after each of its steps. Pure.
+// Evaluates a trial boot from the machine, after each of its steps. Pure.
 
 #include <optional>
 
@@ -9,8 +9,8 @@
 
 namespace musher::ota {
 
-// Ok: every stage has come up and every critical actuator is well. An Error: it cannot come to that
-// any more, and why. nullopt: it is not known yet, or the machine is being taken down.
+// Ok: every stage is up and every critical actuator is well. An Error: why that is no longer
+// possible. nullopt: undecided, or the machine is being taken down.
 //
 // An actuator that is not critical may fail; it is listed as degraded, as in any start.
 std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine);

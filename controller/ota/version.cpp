@@ -16,7 +16,7 @@ bool IsNumber(std::string_view word) {
   return !word.empty() && std::all_of(word.begin(), word.end(), IsDigit);
 }
 
-// Without leading zeros, and small enough to be counted.
+// Without leading zeros, and within the range of the type.
 std::optional<std::uint64_t> Number(std::string_view word) {
   if (!IsNumber(word) || (word.size() > 1 && word.front() == '0')) return std::nullopt;
   std::uint64_t number = 0;
@@ -41,7 +41,7 @@ std::vector<std::string_view> Split(std::string_view text) {
   }
 }
 
-// Numbers among themselves by value, numbers before words, words by their characters.
+// Compares numbers by value and words by characters; numbers precede words.
 std::strong_ordering CompareIdentifiers(const std::string& a, const std::string& b) {
   if (IsNumber(a) != IsNumber(b)) {
     return IsNumber(a) ? std::strong_ordering::less : std::strong_ordering::greater;

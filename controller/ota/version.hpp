@@ -1,5 +1,5 @@
 #pragma once
-// Versions as semver.org has them: 1.10.0 is newer than 1.9.3, 1.0.0-rc.2 older than 1.0.0.
+// Semantic versions (semver.org): 1.10.0 is newer than 1.9.3, 1.0.0-rc.2 older than 1.0.0.
 
 #include <compare>
 #include <cstdint>
@@ -15,10 +15,10 @@ struct Version {
   std::uint64_t minor = 0;
   std::uint64_t patch = 0;
   std::vector<std::string> pre_release;  // "rc", "2" of 1.0.0-rc.2
-  std::string text;                      // as it was written, with what follows a '+'
+  std::string text;                      // as written, including the part after '+'
 };
 
-// Which of them is newer; what follows a '+' does not count.
+// Orders by age; ignores the part after '+'.
 std::strong_ordering Compare(const Version& a, const Version& b);
 
 // nullopt: not MAJOR.MINOR.PATCH[-PRE][+BUILD].

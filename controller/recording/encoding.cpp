@@ -32,7 +32,7 @@ concept Enumeration = std::is_enum_v<T>;
 constexpr const char* kHex = "hex";
 constexpr std::string_view kDigits = "0123456789abcdef";
 
-// Makes JSON of values. `texts_as_hex`: of all texts, whatever they hold.
+// Writes values as JSON. `texts_as_hex`: for all texts.
 class Writer {
  public:
   explicit Writer(bool texts_as_hex) : texts_as_hex_(texts_as_hex) {}
@@ -91,12 +91,12 @@ class Writer {
   bool texts_as_hex_;
 };
 
-// Why a text cannot be read.
+// Why a text cannot be decoded.
 struct Fault {
   std::string message;
 };
 
-// Takes values out of JSON; throws Fault. Knows the path to where it is.
+// Reads values from JSON; throws Fault with the path of the value.
 class Reader {
  public:
   template <class T>
@@ -202,7 +202,7 @@ class Reader {
   std::string path_;
 };
 
-// The text of what `make` makes with a Writer.
+// The text of the JSON that `make` makes with a Writer.
 template <class Make>
 std::string Encode(const Make& make) {
   try {

@@ -4,9 +4,9 @@
 //   {"event":"ProcessEnded","now":81234567890,"actuator":3,"pid":4711,"how":"killed by SIGSEGV"}
 //
 // Keys are the fields' names. Times are nanoseconds of the controller's steady clock, durations
-// nanoseconds. A field that has its default value is left out, and one that is missing keeps its
-// default, so that older recordings can be read; a field that is not known is passed over.
-// Enumerations are words. A text that is not UTF-8 is written as {"hex":"..."}.
+// nanoseconds. A field with its default value is omitted, and a missing field keeps its default, so
+// that older recordings can be read; unknown fields are ignored. Enumerations are words. A text
+// that is not UTF-8 is written as {"hex":"..."}.
 //
 // Errors: kCodeParametersInvalid with the place, as in "report.pid: expected a whole number...".
 
@@ -18,7 +18,7 @@
 
 namespace musher::recording {
 
-// What goes into Step() at a time.
+// An input of Step() with its time.
 struct TimedEvent {
   Event event;
   Time now{};
@@ -26,7 +26,7 @@ struct TimedEvent {
   friend bool operator==(const TimedEvent&, const TimedEvent&) = default;
 };
 
-// The config that a machine works with, as it was written.
+// The text of a machine's config.
 struct ConfigText {
   std::string file;
   std::string hash;  // MachineConfig::hash
@@ -37,7 +37,7 @@ struct ConfigText {
 
 // A machine between two events.
 struct Snapshot {
-  std::string config_hash;  // of the config it works with
+  std::string config_hash;  // of its config
   Machine machine;
 
   friend bool operator==(const Snapshot&, const Snapshot&) = default;

@@ -1,5 +1,5 @@
 #pragma once
-// What a recording holds of every Event, and of what Machine has in common with them.
+// The recorded fields of every Event, and of the types that Machine shares with them.
 
 #include "musher/controller/recording/field.hpp"
 #include "musher/lifecycle/coordinator.hpp"
@@ -55,7 +55,7 @@ template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<AfterTearDown> = {
     "stays down", "may start", "starts again"};
 
-// The last value has the last name: one that was put before it has not been forgotten.
+// The last value has the last name: so no value before it is missing.
 template <class T>
 constexpr bool EndsWith(T last) {
   return static_cast<std::size_t>(last) + 1 == kValueNames<T>.size();

@@ -1,6 +1,6 @@
 #pragma once
-// How the fields of a struct and the names of an enumeration's values are listed for a recording. A
-// field that is forgotten does not compile (MemberCount).
+// Lists the fields of a struct and the names of an enumeration's values for a recording. A missing
+// field is a compile error (MemberCount).
 
 #include <array>
 #include <cstddef>
@@ -25,15 +25,15 @@ inline constexpr auto kFields = nullptr;
 template <class T>
 concept Struct = !std::is_same_v<decltype(kFields<T>), const std::nullptr_t>;
 
-// The names of an enumeration's values, by value. One without a name is recorded as its number.
+// The names of an enumeration's values, by value. A value without a name is recorded as its number.
 template <class T>
 inline constexpr std::array<std::string_view, 0> kValueNames{};
 
-// What an event is called.
+// The name of an event.
 template <class E>
 inline constexpr std::string_view kEventName{};
 
-// How many members an aggregate has.
+// The number of members of an aggregate.
 struct AnyMember {
   template <class T>
   operator T() const;  // NOLINT(google-explicit-constructor): declared only, for MemberCount

@@ -1,6 +1,6 @@
 #pragma once
-// What a recording holds of the decision code's values: the name of every field of Machine and what
-// is in it; of events, see event_fields.hpp. A field that is added there is one line here.
+// The recorded fields of the decision code's values: the name of every field of Machine and its
+// members; for events see event_fields.hpp. A new field needs one line here.
 //
 // Units: times and durations in nanoseconds.
 

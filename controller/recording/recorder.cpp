@@ -6,7 +6,7 @@
 namespace musher::recording {
 namespace {
 
-// A snapshot is about as long as some inputs for each actuator; so it takes a small part.
+// A snapshot is about as long as some inputs for each actuator; so snapshots take a small part.
 constexpr std::size_t kInputsForSnapshot = 1000;
 constexpr std::size_t kInputsForActuator = 30;
 
@@ -21,7 +21,7 @@ void Recorder::Begin(std::int64_t wall_ns, std::string config_text) {
 
 void Recorder::Note(std::int64_t wall_ns, const Machine& before, const Event& event, Time now) {
   if (sink_.WantsSnapshot() && before.phase != Phase::kIdle) {
-    Begin(wall_ns, std::move(config_text_));  // it may be lost as well
+    Begin(wall_ns, std::move(config_text_));  // it may also be lost
     TakeSnapshot(wall_ns, before);
   } else if (since_snapshot_ >=
              std::max(kInputsForSnapshot, kInputsForActuator * before.actuators.size())) {

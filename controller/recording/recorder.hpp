@@ -1,6 +1,6 @@
 #pragma once
-// Hands all that goes into the decision code to the journal, and a snapshot of the machine now and
-// then, from which what follows can be replayed when the journal has lost its beginning.
+// Passes all inputs of the decision code to the journal, and periodically a snapshot of the
+// machine, from which a replay can start if the journal has lost its beginning.
 //
 // Threads: loop thread only. The loop copies; the journal encodes on its own thread.
 
@@ -17,9 +17,9 @@ class Recorder {
   // The sink must outlive it.
   Recorder(JournalSink& sink, const MachineConfig& config);
 
-  // To be told first: what the machine's config says, as it was written.
+  // To be called first, with the text of the machine's config.
   void Begin(std::int64_t wall_ns, std::string config_text);
-  // To be told of each event before its Step(): `before` is the machine that it is for.
+  // To be called for each event before its Step(); `before`: the machine before the step.
   void Note(std::int64_t wall_ns, const Machine& before, const Event& event, Time now);
 
  private:

@@ -8,7 +8,7 @@
 namespace musher::recording {
 namespace {
 
-// The same decision: with another config numbers differ without meaning anything.
+// Whether two decisions are equal: with a different config their numbers are not compared.
 bool Same(const JournalEntry& a, const JournalEntry& b, bool with_numbers) {
   const bool same = a.kind == b.kind && a.actuator == b.actuator && a.code == b.code &&
                     a.message == b.message && a.state == b.state;
@@ -23,8 +23,8 @@ bool IsOf(const std::vector<Leg>& legs, std::size_t actuators) {
   });
 }
 
-// Whether a machine that was read is one that can go on: of so many actuators, none of its parts
-// without the others. Anybody can have written a journal.
+// Whether a decoded machine is consistent: the right number of actuators, no part without the
+// others. A journal may come from any source.
 bool IsWhole(const Machine& machine, std::size_t actuators) {
   if (machine.actuators.size() != actuators) return false;
   if (const auto& s = machine.current) {
@@ -46,7 +46,7 @@ class Replayer {
     }
     EndStep(true);
     if (report_.inputs == 0 && report_.notes.empty()) {
-      report_.notes.emplace_back("there is no controller's beginning and no snapshot in it");
+      report_.notes.emplace_back("it contains no start of a controller and no snapshot");
     }
     if (report_.starts == 0) return Error{kCodeFailed, "nothing to replay: " + report_.notes[0]};
     if (machine_) report_.replayed_state = machine_->state;
@@ -58,7 +58,7 @@ class Replayer {
     if (row.id != last_id_ + 1) EndSession(row.id);
     last_id_ = row.id;
     if (const auto* entry = std::get_if<JournalEntry>(&row.item)) {
-      if (entry->id != 0) recorded_.push_back(*entry);  // 0: not by the decision code
+      if (entry->id != 0) recorded_.push_back(*entry);  // 0: not from the decision code
       return Ok();
     }
     const auto& input = std::get<JournalInput>(row.item);
@@ -70,7 +70,7 @@ class Replayer {
     return taken;
   }
 
-  // Something is missing: another start has to come.
+  // Rows are missing: waits for another start.
   void EndSession(std::int64_t next_id) {
     EndStep(true);
     begins_ = false;
@@ -83,7 +83,7 @@ class Replayer {
     machine_.reset();
   }
 
-  // A controller begins, or its config is told once more.
+  // A controller begins, or its config is recorded once more.
   Result<> On(const ConfigText& text) {
     if (config_ && text.hash == recorded_hash_) return Ok();
     machine_.reset();
@@ -137,12 +137,12 @@ class Replayer {
     const bool same = machine_ && (other_config_ || *machine_ == snapshot->machine);
     if (same) return Ok();
     if (!config_ || snapshot->config_hash != recorded_hash_ || !Fits(snapshot->machine)) {
-      report_.notes.emplace_back("a snapshot does not belong to the config");
+      report_.notes.emplace_back("a snapshot is of a different config");
       return Ok();
     }
     if (machine_) {
       ++report_.differences;
-      report_.notes.push_back("the machine is not the one of the snapshot, number " +
+      report_.notes.push_back("the replayed machine differs from the snapshot, number " +
                               std::to_string(last_id_));
     }
     const bool starts = !machine_;
@@ -151,7 +151,7 @@ class Replayer {
     return Ok();
   }
 
-  // Whether a snapshot of the recorded config can go on with this one.
+  // Whether a snapshot of the recorded config can continue with this one.
   bool Fits(const Machine& machine) const {
     return IsWhole(machine, config_->actuators.size()) &&
            std::is_sorted(number_of_.begin(), number_of_.end()) &&
@@ -176,7 +176,7 @@ class Replayer {
     if (!Renumber(event_->event)) {
       event_.reset();
       return Error{kCodeParametersInvalid,
-                   "input " + std::to_string(last_id_) + " names an actuator that is not there"};
+                   "input " + std::to_string(last_id_) + " names an unknown actuator"};
     }
     for (Action& action : Step(*config_, *machine_, event_->event, timed.now)) {
       if (auto* record = std::get_if<action::Record>(&action))
@@ -227,8 +227,8 @@ class Replayer {
     return entry;
   }
 
-  // All that the journal has of a step is there: compares. `last`: of what is in one piece; the
-  // end of what was decided then may not have come to the disk any more.
+  // Compares a step once all its entries are read. `last`: the last step before a gap or the end;
+  // the last entries of its decisions may not have reached the disk.
   void EndStep(bool last) {
     auto recorded = std::exchange(recorded_, {});
     auto replayed = std::exchange(replayed_, {});
@@ -237,9 +237,9 @@ class Replayer {
     for (const JournalEntry& entry : recorded) {
       if (!entry.state.empty()) report_.recorded_state = entry.state;
     }
-    const bool told = wall_ns_ >= options_.since_wall_ns &&
-                      (!options_.epoch || *options_.epoch == machine_->epoch);
-    if (!told) return;
+    const bool reported = wall_ns_ >= options_.since_wall_ns &&
+                          (!options_.epoch || *options_.epoch == machine_->epoch);
+    if (!reported) return;
     if (last) TakeForRecorded(recorded, replayed);
     ++report_.inputs;
     report_.decisions += replayed.size();
@@ -280,12 +280,12 @@ class Replayer {
 
   const ReplayOptions& options_;
   ReplayReport report_;
-  std::optional<MachineConfig> config_;  // of what is replayed
+  std::optional<MachineConfig> config_;  // of the replayed machine
   std::string recorded_hash_;
   bool other_config_ = false;
   bool begins_ = false;                 // a controller's config was the last input
   std::vector<std::size_t> number_of_;  // of a recorded actuator in config_; empty: the same
-  std::optional<Machine> machine_;      // none: there was no start yet
+  std::optional<Machine> machine_;      // nullopt: no start yet
   std::int64_t last_id_ = 0;
   std::int64_t wall_ns_ = 0;         // of the last input
   std::optional<TimedEvent> event_;  // the step that is being compared

@@ -1,11 +1,12 @@
 #pragma once
-// Runs the decision code once more over what a journal recorded, and compares what it decides with
-// what was decided then. Pure: a recording in, a report out.
+// Re-runs the decision code on the recorded inputs of a journal and compares its decisions with the
+// recorded ones. Pure: takes a recording, returns a report.
 //
-//   start ──▶ replaying ──▶ the session ends: the next begins, something is missing, or the end
+//   start ──▶ replaying ──▶ end of the session: the next start, missing rows, or the end of the
+//   file
 //
-// A start is the beginning of a controller or a snapshot. What has neither before it, because the
-// journal was trimmed or is damaged, cannot be replayed and is counted.
+// A start is the beginning of a controller or a snapshot. Inputs without a start before them,
+// because the journal was trimmed or is damaged, cannot be replayed and are counted.
 
 #include <cstdint>
 #include <optional>
@@ -18,45 +19,45 @@
 namespace musher::recording {
 
 struct ReplayOptions {
-  // Instead of the recorded one: then only what it decides otherwise is of interest, numbers of
-  // switches and records are not compared.
+  // A config to use instead of the recorded one: numbers of switches and records are then not
+  // compared.
   std::optional<MachineConfig> config;
-  // Of these only; all before them is replayed as well, but not told.
+  // Report only decisions of this time or epoch; earlier inputs are replayed but not reported.
   std::int64_t since_wall_ns = INT64_MIN;
   std::optional<std::uint64_t> epoch;
 };
 
-// A decision, as the journal tells it.
+// A decision as a journal entry.
 struct ReplayLine {
   enum class Mark {
-    kSame,      // made then and now
-    kRecorded,  // made then, no longer made
-    kNew,       // made now, but not then
+    kSame,      // recorded and replayed
+    kRecorded,  // only recorded
+    kNew,       // only replayed
   };
 
   Mark mark = Mark::kSame;
   JournalEntry entry;
-  std::string input;  // what it was decided on, as JSON; only where the mark is not kSame
+  std::string input;  // the input of the decision, as JSON; empty for kSame
 
   friend bool operator==(const ReplayLine&, const ReplayLine&) = default;
 };
 
 struct ReplayReport {
   std::vector<ReplayLine> lines;
-  bool other_config = false;     // it was replayed with another config than the recorded one
-  std::size_t starts = 0;        // beginnings of controllers and snapshots after a gap
-  std::size_t inputs = 0;        // that were replayed
+  bool other_config = false;     // replayed with a different config than the recorded one
+  std::size_t starts = 0;        // beginnings of controllers, and snapshots after a gap
+  std::size_t inputs = 0;        // replayed inputs
   std::size_t not_replayed = 0;  // inputs without a start before them
-  std::size_t decisions = 0;     // made now
-  std::size_t differences = 0;   // lines that are not kSame, snapshots that are not met
-  State recorded_state;          // of the machine, in the end
+  std::size_t decisions = 0;     // replayed decisions
+  std::size_t differences = 0;   // lines that are not kSame, and snapshots that differ
+  State recorded_state;          // of the machine at the end
   State replayed_state;
-  std::vector<std::string> notes;  // what could not be replayed, and why
+  std::vector<std::string> notes;  // inputs that could not be replayed, and why
 
   bool equal() const { return differences == 0; }
 };
 
-// Fails when the config does not suit the recording, or nothing can be replayed.
+// Fails if the config does not fit the recording, or if nothing can be replayed.
 Result<ReplayReport> Replay(const std::vector<JournalRow>& rows, const ReplayOptions& options);
 
 }  // namespace musher::recording

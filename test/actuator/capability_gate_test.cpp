@@ -1,4 +1,4 @@
-// What an actuator's own functions may do now, as its class is told.
+// Whether an actuator's own functions may run now.
 
 #include "musher/actuator/capability_gate.hpp"
 
@@ -80,7 +80,7 @@ TEST_F(OnesOwnFunctions, AreRefusedWhileAnEmergencyStopIsLatched) {
   EXPECT_THAT(legs_.Allowed("walk").error().message, HasSubstr("emergency stop"));
 }
 
-TEST_F(OnesOwnFunctions, GoByTheBatteryThatWasHeardLast) {
+TEST_F(OnesOwnFunctions, UseTheLastReceivedBatteryLevel) {
   Adopt();
   Report("Active");
   EXPECT_THAT(legs_.Allowed("jump").error().message, HasSubstr("not known"));

@@ -26,18 +26,18 @@ class CheckpointsOf : public ::testing::Test {
   // Time passes, and the loop looks often, as it does.
   Checkpoints::Look After(Duration duration) {
     const Time end = now_ + duration;
-    for (; now_ < end; now_ += Milliseconds(10)) points_->Judge(now_);
+    for (; now_ < end; now_ += Milliseconds(10)) points_->Evaluate(now_);
     now_ = end;
-    return points_->Judge(now_);
+    return points_->Evaluate(now_);
   }
   // The same, while a thread waits for a CPU all the time.
   Checkpoints::Look AfterWaiting(pid_t thread, Duration duration) {
     const Time end = now_ + duration;
     for (; now_ < end; now_ += Milliseconds(10)) {
       kernel_.threads[thread].cpu.waited += Milliseconds(10);
-      points_->Judge(now_);
+      points_->Evaluate(now_);
     }
-    return points_->Judge(now_);
+    return points_->Evaluate(now_);
   }
 
   ActuatorConfig config_;
@@ -47,7 +47,7 @@ class CheckpointsOf : public ::testing::Test {
   std::optional<Checkpoints> points_;
 };
 
-TEST_F(CheckpointsOf, WatchNobodyUntilACallbackBeginsOrAThreadPromises) {
+TEST_F(CheckpointsOf, WatchNoThreadUntilACallbackBeginsOrAThreadGivesACheckpoint) {
   EXPECT_EQ(After(std::chrono::hours(1)).work, Health::kWell);
   EXPECT_FALSE(points_->Period());
 }
@@ -84,7 +84,7 @@ TEST_F(CheckpointsOf, ACallbackThatGivesCheckpointsMayTakeAsLongAsItLikes) {
   EXPECT_EQ(After(Milliseconds(101)).work, Health::kHung);
 }
 
-TEST_F(CheckpointsOf, ACheckpointMayAskForMoreTimeOnceAndTheNextForTheUsualAgain) {
+TEST_F(CheckpointsOf, ACheckpointMayExtendItsAllowanceOnceAndTheNextUsesTheUsualOne) {
   points_->Begin("Active", now_);
   points_->Mark(kWorker, std::chrono::seconds(5), now_);
   EXPECT_EQ(After(std::chrono::seconds(5)).work, Health::kWell);
@@ -98,7 +98,7 @@ TEST_F(CheckpointsOf, MarksOfOtherThreadsDoNotSaveACallbackThatHangs) {
     After(Milliseconds(20));
     points_->Mark(kOther, Duration::zero(), now_);
   }
-  const Checkpoints::Look look = points_->Judge(now_);
+  const Checkpoints::Look look = points_->Evaluate(now_);
   EXPECT_EQ(look.work, Health::kHung);
   EXPECT_EQ(look.during, "Active");
 }
@@ -129,7 +129,7 @@ TEST_F(CheckpointsOf, ACallbackThatSaidNoMoreIsWatchedAgainFromItsNextMark) {
   EXPECT_EQ(look.during, "SetUp");
 }
 
-TEST_F(CheckpointsOf, TheBeginAndTheEndOfACallbackVoidWhatAThreadOfTheModulePromised) {
+TEST_F(CheckpointsOf, TheBeginAndTheEndOfACallbackVoidTheCheckpointsOfModuleThreads) {
   points_->Mark(kOther, Duration::zero(), now_);
   points_->Begin("SetUp", now_);
   EXPECT_EQ(After(std::chrono::seconds(10)).work, Health::kWell);
@@ -138,7 +138,7 @@ TEST_F(CheckpointsOf, TheBeginAndTheEndOfACallbackVoidWhatAThreadOfTheModuleProm
   EXPECT_EQ(After(std::chrono::seconds(10)).work, Health::kWell);
 }
 
-TEST_F(CheckpointsOf, WithoutAllowancesOnlyAPromiseCounts) {
+TEST_F(CheckpointsOf, WithoutAllowancesOnlyAnExplicitCheckpointCounts) {
   config_.checkpoint.reset();
   points_->Begin("Active", now_);
   EXPECT_EQ(After(std::chrono::hours(1)).work, Health::kWell);
@@ -153,7 +153,7 @@ TEST_F(CheckpointsOf, AThreadThatWaitedForACpuIsStarvedAndNotHung) {
   EXPECT_GE(look.waited, Milliseconds(50));
 }
 
-TEST_F(CheckpointsOf, TheWaitOfAnotherThreadExcusesNobody) {
+TEST_F(CheckpointsOf, TheCpuWaitOfAnotherThreadDoesNotCount) {
   points_->Begin("Active", now_);
   EXPECT_EQ(AfterWaiting(kOther, Milliseconds(120)).work, Health::kHung);
 }
@@ -164,17 +164,17 @@ TEST_F(CheckpointsOf, AStarvedThreadThatThenHangsIsFoundOut) {
   EXPECT_EQ(After(Milliseconds(100)).work, Health::kHung);
 }
 
-TEST_F(CheckpointsOf, WhereTheKernelTellsNothingSilenceIsAHang) {
+TEST_F(CheckpointsOf, WithoutSchedstatsSilenceIsAHang) {
   blind_ = true;
   points_->Begin("Active", now_);
   EXPECT_EQ(After(Milliseconds(101)).work, Health::kHung);
 }
 
 // The loop wakes up first, before the thread has had a chance.
-TEST_F(CheckpointsOf, AProcessThatStoodStillAsAWholeIsNotHung) {
+TEST_F(CheckpointsOf, AProcessThatWasStoppedAsAWholeIsNotHung) {
   points_->Begin("Active", now_);
   now_ += Milliseconds(700);
-  const Checkpoints::Look look = points_->Judge(now_);
+  const Checkpoints::Look look = points_->Evaluate(now_);
   EXPECT_EQ(look.work, Health::kStarved);
   EXPECT_EQ(look.silent, Milliseconds(700));
   EXPECT_EQ(look.waited, Milliseconds(675)) << "all but the period after which a look was due";
@@ -187,7 +187,7 @@ TEST_F(CheckpointsOf, AProcessThatStandsStillAgainAndAgainIsNotHung) {
   After(Milliseconds(40));
   for (int i = 0; i < 2; ++i) {
     now_ += Milliseconds(500);
-    EXPECT_EQ(points_->Judge(now_).work, Health::kStarved);
+    EXPECT_EQ(points_->Evaluate(now_).work, Health::kStarved);
   }
   points_->Mark(kWorker, Duration::zero(), now_);
   EXPECT_EQ(After(Milliseconds(100)).work, Health::kWell);
@@ -196,7 +196,7 @@ TEST_F(CheckpointsOf, AProcessThatStandsStillAgainAndAgainIsNotHung) {
 TEST_F(CheckpointsOf, AThreadThatHangsWhileItsProcessStandsStillIsFoundOutAfterIt) {
   points_->Begin("Active", now_);
   now_ += Milliseconds(700);
-  EXPECT_EQ(points_->Judge(now_).work, Health::kStarved);
+  EXPECT_EQ(points_->Evaluate(now_).work, Health::kStarved);
   EXPECT_EQ(After(Milliseconds(75)).work, Health::kStarved);
   EXPECT_EQ(After(Milliseconds(1)).work, Health::kHung);
 }
@@ -205,10 +205,10 @@ TEST_F(CheckpointsOf, AHangIsFoundWithinFiveLooksEvenIfEachComesLate) {
   points_->Begin("Active", now_);
   for (int i = 0; i < 4; ++i) {
     now_ += Milliseconds(300);
-    EXPECT_EQ(points_->Judge(now_).work, Health::kStarved);
+    EXPECT_EQ(points_->Evaluate(now_).work, Health::kStarved);
   }
   now_ += Milliseconds(300);
-  EXPECT_EQ(points_->Judge(now_).work, Health::kHung);
+  EXPECT_EQ(points_->Evaluate(now_).work, Health::kHung);
 }
 
 // A quota that takes most of the time makes the looks late, too.
@@ -217,7 +217,7 @@ TEST_F(CheckpointsOf, TimeWithoutACpuIsNotForgivenTwice) {
   After(Milliseconds(60));
   kernel_.throttled += Milliseconds(200);
   now_ += Milliseconds(200);
-  EXPECT_EQ(points_->Judge(now_).waited, Milliseconds(200));
+  EXPECT_EQ(points_->Evaluate(now_).waited, Milliseconds(200));
 }
 
 TEST_F(CheckpointsOf, AreLookedAtSeveralTimesWithinTheShortestAllowance) {

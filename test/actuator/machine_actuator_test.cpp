@@ -151,7 +151,7 @@ TEST(MachineActuator, GivesTheCodeAndMessageOfASetUpThatFailed) {
   EXPECT_EQ(started.error(), (Error{3012, "no motor"}));
 }
 
-TEST(MachineActuator, TakesAnExceptionForAFailureAndTellsWhatItSaid) {
+TEST(MachineActuator, TreatsAnExceptionAsAFailureAndReportsItsText) {
   const RobotFile file({"arm"}, {"SetUp"});
   MachineActuator arm("arm");
   arm.RegisterStateCallback("SetUp", []() -> Result<> { throw std::runtime_error("cable loose"); });

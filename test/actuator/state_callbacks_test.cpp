@@ -121,7 +121,7 @@ TEST(TheCallbackOfAllOtherStates, IsOne) {
   Arm arm;
   arm.RegisterStateCallback([](const State&) { return kCodeOk; });
   EXPECT_THAT(FitToRobot(arm).error().message,
-              HasSubstr("two callbacks for the states that have none of their own"));
+              HasSubstr("two callbacks for the states without one of their own"));
 }
 
 TEST(TheCallbackOfAllOtherStates, DoesNotExcuseACallbackForAStateThatIsNotListed) {
@@ -189,9 +189,10 @@ TEST(ConfigurationErrors, EndRunWithTwoAndOfferTheNearestName) {
     arm.RegisterStateCallback(state, [] { return Result<>(Ok()); });
   }
   EXPECT_EQ(arm.Run(robot), 2);
-  EXPECT_THAT(arm.Start().error().message,
-              HasSubstr("lists state 'Active' for arm, but there is no callback for it; the one "
-                        "for 'active' is for no state of it"));
+  EXPECT_THAT(
+      arm.Start().error().message,
+      HasSubstr("lists state 'Active' for arm, but there is no callback for it; did you mean "
+                "the callback for 'active', which the config does not list?"));
 }
 
 }  // namespace musher::state_callbacks_test

@@ -148,7 +148,7 @@ TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.state == "Protected"; }));
 }
 
-TEST(Unattended, AWorkThreadThatHangsIsToldThoughItsLoopGoesOn) {
+TEST(Unattended, AHungWorkThreadIsReportedThoughItsLoopKeepsRunning) {
   const RobotFile file({"arm"}, kStates, {}, "checkpoint_ms = 100\n");
   Listener listener;
   Arm arm;

@@ -95,7 +95,7 @@ TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
   Begin(show);
   const Ran ran = RunProgram({"behavior", "show", "--send", "again"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
-  EXPECT_EQ(ran.out, "again is sent to show\n");
+  EXPECT_EQ(ran.out, "sent again to show\n");
   harness_.Tick(show, 1);
   EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("decided by again"));
 }
@@ -123,7 +123,8 @@ TEST_F(BehaviorCommand, DrawsNoGraphIntoAFileOfAKindThatItCannotWrite) {
   const std::string file = harness_.state_dir() + ".pdf";
   const Ran ran = RunProgram({"graph", "--behavior", "show", "-o", file});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.err, HasSubstr(".pdf: a graph is .dot, .gv, .mmd, .mermaid or .svg"));
+  EXPECT_THAT(ran.err,
+              HasSubstr(".pdf: unknown graph format; expected .dot, .gv, .mmd, .mermaid or .svg"));
   EXPECT_FALSE(std::ifstream(file).is_open());
   EXPECT_EQ(RunProgram({"graph", harness_.path(), "-o", file}).exit, 2) << "of a config, too";
   EXPECT_EQ(RunProgram({"graph", harness_.path(), "-o", file, "--format", "dot"}).exit, 0);
@@ -153,7 +154,7 @@ TEST_F(BehaviorCommand, ReportsThatTheApplicationWasLostAndThatItIsBack) {
   Process watch({kMusher, "behavior", "show", "--watch"});
   ASSERT_NE(watch.LineWith("decided"), "");
   show.reset();
-  EXPECT_NE(watch.LineWith("show has gone"), "");
+  EXPECT_NE(watch.LineWith("show is lost"), "");
   show = std::make_unique<Show>();
   ASSERT_TRUE(show->Prepare(harness_.path()).ok());
   ASSERT_TRUE(show->Start().ok());
@@ -179,7 +180,7 @@ TEST_F(BehaviorCommand, SuggestsTheNearestActuatorWhereNoneOfThatNameRuns) {
   EXPECT_EQ(ran.err, "musher: no actuator 'shwo' in namespace ''; did you mean 'show'?\n");
   const Ran graph = RunProgram({"graph", "--behavior", "camera"});
   EXPECT_EQ(graph.exit, 3);
-  EXPECT_EQ(graph.err, "musher: no actuator 'camera' in namespace ''; there are show\n");
+  EXPECT_EQ(graph.err, "musher: no actuator 'camera' in namespace ''; running: show\n");
 }
 
 TEST_F(BehaviorCommand, ReportsThatNothingRunsAtAll) {
@@ -204,7 +205,7 @@ TEST_F(BehaviorCommand, ReportsThatAnActuatorIsNotAStateMachine) {
   ASSERT_TRUE(lamp.Start().ok());
   const Ran ran = RunProgram({"--namespace", RobotFile::name_space(), "behavior", "lamp"});
   EXPECT_EQ(ran.exit, 1);
-  EXPECT_THAT(ran.err, HasSubstr("lamp runs, but it is no state machine"));
+  EXPECT_THAT(ran.err, HasSubstr("lamp runs but is not a state machine"));
 }
 
 TEST_F(BehaviorCommand, DoesNotWaitForAnApplicationThatBlocks) {

@@ -16,7 +16,7 @@ using Strings = std::vector<std::string>;
 
 class Publish : public Contract {
  protected:
-  // A subscription that collects what it hears.
+  // A subscription that collects its samples.
   std::unique_ptr<Subscription> Collect(Node& node, const std::string& topic, Strings& heard,
                                         const Qos& qos = kDefaultQos,
                                         SubscriptionEvents events = {}) {
@@ -94,7 +94,7 @@ TEST_P(Publish, GivesALateJoinerTheLatchOfEachOfManyWriters) {
   EXPECT_THAT(heard, UnorderedElementsAre("first", "second", "third"));
 }
 
-TEST_P(Publish, MeetsInPartitionsWhichAReaderOfAllIsTold) {
+TEST_P(Publish, MatchesInPartitionsWhichAReaderOfAllReceives) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("partitioned");
   Qos one = kLatchedQos, other = kLatchedQos, all = kLatchedFromManyQos;
@@ -180,7 +180,7 @@ TEST_P(Publish, DoesNotMatchATopicOfAnotherType) {
   EXPECT_EQ(subscription->MatchedWriters(), 1);
 }
 
-TEST_P(Publish, TellsWhoWroteASample) {
+TEST_P(Publish, ReportsTheWriterOfASample) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
   std::vector<SampleInfo> from;
@@ -198,7 +198,7 @@ TEST_P(Publish, TellsWhoWroteASample) {
   EXPECT_EQ(from[0].participant, from[1].participant);
 }
 
-TEST_P(Publish, TellsWhichWriterWasLostAfterItsLastSample) {
+TEST_P(Publish, ReportsALostWriterAfterItsLastSample) {
   auto here = MakeNode();
   const auto there = MakeNode();
   const std::string topic = Unique("status");

@@ -152,7 +152,7 @@ TEST_P(Service, EndsACallInTimeWhenTheServerIsSilent) {
   EXPECT_EQ(Outcome(next), "next");
 }
 
-TEST_P(Service, EndsACallInTimeWhenTheServerDies) {
+TEST_P(Service, EndsACallInTimeWhenTheServerCrashes) {
   const auto here = MakeNode();
   auto there = MakeNode();
   const std::string name = Unique("set_state");
@@ -273,7 +273,7 @@ TEST_P(Service, LetsAReplyDropItsClientAndAHandlerItsServer) {
       *there, name, [&](const SetState::Request& request, Server<SetState>::Reply reply) {
         if (request.target == "stop") {
           server.reset();
-          reply(Echo(request));  // does nothing: the server has gone
+          reply(Echo(request));  // does nothing: the server is dropped
         } else {
           reply(Echo(request));
         }

@@ -106,7 +106,7 @@ class Backtrace : public ::testing::Test {
   Result<std::string> Take(pid_t pid, Duration timeout = std::chrono::seconds(30)) {
     result_.reset();
     Begin(pid, timeout);
-    EXPECT_FALSE(result_) << "told inside Take()";
+    EXPECT_FALSE(result_) << "called inside Take()";
     EXPECT_TRUE(Eventually([this] { return result_.has_value(); }));
     return result_.value_or(Error{kCodeFailed, "nothing was told"});
   }
@@ -145,7 +145,7 @@ class BacktraceBy : public Backtrace, public ::testing::WithParamInterface<const
   std::string why_not_;
 };
 
-TEST_P(BacktraceBy, ShowsWhereAProcessHangsAndLetsItGoOn) {
+TEST_P(BacktraceBy, ShowsWhereAProcessHangsAndContinuesIt) {
   const std::string stack = Stack();
   if (stack.empty()) GTEST_SKIP() << why_not_;
   EXPECT_THAT(stack, HasSubstr("HangsInHere"));
@@ -181,7 +181,7 @@ TEST_F(Backtrace, SaysThatThereIsNoTool) {
             "No such file or directory");
 }
 
-TEST_F(Backtrace, SaysThatTheProcessIsGone) {
+TEST_F(Backtrace, ReportsThatTheProcessDoesNotExist) {
   WriteTool("eu-stack", "echo '#0'");
   const pid_t pid = hung_.pid();
   hung_.Kill();
@@ -215,11 +215,11 @@ TEST_F(Backtrace, IsCutWhereItIsTooLong) {
   EXPECT_TRUE(result.value().ends_with("(cut after 65536 bytes)\n"));
 }
 
-TEST_F(Backtrace, EndsAToolThatTakesTooLongAndLetsTheProcessGoOn) {
+TEST_F(Backtrace, KillsASlowToolAndContinuesTheProcess) {
   WriteToolThatHangs();
   const Error error = TakeFails(hung_.pid(), Milliseconds(1000));
   EXPECT_EQ(error.code, kCodeTimeout);
-  EXPECT_EQ(error.message, "eu-stack did not end within 1000 ms");
+  EXPECT_EQ(error.message, "eu-stack did not exit within 1000 ms");
   EXPECT_TRUE(Eventually([this] { return RunStateOf(ToolPid()) == ProcessRunState::kGone; }));
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kRunning; }));
   EXPECT_EQ(calls_, 1);

@@ -66,7 +66,7 @@ class Writer : public ::testing::Test {
   static DiskWriterOptions Options() {
     DiskWriterOptions options;
     options.retry_period = Milliseconds(1);
-    options.patience = Milliseconds(20'000);
+    options.timeout = Milliseconds(20'000);
     return options;
   }
 
@@ -169,7 +169,7 @@ TEST_F(Writer, DoesWhatWaitsBeforeItIsDestroyed) {
 
 TEST_F(Writer, IsDestroyedWhileTheDiskStalls) {
   DiskWriterOptions options = Options();
-  options.patience = Milliseconds(1);
+  options.timeout = Milliseconds(1);
   writer_ = std::make_unique<DiskWriter>(loop_, options);
   Do("policy", "one");
   gate_->AwaitBegun(1);

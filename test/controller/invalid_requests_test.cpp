@@ -113,7 +113,7 @@ TEST_F(InvalidRequests, AnUnknownStateIsRefusedAndTheNearestIsNamed) {
 }
 
 // What was asked for at once after a switch was answered with less than had happened.
-TEST_F(InvalidRequests, TheHistoryHasAllThatHappenedBeforeItWasAskedFor) {
+TEST_F(InvalidRequests, TheHistoryHasAllEntriesFromBeforeTheRequest) {
   for (int number = 4; number <= 12; number += 2) {
     EXPECT_EQ(Set("LowPower").outcome, "done");
     EXPECT_EQ(Set("Active").outcome, "done");
@@ -154,7 +154,7 @@ TEST_F(InvalidRequests, ACommandOfAnOldNumberIsRefusedByTheActuator) {
   EXPECT_EQ(response.code, kCodeStatusError);
 }
 
-TEST_F(InvalidRequests, ACommandOfAStrangerIsRefusedHoweverWellItIsMade) {
+TEST_F(InvalidRequests, AWellFormedCommandOfAnUnauthenticatedParticipantIsRefused) {
   for (const std::uint64_t ahead : {0, 1, 1000}) {
     EXPECT_THAT(OfAStranger(ahead),
                 FieldsAre(ActuatorCommand::kVerdictRefused, kCodePermissionDenied, 1));

@@ -126,7 +126,7 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
   const auto recording = ReadRecording(path_);
   ASSERT_TRUE(recording);
   EXPECT_EQ(recording.value().rows.size(), rows_.size() - 1);
-  EXPECT_THAT(recording.value().damage, ::testing::HasSubstr(": it is not as it was written"));
+  EXPECT_THAT(recording.value().damage, ::testing::HasSubstr(": wrong checksum or missing data"));
   const auto report = recording::Replay(recording.value().rows, {});
   ASSERT_TRUE(report);
   EXPECT_EQ(report.value().differences, 0U) << "nothing is made up for what is missing";

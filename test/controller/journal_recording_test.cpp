@@ -90,7 +90,7 @@ TEST_F(JournalRecording, CanStillBeReplayedWhenItHasLostItsBeginning) {
   EXPECT_GT(report.inputs, 50U);
 }
 
-TEST_F(JournalRecording, AsksForASnapshotWhenNoneIsLeft) {
+TEST_F(JournalRecording, RequestsASnapshotWhenNoneIsLeft) {
   auto options = Options();
   options.max_bytes = 256 << 10;
   Journal journal(path_, options);

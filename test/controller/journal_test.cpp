@@ -60,7 +60,7 @@ TEST_F(JournalTest, WritesWhatWaitsWhenItIsClosed) {
   EXPECT_EQ(Read().size(), 1000U);
 }
 
-TEST_F(JournalTest, GoesOnWhereTheLastControllerStopped) {
+TEST_F(JournalTest, ContinuesWhereTheLastControllerStopped) {
   { Journal(path_, Options()).Append(Entry(1)); }
   { Journal(path_, Options()).Append(Entry(2)); }
   EXPECT_THAT(Times(Read()), ElementsAre(1, 2));

@@ -1,4 +1,4 @@
-// A disk that is full, read-only or broken: it is said once, and the robot goes on.
+// A disk that is full, read-only or broken: it is reported once, and the robot continues.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -79,7 +79,7 @@ TEST_F(JournalTrouble, IsSaidAgainWhenItComesBack) {
   }
 }
 
-TEST_F(JournalTrouble, DropsTheOldestWaitingEntriesAndTellsHowMany) {
+TEST_F(JournalTrouble, DropsTheOldestWaitingEntriesAndReportsHowMany) {
   BlockThePath();
   auto options = Options();
   options.max_waiting = 10;
@@ -115,7 +115,7 @@ TEST_F(JournalTrouble, IsRetriedByItself) {
   EXPECT_THAT(Times(Read()), ElementsAre(1));
 }
 
-TEST_F(JournalTrouble, OfAFullDiskKeepsWhatWasWrittenAndGoesOnWhenThereIsRoom) {
+TEST_F(JournalTrouble, OfAFullDiskKeepsWhatWasWrittenAndContinuesWhenThereIsRoom) {
   Journal journal(path_, Options());
   journal.Append(Entry(1));
   ASSERT_TRUE(journal.Flush(kFlushTimeout));

@@ -92,10 +92,11 @@ TEST_F(Leading, AControllerThatIsRefusedBesideTheLeaderAnswersNoClient) {
   SwitchResult result;
   second_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
-  EXPECT_EQ(result.code, kCodeTargetBusy) << "a caller of its own is told why: " << result.reason;
+  EXPECT_EQ(result.code, kCodeTargetBusy)
+      << "a caller in its own process gets the reason: " << result.reason;
 }
 
-TEST_F(Leading, AFencedControllerThatLivesOnAnswersNoClient) {
+TEST_F(Leading, AFencedControllerThatKeepsRunningAnswersNoClient) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(SecondTakesOver());
   EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(second_.machine().epoch));
@@ -114,7 +115,7 @@ TEST_F(Leading, ACallerInsideTheFencedProgramIsRefusedWithTheReason) {
   EXPECT_THAT(result->reason, ::testing::HasSubstr("another controller leads"));
 }
 
-TEST_F(Leading, EveryCallerHearsOfTheTakeoverInTheMiddleOfASwitch) {
+TEST_F(Leading, EveryCallerIsNotifiedOfATakeoverDuringASwitch) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   std::optional<SwitchResult> result;
   Open(second_, "second");

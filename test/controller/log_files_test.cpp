@@ -187,7 +187,7 @@ TEST_F(Logs, OfAFloodAreCutInTheMiddleWithALineThatSaysHowMuch) {
   ASSERT_EQ(Parts(legs_).size(), 1U);
   const std::string part = ReadCompressed(Parts(legs_)[0]);
   EXPECT_THAT(part, StartsWith(Line("legs", 0)));
-  EXPECT_THAT(part, HasSubstr("bytes dropped here: printed faster than logs are kept]\n"));
+  EXPECT_THAT(part, HasSubstr("bytes dropped here: output exceeded the log rate limit]\n"));
   EXPECT_THAT(ReadFile(legs_), EndsWith(Line("legs", next_["legs"] - 1)));
   // What is there and what is said to be dropped is what was printed.
   const std::size_t note = part.find("\n[musher: ");
@@ -244,7 +244,7 @@ TEST_F(Logs, ThatCannotBeOpenedAreReportedOnceAndTriedAgain) {
   Make();
   EXPECT_EQ(logs_->Output("legs"), nullptr);
   for (int i = 0; i < 3; ++i) logs_->LookNow();
-  EXPECT_THAT(troubles_, ElementsAre(AllOf(StartsWith("what actuators print is lost: "),
+  EXPECT_THAT(troubles_, ElementsAre(AllOf(StartsWith("actuator output is lost: "),
                                            HasSubstr("Not a directory"))));
   fs::remove(folder_ / "logs");
   logs_->LookNow();
@@ -274,13 +274,13 @@ TEST_F(Logs, OnADiskThatTakesNoMoreAreDroppedWithALineThatSaysSo) {
   EXPECT_LE(fs::file_size(legs_), 1'100'000U);
   EXPECT_THAT(ReadFile(legs_), EndsWith(Line("legs", next_["legs"] - 1)));
   ASSERT_EQ(troubles_.size(), 2U);
-  EXPECT_THAT(troubles_[1], HasSubstr("MB dropped: they cannot be saved"));
+  EXPECT_THAT(troubles_[1], HasSubstr("MB dropped: it cannot be saved"));
   for (const auto& entry : fs::directory_iterator(folder_ / "logs")) {
     EXPECT_EQ(entry.path().extension(), ".log") << "half a part was left";
   }
 }
 
-TEST_F(Logs, AreLookedAfterWithoutBeingAsked) {
+TEST_F(Logs, AreRotatedPeriodically) {
   Make();
   Print(1'200'000);
   EXPECT_TRUE(loop_.RunUntil([&] { return fs::exists(legs_ + ".1.gz"); },

@@ -35,7 +35,7 @@ TEST(RotationOf, SavesALogThatIsTooLargeButForItsTail) {
 TEST(RotationOf, DropsTheMiddleOfAFlood) {
   const LogActions actions = RotationOf(Log(120 * kMb));
   EXPECT_EQ(actions.save, 20 * kMb) << "how it began";
-  EXPECT_EQ(actions.save + actions.drop, 120 * kMb - (64 << 10)) << "how it goes on";
+  EXPECT_EQ(actions.save + actions.drop, 120 * kMb - (64 << 10)) << "in the next step";
 }
 
 TEST(RotationOf, RemovesTheOldestParts) {

@@ -68,7 +68,7 @@ class Controlling : public ::testing::Test {
   MachineController controller_;
 };
 
-TEST_F(Controlling, BringsActuatorsUpAndTellsTheirStates) {
+TEST_F(Controlling, BringsActuatorsUpAndReportsTheirStates) {
   BringUp();
   std::map<std::string, std::string> states;
   controller_.GetStateMap(states);
@@ -132,7 +132,7 @@ class ControllingInAHurry : public Controlling {
   ControllingInAHurry() : Controlling({{"LowPower", 1000}}) {}
 };
 
-TEST_F(ControllingInAHurry, AsksAnActuatorThatIsOverdue) {
+TEST_F(ControllingInAHurry, QueriesAnOverdueActuator) {
   BringUp();
   leg_.blocks_in = "LowPower";
   const SwitchResult result = controller_.Switch("LowPower");

@@ -1,4 +1,4 @@
-// What the policy hears: topics on the simulated transport, in virtual time.
+// The policy's inputs: topics on the simulated transport, in virtual time.
 
 #include "musher/controller/policy_inputs.hpp"
 
@@ -69,7 +69,7 @@ class Inputs : public ::testing::Test {
   std::vector<Event> heard_;
 };
 
-TEST_F(Inputs, OfWhatIsRepeatedOnlyTheChangesAreTold) {
+TEST_F(Inputs, OfRepeatedSamplesOnlyChangesBecomeEvents) {
   Open();
   inputs_->Begin();
   for (const int percent : {80, 80, 80, 79, 79}) Battery(percent);
@@ -82,7 +82,7 @@ TEST_F(Inputs, OfWhatIsRepeatedOnlyTheChangesAreTold) {
                   Event(event::MotionSeen{0}), Event(event::MotionSeen{303})));
 }
 
-TEST_F(Inputs, WhatWasHeardBeforeTheBeginningIsToldThen) {
+TEST_F(Inputs, SamplesFromBeforeTheBeginBecomeEventsAtTheBegin) {
   Open();
   Battery(50);
   Battery(49);
@@ -91,7 +91,7 @@ TEST_F(Inputs, WhatWasHeardBeforeTheBeginningIsToldThen) {
   EXPECT_THAT(Heard(), ElementsAre(Event(event::BatterySeen{49, false})));
 }
 
-TEST_F(Inputs, SilenceIsToldOnceAndTheSameValueAfterItAgain) {
+TEST_F(Inputs, SilenceIsReportedOnceAndTheSameValueAfterItAgain) {
   Open();
   inputs_->Begin();
   Motion(0);
@@ -108,7 +108,7 @@ TEST_F(Inputs, SilenceIsToldOnceAndTheSameValueAfterItAgain) {
               ElementsAre(Event(event::MotionSeen{0}), Event(event::BatterySeen{50, false})));
 }
 
-TEST_F(Inputs, ABatteryThatGoesOnIsNotSilent) {
+TEST_F(Inputs, ABatteryThatKeepsPublishingIsNotSilent) {
   Open();
   inputs_->Begin();
   for (int i = 0; i < 60; ++i) {
@@ -119,7 +119,7 @@ TEST_F(Inputs, ABatteryThatGoesOnIsNotSilent) {
                                    Event(event::InputSilent{PolicyInput::kMotion})));
 }
 
-TEST_F(Inputs, TheTimeOfAWorldIsToldOnlyBeforeSomethingElseAndWhenItIsDue) {
+TEST_F(Inputs, TheTimeOfAWorldIsEmittedOnlyBeforeAnotherEventAndWhenDue) {
   config_.clock = ClockSource::kTopic;
   config_.policy->battery->silent = std::chrono::hours(1);
   config_.policy->low_power.reset();

@@ -82,7 +82,7 @@ class RemoteTakeover : public ::testing::Test {
   std::unique_ptr<ControllerShell> shell_;
 };
 
-TEST_F(RemoteTakeover, StartsNoActuatorThatWasHeardWhileLookingAround) {
+TEST_F(RemoteTakeover, StartsNoActuatorWhoseStatusWasReceivedWhileListening) {
   processes_.Launch("a");
   processes_.Launch("b");
   LookAround();

@@ -113,15 +113,15 @@ TEST_F(SwitchClients, PassOnTheAnswerOfALivingController) {
   EXPECT_THAT(news_, IsEmpty());
 }
 
-TEST_F(SwitchClients, AreToldAtOnceThatAControllerOfTheirHostHasEndedAndThenHowItsSwitchEnded) {
+TEST_F(SwitchClients, AreNotifiedAtOnceOfAnExitedControllerOfTheirHostAndThenOfTheOutcome) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   const std::string pid = std::to_string(first_.process->pid());
   KillFirst();
   ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
   EXPECT_LE(told_at_ - killed_at_, Milliseconds(300));
-  EXPECT_THAT(news_[0], HasSubstr("the controller (process " + pid +
-                                  ", epoch 1) has ended during "
+  EXPECT_THAT(news_[0], HasSubstr("the controller (pid " + pid +
+                                  ", epoch 1) has exited during "
                                   "switch " +
                                   std::to_string(number_) + " to LowPower"));
   StartSecond();
@@ -135,7 +135,7 @@ TEST_F(SwitchClients, AreToldAtOnceThatAControllerOfTheirHostHasEndedAndThenHowI
   EXPECT_EQ(ends_, 1);
 }
 
-TEST_F(SwitchClients, AreToldWithinASecondThatAControllerOfAnotherHostIsSilent) {
+TEST_F(SwitchClients, AreNotifiedWithinASecondOfALostControllerOfAnotherHost) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower", "desk"));
   KillFirst();
@@ -146,7 +146,7 @@ TEST_F(SwitchClients, AreToldWithinASecondThatAControllerOfAnotherHostIsSilent) 
   EXPECT_EQ(end_->result.switch_number, number_);
 }
 
-TEST_F(SwitchClients, HearOfASwitchThatHadEndedWhenOnlyItsAnswerWasLost) {
+TEST_F(SwitchClients, GetTheOutcomeOfASwitchWhenOnlyItsReplyWasLost) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   network_.Block("first", "desk");
@@ -159,18 +159,18 @@ TEST_F(SwitchClients, HearOfASwitchThatHadEndedWhenOnlyItsAnswerWasLost) {
   EXPECT_EQ(end_->result.state, "LowPower");
 }
 
-TEST_F(SwitchClients, AreToldHowToGoOnWhenNoOtherControllerComes) {
+TEST_F(SwitchClients, AreToldWhatToDoWithoutASuccessor) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   KillFirst();
   EXPECT_EQ(End(std::chrono::seconds(6)).kind, Kind::kUnknown);
-  EXPECT_THAT(end_->result.reason, AllOf(HasSubstr("has ended during switch"),
-                                         HasSubstr("no controller has taken its place within 5 s"),
-                                         HasSubstr("musher up")));
+  EXPECT_THAT(end_->result.reason,
+              AllOf(HasSubstr("has exited during switch"), HasSubstr("no successor within 5 s"),
+                    HasSubstr("musher up")));
   EXPECT_EQ(end_->result.switch_number, number_);
 }
 
-TEST_F(SwitchClients, OfASuccessorWithoutTheJournalHearThatItKnowsNothing) {
+TEST_F(SwitchClients, GetAnUnknownOutcomeFromASuccessorWithoutTheJournal) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   KillFirst();
@@ -190,7 +190,7 @@ TEST_F(SwitchClients, RequestATearDownAgainFromTheSuccessor) {
   EXPECT_EQ(second_.machine().phase, Phase::kStopped);
 }
 
-TEST_F(SwitchClients, HearThatARequestWhichNeverArrivedHadNotBegunAndItIsNotDoneLater) {
+TEST_F(SwitchClients, GetInterruptedForARequestThatNeverArrivedAndItIsNotRunLater) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   Request("LowPower");
   ASSERT_TRUE(RunUntil([this] { return client_->found(); }));
@@ -198,12 +198,12 @@ TEST_F(SwitchClients, HearThatARequestWhichNeverArrivedHadNotBegunAndItIsNotDone
   StartSecond();
   EXPECT_EQ(End().kind, Kind::kTold);
   EXPECT_EQ(end_->result.outcome, "interrupted");
-  EXPECT_THAT(end_->result.reason, HasSubstr("it had not begun, ask again"));
+  EXPECT_THAT(end_->result.reason, HasSubstr("the switch had not begun, request it again"));
   network_.RunFor(std::chrono::seconds(5));
   EXPECT_EQ(second_.machine().state, "Active");
 }
 
-TEST_F(SwitchClients, HearOfATakeoverInTheMiddleOfTheirSwitch) {
+TEST_F(SwitchClients, AreNotifiedOfATakeoverDuringTheirSwitch) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   Open(second_, "second", &first_.disk);
@@ -219,7 +219,7 @@ TEST_F(SwitchClients, StayWithAControllerThatWasOnlySilentForAWhile) {
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower", "desk"));
   network_.Pause(first_.process->node());
   ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
-  EXPECT_THAT(news_[0], HasSubstr("is silent during switch"));
+  EXPECT_THAT(news_[0], HasSubstr("sends no heartbeat during switch"));
   network_.Resume(first_.process->node());
   EXPECT_EQ(End().kind, Kind::kAnswered);
   EXPECT_EQ(end_->result.outcome, "done");

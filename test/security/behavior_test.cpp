@@ -35,7 +35,7 @@ TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
   }
   const Ended sent = As("operator", {"behavior", "show", "--send", "go"});
   EXPECT_EQ(sent.exit, 0) << sent.err;
-  EXPECT_EQ(sent.out, "go is sent to show\n");
+  EXPECT_EQ(sent.out, "sent go to show\n");
   const Ended looker = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
   EXPECT_NE(looker.exit, 0) << "who may only look commands nothing";
   EXPECT_THAT(looker.err, HasSubstr("visitor may not do that"));

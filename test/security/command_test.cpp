@@ -38,10 +38,10 @@ TEST_F(Keys, AreReadableByTheirOwnerOnlyWhateverTheMaskIs) {
 TEST_F(Keys, AreNotOverwrittenUnlessForced) {
   const Ended again = Musher({"keys", "init", config_});
   EXPECT_EQ(again.exit, 2);
-  EXPECT_THAT(again.err, HasSubstr("has keys already; --force makes new ones"));
+  EXPECT_THAT(again.err, HasSubstr("already has keys; --force creates new ones"));
   const Ended add = Musher({"keys", "add", "voice"});
   EXPECT_EQ(add.exit, 2);
-  EXPECT_THAT(add.err, HasSubstr("voice.key is there already; --force replaces it"));
+  EXPECT_THAT(add.err, HasSubstr("voice.key already exists; --force replaces it"));
   EXPECT_EQ(Musher({"keys", "add", "voice", "--force"}).exit, 0);
   EXPECT_EQ(Musher({"keys", "init", config_, "--force"}).exit, 0);
   EXPECT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
@@ -66,7 +66,7 @@ TEST_F(Keys, AreIssuedOnlyWhereTheCasKeysAre) {
   fs::rename(keys_ + "/ca", folder_ / "taken_off");
   const Ended add = Musher({"keys", "add", "visitor", "--role", "observer"});
   EXPECT_EQ(add.exit, 2);
-  EXPECT_THAT(add.err, HasSubstr("identities are issued and revoked where the folder ca/ is kept"));
+  EXPECT_THAT(add.err, HasSubstr("issue and revoke identities where the folder ca/ is kept"));
   ASSERT_NO_FATAL_FAILURE(Start());  // the robot does not need them
 }
 
@@ -77,7 +77,7 @@ TEST_F(Keys, NeedAConfigThatSaysWhereTheyAre) {
   std::ofstream(open) << text.substr(0, text.find("[security]"));
   const Ended init = Musher({"keys", "init", open});
   EXPECT_EQ(init.exit, 2);
-  EXPECT_THAT(init.err, HasSubstr("add to it: [security] keys = \"keys\""));
+  EXPECT_THAT(init.err, HasSubstr("add: [security] keys = \"keys\""));
 }
 
 TEST_F(Keys, HaveNamesThatCannotEscapeTheirFolder) {
@@ -100,14 +100,15 @@ class WrongKeys : public SecuredMachine {
 
 TEST_F(WrongKeys, ThatOthersCanRead) {
   ASSERT_EQ(chmod((keys_ + "/voice.key").c_str(), 0640), 0);
-  ExpectRefusal(keys_ + "/voice.key can be read by others; `chmod 600 " + keys_ + "/voice.key`");
+  ExpectRefusal(keys_ + "/voice.key is readable by others; run `chmod 600 " + keys_ +
+                "/voice.key`");
 }
 
 TEST_F(WrongKeys, ThatAreMissing) {
   fs::remove(keys_ + "/legs.cert");
-  ExpectRefusal("legs.cert: No such file or directory; `musher keys add legs` makes an identity");
+  ExpectRefusal("legs.cert: No such file or directory; `musher keys add legs` creates an identity");
   fs::remove_all(keys_);
-  ExpectRefusal("identity_ca.cert: No such file or directory; `musher keys init` makes");
+  ExpectRefusal("identity_ca.cert: No such file or directory; `musher keys init` creates");
 }
 
 TEST_F(WrongKeys, OfAnotherRobot) {

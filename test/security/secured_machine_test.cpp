@@ -78,8 +78,10 @@ TEST_F(SecuredMachine, SaysThatAnActuatorRunsWithoutKeys) {
                        "--config", open});
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("controller started: epoch 1"), "");
-  EXPECT_THAT(Musher({"status"}).out, HasSubstr("process " + std::to_string(voice.pid()) +
-                                                " is not heard: has it the keys of this machine?"));
+  EXPECT_THAT(
+      Musher({"status"}).out,
+      HasSubstr("process " + std::to_string(voice.pid()) +
+                " runs but publishes no status: check that it has the keys of this machine"));
 }
 
 // Certificates and documents are public; of the keys nothing may turn up anywhere.

@@ -49,7 +49,7 @@ TEST_F(Strangers, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
   unsetenv("MUSHER_KEYS");
   const Ended status = Musher({"status"});
   EXPECT_EQ(status.exit, 3);
-  EXPECT_THAT(status.err, HasSubstr("is not heard without keys: use --keys FOLDER"));
+  EXPECT_THAT(status.err, HasSubstr("is unreachable without keys: use --keys FOLDER"));
   EXPECT_EQ(Musher({"set", "Active", "--timeout", "1"}).exit, 3);
   EXPECT_EQ(Musher({"estop", "--timeout", "1"}).exit, 3);
   setenv("MUSHER_KEYS", keys_.c_str(), 1);
@@ -66,7 +66,7 @@ TEST_F(Strangers, OfAnotherRobotAreStrangersHere) {
   ExpectWasAlone(*stranger);
   const Ended status = Musher({"status", "--keys", foreign, "--timeout", "1"});
   EXPECT_EQ(status.exit, 3);
-  EXPECT_THAT(status.err, HasSubstr("is not heard with the keys of operator in " + foreign));
+  EXPECT_THAT(status.err, HasSubstr("is unreachable with the keys of operator in " + foreign));
 }
 
 // The revoked one keeps the folder as it was, so that nothing on its own side stops it.
@@ -91,7 +91,7 @@ TEST_F(Strangers, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain)
   EXPECT_EQ(set.exit, 3) << set.out;
   const Ended own_side = As("fired", {"status"});
   EXPECT_EQ(own_side.exit, 2);
-  EXPECT_THAT(own_side.err, HasSubstr("fired.cert is revoked, says " + keys_ + "/revoked.crl"));
+  EXPECT_THAT(own_side.err, HasSubstr("fired.cert is revoked in " + keys_ + "/revoked.crl"));
 }
 
 }  // namespace musher::testing::unauthorized_test

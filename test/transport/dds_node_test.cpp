@@ -148,7 +148,7 @@ TEST_F(DdsNodes, RefuseASampleWithoutItsHeader) {
 }
 
 // A program that told something and ended was not heard by a reader that knew it for too short.
-TEST_F(DdsNodes, HaveToldWhatTheyWroteOnceTheyAreFlushedThoughTheyEndThen) {
+TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
   std::string heard;
   const auto there = MakeDdsNode(loop_, test_domain_);
   ASSERT_TRUE(there);
@@ -228,7 +228,7 @@ TEST(Settings, KeepOneHostOnLoopbackAndLetItsProcessesBeMany) {
   }
 }
 
-TEST(Settings, MeetByMulticastAndReadByUnicastWhoReadsPictures) {
+TEST(Settings, DiscoverByMulticastAndReadPicturesByUnicast) {
   for (const auto profile : {TransportProfile::kLocal, TransportProfile::kLan}) {
     EXPECT_THAT(dds::SettingsXml(profile, {}), Not(HasSubstr("AllowMulticast")));
     EXPECT_THAT(dds::SettingsXml(profile, {}, false, true),
@@ -236,7 +236,7 @@ TEST(Settings, MeetByMulticastAndReadByUnicastWhoReadsPictures) {
   }
 }
 
-TEST(Settings, TakeTheLeaseThatIsAskedFor) {
+TEST(Settings, TakeTheRequestedLease) {
   const std::string xml = dds::SettingsXml(TransportProfile::kLocal, Milliseconds(800));
   EXPECT_THAT(xml, HasSubstr("<LeaseDuration>800ms</LeaseDuration>"));
   EXPECT_THAT(xml, HasSubstr("<SPDPInterval>200ms</SPDPInterval>"));

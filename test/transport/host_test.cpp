@@ -133,7 +133,7 @@ TEST(NameLock, IsFreedByTheKernelWhenItsHolderIsKilled) {
   EXPECT_TRUE(NameLock::Acquire(name));
 }
 
-TEST(NameLock, TellsWhichProcessHoldsTheName) {
+TEST(NameLock, ReportsWhichProcessHoldsTheName) {
   const std::string name = UniqueName("legs");
   EXPECT_EQ(NameLock::HolderOf(name).pid, 0);
   Child holder([&] { return NameLock::Acquire(name); });
@@ -206,7 +206,7 @@ TEST(NameLock, DoesNotProveAProcessThatHoldsTheNameOfAnotherUser) {
   EXPECT_FALSE(NameLock::CheckHolder(name, holder.pid()));
 }
 
-TEST(Network, IsThereOnlyWhereAnInterfaceIsUpBesideTheLoopback) {
+TEST(Network, IsAvailableOnlyWithAnInterfaceBesideTheLoopback) {
   const pid_t child = fork();
   if (child == 0) {
     if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) _exit(2);

@@ -146,7 +146,7 @@ TEST(Rights, ToCyberdogsManagerAreTheOperatorsButForQuestionsAndWakingUp) {
   EXPECT_TRUE(may(Role::kController, "rr/*/poweroffReply"));
 }
 
-TEST(Governance, LetsNobodyInWithoutACertificate) {
+TEST(Governance, AdmitsNoParticipantWithoutACertificate) {
   const std::string xml = GovernanceXml(Protection::kSigned);
   EXPECT_THAT(xml, HasSubstr("<allow_unauthenticated_participants>false<"));
   EXPECT_THAT(xml, HasSubstr("<enable_join_access_control>true<"));

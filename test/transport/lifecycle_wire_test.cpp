@@ -17,7 +17,7 @@ TEST(LifecycleWire, KeepsTheStampOfAClock) {
   EXPECT_EQ(Stamped(ToNanoseconds(now)).stamp, now);
 }
 
-TEST(LifecycleWire, TakesAStampThatNoClockGivesForOneThatCanBeComputedWith) {
+TEST(LifecycleWire, ClampsAStampThatIsOutOfRange) {
   const Time now(std::chrono::hours(24 * 365 * 10));
   EXPECT_LT(Stamped(INT64_MIN).stamp - now, Duration::zero());
   EXPECT_GT(Stamped(INT64_MAX).stamp - now + std::chrono::hours(1), Duration::zero());

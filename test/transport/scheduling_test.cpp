@@ -74,7 +74,7 @@ ThreadSample Thread(int ran_ms, int waited_ms, bool runnable) {
   return {{Milliseconds(ran_ms), Milliseconds(waited_ms)}, runnable};
 }
 
-TEST_F(Scheduling, TellsAStoppedProcessFromARunningOne) {
+TEST_F(Scheduling, DistinguishesAStoppedProcessFromARunningOne) {
   const Child child([] {});
   EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kRunning));
   kill(child.pid(), SIGSTOP);
@@ -83,7 +83,7 @@ TEST_F(Scheduling, TellsAStoppedProcessFromARunningOne) {
   EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kRunning));
 }
 
-TEST_F(Scheduling, TellsAProcessWithManyThreadsStoppedWhenAllAre) {
+TEST_F(Scheduling, ReportsAProcessStoppedWhenAllItsThreadsAre) {
   const Child child([] {
     for (int i = 0; i < 3; ++i) std::thread(pause).detach();
   });
@@ -107,7 +107,7 @@ TEST_F(Scheduling, ReadsTheStateBehindAnyName) {
   EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kRunning));
 }
 
-TEST_F(Scheduling, CallsAProcessGoneBeforeAndAfterItIsReaped) {
+TEST_F(Scheduling, ReportsAnExitedProcessBeforeAndAfterItIsReaped) {
   pid_t pid = 0;
   {
     const Child child([] {});
@@ -140,7 +140,7 @@ TEST_F(Scheduling, CountsTheTimeAThreadRan) {
 }
 
 // Four share one CPU, so each waits three quarters of the time; a fifth has nothing to do.
-TEST_F(Scheduling, TellsAStarvedProcessFromOneThatHangs) {
+TEST_F(Scheduling, DistinguishesAStarvedProcessFromAHungOne) {
   const auto pinned = [cpu = sched_getcpu()] {
     cpu_set_t one;
     CPU_ZERO(&one);
@@ -211,7 +211,7 @@ class SmallQuota {
   std::string folder_;
 };
 
-TEST_F(Scheduling, TellsOneThatItsQuotaKeepsFromRunningFromOneThatHangs) {
+TEST_F(Scheduling, DistinguishesAThrottledProcessFromAHungOne) {
   const SmallQuota quota;
   std::optional<Child> throttled(ComputeForEver);
   if (!quota.Take(throttled->pid())) GTEST_SKIP() << "no cgroup with a CPU quota can be made here";

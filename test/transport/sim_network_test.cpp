@@ -88,7 +88,7 @@ TEST_F(SimNetwork, RepeatsLostReliableSamplesLaterAndInOrder) {
   EXPECT_EQ(heard_, all);
 }
 
-TEST_F(SimNetwork, LosesReliableSamplesForGoodWhenTold) {
+TEST_F(SimNetwork, LosesReliableSamplesWithReliableLoss) {
   Connect(kDefaultQos);
   network_.SetFaults({.reliable_loss = 1});
   Say(1, 3);
@@ -211,7 +211,7 @@ TEST_F(SimNetwork, LetsTheTwoSidesOfAMatchLearnOfEachOtherAtTheirOwnTime) {
   EXPECT_TRUE(writer_first && reader_first);
 }
 
-TEST_F(SimNetwork, DoesNotMatchAReaderThatAsksForMoreThanIsOffered) {
+TEST_F(SimNetwork, DoesNotMatchAReaderThatRequestsMoreThanIsOffered) {
   const auto best_effort = dog_->MakeRawWriter("a", "type", kBestEffort, {}).value();
   const auto reliable = desk_->MakeRawReader("a", "type", kDefaultQos, {}).value();
   const auto fleeting = dog_->MakeRawWriter("b", "type", kDefaultQos, {}).value();

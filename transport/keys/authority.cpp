@@ -12,7 +12,7 @@ namespace musher::transport::keys {
 namespace {
 
 constexpr std::chrono::days kAuthorityLife(3650);
-// A robot's clock may be behind that of the desk where its keys are made.
+// A robot's clock may be behind that of the computer that creates its credentials.
 constexpr std::chrono::days kClockSlack(1);
 
 WallTime Now() {
@@ -33,10 +33,9 @@ Result<Authority> ReadAuthority(const std::string& certificate_file, const std::
   auto certificate = ReadCertificate(certificate_file);
   if (!certificate) return certificate.error();
   if (!Exists(key_file)) {
-    return Error{kCodeFailed,
-                 key_file +
-                     " is not here: identities are issued and revoked where the folder "
-                     "ca/ is kept"};
+    return Error{kCodeFailed, key_file +
+                                  " is missing: issue and revoke identities where the folder "
+                                  "ca/ is kept"};
   }
   auto key = ReadKey(key_file);
   if (!key) return key.error();
@@ -81,7 +80,7 @@ Result<> CheckNew(const KeyFolder& folder, const std::string& name) {
   for (const auto& file : {folder.Key(name), folder.Certificate(name), folder.Permissions(name)}) {
     if (Exists(file)) {
       return Error{kCodeFailed, file +
-                                    " is there already; --force replaces it and revokes the "
+                                    " already exists; --force replaces it and revokes the "
                                     "certificate"};
     }
   }
@@ -93,8 +92,8 @@ Result<> CheckNew(const KeyFolder& folder, const std::string& name) {
 Result<> CreateAuthority(const KeyFolder& folder, Protection protection, bool force) {
   if (!force && (Exists(folder.IdentityCa()) || Exists(folder.IdentityCaKey()))) {
     return Error{kCodeFailed, folder.path() +
-                                  " has keys already; --force makes new ones, and those that were "
-                                  "given out are worthless then"};
+                                  " already has keys; --force creates new ones and makes those "
+                                  "already issued invalid"};
   }
   for (const std::string& one : {folder.path(), folder.CaFolder()}) {
     if (auto made = MakeFolder(one); !made) return made;
@@ -105,7 +104,7 @@ Result<> CreateAuthority(const KeyFolder& folder, Protection protection, bool fo
   const auto permissions = MakeAuthority("Musher permissions CA", folder.PermissionsCa(),
                                          folder.PermissionsCaKey(), force);
   if (!permissions) return permissions.error();
-  unlink(folder.Revocations().c_str());  // of the CA before
+  unlink(folder.Revocations().c_str());  // of the previous CA
   if (auto made = AddRevoked(folder, nullptr, identity.value()); !made) return made;
   return SignInto(folder.Governance(), GovernanceXml(protection), permissions.value(), force);
 }
@@ -115,7 +114,7 @@ Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
   if (!IsIdentityName(name)) {
     return Error{kCodeParametersInvalid,
                  "'" + name +
-                     "' is no name for an identity: expected letters, digits and '_', no digit "
+                     "' is not a valid identity name: expected letters, digits and '_', no digit "
                      "first, at most 64"};
   }
   if (!options.force) {

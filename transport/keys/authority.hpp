@@ -1,5 +1,5 @@
 #pragma once
-// Issues a robot's identities and revokes them. Needs the folder ca/ with the CAs' keys.
+// Issues and revokes a robot's identities. Needs the folder ca/ with the CAs' keys.
 //
 // Threads: one at a time for a folder.
 
@@ -8,24 +8,24 @@
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/keys/key_folder.hpp"
-#include "musher/transport/keys/rights.hpp"
+#include "musher/transport/keys/permissions.hpp"
 
 namespace musher::transport::keys {
 
 struct IssueOptions {
-  int days = 730;      // that a certificate and its permissions are valid; never longer than the CA
-  bool force = false;  // replace what is there; the certificate before is revoked
+  int days = 730;      // validity of a certificate and its permissions; never longer than the CA's
+  bool force = false;  // replace existing files and revoke the previous certificate
 };
 
-// Makes the folder, its CAs, valid for ten years, and its governance. Fails where there are CAs
-// already, unless forced: all identities of before are worthless then.
+// Creates the folder, its CAs, valid for ten years, and its governance. Fails if CAs exist, unless
+// forced: all earlier identities become invalid.
 Result<> CreateAuthority(const KeyFolder& folder, Protection protection, bool force);
 
-// Key, certificate and permissions of one identity. Fails where it exists, unless forced.
+// Creates key, certificate and permissions of one identity. Fails if it exists, unless forced.
 Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
                const IssueOptions& options);
 
-// From now on its certificate counts no more for those who have the new revoked.crl.
+// Revokes its certificate: processes that have the new revoked.crl no longer accept it.
 Result<> Revoke(const KeyFolder& folder, const std::string& name);
 
 struct Identity {
@@ -35,7 +35,7 @@ struct Identity {
   bool revoked = false;
   bool has_key = false;
 };
-// No secret among it.
+// Contains no secrets.
 Result<std::vector<Identity>> List(const KeyFolder& folder);
 
 }  // namespace musher::transport::keys

@@ -11,7 +11,7 @@
 namespace musher::transport::keys {
 namespace {
 
-constexpr long kVersion3 = 2;  // as X.509 counts
+constexpr long kVersion3 = 2;  // X.509 counts from 0
 constexpr long kCrlVersion2 = 1;
 
 TimePtr Asn1(WallTime time) {
@@ -45,7 +45,7 @@ bool Extend(X509* certificate, X509* issuer, int nid, const char* value) {
   return extension && X509_add_ext(certificate, extension.get(), -1) == 1;
 }
 
-// Two certificates with the same number never come about: it is 64 random bits.
+// A serial number of 64 random bits, so that no two certificates share one.
 std::optional<std::uint64_t> NewNumber() {
   std::uint64_t number = 0;
   if (RAND_bytes(reinterpret_cast<unsigned char*>(&number), sizeof number) != 1) return {};
@@ -134,7 +134,7 @@ Result<CrlPtr> NewRevocations(X509_CRL* old, X509* revoked, X509* authority,
     done = entry && X509_REVOKED_set_serialNumber(entry.get(), X509_get_serialNumber(revoked)) &&
            X509_REVOKED_set_revocationDate(entry.get(), now.get()) == 1 &&
            X509_CRL_add0_revoked(made.get(), entry.get()) == 1;
-    if (done) static_cast<void>(entry.release());  // the list's now
+    if (done) static_cast<void>(entry.release());  // now owned by the list
   }
   done = done && X509_CRL_sort(made.get()) == 1 &&
          X509_CRL_sign(made.get(), authority_key, EVP_sha256()) > 0;
@@ -195,7 +195,7 @@ Result<std::string> Sign(const std::string& document, X509* signer, EVP_PKEY* si
   return Contents(out.get());
 }
 
-// The signer is the one we know: certificates inside the document prove nothing.
+// Verifies with the given signer only: certificates inside the document prove nothing.
 Result<std::string> Signed(const std::string& smime, X509* signer) {
   constexpr int kFlags = PKCS7_TEXT | PKCS7_NOVERIFY | PKCS7_NOINTERN;
   const BioPtr in = Reading(smime);

@@ -19,9 +19,9 @@ Error NotVouchedFor(const KeyFolder& folder, const std::string& name, X509* cert
                      "; `musher keys add " + name + " --force` makes a new one");
     case X509_V_ERR_CERT_NOT_YET_VALID:
       return Refusal(file + " is valid from " + IsoTime(ValidityOf(certificate).not_before) +
-                     "; is the clock right?");
+                     "; check the clock");
     case X509_V_ERR_CERT_REVOKED:
-      return Refusal(file + " is revoked, says " + folder.Revocations());
+      return Refusal(file + " is revoked in " + folder.Revocations());
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
       return Refusal(file + " was not issued by the CA of " + folder.IdentityCa());
@@ -30,7 +30,7 @@ Error NotVouchedFor(const KeyFolder& folder, const std::string& name, X509* cert
   }
 }
 
-// The text between <tag> and </tag>; documents that we sign have each of those asked for once.
+// The text between <tag> and </tag>; the requested tags occur once in each document that we sign.
 std::string Tagged(const std::string& xml, const std::string& tag) {
   const std::size_t begin = xml.find("<" + tag + ">");
   const std::size_t end = xml.find("</" + tag + ">");
@@ -65,14 +65,15 @@ Result<> CheckDocuments(const KeyFolder& folder, const std::string& name, X509* 
 Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
   const auto authority = ReadCertificate(folder.IdentityCa());
   if (!authority) {
-    return Refusal(authority.error().message + "; `musher keys init` makes a robot's keys");
+    return Refusal(authority.error().message +
+                   "; `musher keys init` creates a robot's credentials");
   }
   const auto revocations = ReadRevocations(folder.Revocations());
   if (!revocations) return revocations.error();
   const auto certificate = ReadCertificate(folder.Certificate(identity));
   if (!certificate) {
     return Refusal(certificate.error().message + "; `musher keys add " + identity +
-                   "` makes an identity");
+                   "` creates an identity");
   }
   X509* own = certificate.value().get();
   const auto key = ReadKey(folder.Key(identity));

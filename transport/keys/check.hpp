@@ -1,17 +1,16 @@
 #pragma once
-// Judges the files of an identity before they are used. DDS Security would either refuse them with
-// a number, or take them and then match nobody, silently.
+// Checks the files of an identity before they are used. DDS Security would either refuse wrong
+// files with a number, or accept them and then silently match no participant.
 
 #include <string>
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/keys/key_folder.hpp"
-#include "musher/transport/keys/rights.hpp"
+#include "musher/transport/keys/permissions.hpp"
 
 namespace musher::transport::keys {
 
-// Until when they are valid. Fails with the file that is wrong, what is wrong with it, and what
-// helps.
+// Until when they are valid. The error names the wrong file, what is wrong, and what to do.
 Result<WallTime> Check(const KeyFolder& folder, const std::string& identity);
 
 }  // namespace musher::transport::keys

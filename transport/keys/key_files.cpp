@@ -33,11 +33,12 @@ BioPtr Bio(const UniqueFd& fd) {
   return BioPtr(BIO_new_fd(fd.get(), BIO_NOCLOSE));
 }
 
-// `write` fills a new file beside `file`, which takes its name when it is whole and on the disk.
+// `write` fills a new file beside `file`, which is renamed to `file` once it is complete and
+// synced.
 Result<> Write(const std::string& file, mode_t mode, bool replace,
                const std::function<bool(BIO*)>& write) {
   const std::string draft = file + ".new";
-  unlink(draft.c_str());  // of one that was interrupted
+  unlink(draft.c_str());  // left by an interrupted write
   const UniqueFd fd(open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
   if (fd.get() < 0) return SystemError(file);
   const BioPtr bio = Bio(fd);
@@ -88,9 +89,10 @@ Result<KeyPtr> ReadKey(const std::string& file) {
   struct stat info {};
   if (fstat(fd.value().get(), &info) != 0) return SystemError(file);
   if ((info.st_mode & kOthers) != 0) {
-    return Error{kCodePermissionDenied, file + " can be read by others; `chmod 600 " + file + "`"};
+    return Error{kCodePermissionDenied,
+                 file + " is readable by others; run `chmod 600 " + file + "`"};
   }
-  // Without a callback libcrypto would ask the terminal for the password of an encrypted key.
+  // Without a callback libcrypto would prompt on the terminal for the password of an encrypted key.
   const auto no_password = [](char*, int, int, void*) { return -1; };
   KeyPtr key(PEM_read_bio_PrivateKey(Bio(fd.value()).get(), nullptr, no_password, nullptr));
   if (!key) return CryptoError(file + " is not a private key (PEM, without a password)");

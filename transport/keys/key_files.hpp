@@ -1,5 +1,5 @@
 #pragma once
-// Reads and writes the files of a folder of keys. All fail with the file's name.
+// Reads and writes the files of a key folder. All errors name the file.
 
 #include <string>
 
@@ -7,15 +7,15 @@
 
 namespace musher::transport::keys {
 
-// A key that others can read is refused.
+// Refuses a key that other users can read.
 Result<std::string> ReadText(const std::string& file);
 Result<CertificatePtr> ReadCertificate(const std::string& file);
 Result<CrlPtr> ReadRevocations(const std::string& file);
 Result<KeyPtr> ReadKey(const std::string& file);
 
-// Files appear whole, or not at all, and never with another mode than the one they are to have.
-// Replaces a file only if `replace`.
-Result<> MakeFolder(const std::string& folder);  // 0700; one that is there is left as it is
+// Writes are atomic, and files have their final mode from the start. Replaces a file only if
+// `replace`.
+Result<> MakeFolder(const std::string& folder);  // 0700; an existing one is unchanged
 Result<> WriteText(const std::string& file, const std::string& text, bool replace);
 Result<> WriteCertificate(const std::string& file, X509* certificate, bool replace);
 Result<> WriteRevocations(const std::string& file, X509_CRL* revocations);

@@ -1,16 +1,16 @@
 #pragma once
 // A robot's folder of keys.
 //
-//   identity_ca.cert      vouches for certificates        } the same for all, no secret
-//   permissions_ca.cert   vouches for documents           }
-//   governance.p7s        what is protected, and how      }
-//   revoked.crl           certificates that count no more }
-//   <name>.cert           who this is                     } one of each identity,
-//   <name>.permissions    what it may do                  } no secret
-//   <name>.key            its secret: 0600
-//   ca/                   the keys of the two CAs: only who issues identities needs them
+//   identity_ca.cert      verifies certificates         } the same for all, not secret
+//   permissions_ca.cert   verifies signed documents     }
+//   governance.p7s        what is protected, and how    }
+//   revoked.crl           revoked certificates          }
+//   <name>.cert           certificate                   } one for each identity,
+//   <name>.permissions    its permissions               } not secret
+//   <name>.key            its private key: 0600
+//   ca/                   the keys of the two CAs: only needed to issue identities
 //
-// The two CAs are apart so that nobody whose certificate the one has signed can sign permissions.
+// There are two CAs so that no holder of a certificate of the first can sign permissions.
 
 #include <string>
 #include <vector>
@@ -42,7 +42,8 @@ class KeyFolder {
   std::string path_;
 };
 
-// What can be an identity's name: that of an actuator, which ends up in file names and documents.
+// Whether `name` is valid for an identity: like an actuator's name, since file names and documents
+// contain it.
 bool IsIdentityName(const std::string& name);
 
 }  // namespace musher::transport::keys

@@ -1,5 +1,5 @@
 #pragma once
-// Owners of libcrypto's objects, and its reasons as sentences.
+// Owners of libcrypto's objects, and its errors as text.
 
 #include <openssl/bio.h>
 #include <openssl/err.h>
@@ -38,7 +38,7 @@ struct CertificateStackDeleter {
 };
 using CertificateStackPtr = std::unique_ptr<STACK_OF(X509), CertificateStackDeleter>;
 
-// "<what>: <libcrypto's reason>"; takes the reason, so that the next failure has its own.
+// "<what>: <libcrypto's reason>"; removes the reason from libcrypto's queue.
 inline Error CryptoError(const std::string& what) {
   const unsigned long code = ERR_get_error();
   ERR_clear_error();

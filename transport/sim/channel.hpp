@@ -1,6 +1,7 @@
 #pragma once
-// The ends of the simulated wire, plain records: writers, readers, and the channel between a
-// matching pair. Each side of a channel learns of the other by itself, at its own time.
+// The endpoints of the simulated transport, plain records: writers, readers, and the channel
+// between a matching pair. Each side of a channel discovers the other independently, at its own
+// time.
 
 #include <deque>
 #include <memory>
@@ -25,7 +26,7 @@ struct End {
   HostId host = 0;
   Qos qos;
   bool open = true;  // false: dropped by its owner, or its process has crashed
-  PeerTable peers;   // those it has learnt of
+  PeerTable peers;   // the discovered ones
   std::vector<std::shared_ptr<Channel>> channels;
 };
 
@@ -43,11 +44,11 @@ enum class Side { kWriter, kReader };
 struct Channel {
   std::shared_ptr<WriterEnd> writer;
   std::shared_ptr<ReaderEnd> reader;
-  bool writer_knows = false;  // of the reader, so it sends
-  bool reader_knows = false;  // of the writer, so it accepts
-  Time last_arrival;          // of a sample that kept its place
-  std::deque<Payload> held;   // reliable samples that a blocked link keeps back
-  std::deque<Payload> early;  // reliable samples that arrived before the reader knew
+  bool writer_knows = false;  // has discovered the reader, so it sends
+  bool reader_knows = false;  // has discovered the writer, so it accepts
+  Time last_arrival;          // of a sample in order
+  std::deque<Payload> held;   // reliable samples held by a blocked link
+  std::deque<Payload> early;  // reliable samples that arrived before the reader's discovery
 
   bool& Knows(Side side) { return side == Side::kWriter ? writer_knows : reader_knows; }
   End& At(Side side) {

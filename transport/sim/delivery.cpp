@@ -7,13 +7,13 @@ namespace musher::transport::sim {
 
 namespace {
 
-constexpr int kMostLosses = 100;  // of one sample, so that a link which loses all ends a simulation
+constexpr int kMostLosses = 100;  // of one sample, so that a simulation with total loss ends
 
 bool Reliable(const Channel& channel) {
   return channel.reader->qos.reliability == Qos::Reliability::kReliable;
 }
 
-// Adds to what a writer keeps, the newest `depth` (0: all).
+// Adds to a writer's history, which keeps the newest `depth` (0: all).
 void Keep(std::deque<Payload>& kept, const Payload& payload, int depth) {
   kept.push_back(payload);
   if (depth > 0 && kept.size() > static_cast<std::size_t>(depth)) kept.pop_front();

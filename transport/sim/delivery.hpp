@@ -1,9 +1,8 @@
 #pragma once
-// Carries samples over the channels of a simulation, with the faults of the link.
+// Delivers samples over the channels of a simulation, with the link's faults.
 //
-// A reliable sample keeps its place behind the earlier ones, is late instead of lost, waits out a
-// blocked link (the newest `depth` of the writer do) and a reader that has not learnt of the
-// writer.
+// Reliable samples stay in order, are delayed instead of lost, and wait for a blocked link (the
+// newest `depth` of the writer) and for a reader that has not discovered the writer.
 
 #include <memory>
 
@@ -19,12 +18,13 @@ class Delivery {
   Delivery(Scheduler& scheduler, const Links& links, Random& random)
       : scheduler_(scheduler), links_(links), random_(random) {}
 
-  // From a writer to the readers it knows.
+  // From a writer to its discovered readers.
   void Write(WriterEnd& writer, const Payload& payload);
 
-  void SendHistory(const std::shared_ptr<Channel>& channel);   // to a late joiner
-  void SendHeld(const std::shared_ptr<Channel>& channel);      // after a link is free again
-  void DeliverEarly(const std::shared_ptr<Channel>& channel);  // once the reader knows the writer
+  void SendHistory(const std::shared_ptr<Channel>& channel);  // to a late joiner
+  void SendHeld(const std::shared_ptr<Channel>& channel);     // after the link is unblocked
+  void DeliverEarly(
+      const std::shared_ptr<Channel>& channel);  // once the reader discovers the writer
 
  private:
   void Send(const std::shared_ptr<Channel>& channel, const Payload& payload);

@@ -8,7 +8,7 @@ namespace musher::transport::sim {
 
 namespace {
 
-// DDS's rule: a writer must offer at least what a reader asks for.
+// DDS's rule: a writer must offer at least what a reader requests.
 bool Compatible(const Qos& offered, const Qos& requested) {
   return (offered.reliability == Qos::Reliability::kReliable ||
           requested.reliability == Qos::Reliability::kBestEffort) &&
@@ -87,7 +87,7 @@ void Discovery::Learn(const std::shared_ptr<Channel>& channel, Side side) {
 void Discovery::ForgetAt(Time when, const std::shared_ptr<Channel>& channel, Side side,
                          bool silent) {
   scheduler_.Add(channel->At(side).process, when, [this, channel, side, silent] {
-    // A farewell does not get through a blocked link; silence does.
+    // A blocked link drops the notification of a deletion; the lease still expires.
     if (silent || !Blocked(*channel, side)) Forget(channel, side);
   });
 }
@@ -163,7 +163,7 @@ void Discovery::LinkChanged(HostId from, HostId to) {
   const auto channels = channels_;
   for (const auto& channel : channels) {
     for (const Side side : {Side::kWriter, Side::kReader}) {
-      if (!Hears(*channel, side, from, to)) continue;
+      if (!ReceivesOver(*channel, side, from, to)) continue;
       if (!channel->At(Other(side)).open) {
         ForgetAt(scheduler_.now() + links_.Faults(from, to).delay_max, channel, side, false);
       } else if (!channel->Knows(side)) {
@@ -178,12 +178,12 @@ void Discovery::ExpireLeases(HostId from, HostId to) {
   const auto channels = channels_;
   for (const auto& channel : channels) {
     for (const Side side : {Side::kWriter, Side::kReader}) {
-      if (Hears(*channel, side, from, to)) ForgetAt(scheduler_.now(), channel, side, true);
+      if (ReceivesOver(*channel, side, from, to)) ForgetAt(scheduler_.now(), channel, side, true);
     }
   }
 }
 
-// Drops a channel that nobody will use any more. `channel` must not be an element of these lists.
+// Drops a channel that is no longer used. `channel` must not be an element of these lists.
 void Discovery::Remove(const std::shared_ptr<Channel>& channel) {
   if (channel->writer_knows || channel->reader_knows) return;
   if (channel->writer->open && channel->reader->open) return;
@@ -192,7 +192,7 @@ void Discovery::Remove(const std::shared_ptr<Channel>& channel) {
   std::erase(channels_, channel);
 }
 
-bool Discovery::Hears(const Channel& channel, Side side, HostId from, HostId to) {
+bool Discovery::ReceivesOver(const Channel& channel, Side side, HostId from, HostId to) {
   const HostId writer = channel.writer->host;
   const HostId reader = channel.reader->host;
   return side == Side::kWriter ? reader == from && writer == to : writer == from && reader == to;

@@ -1,9 +1,9 @@
 #pragma once
-// Who knows whom: matches writers with readers and tells each side of each match, of its loss, and
-// of what a blocked link does to both.
+// Discovery: matches writers with readers and notifies each side of each match and of its loss,
+// also because of a blocked link.
 //
-//   a side:  unaware --learns after its own delay--> aware --lease over, crash, deletion--> unaware
-//                ^-- a blocked link keeps it unaware until the link is free again --^
+//   a side:  unaware --discovers after its delay--> aware --lease over, crash, deletion--> unaware
+//                ^-- a blocked link keeps it unaware until the link is unblocked --^
 
 #include <map>
 #include <memory>
@@ -26,7 +26,7 @@ class Discovery {
   Discovery(Scheduler& scheduler, Links& links, Random& random, Delivery& delivery)
       : scheduler_(scheduler), links_(links), random_(random), delivery_(delivery) {}
 
-  // How long a side takes to learn of the other, and a silent participant to be taken for lost.
+  // The discovery delay of a side, and the time after which a silent participant is lost.
   void SetDelay(Duration least, Duration most);
   void SetLease(Duration lease) { lease_ = lease; }
 
@@ -34,12 +34,12 @@ class Discovery {
            const std::shared_ptr<WriterEnd>& writer);
   void Add(const std::string& topic, const std::string& type,
            const std::shared_ptr<ReaderEnd>& reader);
-  // Drops an end and tells the others.
+  // Drops an end and notifies the others.
   void Close(End& end) { Close(end, {}, false); }
-  // Drops all ends of a process; the others find out by the lease.
+  // Drops all ends of a process; the others notice when the lease expires.
   void Crash(ProcessId process);
 
-  // After a link was blocked or freed.
+  // After a link was blocked or unblocked.
   void LinkChanged(HostId from, HostId to);
 
  private:
@@ -55,8 +55,8 @@ class Discovery {
   void Forget(const std::shared_ptr<Channel>& channel, Side side);
   void ExpireLeases(HostId from, HostId to);
   void Remove(const std::shared_ptr<Channel>& channel);
-  // Whether what `side` learns of the other comes over the link.
-  static bool Hears(const Channel& channel, Side side, HostId from, HostId to);
+  // Whether the link carries the other side's announcements to `side`.
+  static bool ReceivesOver(const Channel& channel, Side side, HostId from, HostId to);
   bool Blocked(const Channel& channel, Side side) const;
   void Close(End& end, Time crash_noticed, bool crashed);
 
@@ -70,7 +70,7 @@ class Discovery {
 
   std::map<std::pair<std::string, std::string>, Topic> topics_;
   std::vector<std::shared_ptr<Channel>> channels_;
-  // Announcements from a process to another come in order, those of writers and of readers apart.
+  // Announcements from a process to another arrive in order, separately for writers and readers.
   std::map<std::tuple<ProcessId, ProcessId, Side>, Time> last_announcement_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The hosts of a simulation and what happens to samples between them.
+// The hosts of a simulation and the link faults between them.
 
 #include <cstdint>
 #include <string>
@@ -12,26 +12,26 @@ namespace musher::transport::sim {
 
 using HostId = std::uint32_t;
 
-// What one direction between two hosts does, a host and itself included. Inside a process nothing
-// is ever delayed or lost.
+// The faults of one direction between two hosts, also from a host to itself. Inside a process no
+// sample is delayed or lost.
 struct LinkFaults {
   Duration delay_min = std::chrono::microseconds(20);
   Duration delay_max = std::chrono::microseconds(100);
-  double loss = 0;  // a best-effort sample is gone, a reliable one is late
-  Duration retransmission = Milliseconds(10);   // how late, for each time it is lost
-  double duplication = 0;                       // a sample comes twice
+  double loss = 0;  // a best-effort sample is lost, a reliable one delayed
+  Duration retransmission = Milliseconds(10);   // the delay for each loss
+  double duplication = 0;                       // a sample arrives twice
   double reordering = 0;                        // a sample may be overtaken by later ones …
-  Duration reordering_delay = Milliseconds(5);  // … that come up to so much sooner
-  double reliable_loss = 0;                     // a reliable sample is gone in spite of everything
+  Duration reordering_delay = Milliseconds(5);  // … and arrive up to this much later
+  double reliable_loss = 0;                     // a reliable sample is lost without retransmission
 };
 
 class Links {
  public:
-  // The host of that name, a new one when there is none.
+  // The host of that name; creates it if necessary.
   HostId Host(const std::string& name);
   std::size_t hosts() const { return names_.size(); }
 
-  void SetFaults(const LinkFaults& faults);  // everywhere, also for hosts to come
+  void SetFaults(const LinkFaults& faults);  // on all links, also of later hosts
   void SetFaults(HostId from, HostId to, const LinkFaults& faults) { At(from, to).faults = faults; }
   const LinkFaults& Faults(HostId from, HostId to) const { return At(from, to).faults; }
 

@@ -1,6 +1,7 @@
 #pragma once
-// A robot's network in memory and virtual time, for tests: the same decision code, the same Node,
-// but delays, losses and crashes on order, and the same run from the same seed on every machine.
+// A simulated network in memory and virtual time, for tests: the same decision code and the same
+// Node interface, with injected delays, losses and crashes; the same seed gives the same run on
+// every machine.
 //
 //   sim::Network network(seed);
 //   auto dog = network.MakeNode("dog");
@@ -8,11 +9,11 @@
 //   network.Partition("dog", "desk");
 //   network.RunFor(Milliseconds(500));
 //
-// What it keeps of DDS: each half of a match is learnt at its own time; late joiners get a latched
-// history; a reliable sample is late rather than lost and arrives after a partition, however stale;
-// a silent process is taken for lost after its lease.
+// Properties of DDS that it models: each side discovers a match at its own time; late joiners get a
+// latched history; a reliable sample is delayed instead of lost and arrives after a partition, even
+// if outdated; a silent process is lost after its lease.
 //
-// Threads: one. Nodes must be gone before their network.
+// Threads: one. Nodes must be dropped before their network.
 
 #include <functional>
 #include <memory>
@@ -36,32 +37,32 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  // A process of its own on that host, which is made when there is none.
+  // A process of its own on that host; creates the host if necessary.
   std::unique_ptr<Node> MakeNode(const std::string& host);
 
-  // Faults, at any time; they concern what is sent from now on.
+  // Sets faults, at any time; they affect samples sent from now on.
   void SetFaults(const LinkFaults& faults) { links_.SetFaults(faults); }
   void SetFaults(const std::string& from, const std::string& to, const LinkFaults& faults);
-  // Nothing gets from one host to the other, or both ways, until it is freed or healed.
+  // Blocks all samples from one host to the other, or both ways, until Free() or Heal().
   void Block(const std::string& from, const std::string& to) { SetBlocked(from, to, true); }
   void Free(const std::string& from, const std::string& to) { SetBlocked(from, to, false); }
   void Partition(const std::string& a, const std::string& b);
   void Heal(const std::string& a, const std::string& b);
-  // How long a process takes to learn of a new writer or reader.
+  // The time until a process discovers a new writer or reader.
   void SetDiscoveryDelay(Duration least, Duration most) { discovery_.SetDelay(least, most); }
-  // A silent process is taken for lost after half of it to all of it.
+  // A silent process is lost after half the lease to the whole lease.
   void SetLease(Duration lease) { discovery_.SetLease(lease); }
   // How far the steady clocks of a host's processes are ahead of the network's.
   void SetClockOffset(const std::string& host, Duration offset);
 
-  // Told of every sample that is written, with the participant of its writer; may be empty.
+  // Called for every written sample, with the participant of its writer; may be empty.
   std::function<void(PeerId participant, const std::string& topic, const msg::Bytes&)> on_write;
   PeerId ParticipantOf(Node& node) const;
 
-  // The process of a node ends in mid-sentence: none of its callbacks runs any more. The node and
-  // what was made from it can still be dropped, and do nothing else.
+  // Crashes the process of a node: none of its callbacks runs any more. The node and the objects
+  // made from it can still be dropped, and do nothing else.
   void Crash(Node& node);
-  // The process stands still (SIGSTOP): what is due for it waits until it is resumed.
+  // Stops the process (SIGSTOP): its due events wait until Resume().
   void Pause(Node& node);
   void Resume(Node& node);
 
@@ -72,7 +73,8 @@ class Network {
   // Runs the next event; false when there is none.
   bool Step() { return scheduler_.Step(Time::max()); }
   void RunFor(Duration duration);
-  // Until `done` holds (checked after every event) or the deadline is over; says whether it held.
+  // Until `done` holds (checked after every event) or the deadline is over; returns whether it
+  // held.
   bool RunUntil(const std::function<bool()>& done, Time deadline);
 
  private:

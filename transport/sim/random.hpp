@@ -1,6 +1,6 @@
 #pragma once
-// The chance of a simulation: splitmix64, the same numbers from the same seed on every machine (the
-// distributions of the standard library are not).
+// The random generator of a simulation: splitmix64. The same seed gives the same numbers on every
+// machine, unlike the distributions of the standard library.
 
 #include <cstdint>
 
@@ -20,7 +20,7 @@ class Random {
     return z ^ (z >> 31);
   }
 
-  // True in a share of `probability` of the calls; draws nothing when that is certain.
+  // True with `probability`; takes no sample if that is certain.
   bool Chance(double probability) {
     if (probability <= 0) return false;
     if (probability >= 1) return true;

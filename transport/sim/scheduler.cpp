@@ -7,7 +7,7 @@ namespace musher::transport::sim {
 
 namespace {
 
-// So that times before the start of a simulation can be written.
+// Leaves room for times before the start of a simulation.
 constexpr Time kStart = Time(std::chrono::hours(1));
 
 }  // namespace

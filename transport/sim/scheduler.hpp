@@ -1,7 +1,7 @@
 #pragma once
-// Virtual time: all events of a simulation in the order of their time, those of the same time in
-// the order they were added. Each belongs to a process; a crashed one's are dropped, a paused one's
-// wait.
+// Virtual time: all events of a simulation in order of time, events of the same time in the order
+// in which they were added. Each belongs to a process; events of a crashed process are dropped,
+// those of a paused process wait.
 
 #include <cstdint>
 #include <functional>
@@ -33,14 +33,14 @@ class Scheduler {
   void Resume(ProcessId process);
   bool Alive(ProcessId process) const { return processes_[process].alive; }
 
-  // Adds `work` at `when`, or now when that is past; nothing for a process that is not alive.
+  // Adds `work` at `when`, or now if that is past; no effect for a process that is not alive.
   EventId Add(ProcessId process, Time when, Work work);
-  // Nothing happens when it has run.
+  // No effect if the event has run.
   void Cancel(EventId event);
 
-  // Runs the next event, if it is due by `limit`; says whether one ran.
+  // Runs the next event if it is due by `limit`; returns whether one ran.
   bool Step(Time limit);
-  // Lets time pass to `when`; there must be no event before it.
+  // Advances time to `when`; there must be no earlier event.
   void AdvanceTo(Time when);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// The event loop of a simulated process: a window on the network's one queue of events. It has no
-// file descriptors, and running it runs the whole network.
+// The event loop of a simulated process: a view of the network's event queue. It has no file
+// descriptors, and running it runs the whole network.
 
 #include <functional>
 
@@ -19,9 +19,9 @@ class SimLoop : public EventLoop {
   void Post(std::function<void()> work) override;
   LoopHandlePtr At(Time when, std::function<void()> callback) override;
   LoopHandlePtr Every(Duration period, std::function<void()> callback) override;
-  // There are none: aborts.
+  // Not supported: aborts.
   LoopHandlePtr WhenReadable(int fd, std::function<void()> callback) override;
-  // Also returns when no event of the network is left.
+  // Also returns if the network has no more events.
   void Run() override;
   bool RunUntil(const std::function<bool()>& done, Time deadline) override;
   void Stop() override { stop_ = true; }
@@ -37,8 +37,8 @@ class SimLoop : public EventLoop {
   bool stop_ = false;
 };
 
-// Runs events until `done` holds (checked after every event) or `limit` is reached; says whether it
-// held. Virtual time is at `limit` when it did not.
+// Runs events until `done` holds (checked after every event) or `limit` is reached; returns whether
+// it held. If not, virtual time is at `limit`.
 bool RunEventsUntil(Scheduler& scheduler, const std::function<bool()>& done, Time limit);
 
 }  // namespace musher::transport::sim

@@ -25,7 +25,7 @@ class SimWriter : public RawWriter {
     delivery_.Write(*end_, std::make_shared<const msg::Bytes>(std::move(bytes)));
     return Ok();
   }
-  // Virtual time cannot pass in here, and what is written arrives without its writer.
+  // Virtual time cannot pass in here, and written samples arrive without a flush.
   Result<> Flush(Duration) override { return Ok(); }
   int MatchedReaders() const override { return end_->peers.size(); }
   int ReadersOf(PeerId participant) const override { return end_->peers.CountOf(participant); }

@@ -1,4 +1,4 @@
-# bash completion for musher: the program itself says what may come next.
+# bash completion for musher: the program itself prints the completions.
 
 _musher_files() {
   local file
@@ -11,7 +11,7 @@ _musher_files() {
 _musher() {
   local program=${1:-musher} current=${COMP_WORDS[COMP_CWORD]} line IFS=$'\n'
   type -P "$program" >/dev/null || program=musher
-  # Behind the '=' of --option=value bash completes the value alone.
+  # After the '=' of --option=value bash completes the value alone.
   [[ $current == '=' ]] && current=
   COMPREPLY=()
   while read -r line; do

@@ -1,5 +1,4 @@
-// What may stand where a command line goes on: by the grammar itself, so that no list of options
-// has to be kept beside it.
+// Completion of a command line. It reads the grammar itself, so no second list of options exists.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -32,14 +31,14 @@ std::vector<CLI::Option*> Positionals(CLI::App* command) {
 
 }  // namespace
 
-// Goes over the finished words, as the parser does: into the command they name, past its arguments,
-// to an option whose value comes next.
+// Walks over the finished words as the parser does: into the command that they name, past its
+// arguments, to an option whose value comes next.
 class Grammar::Walk {
  public:
   explicit Walk(Grammar& grammar) : grammar_(grammar), command_(grammar.app_.get()) {}
 
   void Over(const std::string& word) {
-    if (word == "=" && value_of_ != nullptr) return;  // bash makes three words of --option=value
+    if (word == "=" && value_of_ != nullptr) return;  // bash splits --option=value into three words
     if (value_of_ != nullptr && !(word.starts_with('-') && value_of_->get_expected_min() == 0)) {
       return Take(std::exchange(value_of_, nullptr), word);
     }
@@ -100,7 +99,7 @@ class Grammar::Walk {
     return own != nullptr ? own : grammar_.app_->get_option_no_throw(name);
   }
 
-  // The last argument may stand for any number of words.
+  // The last argument may take any number of words.
   const CLI::Option* NextPositional() const {
     const auto all = Positionals(command_);
     if (positionals_ < all.size()) return all[positionals_];
@@ -113,7 +112,7 @@ class Grammar::Walk {
     ++positionals_;
   }
 
-  // Of the values those count that say whose names are meant.
+  // Keeps the values that decide which names are offered later.
   void Take(const CLI::Option* option, const std::string& word) {
     GlobalOptions& global = grammar_.global_;
     const auto offered = grammar_.offers_.find(option);

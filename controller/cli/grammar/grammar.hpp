@@ -1,5 +1,5 @@
 #pragma once
-// The grammar of `musher`'s command line, as CLI11 has it: a file for each group of commands.
+// The grammar of `musher`'s command line, built with CLI11: one file for each group of commands.
 
 #include <functional>
 #include <map>
@@ -27,23 +27,23 @@ class Grammar {
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv);
 
-  // What may stand in place of the last of these words, which is not finished. They follow the
-  // program's name.
+  // The possible completions of the last of these words, which is unfinished. `words` starts after
+  // the program's name.
   CommandLine Complete(const std::vector<std::string>& words);
 
-  // As GrammarLines() has it.
+  // See GrammarLines().
   std::vector<std::string> Lines() const;
 
  private:
   class Walk;
 
-  // The options are filled in by CLI11 when the command is parsed.
+  // CLI11 fills in the options when it parses the command.
   template <class Options>
   CLI::App* AddCommand(const std::string& name, const std::string& what,
                        std::shared_ptr<Options> options) {
     return AddTo(*app_, name, what, [options] { return *options; });
   }
-  // With subcommands.
+  // A command with subcommands.
   CLI::App* AddFamily(const std::string& name, const std::string& what);
   template <class Options>
   CLI::App* AddSubcommand(CLI::App& group, const std::string& name, const std::string& what,
@@ -52,7 +52,7 @@ class Grammar {
   }
   CLI::App* AddTo(CLI::App& parent, const std::string& name, const std::string& what,
                   std::function<CommandOptions()> take);
-  // Only these are accepted, and offered by completion.
+  // The parser accepts only these words; completion offers them.
   CLI::Option* OneOf(CLI::Option* option, const std::vector<std::string>& words);
   // Completion offers these.
   CLI::Option* Offer(CLI::Option* option, Names names);
@@ -69,12 +69,12 @@ class Grammar {
   void AddPolicyCommands();
   void AddKeysCommands();
   void AddOtaCommands();
-  std::string Complaint(const CLI::ParseError& e) const;
+  std::string ErrorText(const CLI::ParseError& e) const;
   void TakeEnvironment();
   void TakeGlobalOptions();
 
   std::unique_ptr<CLI::App> app_;
-  std::string group_;  // in the help, of the commands that are added now
+  std::string group_;  // help group of the commands that are added next
   std::map<const CLI::Option*, Names> offers_;
   std::map<const CLI::Option*, std::vector<std::string>> choices_;
   GlobalOptions global_;

@@ -7,15 +7,15 @@
 namespace musher::cli {
 
 void Grammar::AddKeysCommands() {
-  CLI::App* keys = AddFamily("keys", "Make and revoke the keys that let a process in");
+  CLI::App* keys = AddFamily("keys", "Create and revoke the credentials of processes");
   const auto add_days = [](CLI::App* command, int& days) {
-    command->add_option("--days", days, "How long certificates are valid; default 730")
+    command->add_option("--days", days, "Days that a certificate is valid; default 730")
         ->check(CLI::Range(1, 3650).description(""))
         ->type_name("N");
   };
 
   auto init = std::make_shared<KeysInitOptions>();
-  auto* command = AddSubcommand(*keys, "init", "Make a machine's CAs and first identities", init);
+  auto* command = AddSubcommand(*keys, "init", "Create a machine's CAs and first identities", init);
   Offer(command->add_option("WHERE", init->where,
                             "A state config with [security]: for the controller,\n"
                             "the operator and all its actuators; or a folder"),
@@ -24,24 +24,25 @@ void Grammar::AddKeysCommands() {
       ->type_name("");
   add_days(command, init->days);
   command->add_flag("--signed-only", init->signed_only,
-                    "Data can be read on the network, not forged;\ndefault: encrypted, too");
-  command->add_flag("--force", init->force, "Replace those that are there");
+                    "Sign data but do not encrypt it; default: both");
+  command->add_flag("--force", init->force, "Replace existing ones");
 
   auto add = std::make_shared<KeysAddOptions>();
-  command = AddSubcommand(*keys, "add", "Make one more identity", add);
-  Offer(command->add_option("NAME", add->name, "An actuator's, or a person's"), Names::kActuators)
+  command = AddSubcommand(*keys, "add", "Create one more identity", add);
+  Offer(command->add_option("NAME", add->name, "Name of an actuator or a person"),
+        Names::kActuators)
       ->required()
       ->type_name("");
-  OneOf(command->add_option("--role", add->role, "What it may do; default actuator"),
+  OneOf(command->add_option("--role", add->role, "Its permissions; default actuator"),
         {"controller", "actuator", "operator", "observer"});
   add_days(command, add->days);
-  command->add_flag("--force", add->force, "Replace it, and revoke the one before");
+  command->add_flag("--force", add->force, "Replace it and revoke the previous one");
 
   auto revoke = std::make_shared<KeysRevokeOptions>();
-  command = AddSubcommand(*keys, "revoke", "Let an identity in no more", revoke);
-  command->add_option("NAME", revoke->name, "Whose certificate")->required()->type_name("");
+  command = AddSubcommand(*keys, "revoke", "Revoke an identity's certificate", revoke);
+  command->add_option("NAME", revoke->name, "Name of the identity")->required()->type_name("");
 
-  AddSubcommand(*keys, "list", "Show who has keys, as what, until when",
+  AddSubcommand(*keys, "list", "Show identities, their roles and expiry dates",
                 std::make_shared<KeysListOptions>());
 }
 

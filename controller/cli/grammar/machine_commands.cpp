@@ -1,4 +1,4 @@
-// Commands that speak to a controller.
+// Commands that call a controller.
 
 #include <CLI/CLI.hpp>
 
@@ -36,12 +36,11 @@ void Grammar::AddSwitchingCommands() {
       ->type_name("");
 
   auto estop = std::make_shared<EstopOptions>();
-  command = AddCommand("estop", "Emergency stop: also without a controller", estop);
+  command = AddCommand("estop", "Emergency stop; works without a controller, too", estop);
   auto* reason =
       command->add_option("REASON", estop->reason, "Why; `musher status` shows it")->type_name("");
   command
-      ->add_flag("--release", estop->release,
-                 "Release it; needs the controller, and changes no state")
+      ->add_flag("--release", estop->release, "Release it; needs the controller, changes no state")
       ->excludes(reason);
 }
 
@@ -54,7 +53,7 @@ void Grammar::AddMachineCommands() {
   auto capabilities = std::make_shared<CapabilitiesOptions>();
   command = AddCommand("capabilities", "Show what the robot can do now, and why not", capabilities);
   Offer(command->add_option("NAME", capabilities->name,
-                            "Only this one; exit code 1 when it is refused"),
+                            "Only this one; exit code 1 if it is refused"),
         Names::kCapabilities)
       ->type_name("");
 
@@ -76,53 +75,54 @@ void Grammar::AddMachineCommands() {
         Names::kApplications)
       ->required()
       ->type_name("");
-  command->add_option("--history", behavior->history, "The last so many changes; default 10")
+  command
+      ->add_option("--history", behavior->history, "Number of latest changes to show; default 10")
       ->check(CLI::Range(0U, 1000U).description(""))
       ->type_name("N");
   command->add_flag("-w,--watch", behavior->watch, "Show every change as it happens");
-  Offer(
-      command->add_option("--send", behavior->send, "Send it this command; one that it registered"),
-      Names::kCommands)
+  Offer(command->add_option("--send", behavior->send,
+                            "Send it this command, which it must have registered"),
+        Names::kCommands)
       ->check([](const std::string& word) { return word.empty() ? "needs a command" : ""; })
       ->type_name("COMMAND");
 }
 
 void Grammar::AddRecordCommands() {
-  group_ = "Look back";
+  group_ = "Inspect the past";
   auto history = std::make_shared<HistoryOptions>();
-  auto* command = AddCommand("history", "Show what happened, oldest first", history);
+  auto* command = AddCommand("history", "Show past events, oldest first", history);
   command->add_option("--since", history->since, "90s, 10m, 2h, 1d ago, or a date and time")
       ->check(IsTime())
       ->type_name("TIME");
-  command->add_option("--until", history->until, "The same; what came later is left out")
+  command->add_option("--until", history->until, "Same format; later events are left out")
       ->check(IsTime())
       ->type_name("TIME");
-  Offer(command->add_option("--actuator", history->actuator, "Only what concerns this one"),
+  Offer(command->add_option("--actuator", history->actuator, "Only events of this one"),
         Names::kActuators)
       ->type_name("NAME");
   command
       ->add_option("--limit", history->limit,
-                   "The newest so many entries that match; default 1000, 0: all")
+                   "Number of newest matching entries; default 1000, 0: all")
       ->check(CLI::Range(0U, 1'000'000U).description(""))
       ->type_name("N");
-  command->add_flag("--csv", history->csv, "Print a table for spreadsheets, RFC 4180");
+  command->add_flag("--csv", history->csv, "Print CSV (RFC 4180)");
   auto* journal = Offer(command->add_option("--journal", history->journal,
-                                            "Read this file instead of asking a controller"),
+                                            "Read this file instead of calling a controller"),
                         Names::kFiles)
                       ->type_name("FILE");
   auto* follow =
-      command->add_flag("-f,--follow", history->follow, "Then print what happens, until Ctrl-C");
+      command->add_flag("-f,--follow", history->follow, "Then print new events, until Ctrl-C");
   follow->excludes(journal);
   Offer(command->add_option("--why", history->why,
-                            "Why the machine is in its state, or went\n"
-                            "to STATE last: the chain of causes"),
+                            "Why the machine is in its current state, or\n"
+                            "last went to STATE: the chain of causes"),
         Names::kStates)
       ->expected(0, 1)
       ->excludes(follow)
       ->type_name("[STATE]");
 
   auto replay = std::make_shared<ReplayOptions>();
-  command = AddCommand("replay", "Re-run the decisions of a journal and compare", replay);
+  command = AddCommand("replay", "Re-run the recorded decisions of a journal and compare", replay);
   Offer(command->add_option("JOURNAL", replay->journal, "A controller's journal.sqlite"),
         Names::kFiles)
       ->required()
@@ -133,7 +133,7 @@ void Grammar::AddRecordCommands() {
   command->add_option("--since", replay->since, "90s, 10m, 2h, 1d ago, or a date and time")
       ->check(IsTime())
       ->type_name("TIME");
-  command->add_option("--epoch", replay->epoch, "Only what the controller of this epoch decided")
+  command->add_option("--epoch", replay->epoch, "Only decisions of the controller with this epoch")
       ->type_name("N");
 }
 

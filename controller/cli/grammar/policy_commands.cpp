@@ -1,4 +1,4 @@
-// What is asked of the policy.
+// Requests to the policy.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -13,15 +13,15 @@ void Grammar::AddPolicyCommands() {
 
   auto keep = std::make_shared<KeepOptions>();
   auto* command =
-      AddCommand("keep", "Switch to a state and stay there, whatever the battery says", keep);
-  constexpr std::int64_t kLongestKeep = 65'535;  // as CyberDog's service has it
+      AddCommand("keep", "Switch to a state and hold it, whatever the battery level", keep);
+  constexpr std::int64_t kLongestKeep = 65'535;  // limit of CyberDog's service
   auto* state =
       Offer(command->add_option("STATE", keep->state, "Active, Protected, ..."), Names::kStates)
           ->type_name("");
-  auto* seconds = command->add_option("--for", keep->seconds, "For so long")
+  auto* seconds = command->add_option("--for", keep->seconds, "How long")
                       ->check(CLI::Range(std::int64_t{1}, kLongestKeep).description(""))
                       ->type_name("SECONDS");
-  auto* end = command->add_flag("--end", keep->end, "End it before its time");
+  auto* end = command->add_flag("--end", keep->end, "End it early");
   state->needs(seconds);
   seconds->needs(state);
   end->excludes(state);
@@ -31,10 +31,10 @@ void Grammar::AddPolicyCommands() {
 
   auto low_power = std::make_shared<LowPowerOptions>();
   command =
-      AddCommand("low-power", "Whether the robot goes to LowPower when it lies still", low_power);
+      AddCommand("low-power", "Turn automatic LowPower when lying still on or off", low_power);
   OneOf(command->add_option_function<std::string>(
             "on|off", [low_power](const std::string& word) { low_power->on = word == "on"; },
-            "Remembered, unless --this-run"),
+            "Saved, unless --this-run"),
         {"on", "off"})
       ->required();
   command->add_flag("--this-run", low_power->this_run, "Only until the controller ends");

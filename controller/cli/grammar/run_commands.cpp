@@ -1,4 +1,4 @@
-// Commands that start a machine and end it.
+// Commands that start and stop a machine.
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -11,25 +11,26 @@ namespace musher::cli {
 void Grammar::AddRunCommands() {
   group_ = "Start and stop";
   auto up = std::make_shared<UpOptions>();
-  auto* command = AddCommand("up", "Start a machine and stay with it; Ctrl-C takes it down", up);
+  auto* command =
+      AddCommand("up", "Start a machine, stay in the foreground; Ctrl-C takes it down", up);
   Offer(command->add_option("FILE", up->file,
-                            "State config (TOML), or a folder with upgrades as\n"
-                            "`musher ota init` makes it"),
+                            "State config (TOML), or an upgrade root made by\n"
+                            "`musher ota init`"),
         Names::kConfigs)
       ->required()
       ->type_name("");
   command->add_flag("-d,--detach", up->detach,
-                    "Return when the start has ended; the machine stays up");
+                    "Return once start-up is complete; the machine stays up");
   command->add_flag("--takeover", up->takeover,
-                    "End a controller that leads this machine; its actuators\n"
-                    "go on and are taken over");
+                    "Replace the controller that leads this machine; its\n"
+                    "actuators keep running");
   command->add_flag("--adopt", up->adopt,
-                    "Take over actuators that run already with another config;\n"
-                    "without it they are a reason not to start");
+                    "Take control of actuators that already run with another\n"
+                    "config; without it they block the start");
   command->add_flag("--restarted", up->restarted,
-                    "For supervisors such as systemd: if the controller ended\n"
-                    "while it took the machine down, finish that and stay down");
-  // How a controller executes this program when it starts again; for no other use.
+                    "For supervisors such as systemd: if the last controller\n"
+                    "exited during TearDown, complete that and stay down");
+  // For internal use: a controller that restarts executes this program with it.
   command
       ->add_option_function<std::vector<int>>(
           "--resume",
@@ -41,12 +42,12 @@ void Grammar::AddRunCommands() {
       ->group("");
 
   auto down = std::make_shared<DownOptions>();
-  command = AddCommand("down", "Take the machine down: TearDown, then end its processes", down);
+  command = AddCommand("down", "Take the machine down: TearDown, then stop its processes", down);
   command->add_flag("--without-controller", down->without_controller,
-                    "End the actuators of the namespace that run though no\n"
-                    "controller leads them, all at the same time");
+                    "Stop the actuators of the namespace that run without a\n"
+                    "controller, all at the same time");
 
-  AddCommand("poweroff", "Take the machine down and the robot's power off",
+  AddCommand("poweroff", "Take the machine down and power the robot off",
              std::make_shared<PowerOffOptions>());
   AddCommand("reboot", "Take the machine down and reboot the robot",
              std::make_shared<RebootOptions>());

@@ -30,28 +30,28 @@ bool IsBad(const msg::BehaviorChange& change) {
 
 std::string BehaviorText(const std::string& name, const msg::GetBehavior::Response& report,
                          bool colour) {
-  const msg::GetBehavior::Response told = Printable(report);
+  const msg::GetBehavior::Response shown = Printable(report);
   std::string text = Paint(name, Style::kBold, colour) + "  ";
-  if (told.running) {
-    text += Paint(told.current_state, StyleOf(told), colour) +
-            fmt::format("  {}  for {:.3f} s", told.operating_mode, told.time_in_state_s) +
-            (told.ticking
-                 ? ""
-                 : "  " + Paint(told.held_by_stop ? "paused, held by the emergency stop" : "paused",
-                                Style::kBusy, colour)) +
+  if (shown.running) {
+    text += Paint(shown.current_state, StyleOf(shown), colour) +
+            fmt::format("  {}  for {:.3f} s", shown.operating_mode, shown.time_in_state_s) +
+            (shown.ticking ? ""
+                           : "  " + Paint(shown.held_by_stop ? "paused, held by the emergency stop"
+                                                             : "paused",
+                                          Style::kBusy, colour)) +
             '\n';
   } else {
-    text += Paint("does not run", Style::kBad, colour) + '\n';
+    text += Paint("not running", Style::kBad, colour) + '\n';
   }
-  text += fmt::format("{} tick{} in {:.3f} s of its time\n", told.iter_count,
-                      told.iter_count == 1 ? "" : "s", told.time_s);
-  if (!told.unsafe.empty()) text += Paint("unsafe: " + told.unsafe, Style::kBad, colour) + '\n';
-  if (!told.last_fault.empty()) {
-    text += Paint("last fault: " + told.last_fault, Style::kBad, colour) + '\n';
+  text += fmt::format("{} tick{} in {:.3f} s of its time\n", shown.iter_count,
+                      shown.iter_count == 1 ? "" : "s", shown.time_s);
+  if (!shown.unsafe.empty()) text += Paint("unsafe: " + shown.unsafe, Style::kBad, colour) + '\n';
+  if (!shown.last_fault.empty()) {
+    text += Paint("last fault: " + shown.last_fault, Style::kBad, colour) + '\n';
   }
-  if (told.history.empty()) return text;
+  if (shown.history.empty()) return text;
   Table table({"AT", "TICK", "FROM", "TO", "CAUSE"});
-  for (const msg::BehaviorChange& change : told.history) {
+  for (const msg::BehaviorChange& change : shown.history) {
     table.Add({{fmt::format("{:.3f} s", change.time_s), Style::kDim},
                {std::to_string(change.tick)},
                {Named(change.from)},
@@ -63,19 +63,19 @@ std::string BehaviorText(const std::string& name, const msg::GetBehavior::Respon
 
 std::string BehaviorLines(const msg::GetBehavior::Response& report, std::int64_t wall_ns,
                           bool colour) {
-  const msg::GetBehavior::Response told = Printable(report);
+  const msg::GetBehavior::Response shown = Printable(report);
   const std::string begin = Paint(LocalTime(wall_ns), Style::kDim, colour) + "  ";
   std::string text;
-  for (const msg::BehaviorChange& change : told.history) {
+  for (const msg::BehaviorChange& change : shown.history) {
     text += begin +
             fmt::format("{:>10.3f} s  {} -> {}  ", change.time_s, Named(change.from),
                         Named(change.to)) +
             Paint(CauseOf(change), IsBad(change) ? Style::kBad : Style::kPlain, colour) + '\n';
   }
-  // A machine inside of the state has moved.
-  const bool inside = told.current_state.find('/') != std::string::npos;
-  if (told.history.empty() || inside) {
-    text += begin + fmt::format("{:>10.3f} s  {}\n", told.time_s, Named(told.current_state));
+  // A nested state machine may have changed.
+  const bool inside = shown.current_state.find('/') != std::string::npos;
+  if (shown.history.empty() || inside) {
+    text += begin + fmt::format("{:>10.3f} s  {}\n", shown.time_s, Named(shown.current_state));
   }
   return text;
 }

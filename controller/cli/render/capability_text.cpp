@@ -21,10 +21,10 @@ Table::Cell Verdict(const msg::Capability& capability) {
 }  // namespace
 
 std::string CapabilitiesText(const msg::Capabilities& all, bool colour) {
-  const msg::Capabilities told = Printable(all);
-  if (told.capabilities.empty()) return "the config declares no capabilities\n";
+  const msg::Capabilities shown = Printable(all);
+  if (shown.capabilities.empty()) return "the config declares no capabilities\n";
   Table table({"CAPABILITY", "ALLOWED", "RUNS IN", "REASON"});
-  for (const msg::Capability& capability : told.capabilities) {
+  for (const msg::Capability& capability : shown.capabilities) {
     table.Add({{capability.name},
                Verdict(capability),
                {Join(capability.states)},
@@ -34,14 +34,14 @@ std::string CapabilitiesText(const msg::Capabilities& all, bool colour) {
 }
 
 std::string CapabilityText(const msg::Capability& one, bool colour) {
-  const msg::Capability told = Printable(one);
-  const Table::Cell verdict = Verdict(told);
-  std::string text = Paint(told.name, Style::kBold, colour) + "  " +
-                     Paint(told.allowed ? "allowed" : "refused", verdict.style, colour);
-  if (const std::string why = WhyNot(told); !why.empty()) text += ": " + why;
+  const msg::Capability shown = Printable(one);
+  const Table::Cell verdict = Verdict(shown);
+  std::string text = Paint(shown.name, Style::kBold, colour) + "  " +
+                     Paint(shown.allowed ? "allowed" : "refused", verdict.style, colour);
+  if (const std::string why = WhyNot(shown); !why.empty()) text += ": " + why;
   text += '\n';
-  if (!told.description.empty()) text += "  " + told.description + '\n';
-  return text + "  actuators: " + Join(told.actuators) + "; runs in: " + Join(told.states) + '\n';
+  if (!shown.description.empty()) text += "  " + shown.description + '\n';
+  return text + "  actuators: " + Join(shown.actuators) + "; runs in: " + Join(shown.states) + '\n';
 }
 
 }  // namespace musher::cli

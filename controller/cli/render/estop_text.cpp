@@ -1,4 +1,4 @@
-// What people see of an emergency stop and of a restart by hand.
+// Text output of an emergency stop and of `musher restart`.
 
 #include <fmt/format.h>
 
@@ -17,27 +17,26 @@ std::string Signed(const std::string& by, const std::string& reason) {
 std::string Outcome(const EstopReport::Actuator& actuator) {
   if (actuator.before) return "stopped before";
   if (actuator.stopped) return fmt::format("stopped after {} ms", ToMilliseconds(actuator.after));
-  return actuator.trouble.empty() ? "does not say that it has stopped"
-                                  : Printable(actuator.trouble);
+  return actuator.trouble.empty() ? "stop not confirmed" : Printable(actuator.trouble);
 }
 
 std::string StopSummary(const EstopReport& report) {
   const std::size_t count = report.actuators.size();
-  if (count == 0) return "no actuator is there";
+  if (count == 0) return "no actuator is present";
   return count == 1 ? "1 actuator is stopped" : fmt::format("{} actuators are stopped", count);
 }
 
-// How one goes on after a stop.
+// What to do after a stop.
 std::string NextStep(const msg::MachineStatus& machine) {
   if (machine.phase == "failed") {
-    return "its start goes on with `musher set SelfCheck`, then `musher set Active`";
+    return "continue its start with `musher set SelfCheck`, then `musher set Active`";
   }
   if (!machine.held_by_stop.empty()) {
-    return fmt::format("what the stop has switched off stays off until `musher set {}`: {}",
-                       machine.state, fmt::join(machine.held_by_stop, ", "));
+    return fmt::format("held by the stop until `musher set {}`: {}", machine.state,
+                       fmt::join(machine.held_by_stop, ", "));
   }
-  if (machine.degraded.empty()) return "`musher set STATE` moves it on";
-  return fmt::format("`musher set {}` drives those there that are not: {}", machine.state,
+  if (machine.degraded.empty()) return "`musher set STATE` switches it";
+  return fmt::format("`musher set {}` recovers the degraded actuators: {}", machine.state,
                      fmt::join(machine.degraded, ", "));
 }
 
@@ -57,35 +56,35 @@ std::string EstopText(const EstopReport& report, bool colour) {
   if (!report.complete()) return text;
   text += StopSummary(report);
   return text + (report.controller
-                     ? "; nothing goes up until `musher estop --release`\n"
-                     : "; no controller leads here: `musher up FILE` takes the stop over, and "
-                       "`musher estop --release` then ends it\n");
+                     ? "; no upward switch until `musher estop --release`\n"
+                     : "; no controller leads here: `musher up FILE` takes over the stop, then "
+                       "`musher estop --release` releases it\n");
 }
 
-std::string EstopComplaint(const EstopReport& report) {
-  std::string complaint;
+std::string EstopError(const EstopReport& report) {
+  std::string error;
   if (const auto missing = report.Missing(); !missing.empty()) {
-    complaint = fmt::format("not known to be stopped: {}", fmt::join(missing, ", "));
+    error = fmt::format("stop not confirmed: {}", fmt::join(missing, ", "));
   }
-  if (report.controller && !report.controller_took) {
-    complaint += std::string(complaint.empty() ? "" : "; ") +
-                 "the controller has not taken the stop: whoever starts now does not hear of it";
+  if (report.controller && !report.controller_latched) {
+    error += std::string(error.empty() ? "" : "; ") +
+             "the controller has not latched the stop: actuators that start now do not receive it";
   }
-  return complaint;
+  return error;
 }
 
-std::string ReleaseText(const msg::MachineStatus& told, bool colour) {
-  const msg::MachineStatus machine = Printable(told);
-  return "the emergency stop is released; no state was changed by that\n" + machine.machine +
-         " is in " + Paint(machine.state, StyleOfState(machine.state), colour) + " (" +
-         machine.phase + "); " + NextStep(machine) + '\n';
+std::string ReleaseText(const msg::MachineStatus& shown, bool colour) {
+  const msg::MachineStatus machine = Printable(shown);
+  return "emergency stop released; states are unchanged\n" + machine.machine + " is in " +
+         Paint(machine.state, StyleOfState(machine.state), colour) + " (" + machine.phase + "); " +
+         NextStep(machine) + '\n';
 }
 
-std::string RestartText(const msg::ActuatorInfo& told, bool colour) {
-  const msg::ActuatorInfo actuator = Printable(told);
+std::string RestartText(const msg::ActuatorInfo& shown, bool colour) {
+  const msg::ActuatorInfo actuator = Printable(shown);
   return actuator.name + " is back in " +
          Paint(actuator.state, StyleOfState(actuator.state), colour) +
-         fmt::format(", process {}\n", actuator.pid);
+         fmt::format(" (pid {})\n", actuator.pid);
 }
 
 }  // namespace musher::cli

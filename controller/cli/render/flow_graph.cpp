@@ -7,7 +7,7 @@
 namespace musher::cli {
 namespace {
 
-// States of the machine by rank, the most active first; those without a rank come with none.
+// The machine's states by rank, the most active first, without those that have no rank.
 std::map<int, std::vector<State>, std::greater<>> ByRank(const MachineConfig& config) {
   std::map<int, std::vector<State>, std::greater<>> by_rank;
   for (const State& state : config.states) {
@@ -16,7 +16,7 @@ std::map<int, std::vector<State>, std::greater<>> ByRank(const MachineConfig& co
   return by_rank;
 }
 
-bool HasWay(const MachineConfig& config, const State& from, const State& to) {
+bool HasTransition(const MachineConfig& config, const State& from, const State& to) {
   if (from == to) return false;
   const bool keeps_state = to == kSelfCheck && config.RankOf(from) && from != kError;
   return !keeps_state && FlowAllows(config, from, to);
@@ -24,19 +24,19 @@ bool HasWay(const MachineConfig& config, const State& from, const State& to) {
 
 }  // namespace
 
-std::vector<FlowWay> FlowWays(const MachineConfig& config) {
-  std::vector<FlowWay> ways;
+std::vector<FlowTransition> FlowTransitions(const MachineConfig& config) {
+  std::vector<FlowTransition> transitions;
   for (std::size_t i = 0; i < config.states.size(); ++i) {
     for (std::size_t k = i + 1; k < config.states.size(); ++k) {
       const State& a = config.states[i];
       const State& b = config.states[k];
-      const bool there = HasWay(config, a, b);
-      const bool back = HasWay(config, b, a);
-      if (there) ways.push_back({a, b, back});
-      if (back && !there) ways.push_back({b, a, false});
+      const bool forward = HasTransition(config, a, b);
+      const bool back = HasTransition(config, b, a);
+      if (forward) transitions.push_back({a, b, back});
+      if (back && !forward) transitions.push_back({b, a, false});
     }
   }
-  return ways;
+  return transitions;
 }
 
 std::string FlowDot(const MachineConfig& config) {
@@ -54,10 +54,10 @@ std::string FlowDot(const MachineConfig& config) {
   for (const State& s : config.states) {
     if (!config.RankOf(s)) dot += "  \"" + s + "\" [style=\"rounded,dashed\"];\n";
   }
-  for (const FlowWay& way : FlowWays(config)) {
-    dot += "  \"" + way.from + "\" -> \"" + way.to + "\"";
-    if (way.both) dot += " [dir=both]";
-    if (way.to == kTearDown || way.to == kError) dot += " [color=gray60]";
+  for (const FlowTransition& transition : FlowTransitions(config)) {
+    dot += "  \"" + transition.from + "\" -> \"" + transition.to + "\"";
+    if (transition.both) dot += " [dir=both]";
+    if (transition.to == kTearDown || transition.to == kError) dot += " [color=gray60]";
     dot += ";\n";
   }
   return dot + "}\n";
@@ -71,9 +71,9 @@ std::string FlowMermaid(const MachineConfig& config) {
     }
   }
   if (config.HasState(kSetUp)) text += "  [*] --> SetUp\n";
-  for (const FlowWay& way : FlowWays(config)) {
-    text += "  " + way.from + " --> " + way.to + "\n";
-    if (way.both) text += "  " + way.to + " --> " + way.from + "\n";
+  for (const FlowTransition& transition : FlowTransitions(config)) {
+    text += "  " + transition.from + " --> " + transition.to + "\n";
+    if (transition.both) text += "  " + transition.to + " --> " + transition.from + "\n";
   }
   if (config.HasState(kTearDown)) text += "  TearDown --> [*]\n";
   return text;

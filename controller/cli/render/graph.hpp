@@ -8,23 +8,23 @@
 
 namespace musher::cli {
 
-// A way from state to state; `both` when the way back exists too.
-struct FlowWay {
+// A transition between states; `both`: the reverse transition exists, too.
+struct FlowTransition {
   State from;
   State to;
   bool both = false;
 
-  friend bool operator==(const FlowWay&, const FlowWay&) = default;
+  friend bool operator==(const FlowTransition&, const FlowTransition&) = default;
 };
 
-// The ways that change the machine's state, in the config's order. A self-check in the run phase
-// leaves the state as it is and is none.
-std::vector<FlowWay> FlowWays(const MachineConfig& config);
+// The transitions that change the machine's state, in the config's order. A self-check in the run
+// phase keeps the state and is not among them.
+std::vector<FlowTransition> FlowTransitions(const MachineConfig& config);
 
 std::string FlowDot(const MachineConfig& config);
 std::string FlowMermaid(const MachineConfig& config);
 
-// Arrows lead from what must be up first to what comes after; dotted ones are `binds_to`.
+// Arrows lead from an actuator to those that start after it; dotted ones are `binds_to`.
 std::string ActuatorsDot(const MachineConfig& config);
 std::string ActuatorsMermaid(const MachineConfig& config);
 

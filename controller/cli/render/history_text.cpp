@@ -15,7 +15,7 @@ std::string Sentence(const std::string& message, std::int32_t code, bool colour)
   return Paint(WithCode(Printable(message), code), Style::kBad, colour);
 }
 
-// Of a table; quoted where it has to be.
+// A CSV field, quoted if necessary.
 std::string Field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";
@@ -23,7 +23,7 @@ std::string Field(const std::string& text) {
   return field + '"';
 }
 
-// A backtrace below its sentence. JSON is for programs.
+// A backtrace below its message. JSON data is not shown.
 std::string Below(const std::string& data) {
   if (data.starts_with('{')) return "";
   std::istringstream lines(data);
@@ -66,7 +66,7 @@ std::string WhyText(const Why& why, bool colour) {
             Sentence(e.message, e.code, colour) + '\n';
   }
   if (why.complete) return text;
-  return text + std::string(23, ' ') + "    because of something before what is told here\n";
+  return text + std::string(23, ' ') + "    because of an event before these entries\n";
 }
 
 std::string ProgressText(const Progress& progress, bool colour) {

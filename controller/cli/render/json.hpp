@@ -25,10 +25,10 @@
 
 namespace musher::cli {
 
-// `unlisted`: actuators of the namespace that run and are not in the machine's config.
+// `unlisted`: running actuators of the namespace that are not in the machine's config.
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, Running::Actuator>& unlisted = {});
-// A failure, and the actuators that run though no controller leads them.
+// A failure, and the actuators that run without a controller.
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, Running::Actuator>& running);
 std::string EndingJson(const std::vector<Ending::Outcome>& outcomes);
@@ -45,21 +45,21 @@ std::string HistoryJson(const msg::GetHistory::Response& history);
 std::string WhyJson(const Why& why);
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage);
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
-// What a command says that cannot go on with a config.
+// The failure of a command with an invalid config.
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);
 std::string KeysJson(const std::string& folder,
                      const std::vector<transport::keys::Identity>& identities);
-// A robot with upgrades, as `musher ota status` shows it.
+// The upgrade state of a robot for `musher ota status`.
 struct OtaRobot {
   struct SlotInfo {
     std::string slot;
     std::string role;
-    std::string version;  // empty: none that may be started
+    std::string version;  // empty: none that can be started
     std::string fault;    // why not
   };
   std::string robot;
   std::string root;
-  int pid = 0;  // of its controller; 0: it does not run
+  int pid = 0;  // of its controller; 0: not running
   std::optional<ota::TrialBootEnd> last;
   std::vector<SlotInfo> slots;
 };

@@ -1,4 +1,4 @@
-// What `musher ota` says with --json.
+// The JSON documents of `musher ota`.
 
 #include <nlohmann/json.hpp>
 

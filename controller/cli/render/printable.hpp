@@ -1,6 +1,5 @@
 #pragma once
-// Messages as they may be shown on a terminal: not only sentences, names and states, too, are what
-// somebody has sent.
+// Messages that are safe to print on a terminal: names and states, too, come from the network.
 
 #include <ranges>
 #include <string>
@@ -23,7 +22,7 @@ void MakePrintable(T& value) {
   }
 }
 
-// The message with every text in it Printable().
+// A copy of the message in which every text is Printable().
 template <msg::Fielded M>
 M Printable(M message) {
   MakePrintable(message);

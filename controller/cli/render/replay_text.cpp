@@ -25,18 +25,18 @@ std::string LineText(const recording::ReplayLine& line, bool colour) {
 
 std::string ReplayText(const recording::ReplayReport& report, bool colour) {
   std::string text;
-  const std::string* input = nullptr;  // of the differences told last
-  const auto tell_input = [&] {
+  const std::string* input = nullptr;  // of the last printed differences
+  const auto add_input = [&] {
     if (input != nullptr) text += Paint("    on " + Printable(*input), Style::kDim, colour) + '\n';
     input = nullptr;
   };
   for (const recording::ReplayLine& line : report.lines) {
-    if (input != nullptr && line.input != *input) tell_input();
+    if (input != nullptr && line.input != *input) add_input();
     if (line.mark != Mark::kSame) input = &line.input;
     if (line.mark == Mark::kSame && report.other_config) continue;
     text += LineText(line, colour);
   }
-  tell_input();
+  add_input();
   if (report.other_config) {
     text += "the machine ended in " + Printable(report.recorded_state) +
             ", with the other config in " + Printable(report.replayed_state) + '\n';
@@ -45,8 +45,7 @@ std::string ReplayText(const recording::ReplayReport& report, bool colour) {
     text += Count(report.not_replayed, "input") + " before the first snapshot left out\n";
   }
   text += Count(report.inputs, "input") + ", " + Count(report.decisions, "decision") + ": ";
-  text +=
-      report.equal() ? "each as it was recorded\n" : Count(report.differences, "difference") + "\n";
+  text += report.equal() ? "all as recorded\n" : Count(report.differences, "difference") + "\n";
   return text;
 }
 

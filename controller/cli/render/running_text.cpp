@@ -9,7 +9,7 @@ namespace musher::cli {
 namespace {
 
 std::string NoteOf(const Running::Actuator& actuator) {
-  if (!actuator.heard) return "its process is not heard";
+  if (!actuator.heard) return "its process publishes no status";
   const msg::ActuatorStatus status = Printable(actuator.status);
   std::string note;
   const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : "; ") + text; };
@@ -17,7 +17,7 @@ std::string NoteOf(const Running::Actuator& actuator) {
   if (status.emergency_stop != 0) {
     const std::string& by = status.emergency_stop_by;
     const std::string& reason = status.emergency_stop_reason;
-    add("stopped by an emergency stop" + (by.empty() ? "" : " of " + by) +
+    add("stopped by an emergency stop" + (by.empty() ? "" : " by " + by) +
         (reason.empty() ? "" : ": " + reason));
   }
   if (status.outcome_code != kCodeOk) add(WithCode(status.outcome_message, status.outcome_code));
@@ -41,7 +41,7 @@ std::string RunningText(const std::map<std::string, Running::Actuator>& running,
 std::string RunningNames(const std::map<std::string, Running::Actuator>& running) {
   std::string names;
   for (const auto& [name, actuator] : running) {
-    names += fmt::format("{}{} (process {})", names.empty() ? "" : ", ", Printable(name),
+    names += fmt::format("{}{} (pid {})", names.empty() ? "" : ", ", Printable(name),
                          actuator.status.pid);
   }
   return names;
@@ -50,9 +50,9 @@ std::string RunningNames(const std::map<std::string, Running::Actuator>& running
 std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour) {
   Table table({"ACTUATOR", "PID", "END"});
   for (const Ending::Outcome& outcome : outcomes) {
-    std::string end = !outcome.ended      ? "still runs"
-                      : outcome.torn_down ? "torn down, ended"
-                                          : "ended without TearDown";
+    std::string end = !outcome.ended      ? "still running"
+                      : outcome.torn_down ? "torn down, exited"
+                                          : "exited without TearDown";
     if (!outcome.signal.empty()) end += ", after " + outcome.signal;
     if (!outcome.torn_down && !outcome.trouble.empty()) end += ": " + outcome.trouble;
     table.Add({{Printable(outcome.name)},

@@ -26,7 +26,7 @@ bool IsWell(const msg::ActuatorInfo& a) {
   return a.health == HealthName(Health::kWell);
 }
 
-// "restarting, 2nd time", or how often it was.
+// "restarting, 2nd time", or the number of restarts.
 std::string RestartsOf(const msg::ActuatorInfo& a) {
   if (a.restarting)
     return "restarting" + (a.restarts > 1 ? ", " + Ordinal(a.restarts) + " time" : "");
@@ -34,7 +34,7 @@ std::string RestartsOf(const msg::ActuatorInfo& a) {
   return a.restarts == 1 ? "1 restart" : std::to_string(a.restarts) + " restarts";
 }
 
-// What is wrong with it, beginning with its health.
+// What is wrong with the actuator, beginning with its health.
 std::string TroubleOf(const msg::ActuatorInfo& a) {
   if (!a.degraded) return IsWell(a) ? a.message : a.health;
   const std::string why = WithCode(a.message, a.code);
@@ -42,7 +42,7 @@ std::string TroubleOf(const msg::ActuatorInfo& a) {
   return a.message.starts_with(a.health) ? why : a.health + ": " + why;
 }
 
-// What is to be said about an actuator beside its state.
+// The NOTE of an actuator.
 Table::Cell NoteOf(const msg::ActuatorInfo& a, bool held_by_stop) {
   std::string note;
   const auto add = [&note](const std::string& text) {
@@ -51,7 +51,7 @@ Table::Cell NoteOf(const msg::ActuatorInfo& a, bool held_by_stop) {
   if (!a.target.empty()) add(a.target != a.state ? "\u2192 " + a.target : "busy with " + a.target);
   if (held_by_stop) add("held by the stop");
   if (a.held) add("held");
-  // The health of one that is gone says more, as does that it will be back.
+  // For an absent actuator its health, or that it restarts, says more.
   if (a.presence != "present" && IsWell(a) && !a.restarting) add(a.presence);
   add(RestartsOf(a));
   add(TroubleOf(a));
@@ -65,14 +65,14 @@ bool IsHeldByStop(const msg::MachineStatus& status, const msg::ActuatorInfo& a) 
   return std::find(held.begin(), held.end(), a.name) != held.end();
 }
 
-// After the release, what the stop has switched off is still off.
+// After the release, functions that the stop switched off stay off.
 std::string HeldByStopOf(const msg::MachineStatus& status) {
   if (status.emergency_stop || status.held_by_stop.empty()) return "";
-  return fmt::format("held by the emergency stop that was released: {}; `musher set {}` ends that",
+  return fmt::format("still held by the released emergency stop: {}; `musher set {}` ends that",
                      fmt::join(status.held_by_stop, ", "), status.state);
 }
 
-// The degraded ones, each with its health where that says why.
+// The degraded actuators, each with its health if that says why.
 std::vector<std::string> DegradedOf(const msg::MachineStatus& status) {
   std::vector<std::string> degraded;
   for (const msg::ActuatorInfo& a : status.actuators) {
@@ -90,7 +90,7 @@ std::string EmergencyStopOf(const msg::MachineStatus& status) {
   return text;
 }
 
-// "the battery is at 15 %: …; kept in Active for 60 s"; empty where there is nothing to say.
+// "the battery is at 15 %: …; kept in Active for 60 s"; may be empty.
 std::string PolicyOf(const msg::PolicyInfo& p) {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
@@ -99,9 +99,9 @@ std::string PolicyOf(const msg::PolicyInfo& p) {
   } else if (p.battery >= 0) {
     add(fmt::format("the battery is at {} %{}", p.battery, p.charging ? ", being charged" : ""));
   }
-  if (p.battery_silent) add("nothing is heard of the battery");
+  if (p.battery_silent) add("no battery status received");
   if (!p.kept.empty()) add(fmt::format("kept in {} for {} s", p.kept, p.keep_s));
-  if (p.low_power_switch) add("LowPower when it lies still");
+  if (p.low_power_switch) add("automatic LowPower when lying still: on");
   if (!p.power.empty()) add(p.power + " is under way");
   return text;
 }
@@ -115,8 +115,8 @@ Style StyleOfState(std::string_view state) {
   return Style::kBusy;
 }
 
-std::string StatusText(const msg::MachineStatus& told, bool colour) {
-  const msg::MachineStatus status = Printable(told);
+std::string StatusText(const msg::MachineStatus& shown, bool colour) {
+  const msg::MachineStatus status = Printable(shown);
   std::string text = Paint(status.machine, Style::kBold, colour) + "  " +
                      Paint(status.state, StyleOfState(status.state), colour);
   if (!status.target.empty()) text += Paint(" \u2192 " + status.target, Style::kBusy, colour);
@@ -127,7 +127,7 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
                 Style::kDim, colour);
   text += '\n';
   if (status.emergency_stop) {
-    text += Paint(EmergencyStopOf(status) + "; nothing goes up until `musher estop --release`",
+    text += Paint(EmergencyStopOf(status) + "; no upward switch until `musher estop --release`",
                   Style::kBad, colour) +
             '\n';
   }
@@ -155,8 +155,8 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
   return text + table.Text(colour);
 }
 
-std::string StatusLine(const msg::MachineStatus& told, std::int64_t wall_ns) {
-  const msg::MachineStatus status = Printable(told);
+std::string StatusLine(const msg::MachineStatus& shown, std::int64_t wall_ns) {
+  const msg::MachineStatus status = Printable(shown);
   std::string line = LocalTime(wall_ns) + "  " + status.machine + "  " + status.state;
   if (!status.target.empty()) line += " \u2192 " + status.target;
   line += fmt::format("  ({}, switch {})", status.phase, status.switch_number);

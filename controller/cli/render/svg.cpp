@@ -17,7 +17,7 @@ namespace {
 using transport::SystemError;
 using transport::UniqueFd;
 
-// A nameless file in memory: `dot` reads one and writes the other, so that neither end ever waits.
+// An anonymous file in memory: `dot` reads one and writes another, so neither end ever blocks.
 Result<UniqueFd> MemoryFile(const std::string& content) {
   UniqueFd file(memfd_create("musher-graph", MFD_CLOEXEC));
   if (!file.valid()) return SystemError("memfd_create");
@@ -61,8 +61,8 @@ Result<std::string> RenderSvg(const std::string& dot) {
   posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) {
     return Error{kCodeFailed,
-                 "SVG is drawn by Graphviz, whose program 'dot' is not there: install the package "
-                 "graphviz, or take --format dot or mermaid"};
+                 "SVG needs the program 'dot', which is not installed: install the package "
+                 "graphviz, or use --format dot or mermaid"};
   }
   if (error != 0) return SystemError("dot", error);
   int status = 0;

@@ -7,8 +7,8 @@
 
 namespace musher::cli {
 
-// The SVG that the program `dot` makes of a DOT text. Fails, saying what to install, where there is
-// no such program.
+// Renders a DOT text to SVG with the program `dot`. If it is missing, the error says what to
+// install.
 Result<std::string> RenderSvg(const std::string& dot);
 
 }  // namespace musher::cli

@@ -19,10 +19,10 @@ Style StyleOfOutcome(std::string_view outcome) {
 
 }  // namespace
 
-std::string SwitchText(const msg::SetState::Response& told, bool colour) {
-  const msg::SetState::Response result = Printable(told);
+std::string SwitchText(const msg::SetState::Response& shown, bool colour) {
+  const msg::SetState::Response result = Printable(shown);
   std::string text = Paint(result.outcome, StyleOfOutcome(result.outcome), colour) + ": " +
-                     (result.state.empty()      ? "nothing is switched"
+                     (result.state.empty()      ? "nothing switched"
                       : result.actuator.empty() ? "the machine is in " + result.state
                                                 : result.actuator + " is in " + result.state);
   if (result.switch_number != 0) text += fmt::format(" (switch {})", result.switch_number);
@@ -40,19 +40,19 @@ std::string SwitchText(const msg::SetState::Response& told, bool colour) {
   return text + table.Text(colour);
 }
 
-std::string SwitchComplaint(const msg::SetState::Response& result) {
+std::string SwitchError(const msg::SetState::Response& result) {
   const std::string target =
       (result.actuator.empty() ? "" : result.actuator + " to ") + result.target;
   return target + " is " + result.outcome + ": " +
          (result.reason.empty() ? CodeText(result.code) : result.reason);
 }
 
-std::string SwitchProgressText(const msg::MachineStatus& told, const std::string& target,
+std::string SwitchProgressText(const msg::MachineStatus& shown, const std::string& target,
                                std::int64_t seconds) {
   constexpr std::size_t kMostNames = 4;
   constexpr std::size_t kWidth = 78;
   std::vector<std::string> switching;
-  for (const msg::ActuatorInfo& actuator : told.actuators) {
+  for (const msg::ActuatorInfo& actuator : shown.actuators) {
     if (!actuator.target.empty()) switching.push_back(Printable(actuator.name));
   }
   if (switching.empty()) return "";
@@ -65,8 +65,8 @@ std::string SwitchProgressText(const msg::MachineStatus& told, const std::string
   return text;
 }
 
-std::string PlanText(const msg::GetPlan::Response& told, bool colour) {
-  const msg::GetPlan::Response plan = Printable(told);
+std::string PlanText(const msg::GetPlan::Response& shown, bool colour) {
+  const msg::GetPlan::Response plan = Printable(shown);
   std::string text = plan.state + " \u2192 " + plan.target;
   if (!plan.actuator.empty()) text = plan.actuator + ": " + text;
   if (!plan.allowed) {

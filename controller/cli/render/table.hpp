@@ -9,7 +9,7 @@
 
 namespace musher::cli {
 
-// How many columns of a terminal a UTF-8 text takes, a character each.
+// The number of terminal columns of a UTF-8 text, one for each character.
 std::size_t Width(std::string_view text);
 
 class Table {
@@ -23,7 +23,7 @@ class Table {
 
   void Add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
 
-  // Lines with two spaces between columns and none at their ends.
+  // Two spaces between columns, no trailing spaces.
   std::string Text(bool colour) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What people see: the same messages that json.hpp gives to programs, as lines and tables.
+// Text output: the messages of json.hpp as lines and tables for people.
 
 #include <cstdint>
 #include <map>
@@ -20,30 +20,30 @@
 
 namespace musher::cli {
 
-// The style that says how good it is to be in a state.
+// The colour of a state, from good to bad.
 Style StyleOfState(std::string_view state);
 
 std::string StatusText(const msg::MachineStatus& status, bool colour);
-// The same on one line, for output that is not a terminal.
+// The status on one line, for output that is not a terminal.
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 
-// Actuators that run though no controller leads them; RunningNames() as "legs (process 7), …".
+// Actuators that run without a controller; RunningNames(): "legs (pid 7), …".
 std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour);
 std::string RunningNames(const std::map<std::string, Running::Actuator>& running);
 std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour);
 
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.
-std::string SwitchComplaint(const msg::SetState::Response& result);
+std::string SwitchError(const msg::SetState::Response& result);
 
-// What the switch to `target` still waits for, on less than a line; empty: nothing of it is known.
+// The actuators that the switch to `target` still waits for, on one line; empty: none known.
 std::string SwitchProgressText(const msg::MachineStatus& status, const std::string& target,
                                std::int64_t seconds);
 
 std::string EstopText(const EstopReport& report, bool colour);
-// Who has not stopped, as one sentence.
-std::string EstopComplaint(const EstopReport& report);
-// How a machine stands after the release of an emergency stop.
+// The actuators that have not stopped, as one sentence.
+std::string EstopError(const EstopReport& report);
+// The machine's state after the release of an emergency stop.
 std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
 std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
 
@@ -52,7 +52,7 @@ std::string CapabilityText(const msg::Capability& one, bool colour);
 
 std::string BehaviorText(const std::string& name, const msg::GetBehavior::Response& report,
                          bool colour);
-// Its changes, a line each, as they happen.
+// The state changes, one line each.
 std::string BehaviorLines(const msg::GetBehavior::Response& report, std::int64_t wall_ns,
                           bool colour);
 
@@ -60,9 +60,9 @@ std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 // "the machine went to ...", then a line "because ..." for each cause.
 std::string WhyText(const Why& why, bool colour);
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour);
-// The same as RFC 4180 has tables; with a line of names at its head, or without.
+// The entries as CSV (RFC 4180); `head`: with a header line.
 std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head);
-// A timeline; "-" before what is no longer decided, "+" before what is new.
+// A timeline; "-" marks decisions that are only recorded, "+" new ones.
 std::string ReplayText(const recording::ReplayReport& report, bool colour);
 std::string ProgressText(const Progress& progress, bool colour);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Lists and counts in sentences.
+// Lists and counts for sentences.
 
 #include <cstddef>
 #include <string>

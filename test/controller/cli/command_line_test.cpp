@@ -114,7 +114,7 @@ TEST(CommandLine, TakesTheNamespaceFromTheEnvironmentUnlessItIsGiven) {
 }
 
 TEST(CommandLine, RefusesWhatItDoesNotUnderstand) {
-  EXPECT_THAT(Wrong({"statsu"}), HasSubstr("no command 'statsu'; did you mean 'status'?"));
+  EXPECT_THAT(Wrong({"statsu"}), HasSubstr("unknown command 'statsu'; did you mean 'status'?"));
   EXPECT_THAT(Wrong({"set"}), HasSubstr("STATE is required"));
   EXPECT_THAT(Wrong({"set", "a", "b", "c"}), HasSubstr("not expected: c"));
   EXPECT_THAT(Wrong({"status", "--wtach"}), HasSubstr("--wtach"));
@@ -157,7 +157,7 @@ TEST(CommandLine, PointsFromEachMistakeToTheHelpOfItsCommand) {
   EXPECT_THAT(Wrong({"ota", "bundle", "x"}), EndsWith("; see musher ota bundle --help"));
   EXPECT_EQ(Wrong({"keys"}), "missing command; see musher keys --help");
   EXPECT_EQ(Wrong({"keys", "ad"}),
-            "there is no command 'ad'; did you mean 'add'? see musher keys --help");
+            "unknown command 'ad'; did you mean 'add'? see musher keys --help");
   EXPECT_EQ(Wrong({"--json"}), "missing command; see musher --help");
   EXPECT_THAT(Wrong({"--wat", "status"}), EndsWith("; see musher status --help"));
 }
@@ -166,10 +166,10 @@ TEST(CommandLine, GroupsTheCommandsByWhatTheyAreFor) {
   const auto parsed = Parse({"--help"});
   const std::string& help = std::get<ParseEnd>(parsed).out;
   std::size_t at = 0;
-  for (const char* line :
-       {"\nPrepare a config:\n  check ", "\nStart and stop:\n  up ", "\n  down ",
-        "\nOperate the machine:\n  status ", "\n  set ", "\n  estop ", "\nLook back:\n  history ",
-        "\nInstall and upgrade:\n  keys ", "\n  ota ", "\n  completion "}) {
+  for (const char* line : {"\nPrepare a config:\n  check ", "\nStart and stop:\n  up ", "\n  down ",
+                           "\nOperate the machine:\n  status ", "\n  set ", "\n  estop ",
+                           "\nInspect the past:\n  history ", "\nInstall and upgrade:\n  keys ",
+                           "\n  ota ", "\n  completion "}) {
     const std::size_t found = help.find(line, at);
     ASSERT_NE(found, std::string::npos) << line << " in " << help;
     at = found;
@@ -177,7 +177,7 @@ TEST(CommandLine, GroupsTheCommandsByWhatTheyAreFor) {
   EXPECT_THAT(help, Not(HasSubstr("\n  complete ")));
 }
 
-TEST(CommandLine, KnowsThatJsonWasAskedForInAWrongOne) {
+TEST(CommandLine, ReportsThatJsonWasRequestedInAWrongCommandLine) {
   EXPECT_TRUE(std::get<ParseEnd>(Parse({"nonsense", "--json"})).json);
   EXPECT_FALSE(std::get<ParseEnd>(Parse({"nonsense"})).json);
 }

@@ -102,7 +102,7 @@ TEST_F(Completion, OffersTheNamesOfTheConfigOnTheLine) {
   EXPECT_THAT(Offered({"replay", "--config", config_, ""}), ElementsAre(":files"));
 }
 
-TEST_F(Completion, AsksTheShellForFiles) {
+TEST_F(Completion, LetsTheShellCompleteFiles) {
   EXPECT_THAT(Offered({"check", ""}), ElementsAre(":configs"));
   EXPECT_THAT(Offered({"check", "a.toml", ""}), ElementsAre(":configs"));
   EXPECT_THAT(Offered({"ota", "install", ""}), ElementsAre(":folders"));

@@ -17,17 +17,18 @@ namespace musher::cli::graph_test {
 using ::testing::HasSubstr;
 
 TEST(Graph, HasEachWayOfTheFlowOnce) {
-  EXPECT_EQ(FlowWays(RobotConfig()), (std::vector<FlowWay>{{"SetUp", "TearDown", false},
-                                                           {"SetUp", "SelfCheck", false},
-                                                           {"SelfCheck", "TearDown", false},
-                                                           {"Active", "TearDown", false},
-                                                           {"LowPower", "TearDown", false},
-                                                           {"Error", "TearDown", false},
-                                                           {"SelfCheck", "Active", false},
-                                                           {"SelfCheck", "Error", true},
-                                                           {"Active", "LowPower", true},
-                                                           {"Active", "Error", false},
-                                                           {"LowPower", "Error", false}}));
+  EXPECT_EQ(FlowTransitions(RobotConfig()),
+            (std::vector<FlowTransition>{{"SetUp", "TearDown", false},
+                                         {"SetUp", "SelfCheck", false},
+                                         {"SelfCheck", "TearDown", false},
+                                         {"Active", "TearDown", false},
+                                         {"LowPower", "TearDown", false},
+                                         {"Error", "TearDown", false},
+                                         {"SelfCheck", "Active", false},
+                                         {"SelfCheck", "Error", true},
+                                         {"Active", "LowPower", true},
+                                         {"Active", "Error", false},
+                                         {"LowPower", "Error", false}}));
 }
 
 TEST(Graph, DrawsTheFlowWithRanksInDot) {

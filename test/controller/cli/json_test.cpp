@@ -8,7 +8,7 @@
 
 namespace musher::cli::json_test {
 
-TEST(Json, TellsTheStatusOfAMachine) {
+TEST(Json, HasTheStatusOfAMachine) {
   EXPECT_EQ(
       StatusJson(RobotStatus()),
       R"({"machine":"dog","pid":100,"state":"Active","degraded":["eyes"],"actuators":{)"
@@ -23,7 +23,7 @@ TEST(Json, TellsTheStatusOfAMachine) {
       R"("emergency_stop":{"engaged":false,"by":"","reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null})");
 }
 
-TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
+TEST(Json, HasAnEmergencyStopAndItsRelease) {
   msg::MachineStatus status = RobotStatus();
   EXPECT_EQ(ReleaseJson(status),
             R"({"engaged":false,"machine":"dog","state":"Active","phase":"running"})");
@@ -42,7 +42,7 @@ TEST(Json, ListsWhatIsNotOnDiskYet) {
             std::string::npos);
 }
 
-TEST(Json, TellsOfThePolicyAndThatTheBatteryIsNotKnownYet) {
+TEST(Json, HasThePolicyAndAnUnknownBattery) {
   msg::MachineStatus status = RobotStatus();
   status.policy.active = true;
   EXPECT_NE(StatusJson(status).find(R"("policy":{"battery":null,"charging":false,)"),
@@ -59,7 +59,7 @@ TEST(Json, TellsOfThePolicyAndThatTheBatteryIsNotKnownYet) {
             std::string::npos);
 }
 
-TEST(Json, TellsOfAnActuatorThatIsBackByItsNameAndAllElse) {
+TEST(Json, HasARestartedActuatorWithItsNameAndAllKeys) {
   EXPECT_EQ(RestartJson(RobotStatus().actuators[0]),
             R"({"actuator":"legs","state":"Active","pid":101,"target":"LowPower",)"
             R"("presence":"present","stage":1,"critical":true,"held":false,"degraded":false,)"
@@ -67,12 +67,12 @@ TEST(Json, TellsOfAnActuatorThatIsBackByItsNameAndAllElse) {
             R"("restarting":false})");
 }
 
-TEST(Json, TellsOfAMachineWithoutActuatorsWithTheSameKeys) {
+TEST(Json, HasTheSameKeysForAMachineWithoutActuators) {
   msg::MachineStatus status;
   EXPECT_NE(StatusJson(status).find(R"("degraded":[],"actuators":{})"), std::string::npos);
 }
 
-TEST(Json, TellsHowASwitchEnded) {
+TEST(Json, HasTheOutcomeOfASwitch) {
   msg::SetState::Response result{12,
                                  "LowPower",
                                  "",
@@ -89,7 +89,7 @@ TEST(Json, TellsHowASwitchEnded) {
             R"("state":"SetUp"}}})");
 }
 
-TEST(Json, TellsOfARefusalWithTheSameKeys) {
+TEST(Json, HasTheSameKeysForARefusal) {
   msg::SetState::Response refusal;
   refusal.target = "Actve";
   refusal.outcome = "refused";
@@ -101,7 +101,7 @@ TEST(Json, TellsOfARefusalWithTheSameKeys) {
             R"("reason":"unknown state","state":"Active","degraded":[],"actuators":{}})");
 }
 
-TEST(Json, TellsAPlan) {
+TEST(Json, HasAPlan) {
   msg::GetPlan::Response plan{
       "LowPower", "", true, 0, "", "down", "Active", {{"legs", 1, "Active", "LowPower", 5, ""}}};
   EXPECT_EQ(PlanJson(plan),
@@ -110,7 +110,7 @@ TEST(Json, TellsAPlan) {
             R"("from":"Active","to":"LowPower","deadline_ms":5,"note":""}]})");
 }
 
-TEST(Json, TellsWhatTheRobotCanDo) {
+TEST(Json, HasTheCapabilities) {
   const msg::Capability flip{"flip",   "backwards", false, 113, "runs in Active only",
                              {"legs"}, {"Active"}};
   const std::string one =
@@ -121,7 +121,7 @@ TEST(Json, TellsWhatTheRobotCanDo) {
   EXPECT_EQ(CapabilitiesJson({}), R"({"capabilities":[]})");
 }
 
-TEST(Json, TellsAHistory) {
+TEST(Json, HasAHistory) {
   EXPECT_EQ(HistoryJson({"", {{9, 1'500'000'000, 3, 12, "switch", "", 0, "done", 7, "Active"}}}),
             R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
             R"("kind":"switch","actuator":"","code":0,"message":"done","id":9,"cause":7,)"
@@ -129,7 +129,7 @@ TEST(Json, TellsAHistory) {
   EXPECT_EQ(HistoryJson({"torn", {}}), R"({"entries":[],"damage":"torn"})");
 }
 
-TEST(Json, TellsFindings) {
+TEST(Json, HasDiagnostics) {
   const Diagnostic warning{"dog.toml", 2, 7, Severity::kWarning, "hm"};
   EXPECT_EQ(CheckJson({}), R"({"valid":true,"diagnostics":[]})");
   EXPECT_EQ(CheckJson({warning}),
@@ -140,7 +140,7 @@ TEST(Json, TellsFindings) {
             R"("severity":"error","message":"no"}]})");
 }
 
-TEST(Json, TellsWhatHappensDuringUp) {
+TEST(Json, HasTheEventsOfUp) {
   EXPECT_EQ(ProgressJson({2'000'000'000, "process", "legs", 0, 0, "started"}),
             R"({"time":"1970-01-01T00:00:02.000Z","kind":"process","actuator":"legs",)"
             R"("switch":0,"code":0,"message":"started"})");

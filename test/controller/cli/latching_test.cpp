@@ -1,4 +1,4 @@
-// Who has latched an emergency stop, told from what the actuators and their controller say.
+// Which actuators have latched an emergency stop, from the statuses of actuators and controller.
 
 #include "musher/controller/cli/latching.hpp"
 
@@ -77,7 +77,7 @@ class Stop : public ::testing::Test {
   std::unique_ptr<Latching> latching_;
 };
 
-TEST_F(Stop, ReachesEverybodyWithoutAController) {
+TEST_F(Stop, ReachesAllActuatorsWithoutAController) {
   Engage();
   const EstopReport report = AfterASecond();
   EXPECT_TRUE(report.complete());
@@ -106,8 +106,8 @@ TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
   const EstopReport report = AfterASecond(Controller());
   EXPECT_FALSE(report.complete());
   EXPECT_THAT(report.Missing(), ElementsAre("eyes"));
-  EXPECT_THAT(EstopText(report, false), HasSubstr("eyes  does not say that it has stopped\n"));
-  EXPECT_EQ(EstopComplaint(report), "not known to be stopped: eyes");
+  EXPECT_THAT(EstopText(report, false), HasSubstr("eyes  stop not confirmed\n"));
+  EXPECT_EQ(EstopError(report), "stop not confirmed: eyes");
 }
 
 TEST_F(Stop, IsNotCompleteWithoutOneThatOnlyTheControllerKnows) {
@@ -122,7 +122,7 @@ TEST_F(Stop, IsNotCompleteWithoutOneThatOnlyTheControllerKnows) {
 }
 
 // A command line that ended before left the robot with "voice had latched it" for a reason.
-TEST_F(Stop, IsNotSettledBeforeAControllerThatHeardOfItFromAnActuatorKnowsByWhom) {
+TEST_F(Stop, IsNotSettledBeforeAControllerThatGotItFromAnActuatorKnowsItsOrigin) {
   Engage();
   msg::MachineStatus controller = Controller();
   controller.emergency_stop_by = "";
@@ -131,7 +131,7 @@ TEST_F(Stop, IsNotSettledBeforeAControllerThatHeardOfItFromAnActuatorKnowsByWhom
   EXPECT_TRUE(AfterASecond(Controller()).settled());
 }
 
-TEST_F(Stop, IsSettledThoughNobodyKnowsWhoEngagedTheOneBefore) {
+TEST_F(Stop, IsSettledThoughTheOriginOfAnEarlierStopIsUnknown) {
   eyes_->Latch(3);
   Engage();
   msg::MachineStatus controller = Controller();
@@ -139,7 +139,7 @@ TEST_F(Stop, IsSettledThoughNobodyKnowsWhoEngagedTheOneBefore) {
   EXPECT_TRUE(AfterASecond(controller).settled());
 }
 
-TEST_F(Stop, NamesOneWhoseProtocolKnowsNoStopAndDoesNotWaitForIt) {
+TEST_F(Stop, NamesAnActuatorWhoseProtocolHasNoStopAndDoesNotWaitForIt) {
   legs_.reset();
   Engage();
   msg::MachineStatus controller = Controller();
@@ -147,7 +147,8 @@ TEST_F(Stop, NamesOneWhoseProtocolKnowsNoStopAndDoesNotWaitForIt) {
   const EstopReport report = AfterASecond(controller);
   EXPECT_TRUE(report.settled());
   EXPECT_FALSE(report.complete()) << "it may move";
-  EXPECT_THAT(EstopText(report, false), HasSubstr("legs  knows no emergency stop (cyberdog)\n"));
+  EXPECT_THAT(EstopText(report, false),
+              HasSubstr("legs  emergency stop not supported (cyberdog)\n"));
 }
 
 TEST_F(Stop, DoesNotWaitForOneThatHasCrashed) {
@@ -159,7 +160,7 @@ TEST_F(Stop, DoesNotWaitForOneThatHasCrashed) {
   EXPECT_TRUE(AfterASecond(controller).complete());
 }
 
-TEST_F(Stop, ForgetsOneThatHasGone) {
+TEST_F(Stop, ForgetsALostActuator) {
   legs_->TurnDeaf();
   Engage();
   EXPECT_THAT(AfterASecond().Missing(), ElementsAre("legs"));
@@ -174,10 +175,10 @@ TEST_F(Stop, IsNotCompleteBeforeTheControllerHasTakenIt) {
   const EstopReport report = AfterASecond(controller);
   EXPECT_THAT(report.Missing(), IsEmpty());
   EXPECT_FALSE(report.complete());
-  EXPECT_THAT(EstopComplaint(report), HasSubstr("the controller has not taken the stop"));
+  EXPECT_THAT(EstopError(report), HasSubstr("the controller has not latched the stop"));
 }
 
-TEST_F(Stop, SaysWhoHadEngagedOneBefore) {
+TEST_F(Stop, ReportsTheOriginOfAnEarlierStop) {
   legs_->Latch(3);
   Engage();
   EstopReport report = AfterASecond();
@@ -193,7 +194,7 @@ TEST_F(Stop, SaysWhoHadEngagedOneBefore) {
             "eyes  stopped after " +
                 std::to_string(ToMilliseconds(report.actuators[1].after)) +
                 " ms\n"
-                "2 actuators are stopped; nothing goes up until `musher estop --release`\n");
+                "2 actuators are stopped; no upward switch until `musher estop --release`\n");
 }
 
 TEST_F(Stop, IsToldInJson) {

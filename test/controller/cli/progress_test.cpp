@@ -34,7 +34,7 @@ class ProgressConnection : public ::testing::Test {
   ProgressConnection() { std::tie(front_, controller_) = MakeProgressPair(); }
 };
 
-TEST_F(ProgressConnection, BringsEachMessageWholeAndInOrder) {
+TEST_F(ProgressConnection, DeliversEachMessageWholeAndInOrder) {
   ProgressSender sender(loop_, std::move(controller_));
   Receive();
   for (int i = 0; i < 3; ++i) sender.Send(Numbered(i));
@@ -42,7 +42,7 @@ TEST_F(ProgressConnection, BringsEachMessageWholeAndInOrder) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(received_[i], Numbered(i));
 }
 
-TEST_F(ProgressConnection, TellsTheFrontOnceThatTheControllerHasGone) {
+TEST_F(ProgressConnection, NotifiesTheLauncherOnceThatTheControllerHasExited) {
   {
     ProgressSender sender(loop_, std::move(controller_));
     sender.Send(Numbered(1));
@@ -54,7 +54,7 @@ TEST_F(ProgressConnection, TellsTheFrontOnceThatTheControllerHasGone) {
 }
 
 // Ctrl-Z in the terminal must not stop a robot.
-TEST_F(ProgressConnection, NeverBlocksAndLosesNothingWhileTheFrontIsStopped) {
+TEST_F(ProgressConnection, NeverBlocksAndLosesNothingWhileTheLauncherIsStopped) {
   constexpr int kMany = 5000;  // more than the socket takes
   ProgressSender sender(loop_, std::move(controller_));
   for (int i = 0; i < kMany; ++i) sender.Send(Numbered(i));
@@ -64,7 +64,7 @@ TEST_F(ProgressConnection, NeverBlocksAndLosesNothingWhileTheFrontIsStopped) {
   EXPECT_EQ(received_.back(), Numbered(kMany - 1));
 }
 
-TEST_F(ProgressConnection, GoesOnWithoutAFront) {
+TEST_F(ProgressConnection, ContinuesWithoutALauncher) {
   ProgressSender sender(loop_, std::move(controller_));
   front_ = {};
   sender.Send(Numbered(1));  // neither a signal nor an exception

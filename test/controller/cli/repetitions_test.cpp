@@ -43,9 +43,8 @@ TEST_F(RepeatedLines, OfOneThatEndsAgainAndAgainAreCountedUntilThereIsNews) {
                           "legs: restarting in 100 ms (1 of 5)"));
   for (const int restart : {2, 3, 4, 5}) EXPECT_THAT(Crash(restart), IsEmpty());
   EXPECT_THAT(Say("legs started (pid 406)"), IsEmpty());
-  EXPECT_THAT(
-      Say("legs is degraded: given up after 5 restarts"),
-      ElementsAre("legs: the same again 4 times", "legs is degraded: given up after 5 restarts"));
+  EXPECT_THAT(Say("legs is degraded: given up after 5 restarts"),
+              ElementsAre("legs: repeated 4 times", "legs is degraded: given up after 5 restarts"));
   EXPECT_THAT(Say("legs started (pid 407)"), ElementsAre("legs started (pid 407)")) << "by hand";
 }
 
@@ -70,13 +69,12 @@ TEST_F(RepeatedLines, OfASwitchArePrintedEachTime) {
   EXPECT_THAT(Say("legs: Active done after 2 ms"), ElementsAre("legs: Active done after 2 ms"));
 }
 
-TEST_F(RepeatedLines, OfALoopThatNeverEndsAreToldOfNowAndThen) {
+TEST_F(RepeatedLines, OfAnEndlessLoopAreReportedAtPowersOfTen) {
   Crash(1);
   int printed = 0;
   for (int restart = 2; restart <= 201; ++restart) {
     for (const std::string& line : Crash(restart)) {
-      EXPECT_EQ(line,
-                printed == 0 ? "legs: the same again 10 times" : "legs: the same again 100 times");
+      EXPECT_EQ(line, printed == 0 ? "legs: repeated 10 times" : "legs: repeated 100 times");
       ++printed;
     }
   }

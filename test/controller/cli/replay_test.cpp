@@ -43,14 +43,14 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-TEST_F(Replaying, TellsTheDecisionsAgainAndThatTheyAreTheSame) {
+TEST_F(Replaying, RepeatsTheDecisionsAndReportsThatTheyAreEqual) {
   const Ran ran = RunProgram({"replay", file_});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.err, "");
   EXPECT_THAT(ran.out, HasSubstr("machine  controller started: epoch 1, 3 actuators\n"));
   EXPECT_THAT(ran.out, HasSubstr("machine  an actuator is lost; falling back to Protected"));
   EXPECT_THAT(Lines(ran.out).back(),
-              MatchesRegex("[0-9]+ inputs, [0-9]+ decisions: each as it was recorded"));
+              MatchesRegex("[0-9]+ inputs, [0-9]+ decisions: all as recorded"));
 }
 
 TEST_F(Replaying, EndsWithOneWhenADecisionIsAnother) {
@@ -149,10 +149,10 @@ TEST_F(Replaying, HistoryExplainsWhyTheMachineIsInItsState) {
           MatchesRegex("the machine went to Protected \\(switch [0-9]+\\)"),
           "  because an actuator is lost; falling back to Protected",
           MatchesRegex("  because legs is degraded: crashed: its process 1001 ended.*NetError.*"),
-          MatchesRegex("  because legs's process 1001 ended: how is not known.*")));
+          MatchesRegex("  because legs's process 1001 ended: exit code unknown.*")));
 }
 
-TEST_F(Replaying, HistoryExplainsAStateThatWasAskedFor) {
+TEST_F(Replaying, HistoryExplainsARequestedState) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--why", "LowPower"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(
@@ -161,7 +161,7 @@ TEST_F(Replaying, HistoryExplainsAStateThatWasAskedFor) {
                              "  because switch to LowPower requested"));
   const Ran none = RunProgram({"history", "--journal", file_, "--why", "OTA"});
   EXPECT_EQ(none.exit, 1);
-  EXPECT_THAT(none.err, HasSubstr("the machine has not gone to OTA"));
+  EXPECT_THAT(none.err, HasSubstr("these entries contain no change to OTA"));
   const auto json =
       nlohmann::json::parse(RunProgram({"history", "--journal", file_, "--why", "--json"}).out);
   EXPECT_EQ(json["state"], "Protected");
@@ -171,7 +171,7 @@ TEST_F(Replaying, HistoryExplainsAStateThatWasAskedFor) {
 
 TEST_F(Replaying, HistorySaysWhenACauseIsOlderThanWhatItShows) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--why", "--limit", "5"});
-  EXPECT_THAT(ran.out, EndsWith("    because of something before what is told here\n"));
+  EXPECT_THAT(ran.out, EndsWith("    because of an event before these entries\n"));
 }
 
 }  // namespace musher::cli::replay_test

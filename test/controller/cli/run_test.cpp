@@ -18,7 +18,7 @@ TEST(Program, EndsWithTwoAndAReasonWhenItIsUsedWrongly) {
   const Ran ran = RunProgram({"fly"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_EQ(ran.out, "");
-  EXPECT_EQ(ran.err, "musher: there is no command 'fly'; see musher --help\n");
+  EXPECT_EQ(ran.err, "musher: unknown command 'fly'; see musher --help\n");
 }
 
 TEST(Program, AnswersWrongUseInJsonToo) {
@@ -53,10 +53,10 @@ TEST(Program, RefusesToStartAMachineInANamespaceThatIsNotItsOwn) {
   std::ofstream(folder / "dog.toml") << kRobotToml;
   const Ran ran = RunProgram({"up", folder / "dog.toml", "--namespace", "pack"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.err, HasSubstr("the namespace of a machine is in its config"));
+  EXPECT_THAT(ran.err, HasSubstr("--namespace differs from the config"));
 }
 
-TEST(Program, ReadsTheJournalOfAControllerThatHasGone) {
+TEST(Program, ReadsTheJournalOfAnExitedController) {
   const TempFolder folder;
   const std::string file = folder / "journal.sqlite";
   {
@@ -92,12 +92,12 @@ TEST(Program, SaysThatAJournalCannotBeRead) {
 TEST(Program, SaysWhichTimesHistoryUnderstands) {
   const Ran ran = RunProgram({"history", "--since", "soon"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.err, HasSubstr("--since: 'soon' is no time"));
+  EXPECT_THAT(ran.err, HasSubstr("--since: invalid time 'soon'"));
   EXPECT_THAT(ran.err, ::testing::EndsWith("; see musher history --help\n"));
   EXPECT_THAT(RunProgram({"history", "--until", "late"}).err, HasSubstr("--until: 'late' is no"));
 }
 
-TEST(Program, AloneOrWithTheWordHelpItHelps) {
+TEST(Program, WithoutArgumentsOrWithHelpItPrintsTheHelp) {
   const Ran help = RunProgram({"--help"});
   EXPECT_EQ(help.exit, 0);
   for (const Ran& ran : {RunProgram({}), RunProgram({"help"})}) {

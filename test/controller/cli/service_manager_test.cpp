@@ -28,7 +28,7 @@ class Service : public ::testing::Test {
   }
 
   void Listen() { socket_ = std::make_unique<NotifySocket>(folder_ / "notify"); }
-  // What is told within a second in which nothing happens but time.
+  // The messages sent within a second without any event.
   std::vector<std::string> ToldInASecond() {
     const ServiceManager manager(loop_, config_);
     network_.RunFor(std::chrono::seconds(1));
@@ -56,20 +56,20 @@ TEST_F(Service, SaysWhyTheStartFailedAndIsNotReady) {
   Listen();
   ServiceManager manager(loop_, config_);
   machine_.phase = Phase::kFailed;
-  manager.Follow(machine_);
+  manager.Update(machine_);
   manager.StartUpEnded({false, "start-up failed: legs\nare gone"});
-  manager.Follow(machine_);
+  manager.Update(machine_);
   EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=start-up failed: legs are gone"));
 }
 
-TEST_F(Service, TellsTheStateInWordsWheneverTheyChange) {
+TEST_F(Service, SendsTheStateInWordsWheneverTheyChange) {
   Listen();
   ServiceManager manager(loop_, config_);
-  manager.Follow(machine_);
-  manager.Follow(machine_);
+  manager.Update(machine_);
+  manager.Update(machine_);
   EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=Active, 2 actuators"));
   machine_.state = kLowPower;
-  manager.Follow(machine_);
+  manager.Update(machine_);
   EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=LowPower, 2 actuators"));
 }
 
@@ -78,23 +78,23 @@ TEST_F(Service, DoesNotStopWhenTheMachineIsTakenDownToStartAgain) {
   ServiceManager manager(loop_, config_);
   manager.StartsAgain();
   machine_.phase = Phase::kStopping;
-  manager.Follow(machine_);
+  manager.Update(machine_);
   EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=stopping, Active, 2 actuators"));
 }
 
-TEST_F(Service, TellsOnceThatTheMachineIsTakenDownAndHowLongThatMayTake) {
+TEST_F(Service, SendsOnceThatTheMachineIsTakenDownAndHowLongThatMayTake) {
   Listen();
   ServiceManager manager(loop_, config_);
   machine_.phase = Phase::kStopping;
-  manager.Follow(machine_);
+  manager.Update(machine_);
   machine_.phase = Phase::kStopped;
-  manager.Follow(machine_);
+  manager.Update(machine_);
   EXPECT_THAT(socket_->Take(), ElementsAre("STOPPING=1\nEXTEND_TIMEOUT_USEC=15000000",
                                            "STATUS=stopping, Active, 2 actuators",
                                            "STATUS=stopped, Active, 2 actuators"));
 }
 
-TEST_F(Service, TellsThatAnotherControllerLeadsTheMachineNow) {
+TEST_F(Service, SendsThatAnotherControllerLeadsTheMachineNow) {
   Listen();
   ServiceManager manager(loop_, config_);
   manager.Fenced("process 7 leads");
@@ -109,14 +109,14 @@ TEST_F(Service, ServesItsWatchdogThreeTimesInAPeriod) {
   EXPECT_EQ(ToldInASecond().size(), 3U);
 }
 
-TEST_F(Service, ServesTheWatchdogOfTheFrontItsParent) {
+TEST_F(Service, PingsTheWatchdogOfTheLauncherItsParent) {
   Listen();
   setenv("WATCHDOG_USEC", "900000", 1);
   setenv("WATCHDOG_PID", std::to_string(getppid()).c_str(), 1);
   EXPECT_EQ(ToldInASecond().size(), 3U);
 }
 
-TEST_F(Service, LeavesTheWatchdogOfAStrangerAlone) {
+TEST_F(Service, DoesNotPingTheWatchdogOfAnotherProcess) {
   Listen();
   setenv("WATCHDOG_USEC", "900000", 1);
   setenv("WATCHDOG_PID", std::to_string(getpid() + 1).c_str(), 1);
@@ -136,7 +136,7 @@ TEST_F(Service, DoesNothingWithoutAServiceManager) {
   EXPECT_EQ(std::getenv("WATCHDOG_PID"), std::to_string(getppid()));
   Listen();  // too late
   manager.StartUpEnded({true, ""});
-  manager.Follow(machine_);
+  manager.Update(machine_);
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(socket_->Take(), IsEmpty());
 }
@@ -154,10 +154,10 @@ TEST_F(Service, DoesNotWaitForAServiceManagerThatReadsNothing) {
   setenv("WATCHDOG_USEC", "3000", 1);
   ServiceManager manager(loop_, config_);
   network_.RunFor(std::chrono::seconds(5));  // far more signs of life than a socket takes
-  manager.Follow(machine_);
+  manager.Update(machine_);
   manager.StartUpEnded({true, "the machine is Active"});
   machine_.state = kLowPower;
-  manager.Follow(machine_);
+  manager.Update(machine_);
   manager.Fenced("process 7 leads");
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(Told(*socket_), IsEmpty()) << "there was no room for it";
@@ -168,12 +168,12 @@ TEST_F(Service, DoesNotWaitForAServiceManagerThatReadsNothing) {
   EXPECT_THAT(socket_->Take(), Contains("WATCHDOG=1")) << "shows life again";
 }
 
-TEST_F(Service, TellsLaterWhatFoundNoRoomAlsoWithoutAWatchdog) {
+TEST_F(Service, SendsLaterWhatFoundNoRoomAlsoWithoutAWatchdog) {
   Listen();
   ServiceManager manager(loop_, config_);
   for (int i = 0; i < 5000; ++i) {
     machine_.state = i % 2 == 0 ? kActive : kLowPower;
-    manager.Follow(machine_);
+    manager.Update(machine_);
   }
   manager.StartUpEnded({true, "the machine is LowPower"});
   EXPECT_THAT(socket_->Take(), Not(Contains("READY=1")));
@@ -187,7 +187,7 @@ TEST_F(Service, TriesOnceMoreAtItsEndWhatFoundNoRoom) {
     ServiceManager manager(loop_, config_);
     for (int i = 0; i < 5000; ++i) {
       machine_.state = i % 2 == 0 ? kActive : kLowPower;
-      manager.Follow(machine_);
+      manager.Update(machine_);
     }
     manager.Fenced("process 7 leads");
     EXPECT_THAT(socket_->Take(), Not(Contains("STOPPING=1")));
@@ -202,7 +202,7 @@ TEST_F(Service, KnowsASocketWithoutAFile) {
   EXPECT_THAT(socket_->Take(), ElementsAre("READY=1"));
 }
 
-TEST_F(Service, CallsAMachineByItsPhaseItsStateAndWhoIsMissing) {
+TEST_F(Service, DescribesAMachineByItsPhaseItsStateAndItsMissingActuators) {
   EXPECT_EQ(StatusWords(config_, machine_), "Active, 2 actuators");
   machine_.actuators[1].presence = Presence::kStarting;
   EXPECT_EQ(StatusWords(config_, machine_), "Active, 1 of 2 actuators");

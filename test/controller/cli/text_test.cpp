@@ -43,16 +43,18 @@ TEST_F(Text, IsCalmAboutAMachineThatIsWell) {
             "legs*     Active  1      101\n");
 }
 
-TEST_F(Text, TellsInOneLineWhatThePolicyIsAbout) {
+TEST_F(Text, ShowsThePolicyOnOneLine) {
   msg::MachineStatus status = RobotStatus();
   status.policy.active = true;
   EXPECT_EQ(StatusText(status, false).find("battery"), std::string::npos) << "not known yet";
   status.policy.battery = 80;
   status.policy.charging = true;
   status.policy.low_power_switch = true;
-  EXPECT_NE(StatusText(status, false)
-                .find("\nthe battery is at 80 %, being charged; LowPower when it lies still\n"),
-            std::string::npos);
+  EXPECT_NE(
+      StatusText(status, false)
+          .find(
+              "\nthe battery is at 80 %, being charged; automatic LowPower when lying still: on\n"),
+      std::string::npos);
   status.policy.ceiling = "Protected";
   status.policy.ceiling_reason = "the battery is at 15 %: the machine is limited to Protected";
   status.policy.battery_silent = true;
@@ -61,8 +63,8 @@ TEST_F(Text, TellsInOneLineWhatThePolicyIsAbout) {
   status.policy.low_power_switch = false;
   status.policy.power = "power-off";
   const std::string line =
-      "the battery is at 15 %: the machine is limited to Protected; nothing is heard of the "
-      "battery; kept in Active for 60 s; power-off is under way";
+      "the battery is at 15 %: the machine is limited to Protected; no battery status received; "
+      "kept in Active for 60 s; power-off is under way";
   EXPECT_NE(StatusText(status, false).find("\n" + line + "\n"), std::string::npos);
   EXPECT_NE(StatusLine(status, 0).find("  " + line), std::string::npos);
 }
@@ -124,25 +126,25 @@ TEST_F(Text, PutsAnEmergencyStopBeforeEverythingElse) {
   status.emergency_stop_by = "alice@desk";
   status.emergency_stop_reason = "smoke\n";
   EXPECT_NE(StatusText(status, false)
-                .find("switch 12\nEMERGENCY STOP by alice@desk: smoke ; nothing goes up until "
+                .find("switch 12\nEMERGENCY STOP by alice@desk: smoke ; no upward switch until "
                       "`musher estop --release`\ndegraded: eyes\n"),
             std::string::npos);
   EXPECT_NE(StatusLine(status, 0).find("  EMERGENCY STOP by alice@desk: smoke "),
             std::string::npos);
 }
 
-TEST_F(Text, SaysWhoIsHeldByAStopAlsoAfterItsRelease) {
+TEST_F(Text, ShowsTheActuatorsHeldByAStopAlsoAfterItsRelease) {
   msg::MachineStatus status = RobotStatus();
   status.held_by_stop = {"legs"};
   EXPECT_NE(StatusText(status, false)
-                .find("\nheld by the emergency stop that was released: legs; `musher set Active` "
+                .find("\nstill held by the released emergency stop: legs; `musher set Active` "
                       "ends that\n"),
             std::string::npos);
   EXPECT_NE(StatusText(status, false).find("held by the stop"), std::string::npos);
-  EXPECT_NE(StatusLine(status, 0).find("  held by the emergency stop that was released: legs"),
+  EXPECT_NE(StatusLine(status, 0).find("  still held by the released emergency stop: legs"),
             std::string::npos);
   status.emergency_stop = true;
-  EXPECT_EQ(StatusText(status, false).find("that was released"), std::string::npos);
+  EXPECT_EQ(StatusText(status, false).find("released emergency stop"), std::string::npos);
   EXPECT_NE(StatusText(status, false).find("held by the stop"), std::string::npos);
 }
 
@@ -156,19 +158,19 @@ TEST_F(Text, SaysWhatIsNotOnDiskYet) {
             std::string::npos);
 }
 
-TEST_F(Text, SaysAfterAReleaseWhereTheMachineIsAndHowToGoOn) {
+TEST_F(Text, ShowsAfterAReleaseTheMachinesStateAndTheNextStep) {
   msg::MachineStatus status = RobotStatus();
   status.degraded.clear();
   EXPECT_EQ(ReleaseText(status, false),
-            "the emergency stop is released; no state was changed by that\n"
-            "dog is in Active (running); `musher set STATE` moves it on\n");
+            "emergency stop released; states are unchanged\n"
+            "dog is in Active (running); `musher set STATE` switches it\n");
   status.degraded = {"eyes"};
   EXPECT_NE(
-      ReleaseText(status, false).find("`musher set Active` drives those there that are not: eyes"),
+      ReleaseText(status, false).find("`musher set Active` recovers the degraded actuators: eyes"),
       std::string::npos);
   status.held_by_stop = {"legs", "eyes"};
   EXPECT_NE(ReleaseText(status, false)
-                .find("what the stop has switched off stays off until `musher set Active`: legs, "
+                .find("held by the stop until `musher set Active`: legs, "
                       "eyes\n"),
             std::string::npos);
   status.phase = "failed";
@@ -177,8 +179,7 @@ TEST_F(Text, SaysAfterAReleaseWhereTheMachineIsAndHowToGoOn) {
 }
 
 TEST_F(Text, SaysThatAnActuatorIsBack) {
-  EXPECT_EQ(RestartText(RobotStatus().actuators[0], false),
-            "legs is back in Active, process 101\n");
+  EXPECT_EQ(RestartText(RobotStatus().actuators[0], false), "legs is back in Active (pid 101)\n");
 }
 
 TEST_F(Text, ColoursStates) {
@@ -209,7 +210,7 @@ TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
             "ACTUATOR  OUTCOME  TOOK     STATE     NOTE\n"
             "legs      undone   12.3 ms  LowPower  is back in LowPower\n"
             "eyes      refused  -        LowPower  (3003 (MotionManager: StateInvalid))\n");
-  EXPECT_EQ(SwitchComplaint(result), "Active is undone: eyes: no");
+  EXPECT_EQ(SwitchError(result), "Active is undone: eyes: no");
 }
 
 TEST_F(Text, ShowsWhatASwitchStillWaitsForOnLessThanALine) {
@@ -233,8 +234,8 @@ TEST_F(Text, ShowsARefusedSwitchOfOneActuator) {
   refusal.state = "SetUp";
   EXPECT_EQ(SwitchText(refusal, false), "refused: eyes is in SetUp\n");
   refusal.state.clear();  // there is no such actuator
-  EXPECT_EQ(SwitchText(refusal, false), "refused: nothing is switched\n");
-  EXPECT_EQ(SwitchComplaint(refusal), "eyes to Active is refused: 111 (Robot: TargetBusy)");
+  EXPECT_EQ(SwitchText(refusal, false), "refused: nothing switched\n");
+  EXPECT_EQ(SwitchError(refusal), "eyes to Active is refused: 111 (Robot: TargetBusy)");
 }
 
 TEST_F(Text, ShowsAPlanInTheOrderOfItsWaves) {

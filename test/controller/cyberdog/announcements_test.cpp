@@ -17,7 +17,7 @@ class CyberdogAnnouncements : public ManagedRobot {
   int times_ready_ = 0;
 };
 
-TEST_F(CyberdogAnnouncements, TheStateIsToldWhenItIsReachedOrWhenTheSwitchBegins) {
+TEST_F(CyberdogAnnouncements, TheStateIsPublishedWhenItIsReachedOrWhenTheSwitchBegins) {
   robot_.StartController();
   Settle();
   EXPECT_EQ(States().back(), '0') << "it is up";
@@ -50,7 +50,7 @@ class ARobotThatFails : public CyberdogAnnouncements {
   State fails_in_;
 };
 
-TEST_F(ARobotThatFails, TellsASwitchThatIsUndoneWithItsCode) {
+TEST_F(ARobotThatFails, PublishesAnUndoneSwitchWithItsCode) {
   BringUp();
   Take("LowPower");
   fails_in_ = kActive;
@@ -58,7 +58,7 @@ TEST_F(ARobotThatFails, TellsASwitchThatIsUndoneWithItsCode) {
   EXPECT_EQ(States(), "-2(5001)");
 }
 
-TEST_F(ARobotThatFails, TellsTheCodeOfASwitchThatWentOnWithoutSome) {
+TEST_F(ARobotThatFails, PublishesTheCodeOfADegradedSwitch) {
   BringUp();
   fails_in_ = kLowPower;
   robot_.Set("LowPower");
@@ -84,7 +84,7 @@ TEST_F(ARobotThatFails, SaysWhenSomethingFailsLater) {
       << self_checks_.back().description;
 }
 
-TEST_F(CyberdogAnnouncements, TheSelfCheckIsToldEverySecond) {
+TEST_F(CyberdogAnnouncements, TheSelfCheckIsPublishedEverySecond) {
   robot_.StartController();
   robot_.RunFor(Milliseconds(10'500));
   EXPECT_EQ(self_checks_.size(), 10U);
@@ -110,7 +110,7 @@ class ASlowRobot : public CyberdogAnnouncements {
   }
 };
 
-TEST_F(ASlowRobot, TellsHowFarTheStartIs) {
+TEST_F(ASlowRobot, PublishesTheProgressOfTheStart) {
   robot_.StartController();
   robot_.RunFor(std::chrono::seconds(8));
   std::string codes;
@@ -121,7 +121,7 @@ TEST_F(ASlowRobot, TellsHowFarTheStartIs) {
   EXPECT_EQ(codes, "130") << "checking, software starting, all fine";
 }
 
-TEST_F(CyberdogAnnouncements, ReadinessIsToldTenTimesASecondForFiveMinutes) {
+TEST_F(CyberdogAnnouncements, ReadinessIsPublishedTenTimesASecondForFiveMinutes) {
   BringUp();
   robot_.RunFor(std::chrono::seconds(10));
   EXPECT_NEAR(times_ready_, 105, 2);
@@ -129,7 +129,7 @@ TEST_F(CyberdogAnnouncements, ReadinessIsToldTenTimesASecondForFiveMinutes) {
   EXPECT_EQ(times_ready_, 3000);
 }
 
-TEST_F(CyberdogAnnouncements, ReadinessIsNotToldOfAMachineThatIsTornDown) {
+TEST_F(CyberdogAnnouncements, ReadinessIsNotPublishedForATornDownMachine) {
   BringUp();
   robot_.Set("TearDown");
   const int before = times_ready_;

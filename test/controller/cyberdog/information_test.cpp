@@ -21,7 +21,7 @@ class CyberdogInformation : public ManagedRobot {
   }
 };
 
-TEST_F(CyberdogInformation, TheBatteryIsTheLastThatWasHeard) {
+TEST_F(CyberdogInformation, TheBatteryIsTheLastReceivedSample) {
   BringUp();
   EXPECT_EQ(Call<msg::BmsInfo>("bms_info").code, 1402) << "none has come yet";
   SetBattery(64);
@@ -51,7 +51,7 @@ TEST_F(CyberdogInformation, ErrorsOfModulesArePassedOnAsJson) {
   EXPECT_LT(told[2].size(), 1000U);
 }
 
-TEST_F(CyberdogInformation, OnlyWhatIsAskedForIsTold) {
+TEST_F(CyberdogInformation, OnlyRequestedFieldsAreAnswered) {
   BringUp();
   EXPECT_EQ(About({}), Json::object());
   EXPECT_EQ(About(std::vector<bool>(15, false)), Json::object());
@@ -119,7 +119,7 @@ TEST(SerialNumber, IsThatOfTheFirstFileThatHasOne) {
   std::filesystem::remove_all(folder);
 }
 
-TEST_F(CyberdogInformation, MoreThanThereIsToAskForIsRefused) {
+TEST_F(CyberdogInformation, ARequestOfUnknownFieldsIsRefused) {
   BringUp();
   const auto answer = Call<msg::DeviceInfo>("query_divice_info", {std::vector<bool>(16, true), ""});
   EXPECT_EQ(answer.code, kCodeParametersInvalid);

@@ -107,7 +107,7 @@ class ManagedRobot : public ::testing::Test {
     }
     return text;
   }
-  // The states that were told of since the last call: "2 0" or "3 -2(107)".
+  // The states published since the last call: "2 0" or "3 -2(107)".
   std::string States() {
     Settle();
     std::string text;

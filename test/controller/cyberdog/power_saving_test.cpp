@@ -1,4 +1,4 @@
-// CyberDog's power manager is told when the robot saves power.
+// Calls of CyberDog's power manager when the robot enters and leaves low power.
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
@@ -42,7 +42,7 @@ TEST_F(PowerSavingTest, LowPowerIsLeftAtTheStart) {
   EXPECT_THAT(Calls(), ElementsAre(false));
 }
 
-TEST_F(PowerSavingTest, TheStartTriesThreeTimesASecondApartAndThenGoesOnWithARecord) {
+TEST_F(PowerSavingTest, TheStartTriesThreeTimesASecondApartAndThenContinuesWithARecord) {
   ServePower(100);
   BringUp();
   EXPECT_THAT(Calls(), ElementsAre(false, false, false));
@@ -79,7 +79,7 @@ TEST_F(PowerSavingTest, ThatCannotBeLeftKeepsTheRobotInLowPowerAndSaysWhy) {
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(PowerSavingTest, IsLeftByASwitchThatTheManagerWasNotAskedFor) {
+TEST_F(PowerSavingTest, IsLeftByASwitchNotRequestedFromTheManager) {
   ServePower();
   BringUp();
   Take("LowPower");

@@ -57,11 +57,12 @@ TEST_F(CyberdogRequests, ANumberThatMeansNothingIsRefusedWithACodeAndARecord) {
   Records();
   SwitchTo(8);
   EXPECT_EQ(state(), "Active");
-  EXPECT_THAT(Records(), HasSubstr("110 machine_state_switch: 8 is the number of no state"));
+  EXPECT_THAT(Records(), HasSubstr("110 machine_state_switch: 8 is not the number of a state"));
   const auto answer = Keep(255, 10);
   EXPECT_FALSE(answer.success);
   EXPECT_EQ(answer.code, kCodeParametersInvalid);
-  EXPECT_THAT(Records(), HasSubstr("110 machine_state_switch_keep: 255 is the number of no state"));
+  EXPECT_THAT(Records(),
+              HasSubstr("110 machine_state_switch_keep: 255 is not the number of a state"));
   EXPECT_FALSE(robot_.machine().policy.keep);
 }
 
@@ -257,7 +258,7 @@ TEST_F(CyberdogRequests, PowerOffIsRefusedInOta) {
   EXPECT_EQ(state(), "OTA");
 }
 
-TEST_F(CyberdogRequests, NobodyAnswersWhereTheConfigWantsNoManager) {
+TEST_F(CyberdogRequests, NoServiceIsOfferedWithoutAManagerInTheConfig) {
   MachineConfig config = ManagedMachine();
   config.policy->manager = false;
   simulation::SimRobot robot(1, config);

@@ -48,7 +48,7 @@ TEST_F(SelfChecks, HaveCyberdogsKeysAndThoseOfTheRobotsOwnActuators) {
   EXPECT_EQ(json["sensor"], Json({{"lidar", 0}, {"tof", 0}, {"others", 0}}));
 }
 
-TEST_F(SelfChecks, OfOneThatIsDegradedAndActiveNameThePartAndSayThatTheStartGoesOn) {
+TEST_F(SelfChecks, OfADegradedActiveActuatorNameThePartAndThatTheStartContinues) {
   machine_.phase = Phase::kRunning;
   ActuatorReport& report = machine_.actuators[1].report;
   report.state = kActive;
@@ -117,7 +117,7 @@ TEST_F(SelfChecks, CoverTheVoiceTheSensorsAndTheCamerasOfTheRobot) {
   EXPECT_EQ(json["sensor"]["lidar"], 2109);
 }
 
-TEST_F(SelfChecks, TellACodeThatIsOfNoneOfThemAsAnother) {
+TEST_F(SelfChecks, PublishACodeOfNoPartAsAnotherFault) {
   Fail("device_manager", 101);
   const Json json = Described();
   EXPECT_EQ(json["device"]["bms"], -1);

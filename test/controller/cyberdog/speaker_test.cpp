@@ -46,7 +46,7 @@ class ASpeakingRobot : public ManagedRobot {
                  })
                  .value();
   }
-  // A battery that goes on saying so, once a second.
+  // A battery that publishes this once a second.
   void SetBattery(int percent) {
     robot_.SetBattery(percent, false);
     robot_.RunFor(Milliseconds(1500));
@@ -75,7 +75,7 @@ TEST_F(ASpeakingRobot, SaysThatItIsReady) {
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
 }
 
-TEST_F(ASpeakingRobot, TellsItsChargeToWhoTapsItTwice) {
+TEST_F(ASpeakingRobot, AnnouncesItsChargeOnADoubleTap) {
   PlugAudioIn();
   BringUp();
   SetBattery(83);
@@ -84,7 +84,7 @@ TEST_F(ASpeakingRobot, TellsItsChargeToWhoTapsItTwice) {
   EXPECT_THAT(Said(), ElementsAre("1083"));
 }
 
-TEST_F(ASpeakingRobot, SaysTheLevelsOfItsBatteryAndItsLastWordBeforeItIsTornDown) {
+TEST_F(ASpeakingRobot, SaysTheLevelsOfItsBatteryAndThatItIsTornDown) {
   PlugAudioIn();
   BringUp();
   Said();
@@ -128,7 +128,7 @@ TEST_F(ASpeakingRobot, StandsUpForTheFirstApp) {
   EXPECT_THAT(motions, ElementsAre(std::pair(111, 0)));
 }
 
-TEST_F(ASpeakingRobot, GoesOnWithAVoiceThatNeverAnswers) {
+TEST_F(ASpeakingRobot, ContinuesWithAPlayerThatNeverReplies) {
   PlugAudioIn(true);
   BringUp();
   EXPECT_THAT(Said(seconds(3)), ElementsAre("9000"));
@@ -137,10 +137,10 @@ TEST_F(ASpeakingRobot, GoesOnWithAVoiceThatNeverAnswers) {
   EXPECT_EQ(state(), kLowPower);
 }
 
-TEST_F(ASpeakingRobot, SaysOnceInTheJournalThatNobodyPlays) {
+TEST_F(ASpeakingRobot, RecordsOnceThatNoPlayerIsAvailable) {
   BringUp();
   robot_.RunFor(seconds(30));
-  EXPECT_THAT(Records(), HasSubstr("there is no service speech_text_play"));
+  EXPECT_THAT(Records(), HasSubstr("no service speech_text_play"));
   DoubleTap();
   robot_.RunFor(seconds(30));
   EXPECT_EQ(Records(), "");
@@ -233,7 +233,7 @@ TEST_F(ARobotInAWorld, WaitsForItsVoiceByTheTimeOfTheWorld) {
   EXPECT_THAT(Said(seconds(1)), ElementsAre("60"));
 }
 
-TEST_F(ARobotInAWorld, GoesOnAlsoWhereTheWorldStandsStill) {
+TEST_F(ARobotInAWorld, ContinuesAlsoWhenTheWorldStandsStill) {
   PlugAudioIn(true);
   robot_.StartController();
   Settle();

@@ -1,4 +1,4 @@
-// What holds for the manager's voice whatever it hears, in any order.
+// Properties of the manager's voice for all events in any order.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -24,8 +24,8 @@ MachineConfig AnyManagedConfig() {
   return config;
 }
 
-Glimpse AnyGlimpse() {
-  Glimpse machine;
+MachineView AnyGlimpse() {
+  MachineView machine;
   machine.phase = *rc::gen::weightedElement<Phase>(
       {{1, Phase::kStarting}, {8, Phase::kRunning}, {1, Phase::kFailed}, {1, Phase::kStopping}});
   machine.state = *rc::gen::element<State>(State(kActive), State(kProtected), State(kLowPower));
@@ -38,27 +38,27 @@ Glimpse AnyGlimpse() {
   return machine;
 }
 
-Heard Anything(const VoiceState& voice) {
+VoiceEvent Anything(const VoiceState& voice) {
   switch (*rc::gen::inRange(0, 8)) {
     case 0:
     case 1:
-      return heard::MachineSeen{AnyGlimpse()};
+      return voice_event::MachineSeen{AnyGlimpse()};
     case 2: {
       const auto kind = *rc::gen::element<std::string>("policy", "switch", "actuator");
       const auto number = *rc::gen::inRange<std::uint64_t>(0, 3);
       const auto code = *rc::gen::element(0, 103, 111, 2109, 3001);
-      return heard::Recorded{{kind, std::nullopt, number, code, "why"}};
+      return voice_event::Recorded{{kind, std::nullopt, number, code, "why"}};
     }
     case 3:
-      return heard::DoubleTapped{};
+      return voice_event::DoubleTapped{};
     case 4:
-      return heard::AppConnected{};
+      return voice_event::AppConnected{};
     case 5:
-      return heard::PlayerMatched{*rc::gen::weightedElement<bool>({{1, false}, {4, true}})};
+      return voice_event::PlayerMatched{*rc::gen::weightedElement<bool>({{1, false}, {4, true}})};
     case 6:
-      return heard::PlayReported{*rc::gen::arbitrary<bool>()};
+      return voice_event::PlayReported{*rc::gen::arbitrary<bool>()};
     default:
-      return heard::PlayEnded{*rc::gen::element(voice.number, voice.number - 1)};
+      return voice_event::PlayEnded{*rc::gen::element(voice.number, voice.number - 1)};
   }
 }
 
@@ -71,13 +71,13 @@ class Life {
       for (auto at = NextVoiceDeadline(voice_); at && *at <= next; at = NextVoiceDeadline(voice_)) {
         RC_ASSERT(*at >= now_ || !voice_.playing);
         now_ = std::max(now_, *at);
-        Step(heard::TimePassed{});
+        Step(voice_event::TimePassed{});
       }
       now_ = next;
       Step(Anything(voice_));
     }
   }
-  void Step(const Heard& what) {
+  void Step(const VoiceEvent& what) {
     const VoiceState before = voice_;
     for (const VoiceAction& action : Speak(config_, voice_, what, now_))
       Check(action, before, what);
@@ -89,19 +89,19 @@ class Life {
   }
 
  private:
-  void Check(const VoiceAction& action, const VoiceState& before, const Heard& what) {
+  void Check(const VoiceAction& action, const VoiceState& before, const VoiceEvent& what) {
     if (std::holds_alternative<voice_action::StandUp>(action)) RC_ASSERT(++stood_up_ == 1);
     const auto* play = std::get_if<voice_action::Play>(&action);
     if (play == nullptr) return;
     RC_ASSERT(voice_.player);
-    const auto* ended = std::get_if<heard::PlayEnded>(&what);
+    const auto* ended = std::get_if<voice_event::PlayEnded>(&what);
     const bool one_at_a_time = !before.playing || now_ >= before.playing->until ||
                                (ended != nullptr && ended->number == before.number) ||
-                               std::holds_alternative<heard::PlayerMatched>(what);
+                               std::holds_alternative<voice_event::PlayerMatched>(what);
     RC_ASSERT(one_at_a_time);
     const std::uint16_t id = play->utterance.id;
     const bool once = id == 9000 || id == 60 || id == 61 || id == 2002 || id == 5300;
-    const bool both_failed_and_up = id == 61 && voice_.failure_told && voice_.start_told;
+    const bool both_failed_and_up = id == 61 && voice_.failure_announced && voice_.start_announced;
     if (once) RC_ASSERT(once_.insert(id).second || both_failed_and_up);
   }
 
@@ -122,16 +122,16 @@ RC_GTEST_PROP(VoiceProperty, AQuietSleeperIsQuiet, ()) {
   config.policy->voice.quiet_asleep = true;
   VoiceState voice;
   Time now{std::chrono::seconds(100)};
-  const auto hear = [&](const Heard& what) { return Speak(config, voice, what, now); };
-  Glimpse machine;
+  const auto hear = [&](const VoiceEvent& what) { return Speak(config, voice, what, now); };
+  MachineView machine;
   machine.phase = Phase::kRunning;
   machine.state = kLowPower;
   machine.adopted = true;
   machine.battery = 50;
-  hear(heard::MachineSeen{machine});
+  hear(voice_event::MachineSeen{machine});
   for (int i = 0; i < 50; ++i) {
-    Heard what = Anything(voice);
-    if (auto* seen = std::get_if<heard::MachineSeen>(&what)) {
+    VoiceEvent what = Anything(voice);
+    if (auto* seen = std::get_if<voice_event::MachineSeen>(&what)) {
       seen->machine.phase = Phase::kRunning;
       seen->machine.state = kLowPower;
     }

@@ -67,18 +67,18 @@ TEST_F(Voices, AControllerThatAdoptsARunningRobotDoesNotSayReadyAgain) {
 }
 
 TEST_F(Voices, ReadyWaitsUntilTheAudioIsFree) {
-  Hear(heard::PlayReported{true});
+  Hear(voice_event::PlayReported{true});
   Start();
   for (int i = 0; i < 6; ++i) {
     EXPECT_THAT(Said(Milliseconds(500)), IsEmpty());
-    Hear(heard::PlayReported{true});
+    Hear(voice_event::PlayReported{true});
   }
-  Hear(heard::PlayReported{false});
+  Hear(voice_event::PlayReported{false});
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
 }
 
 TEST_F(Voices, AReporterThatFallsSilentPlaysNoMore) {
-  Hear(heard::PlayReported{true});
+  Hear(voice_event::PlayReported{true});
   Start();
   EXPECT_THAT(Said(Milliseconds(799)), IsEmpty());
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("9000"));
@@ -86,20 +86,20 @@ TEST_F(Voices, AReporterThatFallsSilentPlaysNoMore) {
 
 // --- a player that is not there, or does not answer ---
 
-TEST_F(Voices, WithoutAPlayerNothingIsSaidAndThatIsToldOnce) {
-  Hear(heard::PlayerMatched{false});
+TEST_F(Voices, WithoutAPlayerNothingIsSaidAndThatIsReportedOnce) {
+  Hear(voice_event::PlayerMatched{false});
   Start();
   EXPECT_THAT(Said(), ElementsAre("(dropped)"));
-  Hear(heard::DoubleTapped{});
+  Hear(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), IsEmpty());
   EXPECT_EQ(NextVoiceDeadline(voice_), std::nullopt);
 }
 
 TEST_F(Voices, APlayerThatComesInTimeIsStillUsed) {
-  Hear(heard::PlayerMatched{false});
+  Hear(voice_event::PlayerMatched{false});
   Start();
   EXPECT_THAT(Said(seconds(5)), IsEmpty());
-  Hear(heard::PlayerMatched{true});
+  Hear(voice_event::PlayerMatched{true});
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
 }
 
@@ -108,16 +108,16 @@ TEST_F(Voices, ASilentPlayerIsWaitedForSixSecondsAndThenTheNextIsSent) {
   Start();
   EXPECT_THAT(Said(Milliseconds(5999)), ElementsAre("9000"));
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("60"));
-  Hear(heard::PlayEnded{1});  // the first one answers after all
-  Hear(heard::DoubleTapped{});
+  Hear(voice_event::PlayEnded{1});  // the first one answers after all
+  Hear(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(Milliseconds(5999)), IsEmpty()) << "one at a time";
 }
 
-TEST_F(Voices, APlayerThatDiesEndsWhatItPlays) {
+TEST_F(Voices, APlayerThatIsLostEndsItsUtterance) {
   answers_ = false;
   Start();
-  Hear(heard::PlayerMatched{false});
-  Hear(heard::PlayerMatched{true});
+  Hear(voice_event::PlayerMatched{false});
+  Hear(voice_event::PlayerMatched{true});
   EXPECT_THAT(Said(seconds(0)), ElementsAre("9000", "60"));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A manager's voice, what it hears and a player, in plain values.
+// A manager's voice, its events and a player, in plain values.
 
 #include <gmock/gmock.h>
 
@@ -21,16 +21,16 @@ inline MachineConfig ManagedConfig(int stages = 2) {
   return config;
 }
 
-// A manager whose player answers after a second, unless it is told not to.
+// A manager whose player replies after a second, unless a test disables that.
 class Voices : public ::testing::Test {
  protected:
   Voices() {
     machine_.state = kActive;
-    Hear(heard::PlayerMatched{true});
+    Hear(voice_event::PlayerMatched{true});
   }
 
-  void Hear(const Heard& heard) {
-    for (const VoiceAction& action : Speak(config_, voice_, heard, now_)) {
+  void Hear(const VoiceEvent& event) {
+    for (const VoiceAction& action : Speak(config_, voice_, event, now_)) {
       if (const auto* play = std::get_if<voice_action::Play>(&action)) {
         const Utterance& u = play->utterance;
         said_.push_back(u.text.empty() ? std::to_string(u.id) : u.text);
@@ -42,7 +42,7 @@ class Voices : public ::testing::Test {
       }
     }
   }
-  void Show() { Hear(heard::MachineSeen{machine_}); }
+  void Show() { Hear(voice_event::MachineSeen{machine_}); }
   void Wait(Duration duration) {
     const Time end = now_ + duration;
     while (true) {
@@ -52,9 +52,9 @@ class Voices : public ::testing::Test {
       now_ = std::max(now_, at);
       if (answer_at_ && *answer_at_ <= now_) {
         answer_at_.reset();
-        Hear(heard::PlayEnded{voice_.number});
+        Hear(voice_event::PlayEnded{voice_.number});
       } else {
-        Hear(heard::TimePassed{});
+        Hear(voice_event::TimePassed{});
       }
       if (now_ >= end) break;
     }
@@ -89,12 +89,12 @@ class Voices : public ::testing::Test {
   }
   void Record(const std::string& kind, std::uint64_t number, std::int32_t code,
               const std::string& message = "") {
-    Hear(heard::Recorded{{kind, std::nullopt, number, code, message}});
+    Hear(voice_event::Recorded{{kind, std::nullopt, number, code, message}});
   }
 
   MachineConfig config_ = ManagedConfig();
   VoiceState voice_;
-  Glimpse machine_;
+  MachineView machine_;
   Time now_{std::chrono::seconds(1000)};
   bool answers_ = true;
   std::optional<Time> answer_at_;

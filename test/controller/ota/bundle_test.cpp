@@ -152,14 +152,14 @@ TEST_F(Bundle, ThatNeedsANewerVersionBeforeItIsRefused) {
   Manifest manifest = ManifestOf("3.0.0");
   manifest.min_version = ParseVersion("2.0.0");
   PutBundle(manifest);
-  ExpectRefused(Fault::kTooFar, "can only follow version 2.0.0 or newer, the robot has 1.0.0");
+  ExpectRefused(Fault::kTooFar, "can only upgrade version 2.0.0 or newer, the robot has 1.0.0");
 }
 
 TEST_F(Bundle, ForAnotherRobotIsRefused) {
   Manifest manifest = ManifestOf("1.1.0");
   manifest.robot = "cat";
   PutBundle(manifest);
-  ExpectRefused(Fault::kOtherRobot, "it is for the robot cat, this one is dog");
+  ExpectRefused(Fault::kOtherRobot, "it is for robot cat, not for dog");
 }
 
 TEST_F(Bundle, OfAnUnknownFormatIsRefused) {
@@ -167,12 +167,12 @@ TEST_F(Bundle, OfAnUnknownFormatIsRefused) {
   ExpectRefused(Fault::kUnknownFormat, "has format 2; this musher knows 1");
 }
 
-TEST_F(Bundle, WhoseManifestIsNoTomlIsRefused) {
+TEST_F(Bundle, WhoseManifestIsNotTomlIsRefused) {
   PutManifest("format = 1\nrobot = \n");
   ExpectRefused(Fault::kBadManifest, "manifest.toml:2:");
 }
 
-TEST_F(Bundle, WhoseManifestSaysTooLittleIsRefused) {
+TEST_F(Bundle, WhoseManifestIsIncompleteIsRefused) {
   Replace("sha256 = \"", "sha255 = \"");
   ExpectRefused(Fault::kBadManifest, "sha25");
 }
@@ -236,14 +236,15 @@ TEST_F(Bundle, IsNotInstalledByTwoAtOnce) {
   const auto second = Installation::Begin(root, BundleOf("1.1.0"), {}, std::nullopt);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, kCodeTargetBusy);
-  EXPECT_THAT(second.error().message, HasSubstr("another installation is under way"));
+  EXPECT_THAT(second.error().message, HasSubstr("another installation is running"));
 }
 
 TEST_F(Bundle, DoesNotGoWhereTheMachineRunsFrom) {
   const Root root = OpenRoot(*disk_);
   const auto installation = Installation::Begin(root, BundleOf("1.1.0"), {}, Slot::kB);
   ASSERT_FALSE(installation);
-  EXPECT_THAT(installation.error().message, HasSubstr("runs from the slot that is to be changed"));
+  EXPECT_THAT(installation.error().message,
+              HasSubstr("runs from the slot that the installation would change"));
 }
 
 TEST_F(Bundle, IsMadeOfPlainFilesOnly) {
@@ -259,7 +260,7 @@ TEST_F(Bundle, IsNotMadeOverAnother) {
   const auto made = MakeBundle(*disk_, "/built/1.1.0", ManifestOf("1.1.0"), TheKeys().private_pem,
                                BundleOf("1.0.0"), {});
   ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().message, HasSubstr("is there already"));
+  EXPECT_THAT(made.error().message, HasSubstr("already exists"));
 }
 
 TEST_F(Bundle, SaysWhatIsWrongWithAKey) {

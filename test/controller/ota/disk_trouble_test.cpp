@@ -55,12 +55,12 @@ TEST_F(DiskTrouble, ATrialBootThatCannotBeRememberedIsNotBegun) {
   ASSERT_TRUE(boot);
   EXPECT_FALSE(boot.value().on_trial_boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
-  EXPECT_THAT(boot.value().told, HasSubstr("but not now"));
+  EXPECT_THAT(boot.value().reason, HasSubstr("but not now"));
   disk_->hinder = nullptr;
   EXPECT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
 }
 
-TEST_F(DiskTrouble, ATrialBootWhoseEndCannotBeWrittenIsLeftByTheNextStart) {
+TEST_F(DiskTrouble, ATrialBootWhoseOutcomeCannotBeSavedIsRolledBackByTheNextStart) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
   ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
   FailFrom(1);
@@ -68,7 +68,7 @@ TEST_F(DiskTrouble, ATrialBootWhoseEndCannotBeWrittenIsLeftByTheNextStart) {
   const auto boot = OpenRoot(*disk_).Boot();  // nor can this be written
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
-  EXPECT_THAT(boot.value().told, HasSubstr("this cannot be remembered"));
+  EXPECT_THAT(boot.value().reason, HasSubstr("this cannot be saved"));
 }
 
 TEST_F(DiskTrouble, ReadOnlyRobotsStart) {
@@ -76,7 +76,7 @@ TEST_F(DiskTrouble, ReadOnlyRobotsStart) {
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
-  EXPECT_EQ(boot.value().told, "");
+  EXPECT_EQ(boot.value().reason, "");
 }
 
 TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
@@ -87,8 +87,8 @@ TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
-  EXPECT_THAT(boot.value().told, HasSubstr("slot b is damaged"));
-  EXPECT_EQ(OpenRoot(*disk_).Boot().value().told, "");
+  EXPECT_THAT(boot.value().reason, HasSubstr("slot b is damaged"));
+  EXPECT_EQ(OpenRoot(*disk_).Boot().value().reason, "");
 }
 
 // The slot's programs come first on PATH.
@@ -101,7 +101,7 @@ TEST_F(DiskTrouble, AVersionWithAProgramThatWasNotSignedIsNotStarted) {
   auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
-  EXPECT_THAT(boot.value().told, HasSubstr("bin/sh is not in the signed manifest"));
+  EXPECT_THAT(boot.value().reason, HasSubstr("bin/sh is not in the signed manifest"));
   disk_->PutLink("/robot/slots/a/bin/musher-audio", "/tmp/elsewhere");
   boot = OpenRoot(*disk_).Boot();
   ASSERT_FALSE(boot) << "a link can lead to any program";
@@ -115,7 +115,7 @@ TEST_F(DiskTrouble, WhatAModuleLeavesBesideItsProgramAndCannotBeRunIsOfNoInteres
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
-  EXPECT_EQ(boot.value().told, "");
+  EXPECT_EQ(boot.value().reason, "");
 }
 
 TEST_F(DiskTrouble, AStateThatIsDamagedOrLostLeavesTheVersionThatTheLinkNames) {
@@ -128,7 +128,7 @@ TEST_F(DiskTrouble, AStateThatIsDamagedOrLostLeavesTheVersionThatTheLinkNames) {
     const auto boot = OpenRoot(*disk_).Boot();
     ASSERT_TRUE(boot);
     ASSERT_EQ(boot.value().version.text, "1.1.0") << size;
-    ASSERT_THAT(boot.value().told, HasSubstr("is lost"));
+    ASSERT_THAT(boot.value().reason, HasSubstr("is lost"));
   }
 }
 
@@ -145,7 +145,7 @@ TEST_F(DiskTrouble, WithoutAnyVersionThatIsWholeItSaysWhatIsWrongWithEach) {
   ASSERT_FALSE(boot);
   EXPECT_TRUE(Is(boot.error(), Fault::kNoVersion));
   EXPECT_THAT(boot.error().message, HasSubstr("bin/legs has 1 bytes instead of 705"));
-  EXPECT_THAT(boot.error().message, HasSubstr("slot b: /robot/slots/b/manifest.toml is not there"));
+  EXPECT_THAT(boot.error().message, HasSubstr("slot b: /robot/slots/b/manifest.toml is missing"));
 }
 
 }  // namespace musher::ota::testing::disk_trouble_test

@@ -102,7 +102,7 @@ TEST_F(RealFiles, ThatAreLinksOrPipesAreNotOpened) {
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   const auto pipe = disk_.Open(folder_ / "pipe");
   ASSERT_FALSE(pipe);
-  EXPECT_THAT(pipe.error().message, HasSubstr("is no plain file"));
+  EXPECT_THAT(pipe.error().message, HasSubstr("is not a plain file"));
 }
 
 TEST_F(RealFiles, ThatAreLockedSayByWhomAndAreFreeAgainWhenTheLockIsDropped) {

@@ -42,7 +42,7 @@ class Life {
     const Root root = OpenRoot(*disk_);
     const auto boot = root.Boot();
     ASSERT_TRUE(boot);
-    ASSERT_TRUE(boot.value().on_trial_boot) << boot.value().told;
+    ASSERT_TRUE(boot.value().on_trial_boot) << boot.value().reason;
     ASSERT_EQ(boot.value().version.text, version);
     const Result<> outcome = keeps ? Ok() : Result<>(Error{kCodeFailed, "the legs do not answer"});
     ASSERT_TRUE(root.EndTrialBoot(version, outcome));
@@ -98,7 +98,7 @@ std::string FirstOf(const std::vector<std::string>& faults) {
   return faults.empty() ? "" : std::to_string(faults.size()) + " faults, first: " + faults.front();
 }
 
-TEST(PowerCut, LeavesAVersionThatStartsAtEveryMomentOfARobotsLife) {
+TEST(PowerCut, LeavesAVersionThatStartsAfterEveryOperation) {
   Life life(DiskWith({"1.0.0", "1.1.0", "1.2.0", "1.3.0", "9.0.0"}), 12);
   life.MayStart({"1.0.0"});
   life.Upgrade("1.1.0", true);   // into an empty slot

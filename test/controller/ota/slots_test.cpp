@@ -82,7 +82,7 @@ TEST(Boots, StartWhatIsConfirmed) {
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().start, Slot::kA);
   EXPECT_FALSE(boot.value().on_trial_boot);
-  EXPECT_EQ(boot.value().told, "");
+  EXPECT_EQ(boot.value().reason, "");
 }
 
 TEST(Boots, LookIntoOneSlotOnlyWhereThatIsEnough) {
@@ -107,9 +107,9 @@ TEST(Boots, TryAVersionOnce) {
   EXPECT_EQ(second.value().start, Slot::kA);
   EXPECT_FALSE(second.value().next.on_trial_boot);
   EXPECT_FALSE(second.value().next.other_good);
-  EXPECT_THAT(second.value().told, HasSubstr("its first start did not come to its end"));
+  EXPECT_THAT(second.value().reason, HasSubstr("its trial boot did not finish"));
   const auto third = DecideBoot(second.value().next, {}, content.Look());
-  EXPECT_EQ(third.value().told, "");
+  EXPECT_EQ(third.value().reason, "");
 }
 
 TEST(Boots, DoNotTryADamagedVersion) {
@@ -117,7 +117,7 @@ TEST(Boots, DoNotTryADamagedVersion) {
   const auto boot = DecideBoot(SlotState{Slot::kA, true, false, false, {}}, {}, content.Look());
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().start, Slot::kA);
-  EXPECT_THAT(boot.value().told, HasSubstr("a file is altered"));
+  EXPECT_THAT(boot.value().reason, HasSubstr("a file is altered"));
 }
 
 TEST(Boots, StartAVersionThatFailedRatherThanNone) {
@@ -181,7 +181,7 @@ TEST(Flows, TakeTheMachineOutOfOtaAfterEveryFailureBeforeTheTrialBoot) {
   }
 }
 
-TEST(Flows, WithoutAMachineNeverAskForOne) {
+TEST(Flows, WithoutAMachineHaveNoStepThatNeedsOne) {
   for (Flow flow : {InstallFlow(false), RollbackFlow(false)}) {
     for (; !flow.left.empty(); Advance(flow, Ok())) {
       const Step step = flow.left.front();
@@ -199,7 +199,7 @@ TEST(RootFile, SaysWhatIsReadBack) {
   EXPECT_EQ(read.value(), config);
 }
 
-TEST(RootFile, HasAllItsFaultsTold) {
+TEST(RootFile, HasAllItsErrorsReported) {
   const auto read =
       ParseRootConfig("robot = \"a b\"\nconfig = \"/etc/x\"\ntrail_s = 3\n", "ota.toml");
   ASSERT_FALSE(read);

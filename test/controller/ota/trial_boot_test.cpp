@@ -37,7 +37,7 @@ class Trials : public ::testing::Test {
   Machine machine_;
 };
 
-TEST_F(Trials, EndWellWhenEverybodyIsWhereTheMachineIs) {
+TEST_F(Trials, SucceedWhenAllActuatorsAreInTheMachinesState) {
   EXPECT_EQ(Verdict(), "kept");
 }
 
@@ -80,7 +80,7 @@ TEST_F(Trials, EndBadlyWhenTheStartFails) {
   EXPECT_EQ(Verdict(), "the start-up failed");
 }
 
-TEST_F(Trials, AreNobodysVerdictWhileTheMachineIsTakenDown) {
+TEST_F(Trials, AreUndecidedWhileTheMachineIsTakenDown) {
   for (const Phase phase : {Phase::kStopping, Phase::kStopped, Phase::kFenced}) {
     machine_.phase = phase;
     machine_.actuators[0].fault = Error{kCodeFailed, "it is torn down"};

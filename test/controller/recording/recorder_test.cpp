@@ -41,7 +41,7 @@ class RecorderTest : public ::testing::Test {
   Recorder recorder_{sink_, config_};
 };
 
-TEST_F(RecorderTest, TellsTheConfigAndThenEveryEventWithItsTime) {
+TEST_F(RecorderTest, RecordsTheConfigAndThenEveryEventWithItsTime) {
   recorder_.Note(2, machine_, event::SetUpAwaited{5}, Time(Milliseconds(7)));
   ASSERT_EQ(sink_.Kinds(), "ce");
   EXPECT_EQ(std::get<ConfigText>(sink_.inputs[0].what), (ConfigText{"", "cafe", "[controller]"}));
@@ -64,7 +64,7 @@ TEST_F(RecorderTest, TakesSnapshotsOfALargeMachineLessOften) {
   EXPECT_EQ(sink_.inputs.size(), 1U + 3001U + 1U);
 }
 
-TEST_F(RecorderTest, TellsTheConfigOnceMoreWhenTheJournalHasLostWhatWasBefore) {
+TEST_F(RecorderTest, RecordsTheConfigOnceMoreWhenTheJournalHasLostEarlierInputs) {
   Note(1);
   sink_.wants = true;
   Note(2);

@@ -93,7 +93,7 @@ TEST(Replay, TakesTheEndOfARecordingThatWasCutOffForRecorded) {
   EXPECT_TRUE(Replayed(rows).equal());
 }
 
-TEST(Replay, StopsWhereSomethingIsMissingAndGoesOnWithTheNextSnapshot) {
+TEST(Replay, StopsAtMissingRowsAndContinuesWithTheNextSnapshot) {
   auto rows = Rows();
   rows.erase(rows.begin() + 20);
   const ReplayReport report = Replayed(rows);
@@ -118,7 +118,7 @@ TEST(Replay, NoticesASnapshotThatIsNotTheMachine) {
   const ReplayReport report = Replayed(rows);
   EXPECT_FALSE(report.equal());
   EXPECT_THAT(report.notes,
-              ElementsAre(HasSubstr("the machine is not the one of the snapshot, number ")));
+              ElementsAre(HasSubstr("the replayed machine differs from the snapshot, number ")));
 }
 
 TEST(Replay, NeedsAConfigWhenNoneIsRecorded) {
@@ -134,7 +134,7 @@ TEST(Replay, NeedsAConfigWhenNoneIsRecorded) {
   EXPECT_TRUE(Replayed(rows, options).equal());
 }
 
-TEST(Replay, TellsOnlyWhatIsAskedForButKnowsWhatWasBefore) {
+TEST(Replay, ReportsOnlyTheRequestedPartButReplaysWhatWasBefore) {
   const ReplayReport all = Replayed(Rows());
   ReplayOptions options;
   options.since_wall_ns = all.lines[all.lines.size() / 2].entry.wall_ns;
@@ -154,10 +154,10 @@ TEST(Replay, RefusesAnEventOfAnActuatorThatIsNotThere) {
   std::get<event::Replied>(timed->event).actuator = 99;
   const auto report = Replay(rows, {});
   ASSERT_FALSE(report);
-  EXPECT_THAT(report.error().message, HasSubstr("names an actuator that is not there"));
+  EXPECT_THAT(report.error().message, HasSubstr("names an unknown actuator"));
 }
 
-TEST(Replay, GoesOnWithNoSnapshotThatContradictsItself) {
+TEST(Replay, RejectsAnInconsistentSnapshot) {
   const auto take_over = [](const std::function<void(Machine&)>& change) {
     auto rows = Rows();
     rows.erase(rows.begin() + 20);  // it has to start at a snapshot again
@@ -170,7 +170,7 @@ TEST(Replay, GoesOnWithNoSnapshotThatContradictsItself) {
     }
     return Replayed(rows).notes;
   };
-  const auto refused = ::testing::Contains("a snapshot does not belong to the config");
+  const auto refused = ::testing::Contains("a snapshot is of a different config");
   const auto with_switch = [](const std::function<void(Switch&)>& change) {
     return [change](Machine& machine) { change(machine.current.emplace()); };
   };

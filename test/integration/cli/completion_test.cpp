@@ -37,7 +37,7 @@ TEST_F(CompletionOfAMachine, OffersItsStatesActuatorsAndCapabilities) {
   EXPECT_THAT(Offered({"--namespace", "elsewhere", "restart", ""}), IsEmpty());
 }
 
-TEST_F(CompletionOfAMachine, OffersItsNamesThoughItsConfigIsGone) {
+TEST_F(CompletionOfAMachine, OffersItsNamesThoughItsConfigIsRemoved) {
   ASSERT_EQ(UpDetached().exit, 0);
   std::filesystem::remove(config_);
   EXPECT_THAT(Offered({"set", "Active", ""}), ElementsAre("legs", "voice", "eyes"));

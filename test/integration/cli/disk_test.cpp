@@ -32,7 +32,7 @@ class Disk : public MachineByCli {
   std::unique_ptr<Process> up_;
 };
 
-TEST_F(Disk, WhoseFilesMayNotGrowIsToldAndDoesNotEndTheController) {
+TEST_F(Disk, WithAFileSizeLimitIsReportedAndDoesNotEndTheController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const pid_t controller = Status()["pid"];
   rlimit limit{};
@@ -40,7 +40,7 @@ TEST_F(Disk, WhoseFilesMayNotGrowIsToldAndDoesNotEndTheController) {
   limit.rlim_cur = 1;
   ASSERT_EQ(prlimit(controller, RLIMIT_FSIZE, &limit, nullptr), 0);
   EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
-  EXPECT_NE(up_->LineWith("journal: nothing is written for now"), "");
+  EXPECT_NE(up_->LineWith("journal: writing failed, retrying"), "");
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Status()["pid"], controller);
 }
@@ -58,13 +58,13 @@ TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {
   EXPECT_TRUE(std::filesystem::exists(log));
 }
 
-TEST_F(Disk, OnWhichNoLogCanBeWrittenIsToldAndStillLetsAnActuatorBeStartedAgain) {
+TEST_F(Disk, WithoutWritableLogsIsReportedAndActuatorsAreStillRestarted) {
   ASSERT_NO_FATAL_FAILURE(Start());
   std::filesystem::remove_all(folder_ / "state/logs");
   std::ofstream(folder_ / "state/logs") << "in the way";
   const pid_t before = Status()["actuators"]["legs"]["pid"];
   kill(before, SIGKILL);
-  EXPECT_THAT(up_->LineWith("what actuators print is lost"), HasSubstr("Not a directory"));
+  EXPECT_THAT(up_->LineWith("actuator output is lost"), HasSubstr("Not a directory"));
   AwaitStatus([before](const auto& s) {
     const auto& legs = s["actuators"]["legs"];
     return legs["pid"] != before && legs["state"] == "Active";

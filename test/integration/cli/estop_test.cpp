@@ -115,7 +115,7 @@ TEST_F(EmergencyStop, AReleasedStopStaysReleasedForTheNextControllerThoughItsPan
   panels->RunOnLoop([&] { buttons.clear(); });
 }
 
-TEST_F(EmergencyStop, TellsWhoHadEngagedItBefore) {
+TEST_F(EmergencyStop, ReportsTheOriginOfTheEarlierStop) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto first = Estop();
   const Ended second = Musher({"estop", "once more"});
@@ -148,7 +148,8 @@ TEST_F(EmergencyStop, HoldsAnActiveRobotUntilItsStateIsSetAgainAfterTheRelease) 
   EXPECT_EQ(during.exit, 1);
   EXPECT_THAT(during.err, HasSubstr("until it is released it holds Active"));
   const Ended release = Musher({"estop", "--release"});
-  EXPECT_THAT(release.out, HasSubstr("stays off until `musher set Active`: legs, voice, eyes"));
+  EXPECT_THAT(release.out,
+              HasSubstr("held by the stop until `musher set Active`: legs, voice, eyes"));
   EXPECT_EQ(Status()["held_by_stop"], (nlohmann::json{"legs", "voice", "eyes"}));
   const Ended again = Musher({"set", "Active"});
   EXPECT_EQ(again.exit, 0) << again.err;
@@ -204,7 +205,7 @@ TEST_F(EmergencyStop, NamesAnActuatorThatDoesNotSayThatItHasStopped) {
   kill(eyes, SIGSTOP);
   const Ended estop = Musher({"estop", "--timeout", "1"});
   EXPECT_EQ(estop.exit, 1);
-  EXPECT_THAT(estop.err, HasSubstr("not known to be stopped: eyes"));
+  EXPECT_THAT(estop.err, HasSubstr("stop not confirmed: eyes"));
   EXPECT_THAT(estop.out, HasSubstr("legs   stopped after "));
 }
 
@@ -221,11 +222,10 @@ TEST_F(EmergencyStop, KeepsANextStartFromGoingUpUntilItIsReleased) {
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
 }
 
-TEST_F(EmergencyStop, EndsWithThreeWhereNobodyIsAtAll) {
+TEST_F(EmergencyStop, ExitsWithThreeWithoutControllerAndActuators) {
   const Ended estop = Musher({"estop", "--timeout", "0.2"});
   EXPECT_EQ(estop.exit, 3);
-  EXPECT_THAT(estop.err,
-              HasSubstr("no controller and no actuator in namespace '" + name_space_ + "'"));
+  EXPECT_THAT(estop.err, HasSubstr("no controller or actuator in namespace '" + name_space_ + "'"));
 }
 
 }  // namespace musher::testing::estop_test

@@ -19,7 +19,7 @@ class History : public MachineByCli {
   }
 };
 
-TEST_F(History, CanBeAskedForOneActuatorAndUpToATime) {
+TEST_F(History, CanBeFilteredByActuatorAndTime) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended legs = Musher({"history", "--actuator", "legs"});
   EXPECT_EQ(legs.exit, 0) << legs.err;

@@ -22,7 +22,7 @@ class InterruptedSwitch : public MachineByCli {
     set_ = std::make_unique<Process>(Command({"set", "LowPower"}));
     const auto status = AwaitStatus([](const auto& s) { return s["target"] == "LowPower"; });
     switch_ = "switch " + std::to_string(status["switch"].get<int>());
-    controller_ = "process " + std::to_string(status["pid"].get<pid_t>());
+    controller_ = "pid " + std::to_string(status["pid"].get<pid_t>());
     killed_ = Clock::now();
     kill(status["pid"].get<pid_t>(), SIGKILL);
   }
@@ -33,9 +33,9 @@ class InterruptedSwitch : public MachineByCli {
   Clock::time_point killed_;
 };
 
-TEST_F(InterruptedSwitch, IsToldAtOnceAndTheSuccessorSaysWhereTheMachineIs) {
+TEST_F(InterruptedSwitch, IsReportedAtOnceAndTheSuccessorReportsTheMachinesState) {
   ASSERT_NO_FATAL_FAILURE(SetAndKillController());
-  ASSERT_TRUE(set_->AwaitError("the controller (" + controller_ + ", epoch 1) has ended during " +
+  ASSERT_TRUE(set_->AwaitError("the controller (" + controller_ + ", epoch 1) has exited during " +
                                switch_ + " to LowPower"));
   EXPECT_LT(Clock::now() - killed_, std::chrono::seconds(3)) << "60 s, as it was";
   EXPECT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
@@ -46,12 +46,11 @@ TEST_F(InterruptedSwitch, IsToldAtOnceAndTheSuccessorSaysWhereTheMachineIs) {
   Release();
 }
 
-TEST_F(InterruptedSwitch, EndsWithCodeFiveAndSaysHowToGoOnWhenNoControllerComes) {
+TEST_F(InterruptedSwitch, ExitsWithFiveAndSaysWhatToDoWithoutASuccessor) {
   ASSERT_NO_FATAL_FAILURE(SetAndKillController());
   const Ended set = set_->Wait();
   EXPECT_EQ(set.exit, 5);
-  EXPECT_THAT(set.err, AllOf(HasSubstr("no controller has taken its place within 6 s"),
-                             HasSubstr("musher up")));
+  EXPECT_THAT(set.err, AllOf(HasSubstr("no successor within 6 s"), HasSubstr("musher up")));
   EXPECT_LT(Clock::now() - killed_, std::chrono::seconds(20));
   Release();
 }

@@ -1,4 +1,4 @@
-// `musher up` loses its terminal, or the program that reads its output: the machine goes on.
+// `musher up` loses its terminal, or the program that reads its output: the machine keeps running.
 
 #include <signal.h>
 
@@ -30,8 +30,8 @@ TEST_F(LostTerminal, AReaderOfTheOutputThatEndsDoesNotTakeTheControllerAlong) {
     up.CloseOutput();
     const pid_t controller = AwaitStatus(AllHaveArrived)["pid"];
     ExpectLed(controller);
-    EXPECT_TRUE(
-        up.AwaitError("its reader has ended; robot goes on: Ctrl-C or `musher down` ends it"));
+    EXPECT_TRUE(up.AwaitError(
+        "its reader has exited; robot keeps running: Ctrl-C or `musher down` stops it"));
     up.Signal(SIGINT);
     EXPECT_EQ(up.Wait().exit, 0);
     EXPECT_TRUE(AwaitNoChildren());
@@ -57,8 +57,9 @@ TEST_F(LostTerminal, ATerminalThatClosesLeavesTheControllerAsDetachWouldHave) {
   up.Signal(SIGHUP);
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 0);
-  EXPECT_THAT(ended.err, HasSubstr("the terminal is closed; the controller, process " +
-                                   std::to_string(controller) + ", goes on: `musher down` ends"));
+  EXPECT_THAT(ended.err,
+              HasSubstr("the terminal is closed; the controller (pid " +
+                        std::to_string(controller) + ") keeps running: `musher down` stops"));
   ExpectLed(controller);
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("the terminal of `musher up` is closed"));
   EXPECT_EQ(Musher({"down"}).exit, 0);
@@ -81,7 +82,7 @@ TEST_F(LostTerminal, AServiceHasNoTerminalToLose) {
   unsetenv("NOTIFY_SOCKET");
   ASSERT_NE(up.LineWith("eyes: Active done"), "");
   up.Signal(SIGHUP);
-  EXPECT_TRUE(up.AwaitError("SIGHUP: a service has no terminal to lose; robot goes on"));
+  EXPECT_TRUE(up.AwaitError("SIGHUP ignored: a service has no terminal; robot keeps running"));
   up.Signal(SIGINT);
   EXPECT_EQ(up.Wait().exit, 0);
 }

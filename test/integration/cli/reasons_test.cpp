@@ -80,7 +80,7 @@ TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce
     for (std::size_t at = 0; (at = up.out.find(words, at)) != std::string::npos; ++at) ++found;
     return found;
   };
-  EXPECT_EQ(times("voice: the same again 2 times\n"), 1) << up.out;
+  EXPECT_EQ(times("voice: repeated 2 times\n"), 1) << up.out;
   EXPECT_EQ(times("voice started (pid "), 1) << up.out;
   EXPECT_EQ(times("no board found"), 2) << "how it ended, and that it is degraded\n" << up.out;
   EXPECT_EQ(times("voice is degraded: given up after 3 restarts; as above"), 1) << up.out;

@@ -43,7 +43,7 @@ TEST_F(Restart, ByHandEndsWhenTheActuatorIsBack) {
   EXPECT_EQ(restart.exit, 0) << restart.err;
   ExpectVoiceIsBack();
   EXPECT_EQ(restart.out,
-            "voice is back in Active, process " + std::to_string(Voice()["pid"].get<int>()) + "\n");
+            "voice is back in Active (pid " + std::to_string(Voice()["pid"].get<int>()) + ")\n");
   EXPECT_EQ(Voice()["restarts"], 0);  // those by hand do not count
 }
 
@@ -78,7 +78,7 @@ TEST_F(Restart, FollowsTheDeathOfAProcess) {
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("  1 restart\n"));
 }
 
-TEST_F(Restart, OfOneWithAWrongConfigComesOnceAPersonHasMendedItAndAsks) {
+TEST_F(Restart, OfAnActuatorWithAConfigurationErrorWorksOnceItIsFixed) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Does("voice", "[state.Activ]\nrun = [\"true\"]\n");
   kill(voice_, SIGKILL);

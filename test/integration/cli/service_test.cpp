@@ -25,7 +25,7 @@ class UpAsAService : public MachineByCli {
   ServiceManagerThatReads systemd_{folder_ / "notify"};
 };
 
-TEST_F(UpAsAService, TellsItsStateShowsLifeAndStopsInOrder) {
+TEST_F(UpAsAService, SendsItsStatePingsTheWatchdogAndStopsInOrder) {
   Process up(Unit());
   EXPECT_TRUE(systemd_.WaitFor("STATUS=Active, 2 of 3 actuators"));  // stage 1
   EXPECT_TRUE(systemd_.WaitFor("READY=1"));
@@ -50,7 +50,7 @@ TEST_F(UpAsAService, IsNotReadyWhenTheStartFails) {
   EXPECT_THAT(told, Not(HasSubstr("READY=1")));
 }
 
-TEST_F(UpAsAService, TellsNoActuatorWhereSystemdListens) {
+TEST_F(UpAsAService, HidesTheNotifySocketFromActuators) {
   const std::string seen = folder_ / "seen";
   Does("legs", "[state.Active]\nshell = \"env > " + seen + "\"\n");
   Process up(Unit());
@@ -107,7 +107,7 @@ TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNe
     up.Signal(SIGABRT);
     const Ended ended = up.Wait();
     EXPECT_EQ(ended.exit, 1);
-    EXPECT_THAT(ended.err, HasSubstr("the controller of robot has died (killed by signal 6"));
+    EXPECT_THAT(ended.err, HasSubstr("the controller of robot has crashed (killed by signal 6"));
   }
   Process again(Unit());
   EXPECT_TRUE(systemd_.WaitFor("READY=1"));

@@ -63,7 +63,7 @@ TEST_F(SharedProcess, IsRestartedWholeByARestartOfTheOneThatItWasStartedFor) {
   BothAre("Active", pid_);
 }
 
-TEST_F(SharedProcess, IsNotRestartedForTheOneThatOnlyLivesInIt) {
+TEST_F(SharedProcess, IsNotRestartedForAnActuatorThatOnlyRunsInIt) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended restart = Musher({"restart", "leg"});
   EXPECT_EQ(restart.exit, 1);

@@ -18,7 +18,7 @@ class Set : public MachineByCli {
   std::unique_ptr<Process> up_;
 };
 
-TEST_F(Set, SwitchesTheMachineAndTellsEachActuatorsPart) {
+TEST_F(Set, SwitchesTheMachineAndReportsEachActuatorsOutcome) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended set = Musher({"set", "LowPower", "--json"});
   EXPECT_EQ(set.exit, 0) << set.err;
@@ -58,7 +58,7 @@ TEST_F(Set, EndsWithOneAndAReasonWhenItIsRefused) {
   EXPECT_EQ(result["state"], "Active");
   const Ended unknown = Musher({"set", "Active", "tail"});
   EXPECT_EQ(unknown.exit, 1);
-  EXPECT_EQ(unknown.out, "refused: nothing is switched\n");
+  EXPECT_EQ(unknown.out, "refused: nothing switched\n");
   EXPECT_EQ(unknown.err,
             "musher: tail to Active is refused: there is no actuator 'tail'; there are legs, voice "
             "and eyes\n");
@@ -96,14 +96,14 @@ TEST_F(Set, EndsWithOneWhenItIsDoneWithoutSome) {
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("degraded: voice"));
 }
 
-TEST_F(Set, EndsWithFourAndTheNumberOfTheSwitchThatGoesOn) {
+TEST_F(Set, ExitsWithFourAndTheNumberOfTheSwitchThatContinues) {
   Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended set = Musher({"set", "LowPower", "--timeout", "2", "--json"});
   EXPECT_EQ(set.exit, 4);
   EXPECT_THAT(set.err, HasSubstr("did not answer within 2 s; switch "));
   const auto failure = Json(set.out);
-  EXPECT_THAT(failure["error"].get<std::string>(), HasSubstr("goes on"));
+  EXPECT_THAT(failure["error"].get<std::string>(), HasSubstr("continues"));
   EXPECT_EQ(failure["code"], 107);
   const std::string number = std::to_string(failure["switch"].get<int>());
   Release();
@@ -130,7 +130,7 @@ TEST_F(Set, ShowsOnATerminalWhichActuatorsAreStillSwitching) {
   EXPECT_EQ(quiet.err, "");
 }
 
-TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
+TEST_F(Set, LetsTheSwitchContinueAfterCtrlC) {
   Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
   Process watch(Command({"status", "--watch", "--json"}));
@@ -142,7 +142,7 @@ TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
   Release();
   EXPECT_EQ(ended.exit, 130);
   EXPECT_THAT(ended.err, HasSubstr("interrupted; switch "));
-  EXPECT_THAT(ended.err, HasSubstr(" to LowPower goes on"));
+  EXPECT_THAT(ended.err, HasSubstr(" to LowPower continues"));
   EXPECT_NE(watch.LineWith(R"("state":"LowPower","degraded":[])"), "");
 }
 
@@ -163,7 +163,7 @@ TEST_F(Set, IsPlannedWithoutBeingDone) {
   EXPECT_EQ(Status(), before);
 }
 
-TEST_F(Set, IsToldInTheHistory) {
+TEST_F(Set, IsRecordedInTheHistory) {
   ASSERT_NO_FATAL_FAILURE(Start());
   ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
   // The journal is written behind the switch.
@@ -190,7 +190,7 @@ TEST_F(Set, IsExplainedByItsCauseAndDecidedAgainFromTheJournal) {
   const Ended replay = Musher({"replay", journal});
   EXPECT_EQ(replay.exit, 0) << replay.out << replay.err;
   EXPECT_EQ(replay.err, "");
-  EXPECT_THAT(replay.out, ::testing::EndsWith(": each as it was recorded\n"));
+  EXPECT_THAT(replay.out, ::testing::EndsWith(": all as recorded\n"));
 }
 
 }  // namespace musher::testing::switch_test

@@ -55,7 +55,7 @@ TEST_F(Takeover, IsTheWayOutOfARefusalThatNamesTheLivingController) {
     if (other_folder) MoveToOtherFolder();
     const Ended second = Musher({"up", config_});
     EXPECT_EQ(second.exit, 2);
-    EXPECT_THAT(second.err, AllOf(HasSubstr(leader_), HasSubstr("--takeover ends it")));
+    EXPECT_THAT(second.err, AllOf(HasSubstr(leader_), HasSubstr("--takeover replaces it")));
   }
   EXPECT_EQ(Status(), before_);  // it was not disturbed
 }
@@ -68,7 +68,7 @@ TEST_F(Takeover, EndsTheFirstWhichSaysWhyAndKeepsItsActuators) {
   EXPECT_EQ(first.exit, 1);
   const std::string who = "process " + std::to_string(Status()["pid"].get<int>());
   EXPECT_THAT(first.err, HasSubstr("another controller, " + who + " of this host, leads"));
-  EXPECT_THAT(first.err, HasSubstr("this controller ends, the actuators go on\n"));
+  EXPECT_THAT(first.err, HasSubstr("this controller exits, the actuators keep running\n"));
   EXPECT_THAT(first.out, HasSubstr("this controller (epoch 1) releases control"));
   ExpectAdopted();
   second.Signal(SIGINT);
@@ -123,7 +123,7 @@ TEST_F(Takeover, EndsOneThatIsStopped) {
   EXPECT_EQ(second.exit, 0) << second.err;
   const Ended first = first_->Wait();
   EXPECT_EQ(first.exit, 1);
-  EXPECT_THAT(first.err, HasSubstr("the controller of robot has died (killed by signal 9"));
+  EXPECT_THAT(first.err, HasSubstr("the controller of robot has crashed (killed by signal 9"));
   ExpectAdopted();
 }
 
@@ -136,7 +136,7 @@ TEST_F(Takeover, IsToldInJson) {
   EXPECT_EQ(first.Wait().exit, 1);
 }
 
-TEST_F(Takeover, OfAMachineThatNobodyLeadsIsAnOrdinaryStart) {
+TEST_F(Takeover, OfAMachineWithoutAControllerIsAnOrdinaryStart) {
   EXPECT_EQ(TakeOver(config_).exit, 0);
   EXPECT_EQ(Status()["state"], "Active");
 }

@@ -34,11 +34,11 @@ TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
   up.Signal(SIGTERM);
   ASSERT_NE(up.LineWith("TearDown from Active"), "");
   up.Signal(SIGINT);
-  EXPECT_TRUE(up.AwaitError("is being taken down already"));
+  EXPECT_TRUE(up.AwaitError("is already being taken down"));
   Release();
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 0);
-  EXPECT_EQ(ended.err, "musher: taking robot down\nmusher: robot is being taken down already\n");
+  EXPECT_EQ(ended.err, "musher: taking robot down\nmusher: robot is already being taken down\n");
 }
 
 TEST_F(Up, PrintsALineOfJsonForEachEvent) {
@@ -58,7 +58,7 @@ TEST_F(Up, PrintsALineOfJsonForEachEvent) {
 TEST_F(Up, LeavesTheMachineUpWhenItIsDetached) {
   const Ended up = UpDetached();
   EXPECT_EQ(up.exit, 0) << up.err;
-  EXPECT_THAT(up.out, HasSubstr("robot is up; the controller, process "));
+  EXPECT_THAT(up.out, HasSubstr("robot is up; the controller (pid "));
   EXPECT_EQ(Status()["state"], "Active");
   const Ended down = Musher({"down"});
   EXPECT_EQ(down.exit, 0) << down.err;
@@ -160,7 +160,7 @@ TEST_F(Up, CanFollowTheDownOfAFailedStartAtOnce) {
     EXPECT_THAT(up.err, HasSubstr("stay up for inspection")) << i;
     const Ended down = Musher({"down"});
     ASSERT_LE(down.exit, 1) << down.err;
-    EXPECT_THAT(down.err, Not(HasSubstr("has not ended yet")));
+    EXPECT_THAT(down.err, Not(HasSubstr("has not exited yet")));
   }
 }
 
@@ -218,7 +218,7 @@ TEST_F(Up, RefusesAMachineThatHasAControllerAndNamesIt) {
   EXPECT_EQ(Status()["epoch"], before["epoch"]);  // it was not disturbed
 }
 
-TEST_F(Up, LosesItsControllerWithItsFrontButKeepsTheActuators) {
+TEST_F(Up, LosesItsControllerWithItsLauncherButKeepsTheActuators) {
   pid_t legs = 0;
   {
     Process up(Command({"up", config_}));
@@ -240,10 +240,10 @@ TEST_F(Up, SaysThatItsControllerHasDied) {
   kill(Status()["pid"].get<pid_t>(), SIGKILL);
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_THAT(ended.err, HasSubstr("the controller of robot has died (killed by signal 9"));
+  EXPECT_THAT(ended.err, HasSubstr("the controller of robot has crashed (killed by signal 9"));
 }
 
-TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
+TEST_F(Up, CompletesATearDownInWhichItsPredecessorCrashed) {
   for (const char* slow : {"legs", "voice"}) Blocks(slow, "TearDown");
   Process first(Command({"up", config_}));
   ASSERT_NE(first.LineWith("eyes: Active done"), "");

@@ -19,8 +19,8 @@ class WithoutController : public MachineByCli {
     waitpid(controller, nullptr, 0);
   }
   std::string ProcessOf(const std::string& actuator) const {
-    return actuator + " (process " +
-           std::to_string(before_["actuators"][actuator]["pid"].get<int>()) + ")";
+    return actuator + " (pid " + std::to_string(before_["actuators"][actuator]["pid"].get<int>()) +
+           ")";
   }
   // In legs.log, where its TearDown is written down.
   void TellsItsTearDown() const {
@@ -39,7 +39,7 @@ TEST_F(WithoutController, TheRunningActuatorsAreListedFromWhatTheyLatched) {
   EXPECT_THAT(status.err, AllOf(HasSubstr("no controller in namespace"),
                                 HasSubstr(ProcessOf("legs")), HasSubstr(ProcessOf("eyes")),
                                 HasSubstr("run without one: `musher up` with their config"),
-                                HasSubstr("`musher down --without-controller` ends them")));
+                                HasSubstr("`musher down --without-controller` stops them")));
   const auto json = Json(Musher({"status", "--json"}).out);
   EXPECT_EQ(json["actuators"]["voice"]["state"], "Active");
   EXPECT_EQ(json["actuators"]["voice"]["pid"], before_["actuators"]["voice"]["pid"]);
@@ -50,7 +50,7 @@ TEST_F(WithoutController, DownTearsTheActuatorsDownAndEndsTheirProcesses) {
   ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
   const Ended down = Musher({"down", "--without-controller"});
   EXPECT_EQ(down.exit, 0) << down.out << down.err;
-  EXPECT_THAT(down.out, HasSubstr("torn down, ended"));
+  EXPECT_THAT(down.out, HasSubstr("torn down, exited"));
   EXPECT_TRUE(LegsWereTornDown());
   EXPECT_TRUE(AwaitNoChildren());
   EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 3);
@@ -61,7 +61,7 @@ TEST_F(WithoutController, DownKillsWhatStandsStill) {
   kill(before_["actuators"]["legs"]["pid"].get<pid_t>(), SIGSTOP);
   const Ended down = Musher({"down", "--without-controller", "--timeout", "0.5"});
   EXPECT_EQ(down.exit, 0) << down.out << down.err;
-  EXPECT_THAT(down.out, HasSubstr("ended without TearDown, after SIG"));
+  EXPECT_THAT(down.out, HasSubstr("exited without TearDown, after SIG"));
   EXPECT_TRUE(AwaitNoChildren());
 }
 
@@ -74,16 +74,16 @@ TEST_F(WithoutController, DownLeavesALedMachineAlone) {
   EXPECT_EQ(Status(), before);
 }
 
-TEST_F(WithoutController, UpOfAnotherConfigWithTheSameNamesIsRefusedUnlessAskedFor) {
+TEST_F(WithoutController, UpOfAnotherConfigWithTheSameNamesIsRefusedWithoutAdopt) {
   ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
   const std::string other = OtherRobot("sled", name_space_, "own");
   std::ofstream(other, std::ios::app) << "# another one\n";
   const Ended up = Musher({"up", other, "--detach"});
   EXPECT_EQ(up.exit, 2);
   EXPECT_THAT(up.err, AllOf(HasSubstr(ProcessOf("legs")),
-                            HasSubstr("run already, with another config than " + other),
-                            HasSubstr("`musher down --without-controller` ends what runs"),
-                            HasSubstr("`musher up --adopt` takes it over")));
+                            HasSubstr("run already, with a different config than " + other),
+                            HasSubstr("`musher down --without-controller` stops what runs"),
+                            HasSubstr("`musher up --adopt` takes control of it")));
   EXPECT_EQ(Musher({"status"}).exit, 3);
   const Ended adopted = Musher({"up", other, "--detach", "--adopt"});
   EXPECT_EQ(adopted.exit, 0) << adopted.err;
@@ -118,7 +118,7 @@ TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnde
   EXPECT_THAT(status.err,
               HasSubstr(ProcessOf("eyes") + " runs in this namespace and is not in " + config_));
   EXPECT_EQ(Status()["unlisted"]["eyes"]["state"], "Active");
-  EXPECT_THAT(Musher({"history"}).out, HasSubstr("has no such actuator: it is not led"));
+  EXPECT_THAT(Musher({"history"}).out, HasSubstr("does not list it: it is not controlled"));
   const Ended down = Musher({"down"});
   EXPECT_EQ(down.exit, 0);
   EXPECT_THAT(down.err, HasSubstr(ProcessOf("eyes") + " still runs in this namespace"));

@@ -24,13 +24,13 @@ class OtaFiles : public RobotWithUpgrades {
 TEST_F(OtaFiles, KeysAreNotReplacedAndNotShown) {
   namespace fs = std::filesystem;
   EXPECT_EQ(fs::status(key_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-  ExpectRefused({"keygen", folder_ / "key"}, 2, "key.key is there already");
+  ExpectRefused({"keygen", folder_ / "key"}, 2, "key.key already exists");
 }
 
 TEST_F(OtaFiles, AKeyThatOthersCanReadDoesNotSign) {
   std::filesystem::permissions(key_, std::filesystem::perms(0644));
   ExpectRefused({"bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"}, 2,
-                "can be read by others");
+                "the signing key is readable by others");
 }
 
 TEST_F(OtaFiles, ABundleNeedsAVersionAndAGoodConfig) {
@@ -52,13 +52,13 @@ TEST_F(OtaFiles, ABundleNeedsAConfigThatCanBeUpgradedAgain) {
   }
   std::ofstream(built_ + "/robot.toml") << text;
   ExpectRefused({"bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"}, 2,
-                "robot.toml: the machine has no state OTA, in which a robot is upgraded");
+                "robot.toml: the machine has no state OTA, which upgrades need");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
 }
 
 TEST_F(OtaFiles, ARootIsNotMadeTwice) {
   ExpectRefused({"init", root_, "--from", Bundle("1.0.0"), "--key", open_}, 1,
-                "is a root already; `musher ota install` upgrades it");
+                "is already an upgrade root; `musher ota install` upgrades it");
 }
 
 TEST_F(OtaFiles, ARootIsNotMadeFromABundleOfAnotherKey) {
@@ -77,10 +77,10 @@ TEST_F(OtaFiles, VerifyReadsAllAndChangesNothing) {
   EXPECT_EQ(good.exit, 0) << good.err;
   EXPECT_THAT(good.out, HasSubstr(R"("version":"1.1.0")"));
   EXPECT_THAT(Musher({"ota", "verify", Bundle("1.1.0")}).out,
-              HasSubstr(" bytes; whole, and signed"));
+              HasSubstr(" bytes; complete, signature valid"));
   EXPECT_EQ(Musher({"ota", "verify", Bundle("1.1.0"), "--key", open_}).exit, 0);
   Make("1.2.0", {.options = {"--robot", "cat"}});
-  ExpectRefused({"verify", Bundle("1.2.0")}, 1, "it is for the robot cat, this one is dog");
+  ExpectRefused({"verify", Bundle("1.2.0")}, 1, "it is for robot cat, not for dog");
   std::filesystem::remove(Bundle("1.1.0") + "/manifest.sig");
   ExpectRefused({"verify", Bundle("1.1.0")}, 1, "there is no signature");
 }
@@ -97,14 +97,14 @@ TEST_F(OtaFiles, ConfigsThatAreFaultyAreFoundBeforeTheRobotLiesDown) {
                 .exit,
             0);
   ASSERT_EQ(UpDetached().exit, 0);
-  ExpectRefused({"install", Bundle("1.1.0")}, 1, "its state config is faulty");
+  ExpectRefused({"install", Bundle("1.1.0")}, 1, "its state config is invalid");
   EXPECT_EQ(Where(), "Active from a");
 }
 
-TEST_F(OtaFiles, AFolderThatIsNoRootIsTold) {
+TEST_F(OtaFiles, AFolderThatIsNotAnUpgradeRootIsReported) {
   const Ended up = Musher({"up", folder_.path()});
   EXPECT_EQ(up.exit, 2);
-  EXPECT_THAT(up.err, HasSubstr("is no root of upgrades"));
+  EXPECT_THAT(up.err, HasSubstr("is not an upgrade root"));
   EXPECT_THAT(up.err, HasSubstr("`musher ota init` makes one"));
 }
 
@@ -115,7 +115,8 @@ TEST_F(OtaFiles, TheRootIsThatOfTheRunningMachineWhereNoneIsGiven) {
   ASSERT_EQ(Musher({"down"}).exit, 0);
   const Ended status = Musher({"ota", "status"});
   EXPECT_EQ(status.exit, 2);
-  EXPECT_THAT(status.err, HasSubstr("which root? --root FOLDER or $MUSHER_OTA_ROOT says it"));
+  EXPECT_THAT(status.err,
+              HasSubstr("no upgrade root given; use --root FOLDER or $MUSHER_OTA_ROOT"));
 }
 
 TEST_F(OtaFiles, AVersionThatRottedIsLeftForTheOther) {

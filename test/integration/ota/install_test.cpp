@@ -15,7 +15,7 @@ TEST_F(Upgrade, OfAGoodVersionIsTriedFromTheOtherSlotAndKept) {
   EXPECT_EQ(Where(), "Active from a");
   const Ended installed = Install("1.1.0");
   EXPECT_EQ(installed.exit, 0) << installed.err;
-  EXPECT_THAT(installed.out, HasSubstr("version 1.1.0 runs, and is kept"));
+  EXPECT_THAT(installed.out, HasSubstr("version 1.1.0 runs and is kept"));
   EXPECT_EQ(Where(), "Active from b");
   const auto versions = Versions();
   EXPECT_EQ(versions["slots"]["b"]["role"], "confirmed");
@@ -23,11 +23,11 @@ TEST_F(Upgrade, OfAGoodVersionIsTriedFromTheOtherSlotAndKept) {
   EXPECT_EQ(std::filesystem::read_symlink(root_ + "/current"), "slots/b");
   const std::string history = History();
   EXPECT_THAT(history, HasSubstr("Active → OTA"));
-  EXPECT_THAT(history, HasSubstr("slot b is tried, version 1.1.0"));
+  EXPECT_THAT(history, HasSubstr("trial boot of slot b, version 1.1.0"));
   EXPECT_THAT(history, HasSubstr("version 1.1.0 in slot b is kept"));
 }
 
-TEST_F(Upgrade, KeepsItsControllersProcessAndItsFront) {
+TEST_F(Upgrade, KeepsItsControllersProcessAndItsLauncher) {
   Make("1.1.0", {});
   Process up(Command({"up", root_}));
   ASSERT_NE(up.LineWith("voice: Active done"), "");
@@ -42,31 +42,31 @@ TEST_F(Upgrade, KeepsItsControllersProcessAndItsFront) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-TEST_F(Upgrade, WhoseCriticalModuleFailsItsSelfCheckGoesBackAndSaysWhy) {
+TEST_F(Upgrade, WhoseCriticalModuleFailsItsSelfCheckRollsBackAndSaysWhy) {
   Make("1.1.0", {.check = "exit 9"});
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended installed = Install("1.1.0");
   EXPECT_EQ(installed.exit, 1);
-  EXPECT_THAT(installed.err, HasSubstr("version 1.1.0 is not kept, the robot has gone back"));
+  EXPECT_THAT(installed.err, HasSubstr("version 1.1.0 failed, the robot has rolled back"));
   EXPECT_THAT(installed.err, HasSubstr("critical legs: 109 (Robot: SelfCheckFailed)"));
   EXPECT_EQ(Where(), "Active from a");
-  EXPECT_THAT(History(), HasSubstr("version 1.1.0 in slot b is not kept"));
+  EXPECT_THAT(History(), HasSubstr("version 1.1.0 in slot b is rolled back"));
   EXPECT_EQ(Versions()["last"]["kept"], false);
 }
 
-TEST_F(Upgrade, ThatIsNotKeptDoesNotEndTheFront) {
+TEST_F(Upgrade, ThatIsRolledBackDoesNotEndTheLauncher) {
   Make("1.1.0", {.check = "exit 9"});
   Process up(Command({"up", root_}));
   ASSERT_NE(up.LineWith("voice: Active done"), "");
   EXPECT_EQ(Install("1.1.0").exit, 1);
-  EXPECT_NE(up.LineWith("version 1.1.0 in slot b is not kept"), "");
+  EXPECT_NE(up.LineWith("version 1.1.0 in slot b is rolled back"), "");
   EXPECT_NE(up.LineWith("the machine is Active"), "");
   up.Signal(SIGINT);
   EXPECT_EQ(up.Wait().exit, 0);
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-TEST_F(Upgrade, WhoseCriticalModuleCrashesAtItsStartGoesBack) {
+TEST_F(Upgrade, WhoseCriticalModuleCrashesAtItsStartRollsBack) {
   Make("1.1.0", {.set_up = "kill -9 $PPID"});
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended installed = Install("1.1.0");
@@ -76,7 +76,7 @@ TEST_F(Upgrade, WhoseCriticalModuleCrashesAtItsStartGoesBack) {
 }
 
 // A start that is refused ends `musher up`, and systemd would not try again.
-TEST_F(Upgrade, WhoseControllerCannotEvenBeginGoesBack) {
+TEST_F(Upgrade, WhoseControllerCannotEvenBeginRollsBack) {
   ASSERT_EQ(UpDetached().exit, 0);
   Make("1.1.0", {.policy = "[security]\nkeys = \"nowhere\"\n"});
   const Ended keyless = Install("1.1.0");
@@ -135,7 +135,7 @@ TEST_F(Upgrade, WithoutARunningMachineIsTriedAtTheNextStart) {
   Make("1.1.0", {});
   const Ended installed = Install("1.1.0");
   EXPECT_EQ(installed.exit, 0) << installed.err;
-  EXPECT_THAT(installed.out, HasSubstr("is tried at the next start: musher up " + root_));
+  EXPECT_THAT(installed.out, HasSubstr("is trial-booted at the next start: musher up " + root_));
   EXPECT_EQ(Versions()["slots"]["b"]["role"], "tried at the next start");
   ASSERT_EQ(UpDetached().exit, 0);
   EXPECT_EQ(Where(), "Active from b");
@@ -159,17 +159,17 @@ TEST_F(Upgrade, CanBeTakenBackByHand) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended nothing = Musher({"ota", "rollback"});
   EXPECT_EQ(nothing.exit, 1);
-  EXPECT_THAT(nothing.err, HasSubstr("there is nothing to go back to"));
+  EXPECT_THAT(nothing.err, HasSubstr("no version to roll back to"));
   EXPECT_THAT(History(), Not(HasSubstr("to OTA"))) << "the robot does not lie down for that";
   EXPECT_EQ(Where(), "Active from a");
   ASSERT_EQ(Install("1.1.0").exit, 0);
   const Ended back = Musher({"ota", "rollback"});
   EXPECT_EQ(back.exit, 0) << back.err;
-  EXPECT_THAT(back.out, HasSubstr("version 1.0.0 runs, and is kept"));
+  EXPECT_THAT(back.out, HasSubstr("version 1.0.0 runs and is kept"));
   EXPECT_EQ(Where(), "Active from a");
 }
 
-TEST_F(Upgrade, AsksThePolicyBeforeItGoesToOta) {
+TEST_F(Upgrade, RequestsOtaFromThePolicy) {
   Make("1.1.0", {.policy = "[policy]\n"});
   ASSERT_EQ(Install("1.1.0").exit, 0);
   Make("1.2.0", {});
@@ -177,7 +177,7 @@ TEST_F(Upgrade, AsksThePolicyBeforeItGoesToOta) {
   ASSERT_EQ(Musher({"keep", "Active", "--for", "600"}).exit, 0);
   const Ended refused = Install("1.2.0");
   EXPECT_EQ(refused.exit, 1);
-  EXPECT_THAT(refused.err, HasSubstr("the machine does not go to OTA"));
+  EXPECT_THAT(refused.err, HasSubstr("switch to OTA failed"));
   EXPECT_THAT(refused.err, HasSubstr("kept in Active"));
   EXPECT_EQ(Where(), "Active from b");
   ASSERT_EQ(Musher({"keep", "--end"}).exit, 0);

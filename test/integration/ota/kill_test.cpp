@@ -77,11 +77,11 @@ TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneFromTheVersionBefore) {
   ASSERT_EQ(kill(controller, SIGKILL), 0);
   const Ended ended = installer.Wait();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_THAT(ended.err, HasSubstr("the controller has ended during the trial"));
+  EXPECT_THAT(ended.err, HasSubstr("the controller exited during the trial boot"));
   const Ended up = UpDetached();
   EXPECT_EQ(up.exit, 0) << up.err;
   EXPECT_EQ(Where(), "Active from a");
-  EXPECT_THAT(History(), HasSubstr("its first start did not come to its end"));
+  EXPECT_THAT(History(), HasSubstr("its trial boot did not finish"));
   // Nothing of the version that was left is left.
   for (const auto& actuator : Status()["actuators"]) EXPECT_EQ(actuator["state"], "Active");
 }
@@ -105,19 +105,19 @@ TEST_F(Killed, TwoInstallersDoNotMeet) {
   AwaitFile(folder_ / "runs");
   const Ended second = Install("1.1.0");
   EXPECT_EQ(second.exit, 1);
-  EXPECT_THAT(second.err, HasSubstr("another installation is under way"));
+  EXPECT_THAT(second.err, HasSubstr("another installation is running"));
   first.Signal(SIGKILL);
   first.Wait();
   const Ended third = Install("1.1.0");
   EXPECT_EQ(third.exit, 1);
-  EXPECT_THAT(third.err, HasSubstr("a version is on trial"));
+  EXPECT_THAT(third.err, HasSubstr("a trial boot is running"));
 }
 
 TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended second = UpDetached();
   EXPECT_EQ(second.exit, 2);
-  EXPECT_THAT(second.err, HasSubstr("leads the machine of " + root_ + " already"));
+  EXPECT_THAT(second.err, HasSubstr("already leads the machine of " + root_));
   const Ended takeover = Musher({"up", root_, "--detach", "--takeover"});
   EXPECT_EQ(takeover.exit, 0) << takeover.err;
   EXPECT_EQ(Where(), "Active from a");

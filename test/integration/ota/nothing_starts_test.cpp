@@ -34,7 +34,7 @@ TEST_P(UpgradeOfWhichNothingStarts, GoesBackByItselfAndSaysSo) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended installed = Install("1.1.0");
   EXPECT_EQ(installed.exit, 1);
-  EXPECT_THAT(installed.err, HasSubstr("version 1.1.0 is not kept, the robot has gone back"));
+  EXPECT_THAT(installed.err, HasSubstr("version 1.1.0 failed, the robot has rolled back"));
   EXPECT_EQ(Where(), "Active from a");
   EXPECT_EQ(Versions()["last"]["kept"], false);
 }

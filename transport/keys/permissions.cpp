@@ -1,4 +1,4 @@
-#include "musher/transport/keys/rights.hpp"
+#include "musher/transport/keys/permissions.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,12 +17,12 @@ std::string Element(const std::string& name, const std::string& value) {
   return "<" + name + ">" + value + "</" + name + ">\n";
 }
 
-// In the namespace "" and in every other; '*' stands for slashes, too.
+// In the namespace "" and in every other; '*' matches slashes, too.
 Topics InEveryNamespace(const std::string& topic) {
   return {topic, topic.substr(0, 3) + "*/" + topic.substr(3)};
 }
 
-// Topics, services' requests and services' replies by their names in ROS 2.
+// DDS topics of ROS 2 topics, of service requests and of service replies.
 struct Names {
   Topics topics;
   Topics services;
@@ -48,53 +48,54 @@ Topics Replies(const Topics& services) {
   return Mangled(services, "rr/", "Reply");
 }
 
-// What an actuator serves, "*" for all actuators: our own contract, CyberDog's, ROS 2's.
+// The services of an actuator, "*" for all actuators: Musher's, CyberDog's and ROS 2's.
 Topics ServicesOf(const std::string& actuator) {
   return {CommandService("", actuator), actuator + "machine_service", actuator + "/change_state",
           actuator + "/get_state"};
 }
 
-// What a machine answers without changing, and what only an operator may ask it for.
-Topics Questions() {
+// The services of a machine that change nothing, and all its services, for operators only.
+Topics Queries() {
   return {MachineService("", "get_status"), MachineService("", "get_plan"),
           MachineService("", "get_capabilities"), MachineService("", "get_history"),
           MachineService("", "get_switch")};
 }
 const std::string kAllMachineServices = "musher/*";
 
-// Where the state machine of an application is. Free for all that may exchange data.
-const Topics kBehaviorQuestions = {"*/get_behavior"};
-const Topics kBehaviorTells = {"*/behavior_state"};
+// The state of an application's state machine. Open to all identities that may exchange data.
+const Topics kBehaviorQueries = {"*/get_behavior"};
+const Topics kBehaviorPublishes = {"*/behavior_state"};
 
-// CyberDog's manager (controller/cyberdog): what it tells, what anybody may ask it, what modules of
-// the robot may tell it and ask it for, and what only an operator may.
-const Topics kManagerTells = {"state_switch_status", "self_check_status", "ready_notify",
-                              "manager_errors", "dog_sn"};
-const Topics kManagerQuestions = {"machine_state_valget",
-                                  "low_power_switch_state",
-                                  "bms_info",
-                                  "query_divice_info",
-                                  "uid_sn",
-                                  "get_dog_sn"};
-const Topics kManagerHears = {"dog_wakeup", "node_errors", "uid_set"};
+// CyberDog's manager (controller/cyberdog): its topics, its queries, open to all; the topics and
+// the service that the robot's modules may use; and those for operators only.
+const Topics kManagerPublishes = {"state_switch_status", "self_check_status", "ready_notify",
+                                  "manager_errors", "dog_sn"};
+const Topics kManagerQueries = {"machine_state_valget",
+                                "low_power_switch_state",
+                                "bms_info",
+                                "query_divice_info",
+                                "uid_sn",
+                                "get_dog_sn"};
+const Topics kManagerSubscribes = {"dog_wakeup", "node_errors", "uid_set"};
 const Topics kManagerWakeUp = {"low_power_exit"};
-const Topics kManagerOrders = {"machine_state_switch"};
-const Topics kManagerWishes = {"machine_state_switch_keep", "ota_state_switch", "low_power_enable",
-                               "low_power_onoff",           "poweroff",         "reboot"};
+const Topics kManagerSwitchTopics = {"machine_state_switch"};
+const Topics kManagerOperatorServices = {
+    "machine_state_switch_keep", "ota_state_switch", "low_power_enable",
+    "low_power_onoff",           "poweroff",         "reboot"};
 
 Topics operator+(Topics one, const Topics& other) {
   one.insert(one.end(), other.begin(), other.end());
   return one;
 }
 
-// All that the manager has, which is the controller's to answer and to tell.
+// All topics and services of the manager, which the controller offers.
 Topics OfManager() {
-  const Topics services = kManagerQuestions + kManagerWakeUp + kManagerWishes;
-  return DataTopics(kManagerTells + kManagerHears + kManagerOrders) + Requests(services) +
-         Replies(services);
+  const Topics services = kManagerQueries + kManagerWakeUp + kManagerOperatorServices;
+  return DataTopics(kManagerPublishes + kManagerSubscribes + kManagerSwitchTopics) +
+         Requests(services) + Replies(services);
 }
 
-// All that is Musher's: none of it is free.
+// All topics of Musher itself: none is open to all.
 Topics Reserved() {
   Topics topics;
   for (const std::string& name :
@@ -107,7 +108,7 @@ Topics Reserved() {
   return topics + OfManager();
 }
 
-// One direction of a rule. Partitions: only in these; none: in whatever partition.
+// One direction of a rule. `partition`: only in this one; nullopt: in every partition.
 struct Criteria {
   const char* direction;  // "publish" or "subscribe"
   Topics topics;
@@ -117,12 +118,12 @@ struct Criteria {
 std::string Xml(const Criteria& criteria) {
   std::string topics;
   for (const std::string& topic : criteria.topics) topics += Element("topic", topic);
-  // "*" is every one, the default partition too; without partitions it would be only that.
+  // "*" matches every partition including the default one; without it only the default one matches.
   const std::string partition = Element("partition", criteria.partition.value_or("*"));
   return Element(criteria.direction, Element("topics", topics) + Element("partitions", partition));
 }
 
-// Cyclone's parser knows none above 230.
+// Cyclone's parser accepts none above 230.
 const std::string kAllDomains =
     "<domains><id_range><min>0</min><max>230</max></id_range></domains>\n";
 
@@ -141,35 +142,35 @@ const Topics kMachine =
     DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
 std::vector<Criteria> OfController() {
-  const Topics told = kAnnouncements + kMachine + kStops + DataTopics(kManagerTells);
-  const Topics answered =
-      Replies({kAllMachineServices}) + Replies(kManagerQuestions + kManagerWakeUp + kManagerWishes);
-  return {{"publish", told + answered + Requests(ServicesOf("*"))}, {"subscribe", {"*"}}};
+  const Topics published = kAnnouncements + kMachine + kStops + DataTopics(kManagerPublishes);
+  const Topics answered = Replies({kAllMachineServices}) +
+                          Replies(kManagerQueries + kManagerWakeUp + kManagerOperatorServices);
+  return {{"publish", published + answered + Requests(ServicesOf("*"))}, {"subscribe", {"*"}}};
 }
 
 std::vector<Criteria> OfActuator(const std::string& name) {
-  const Topics asked = kManagerQuestions + kManagerWakeUp;
-  return {
-      {"publish", kStatuses, name},
-      {"publish", kStops + Replies(ServicesOf(name)) + DataTopics(kManagerHears) + Requests(asked)},
-      {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name)) +
-                        DataTopics(kManagerTells) + Replies(asked)}};
+  const Topics asked = kManagerQueries + kManagerWakeUp;
+  return {{"publish", kStatuses, name},
+          {"publish",
+           kStops + Replies(ServicesOf(name)) + DataTopics(kManagerSubscribes) + Requests(asked)},
+          {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name)) +
+                            DataTopics(kManagerPublishes) + Replies(asked)}};
 }
 
 std::vector<Criteria> OfOperator() {
-  const Topics asked = kManagerQuestions + kManagerWakeUp + kManagerWishes;
+  const Topics asked = kManagerQueries + kManagerWakeUp + kManagerOperatorServices;
   return {{"publish", kStops + Requests({kAllMachineServices}) + Requests(asked) +
-                          DataTopics(kManagerHears + kManagerOrders)},
+                          DataTopics(kManagerSubscribes + kManagerSwitchTopics)},
           {"subscribe", kMachine + kStatuses + kStops + kAnnouncements +
                             Replies({kAllMachineServices}) + Replies(asked) +
-                            DataTopics(kManagerTells)}};
+                            DataTopics(kManagerPublishes)}};
 }
 
 std::vector<Criteria> OfObserver() {
-  const Topics asked = Questions() + kManagerQuestions + kBehaviorQuestions;
+  const Topics asked = Queries() + kManagerQueries + kBehaviorQueries;
   return {{"publish", Requests(asked)},
-          {"subscribe",
-           kMachine + kStatuses + Replies(asked) + DataTopics(kManagerTells + kBehaviorTells)}};
+          {"subscribe", kMachine + kStatuses + Replies(asked) +
+                            DataTopics(kManagerPublishes + kBehaviorPublishes)}};
 }
 
 std::vector<Criteria> Of(const Grant& grant) {
@@ -222,8 +223,8 @@ std::optional<Role> RoleFrom(std::string_view name) {
   return *found;
 }
 
-// Each writer's samples are protected with a key of its own, which only those get who may read
-// them: one who reads a topic cannot pose as a writer of another.
+// Each writer's samples are protected with a key of its own, which only permitted readers get: a
+// reader of one topic cannot impersonate a writer of another.
 std::string GovernanceXml(Protection protection) {
   const std::string kind = protection == Protection::kSigned ? "SIGN" : "ENCRYPT";
   const std::string topic_rule = Element(

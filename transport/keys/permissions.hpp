@@ -1,14 +1,14 @@
 #pragma once
-// Who may do what: the two documents by which DDS Security's access control decides, as XML.
+// The two XML documents of DDS Security's access control: governance and permissions.
 //
-// The governance is the same for all of a robot: everybody needs a certificate, discovery is
-// protected, and every topic is open only to those whose permissions name it. The permissions are
-// one's own. Their rules are judged in order: first what the role may do on Musher's own topics,
-// then that nothing else may be done on them, then that the rest, the modules' data, is free.
+// The governance is the same for the whole robot: every participant needs a certificate, discovery
+// is protected, and a topic is open only to identities whose permissions name it. Each identity has
+// permissions of its own. Their rules apply in order: first what the role may do on Musher's own
+// topics, then a denial of everything else on them, then the rest, the modules' data, is open.
 //
-// Topics carry the name of the actuator that they are for, except its status and its beat, which
-// all actuators publish on one topic. There each writes in a partition of its own name, and its
-// permissions name that partition: so nobody speaks in another's name.
+// Topics carry the name of their actuator, except the status and the heartbeat, which all actuators
+// publish on one topic. There each writes in the partition of its name, and its permissions name
+// that partition: so no actuator can publish in another's name.
 
 #include <chrono>
 #include <optional>
@@ -20,9 +20,9 @@ namespace musher::transport::keys {
 
 enum class Role {
   kController,  // leads the machine
-  kActuator,    // is led
-  kOperator,    // asks the controller, for a person
-  kObserver,    // reads how the machine is
+  kActuator,    // is controlled
+  kOperator,    // sends requests to the controller, for a person
+  kObserver,    // reads the machine's status
 };
 
 using WallTime = std::chrono::sys_seconds;
@@ -33,7 +33,7 @@ std::optional<Role> RoleFrom(std::string_view name);
 inline constexpr Role kRoles[] = {Role::kController, Role::kActuator, Role::kOperator,
                                   Role::kObserver};
 
-// Whether samples can be read on the network by those without a certificate.
+// Whether participants without a certificate can read samples on the network.
 enum class Protection { kSigned, kEncrypted };
 
 std::string GovernanceXml(Protection protection);
