@@ -13,7 +13,7 @@
 //   - A question does not fence: a request that was given up may still be carried out. When that
 //     shows, the report goes busy and free once, so that the node is driven to where the machine
 //     is.
-//   - Whoever else moves the node is reported, not corrected.
+//   - A transition that another manager requests is reported, not corrected.
 //
 // Threads: loop thread only.
 

@@ -84,8 +84,8 @@ TEST(Endpoints, ThatCannotBeOpenedFailSetUp) {
 
 TEST(Endpoints, AreNotThereInATrial) {
   Counter counter;
-  CallbackHarness rehearsal(counter);
-  EXPECT_TRUE(rehearsal.Run(State(kSetUp)));
+  CallbackHarness callbacks(counter);
+  EXPECT_TRUE(callbacks.Run(State(kSetUp)));
   EXPECT_TRUE(counter.kept().expired()) << "nothing was opened";
   int runs = 0;
   counter.RunOnLoop([&] { ++runs; });
@@ -94,11 +94,11 @@ TEST(Endpoints, AreNotThereInATrial) {
 
 TEST(EmergencyStopped, IsWhatTheMachineSaid) {
   Counter counter;
-  CallbackHarness rehearsal(counter);
+  CallbackHarness callbacks(counter);
   EXPECT_FALSE(counter.EmergencyStopped());
   ActuatorReport report;
   report.emergency_stop = 7;
-  rehearsal.SetReport(report);
+  callbacks.SetReport(report);
   EXPECT_TRUE(counter.EmergencyStopped());
 }
 

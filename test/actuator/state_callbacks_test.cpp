@@ -65,9 +65,9 @@ Result<> FitToRobot(MachineActuator& actuator) {
 TEST(TheCallbackOfAllOtherStates, IsGivenTheStateAlsoOneOfTheRobotsOwn) {
   Arm arm;
   ASSERT_TRUE(FitToRobot(arm));
-  CallbackHarness rehearsal(arm);
-  EXPECT_TRUE(rehearsal.Run("SetUp"));
-  EXPECT_TRUE(rehearsal.Run("Waving"));
+  CallbackHarness callbacks(arm);
+  EXPECT_TRUE(callbacks.Run("SetUp"));
+  EXPECT_TRUE(callbacks.Run("Waving"));
   EXPECT_THAT(arm.entered, ElementsAre("SetUp", "Waving"));
 }
 
@@ -79,9 +79,9 @@ TEST(TheCallbackOfAllOtherStates, LeavesAStateToItsOwnCallbackWhicheverWasRegist
     return kCodeOk;
   });
   ASSERT_TRUE(FitToRobot(arm));
-  CallbackHarness rehearsal(arm);
-  EXPECT_TRUE(rehearsal.Run("Active"));
-  EXPECT_TRUE(rehearsal.Run("SelfCheck"));
+  CallbackHarness callbacks(arm);
+  EXPECT_TRUE(callbacks.Run("Active"));
+  EXPECT_TRUE(callbacks.Run("SelfCheck"));
   EXPECT_EQ(active, 1);
   EXPECT_THAT(arm.entered, ElementsAre("SelfCheck"));
 
@@ -104,9 +104,9 @@ TEST(TheCallbackOfAllOtherStates, FailsWithItsErrorItsCodeOrWhatItThrows) {
   Arm arm;
   arm.fails_in = "Active";
   arm.throws_in = "Waving";
-  CallbackHarness rehearsal(arm);
-  EXPECT_EQ(rehearsal.Run("Active").error(), (Error{3012, "no motor"}));
-  const Result<> thrown = rehearsal.Run("Waving");
+  CallbackHarness callbacks(arm);
+  EXPECT_EQ(callbacks.Run("Active").error(), (Error{3012, "no motor"}));
+  const Result<> thrown = callbacks.Run("Waving");
   ASSERT_FALSE(thrown);
   EXPECT_EQ(thrown.error().code, kCodeFailed);
   EXPECT_THAT(thrown.error().message, HasSubstr("cable loose"));

@@ -170,13 +170,13 @@ TEST_P(Publish, DoesNotMatchATopicOfAnotherType) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
   Strings heard;
-  const auto stranger = Must(here->MakeRawWriter("rt/" + topic, "other::msg::dds_::Type_", {}, {}));
+  const auto other = Must(here->MakeRawWriter("rt/" + topic, "other::msg::dds_::Type_", {}, {}));
   const auto subscription = Collect(*there, topic, heard);
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   ASSERT_TRUE(publisher->Publish({"hello"}));
   ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
-  EXPECT_EQ(stranger->MatchedReaders(), 0);
+  EXPECT_EQ(other->MatchedReaders(), 0);
   EXPECT_EQ(subscription->MatchedWriters(), 1);
 }
 

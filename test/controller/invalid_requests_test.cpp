@@ -1,5 +1,5 @@
-// What comes over the wire from strangers, from the past, or by mistake: a refusal with a code and
-// a reason, and nothing has changed.
+// What comes over the wire from unknown clients, from the past, or by mistake: a refusal with a
+// code and a reason, and nothing has changed.
 
 #include <gmock/gmock.h>
 
@@ -88,13 +88,13 @@ class InvalidRequests : public ::testing::Test {
 
   // What a command of another process, with an epoch that is so much ahead, comes to: verdict,
   // code, and the arm's epoch then.
-  std::tuple<int, int, std::uint64_t> OfAStranger(std::uint64_t ahead) const {
-    const testing::Ended stranger =
-        testing::RunToEnd({MUSHER_BIN_DIR "/controller_stranger",
+  std::tuple<int, int, std::uint64_t> OfAnUnknownClient(std::uint64_t ahead) const {
+    const testing::Ended client =
+        testing::RunToEnd({MUSHER_BIN_DIR "/controller_unknown_client",
                            transport::CommandService(NameSpace(), "arm"), std::to_string(ahead)});
     std::tuple<int, int, std::uint64_t> said{-1, -1, 0};
-    std::istringstream(stranger.out) >> std::get<0>(said) >> std::get<1>(said) >> std::get<2>(said);
-    EXPECT_EQ(stranger.exit, 0) << stranger.err;
+    std::istringstream(client.out) >> std::get<0>(said) >> std::get<1>(said) >> std::get<2>(said);
+    EXPECT_EQ(client.exit, 0) << client.err;
     return said;
   }
 
@@ -156,13 +156,13 @@ TEST_F(InvalidRequests, ACommandOfAnOldNumberIsRefusedByTheActuator) {
 
 TEST_F(InvalidRequests, AWellFormedCommandOfAnUnauthenticatedParticipantIsRefused) {
   for (const std::uint64_t ahead : {0, 1, 1000}) {
-    EXPECT_THAT(OfAStranger(ahead),
+    EXPECT_THAT(OfAnUnknownClient(ahead),
                 FieldsAre(ActuatorCommand::kVerdictRefused, kCodePermissionDenied, 1));
   }
 }
 
 TEST_F(InvalidRequests, AnEpochThatNoOtherCouldExceedIsRefused) {
-  EXPECT_THAT(OfAStranger(UINT64_MAX),
+  EXPECT_THAT(OfAnUnknownClient(UINT64_MAX),
               FieldsAre(ActuatorCommand::kVerdictRefused, kCodeParametersInvalid, 1));
 }
 

@@ -136,9 +136,9 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
 }
 
 TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {
-  std::string stranger = whole_;
-  stranger[68] = 'X';  // of the number that tells a journal from other databases
-  for (const std::string& bytes : {std::string(), std::string("Dear diary"), stranger}) {
+  std::string other_database = whole_;
+  other_database[68] = 'X';  // of the number that tells a journal from other databases
+  for (const std::string& bytes : {std::string(), std::string("Dear diary"), other_database}) {
     Put(bytes);
     EXPECT_FALSE(ReadJournal(path_, 0, kAll));
     EXPECT_FALSE(ReadRecording(path_));

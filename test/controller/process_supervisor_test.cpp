@@ -262,7 +262,7 @@ TEST_F(Supervisor, DoesNotSignalAProcessThatHasEnded) {
   EXPECT_FALSE(supervisor_->Signal(pid, SIGTERM));
 }
 
-TEST_F(Supervisor, DoesNotSignalAStranger) {
+TEST_F(Supervisor, DoesNotSignalAnUnknownProcess) {
   EXPECT_FALSE(supervisor_->Signal(getppid(), 0));
 }
 

@@ -21,8 +21,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using Kind = SwitchEnd::Kind;
 
-// The pid of a controller that the test has killed is told to whoever watches it, as the kernel
-// does.
+// Reports the exit of a controller that the test has killed to its watchers, as the kernel does.
 class Kernel {
  public:
   WatchProcess Watch() {

@@ -22,7 +22,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::VariantWith;
 
-constexpr Sender kStranger = 999;
+constexpr Sender kUnknownSender = 999;
 
 class ObeyedController : public testing::OneActuator {
  protected:
@@ -66,12 +66,12 @@ TEST_F(ObeyedController, AnAnnouncementAloneChangesNothing) {
 
 TEST_F(ObeyedController, TheSameEpochFromAnotherSenderIsRefused) {
   SwitchArrived command = Command(1, "Active", 1);
-  command.sender = kStranger;
-  Do(ControllerHeard{kStranger, 1});
+  command.sender = kUnknownSender;
+  Do(ControllerHeard{kUnknownSender, 1});
   const Answer answer = AnswerIn(Do(command));
   EXPECT_EQ(answer.code, kCodePermissionDenied);
   EXPECT_THAT(answer.message, HasSubstr("another controller"));
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 5, true}, kStranger})).code, kCodePermissionDenied);
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 5, true}, kUnknownSender})).code, kCodePermissionDenied);
   EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
 }
 
@@ -100,15 +100,15 @@ TEST_F(NoControllerYet, ACommandOfAnUnknownSenderIsRefused) {
 TEST_F(ObeyedController, ASenderCannotUseTheEpochThatAnotherAnnounced) {
   Announce(2);
   SwitchArrived command = Command(1, "Active", 2);
-  command.sender = kStranger;
+  command.sender = kUnknownSender;
   EXPECT_EQ(AnswerIn(Do(command)).code, kCodePermissionDenied);
 }
 
 TEST_F(ObeyedController, AnEpochOutOfRangeIsRefusedEvenIfItIsAnnounced) {
   for (const std::uint64_t epoch : {kLastEpoch + 1, std::numeric_limits<std::uint64_t>::max()}) {
-    Do(ControllerHeard{kStranger, epoch});
+    Do(ControllerHeard{kUnknownSender, epoch});
     SwitchArrived command = Command(1, "Active", epoch);
-    command.sender = kStranger;
+    command.sender = kUnknownSender;
     EXPECT_EQ(AnswerIn(Do(command)).code, kCodeParametersInvalid);
   }
   EXPECT_EQ(core_.report.epoch, 1U);
@@ -172,9 +172,9 @@ TEST_F(ControllerLost, AnySampleOfItsControllerIsEnoughToStay) {
 
 TEST_F(ControllerLost, SamplesOfAnotherControllerDoNotCount) {
   now_ += Milliseconds(1000);
-  Do(ControllerHeard{kStranger, 9});
+  Do(ControllerHeard{kUnknownSender, 9});
   now_ += Milliseconds(500);
-  Do(SwitchArrived{3, {1, 2, "LowPower", Milliseconds(100), now_, {}, 77}, kStranger});
+  Do(SwitchArrived{3, {1, 2, "LowPower", Milliseconds(100), now_, {}, 77}, kUnknownSender});
   EXPECT_THAT(After(Milliseconds(500)),
               Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }

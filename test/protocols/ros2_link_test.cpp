@@ -227,7 +227,7 @@ TEST_F(DrivingARos2Node, ASelfCheckConfiguresANodeThatHasFallenOutOfItsConfigura
   EXPECT_EQ(ros_->state(), Ros2State::kInactive);
 }
 
-TEST_F(DrivingARos2Node, WhoeverElseMovesItIsReportedAndNotCorrected) {
+TEST_F(DrivingARos2Node, ATransitionByAnotherManagerIsReportedAndNotCorrected) {
   BringUp();
   ros_->Change("deactivate");
   EXPECT_TRUE(Until([&] { return IsIn("DeActive"); }));

@@ -42,7 +42,8 @@ TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
   const Ended nobody = As("operator", {"behavior", "shwo"});
   EXPECT_THAT(nobody.err, HasSubstr("did you mean 'show'?"));
   unsetenv("MUSHER_KEYS");
-  EXPECT_EQ(Musher({"behavior", "show"}).exit, 3) << "a stranger hears nothing";
+  EXPECT_EQ(Musher({"behavior", "show"}).exit, 3)
+      << "an unauthenticated participant receives nothing";
 }
 
 }  // namespace musher::testing::behavior_test

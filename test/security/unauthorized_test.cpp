@@ -1,7 +1,8 @@
 // Those who are not of the machine: without keys, with keys of another robot, with revoked ones.
 //
-// That a stranger hears nothing means something only while others hear: each test waits until a
-// permitted process has heard much of what the stranger has not.
+// That an unauthorized participant receives nothing is evidence only while others receive: each
+// test waits until a permitted process has received many of the samples that the unauthorized one
+// has not.
 
 #include "musher/test/security/secured_machine.hpp"
 
@@ -10,23 +11,23 @@ namespace musher::testing::unauthorized_test {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class Strangers : public SecuredMachine {
+class UnauthorizedParticipants : public SecuredMachine {
  protected:
-  // What the stranger tries all the time, and all that it listens to.
+  // What the participant publishes all the time, and all topics that it subscribes to.
   static std::vector<std::string> EverythingBad() {
     return {"announce", "pose:legs",  "pose:legs:legs", "command:legs",  "serve:voice",
             "stop",     "set:Active", "hear:chat",      "publish:gossip"};
   }
-  // Ends the stranger; it has spoken to nobody and heard nobody.
-  static void ExpectWasAlone(Process& stranger) {
-    stranger.Signal(SIGTERM);
-    const std::string said = stranger.Wait().out;
+  // Ends the participant; it has matched no other.
+  static void ExpectWasAlone(Process& participant) {
+    participant.Signal(SIGTERM);
+    const std::string said = participant.Wait().out;
     EXPECT_THAT(said, HasSubstr("ready"));
     for (const char* word : {"machine ", "beats ", "heard ", "answered", "asked", "refused"}) {
       EXPECT_THAT(said, Not(HasSubstr(word)));
     }
   }
-  // One who may hear has heard much of a friend, and nothing of the stranger.
+  // A permitted process has received many samples of a friend, and none of the participant.
   void AwaitMuchTalk() const {
     const auto talker = Peer(keys_, "voice", {"publish:chat"});
     const auto ear = Peer(keys_, "operator", {"hear:chat", "hear:gossip"});
@@ -36,15 +37,15 @@ class Strangers : public SecuredMachine {
   }
 };
 
-TEST_F(Strangers, WithoutKeysHearNothingAndChangeNothing) {
+TEST_F(UnauthorizedParticipants, WithoutKeysHearNothingAndChangeNothing) {
   ASSERT_NO_FATAL_FAILURE(Start());
-  const auto stranger = Liar("-", "-", EverythingBad());
+  const auto participant = Liar("-", "-", EverythingBad());
   ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
   ExpectTheMachineIsSound();
-  ExpectWasAlone(*stranger);
+  ExpectWasAlone(*participant);
 }
 
-TEST_F(Strangers, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
+TEST_F(UnauthorizedParticipants, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
   ASSERT_NO_FATAL_FAILURE(Start());
   unsetenv("MUSHER_KEYS");
   const Ended status = Musher({"status"});
@@ -56,21 +57,21 @@ TEST_F(Strangers, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
   EXPECT_EQ(Status()["state"], "LowPower");
 }
 
-TEST_F(Strangers, OfAnotherRobotAreStrangersHere) {
+TEST_F(UnauthorizedParticipants, OfAnotherRobotAreUnauthorizedHere) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const std::string foreign = folder_ / "foreign";
   ASSERT_EQ(Musher({"keys", "init", foreign}).exit, 0);
-  const auto stranger = Liar(foreign, "controller", EverythingBad());
+  const auto participant = Liar(foreign, "controller", EverythingBad());
   ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
   ExpectTheMachineIsSound();
-  ExpectWasAlone(*stranger);
+  ExpectWasAlone(*participant);
   const Ended status = Musher({"status", "--keys", foreign, "--timeout", "1"});
   EXPECT_EQ(status.exit, 3);
   EXPECT_THAT(status.err, HasSubstr("is unreachable with the keys of operator in " + foreign));
 }
 
 // The revoked one keeps the folder as it was, so that nothing on its own side stops it.
-TEST_F(Strangers, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain) {
+TEST_F(UnauthorizedParticipants, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain) {
   Identity("fired", "operator");
   const std::string kept = folder_ / "kept";
   std::filesystem::copy(keys_, kept, std::filesystem::copy_options::recursive);
@@ -82,10 +83,10 @@ TEST_F(Strangers, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain)
   ASSERT_EQ(Musher({"down"}).exit, 0);
   ASSERT_NO_FATAL_FAILURE(Start());
 
-  const auto stranger = Liar(kept, "fired", EverythingBad());
+  const auto participant = Liar(kept, "fired", EverythingBad());
   ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
   ExpectTheMachineIsSound();
-  ExpectWasAlone(*stranger);
+  ExpectWasAlone(*participant);
   const Ended set =
       Musher({"set", "Active", "--keys", kept, "--identity", "fired", "--timeout", "1"});
   EXPECT_EQ(set.exit, 3) << set.out;

@@ -17,8 +17,8 @@ std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get) {
 
 PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
   if (endpoint == nullptr) return 0;
-  // Not its instance handle: that is another one when a participant comes back after an outage that
-  // was longer than its lease, and whoever obeys one participant would take it for a stranger.
+  // Not its instance handle: that changes when a participant returns after an outage longer than
+  // its lease, and an actuator that is attached to one participant would refuse it.
   const dds_guid_t& guid = endpoint->participant_key;
   const PeerId participant =
       Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) | 1U;  // not 0: nobody

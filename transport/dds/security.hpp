@@ -11,8 +11,8 @@ namespace musher::transport::dds {
 // Makes a participant's QoS that of the identity.
 void SetCredentials(dds_qos_t* qos, const Credentials& credentials);
 
-// A log sink of Cyclone that tells each line once a minute: each attempt of a stranger to come in
-// is a line, and he tries for ever. From any thread.
+// A log sink of Cyclone that writes each line once a minute: an unauthenticated participant retries
+// for ever, with a line for each attempt. From any thread.
 void TellOnceAMinute(void* unused, const dds_log_data_t* data);
 
 }  // namespace musher::transport::dds

@@ -202,7 +202,7 @@ class Model {
 
 RC_GTEST_PROP(Machine, DoesWhatItsModelDoes, (std::uint64_t seed)) {
   std::vector<std::string> log;
-  Machine machine({.name = "deeds", .history = 8, .commands = kRoom});
+  Machine machine({.name = "actions", .history = 8, .commands = kRoom});
   for (int i = 0; i < kStates; ++i) {
     machine.Add(std::to_string(i), std::make_unique<ScriptedState>(seed, i, log),
                 i == kSafe ? Role::kSafe : Role::kNormal);

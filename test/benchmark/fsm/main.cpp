@@ -28,7 +28,7 @@ using fsm::Machine;
 constexpr Duration kStep = Milliseconds(20);
 constexpr int kStates = 5;
 
-// What whoever writes such a loop by hand writes: it asks the present state, with the time since it
+// Such a loop as written by hand: it asks the present state, with the time since it
 // was entered, and runs it or takes another. It has no commands, safety checks, faults, listeners
 // or transitions that take time. That it stands in this file is in its favour: the compiler puts it
 // into the loop that measures, which it cannot do with a machine.

@@ -1,5 +1,5 @@
-// What keeping strangers out costs: the same machine of eight actuators without keys, with signed
-// and with encrypted data. In turns, so that all three see the same machine.
+// What locking out unauthorized processes costs: the same machine of eight actuators without keys,
+// with signed and with encrypted data. In turns, so that all three see the same machine.
 //
 //   benchmark_security [trials [switches [actuators]]]
 

@@ -58,7 +58,7 @@ command = ["musher-wedding", "wedding.toml"]
 cwd = "."
 critical = true
 )";
-// Whoever leaves is forgotten at once, so that the next one may come.
+// A guest who leaves is forgotten at once, so that the next one may come.
 constexpr const char* kVision = R"(rate_hz = 0
 [target]
 lost_ms = 50

@@ -1,4 +1,4 @@
-// Whoever is killed in the middle of an upgrade, the robot has a version that runs.
+// Whichever process is killed in the middle of an upgrade, the robot has a version that runs.
 
 #include <memory>
 #include <utility>
@@ -20,7 +20,7 @@ class Killed : public RobotWithUpgrades {
       sched_yield();
     }
   }
-  // Whoever installs waits with the files until this is given back: for ten seconds, at most.
+  // An installer waits with the files until this is given back: for ten seconds, at most.
   std::unique_ptr<ota::Disk::Lock> HoldState() {
     auto lock = disk_.Take(root_ + "/ota_state.lock", /*wait=*/true);
     EXPECT_TRUE(lock) << lock.error().message;

@@ -12,7 +12,7 @@
 
 namespace musher::testing::random_walk_test {
 
-constexpr int kDeeds = 40;
+constexpr int kSteps = 40;
 
 // All kinds: two stages, a critical actuator, a bound one, one without a command.
 MachineConfig Everything(std::mt19937_64& random) {
@@ -51,7 +51,7 @@ class Walk {
   }
 
   void Run() {
-    for (int i = 0; i < kDeeds && t_.machine().phase != Phase::kStopped; ++i) {
+    for (int i = 0; i < kSteps && t_.machine().phase != Phase::kStopped; ++i) {
       DoAnything();
       t_.RunFor(Below(3) == 0 ? Milliseconds(Below(1500)) : Milliseconds(Below(60)));
     }

@@ -92,13 +92,13 @@ RC_GTEST_PROP(WorldProperty, KeepsItsBatteryWithinItsLimits, ()) {
   scene.battery.capacity_wh = 0.05;  // a second of walking takes it all
   World world(scene);
   Commander commander(world);
-  const auto deeds = *rc::gen::container<std::vector<std::pair<int, int>>>(
+  const auto actions = *rc::gen::container<std::vector<std::pair<int, int>>>(
       30, rc::gen::pair(rc::gen::inRange(0, 5), rc::gen::inRange(-50, 250)));
-  for (const auto& [deed, number] : deeds) {
-    if (deed == 0) world.Plug(number > 100);
-    if (deed == 1) static_cast<void>(world.SetBattery(number));
-    if (deed == 2) commander.Do(12, 0);
-    if (deed == 3) commander.Walk({0.5, 0, 0.3}, Seconds(1));
+  for (const auto& [action, number] : actions) {
+    if (action == 0) world.Plug(number > 100);
+    if (action == 1) static_cast<void>(world.SetBattery(number));
+    if (action == 2) commander.Do(12, 0);
+    if (action == 3) commander.Walk({0.5, 0, 0.3}, Seconds(1));
     for (int i = 0; i < 50; ++i) {
       world.Step();
       RC_ASSERT(world.battery().percent() >= 0 && world.battery().percent() <= 100);

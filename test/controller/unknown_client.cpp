@@ -2,7 +2,7 @@
 // controller would, with an epoch that is so much ahead, and prints "<verdict> <code> <epoch
 // after>".
 //
-//   controller_stranger <command service> <ahead>
+//   controller_unknown_client <command service> <ahead>
 
 #include <cstdint>
 #include <cstdlib>
