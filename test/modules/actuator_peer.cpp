@@ -36,7 +36,7 @@ ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>&
                            std::string program)
     : actuator_(std::move(actuator)),
       program_(std::move(program)),
-      keeper_(exec::Keeper::Start().value()) {
+      reaper_(exec::Reaper::Start().value()) {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
   Write(config_, StateConfig(actuator_, states));
   node_ = transport::MakeDdsNode(loop_).value();
@@ -68,7 +68,7 @@ void ActuatorPeer::StartWith(std::vector<std::string> arguments) {
   const transport::UniqueFd output(
       open((folder_ / "output").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   process_.emplace(
-      exec::Child::Start({arguments, folder_.path(), {{"MUSHER_TEST", folder_.path()}}}, keeper_,
+      exec::Child::Start({arguments, folder_.path(), {{"MUSHER_TEST", folder_.path()}}}, reaper_,
                          output.get())
           .value());
 }

@@ -67,7 +67,7 @@ class ActuatorPeer {
   const std::string config_ = folder_ / "machine.toml";
   const std::string actuator_;
   const std::string program_;
-  const exec::Keeper keeper_;
+  const exec::Reaper reaper_;
   transport::LinuxEventLoop loop_;
   std::unique_ptr<transport::Node> node_;
   ActuatorReport report_;

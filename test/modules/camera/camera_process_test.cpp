@@ -86,7 +86,7 @@ class CameraManagerProcess : public ::testing::Test {
     argv.insert(argv.end(), arguments.begin(), arguments.end());
     const transport::UniqueFd output(
         open((peer_.folder() / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-    return exec::Child::Start({argv, peer_.folder().path(), {}}, keeper_, output.get()).value();
+    return exec::Child::Start({argv, peer_.folder().path(), {}}, reaper_, output.get()).value();
   }
   // While the world goes on.
   int Await(exec::Child& tool) {
@@ -102,7 +102,7 @@ class CameraManagerProcess : public ::testing::Test {
   }
 
   test::ActuatorPeer peer_{"RealSenseActuator", kAllStates, "musher-camera-manager"};
-  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  const exec::Reaper reaper_ = exec::Reaper::Start().value();
   msg::Image picture_;
   int shown_ = 0;
   std::optional<msg::Image> seen_;

@@ -81,7 +81,7 @@ class SensorManagerProcess : public ::testing::Test {
     exec::ChildSpec spec;
     spec.argv = {MUSHER_BIN_DIR "/musher-world", peer_.folder() / "scene.toml", "--alone"};
     spec.cwd = peer_.folder().path();
-    world_.emplace(exec::Child::Start(spec, keeper_).value());
+    world_.emplace(exec::Child::Start(spec, reaper_).value());
   }
   void StartBoth() {
     StartWorld();
@@ -109,7 +109,7 @@ class SensorManagerProcess : public ::testing::Test {
         }).value());
   }
 
-  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  const exec::Reaper reaper_ = exec::Reaper::Start().value();
   test::ActuatorPeer peer_{"sensor_manager", kAllStates, "musher-sensor-manager"};
   std::optional<exec::Child> world_;
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;

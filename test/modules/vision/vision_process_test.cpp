@@ -69,7 +69,7 @@ class VisionProcess : public ::testing::Test {
     exec::ChildSpec spec;
     spec.argv = {MUSHER_BIN_DIR "/musher-world", peer_.folder() / "scene.toml", "--alone"};
     spec.cwd = peer_.folder().path();
-    world_.emplace(exec::Child::Start(spec, keeper_).value());
+    world_.emplace(exec::Child::Start(spec, reaper_).value());
   }
   void ExpectDone(const State& state) {
     const auto done = peer_.Switch(state);
@@ -92,7 +92,7 @@ class VisionProcess : public ::testing::Test {
                                  .value());
   }
 
-  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  const exec::Reaper reaper_ = exec::Reaper::Start().value();
   test::ActuatorPeer peer_;
   std::optional<exec::Child> world_;
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;

@@ -145,7 +145,7 @@ class WeddingProcess : public ::testing::Test {
     const std::string output = peer_.folder() / "said";
     const transport::UniqueFd file(
         open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-    exec::Child child = exec::Child::Start(spec, keeper_, file.get()).value();
+    exec::Child child = exec::Child::Start(spec, reaper_, file.get()).value();
     const auto look = peer_.node().loop().Every(Milliseconds(20), [] {});  // Until looks at events
     const bool ended = peer_.Until([&] { return child.Ended(); });
     std::ifstream stream(output);
@@ -180,7 +180,7 @@ class WeddingProcess : public ::testing::Test {
     return transport::MakePublisher<M>(peer_.node(), topic).value();
   }
 
-  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  const exec::Reaper reaper_ = exec::Reaper::Start().value();
   std::string output_;
   test::ActuatorPeer peer_{"wedding", kAllStates, "musher-wedding"};
   Words states_;
