@@ -149,7 +149,7 @@ Result<Sensor::Parts> MakeTofs(const Dependencies& around, const ManagerConfig& 
 Result<Sensor::Parts> MakeUltrasonic(const Dependencies& around, const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kUltrasonic;
   constexpr const char* kTopic = "ultrasonic_payload";
-  if (config.ros_distro < RosDistro::kIron) {
+  if (config.ros_distro.value_or(RosDistro::kJazzy) < RosDistro::kIron) {
     return MakeOne<msg::Range, msg::RangeBeforeIron>(kKind, around, config, kTopic,
                                                      msg::BeforeIron);
   }

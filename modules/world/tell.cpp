@@ -201,6 +201,7 @@ Result<std::string> Tell(const Telling& telling, const std::string& name_space, 
   transport::LinuxEventLoop loop;
   transport::DdsOptions options;
   options.impatient = true;
+  options.hidden = true;
   auto node = transport::MakeDdsNode(loop, options);
   if (!node) return node.error();
   return std::visit(Teller(loop, *node.value(), name_space, timeout), telling);
