@@ -65,9 +65,7 @@ class MachineActuator::Impl {
 
   Result<> Start() {
     if (auto fit = CheckCallbacks(); !fit) return fit;
-    transport::DdsOptions options;
-    options.profile = config_->transport;
-    options.credentials = transport::CredentialsFor(*config_, name_);
+    const transport::DdsOptions options = transport::OptionsFor(*config_, name_, name_);
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
     config_->transport = profile.value();  // heartbeats depend on it, too
@@ -82,7 +80,11 @@ class MachineActuator::Impl {
                    "the node given to " + name_ + " has other keys than " + config_->file +
                        "; with [security] each actuator needs a node, and a process, of its own"};
     }
-    if (!node_) {
+    if (node_) {
+      auto own = node_->MakeNode(config_->name_space, name_);
+      if (!own) return own.error();
+      own_node_ = std::move(own).value();
+    } else {
       auto started = transport::NodeThread::Start(options);
       if (!started) return started.error();
       SetNode(std::move(started).value());
@@ -127,6 +129,7 @@ class MachineActuator::Impl {
       node_->RunOnLoop([this] {
         endpoints_.reset();
         shell_.reset();
+        own_node_.reset();
       });
     }
     SetNode(nullptr);
@@ -172,7 +175,7 @@ class MachineActuator::Impl {
     if (!node) return Ok();
     Result<> opened;
     node->RunOnLoop([&] {
-      endpoints_ = std::make_unique<transport::Endpoints>(node->node(), *config_);
+      endpoints_ = std::make_unique<transport::Endpoints>(OwnNode(*node), *config_);
       opened = RunGuarded([&]() -> Result<> {
         open(*endpoints_);
         return endpoints_->opened();
@@ -209,6 +212,10 @@ class MachineActuator::Impl {
     node_.swap(node);  // the old one is destroyed here, or later by its other owners
   }
 
+  transport::Node& OwnNode(transport::NodeThread& thread) const {
+    return own_node_ ? *own_node_ : thread.node();
+  }
+
   void StartShell() {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
@@ -229,7 +236,7 @@ class MachineActuator::Impl {
       if (end.code != kCodeOk) SetSetUpResult(end);
       Finish(end.code == kCodeOk ? 0 : 1);
     };
-    auto shell = ActuatorShell::Make(node_->node(), *worker_, *config_, *index_,
+    auto shell = ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
                                      {transport::NewIncarnation(), getpid(), transport::HostId()},
                                      std::move(hooks));
     if (!shell) return SetSetUpResult(shell.error());
@@ -269,6 +276,7 @@ class MachineActuator::Impl {
   Checkpoints* checkpoints_ = nullptr;
   std::condition_variable ended_;
   std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<transport::Node> own_node_;  // by its name, on a thread that is shared
   std::optional<WorkerThread> worker_;
   std::unique_ptr<ActuatorShell> shell_;
   std::unique_ptr<transport::Endpoints> endpoints_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "musher/controller/controller_shell.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace musher {
 namespace {
@@ -28,6 +29,11 @@ void ControllerShell::Do(const action::StartProcess& a) {
     spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
   }
   spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
+  if (actuator.protocol == Protocol::kRos2Lifecycle) {
+    transport::Environment inherited = transport::OwnEnvironment();
+    for (const auto& [name, value] : actuator.env) inherited[name] = value;
+    spec.env.merge(transport::RosEnvironment(config_.transport, inherited));
+  }
   const bool alone = machine_.actuators[a.actuator].dead != 0;  // the other actuators already run
   if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
   const auto output = world_.output(actuator.name);

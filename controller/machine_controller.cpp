@@ -14,7 +14,11 @@ namespace musher {
 class MachineController::Impl {
  public:
   ~Impl() {
-    if (node_) node_->RunOnLoop([this] { controller_.reset(); });
+    if (!node_) return;
+    node_->RunOnLoop([this] {
+      controller_.reset();
+      own_node_.reset();
+    });
   }
 
   Result<> Init(const std::string& config_file, std::shared_ptr<transport::NodeThread> node) {
@@ -22,17 +26,20 @@ class MachineController::Impl {
     auto config = ReadValidConfig(config_file);
     if (!config) return config.error();
     config_ = std::move(config).value();
-    transport::DdsOptions options;
-    options.profile = config_->transport;
+    transport::DdsOptions options =
+        transport::OptionsFor(*config_, transport::kControllerIdentity, transport::kControllerNode);
     options.impatient = true;
-    options.credentials = transport::CredentialsFor(*config_, transport::kControllerIdentity);
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
     config_->transport = profile.value();  // decisions about silent actuators depend on it, too
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
     node_ = std::move(node);
-    if (!node_) {
+    if (node_) {
+      auto own = node_->MakeNode(config_->name_space, transport::kControllerNode);
+      if (!own) return own.error();
+      own_node_ = std::move(own).value();
+    } else {
       auto started = transport::NodeThread::Start(options);
       if (!started) return started.error();
       node_ = std::move(started).value();
@@ -82,7 +89,8 @@ class MachineController::Impl {
     ControllerOptions options;
     options.by_hand = true;
     options.on_trouble = [](const std::string& message) { std::cerr << message << std::endl; };
-    auto controller = Controller::Make(node_->node(), domain_id, *config_, std::move(options));
+    transport::Node& node = own_node_ ? *own_node_ : node_->node();
+    auto controller = Controller::Make(node, domain_id, *config_, std::move(options));
     if (!controller) return controller.error();
     controller_ = std::move(controller).value();
     return Ok();
@@ -90,6 +98,7 @@ class MachineController::Impl {
 
   std::optional<MachineConfig> config_;
   std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<transport::Node> own_node_;  // by its name, on a thread that is shared
   std::unique_ptr<Controller> controller_;
 };
 

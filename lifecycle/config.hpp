@@ -28,6 +28,9 @@ std::string_view ProtocolName(Protocol protocol);  // as the config writes it
 
 enum class RestartPolicy { kNo, kOnFailure, kAlways };
 
+// The ROS 2 distributions whose message layouts are known, oldest first.
+enum class RosDistro : std::uint8_t { kGalactic, kHumble, kIron, kJazzy, kKilted };
+
 enum class TransportProfile {
   kLocal,  // one host, loopback, many processes
   kLan,    // several hosts, links that lose packets
@@ -130,6 +133,8 @@ struct MachineConfig {
   std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
+  std::optional<RosDistro>
+      ros_distro;  // whose layouts are spoken; none: that of ROS_DISTRO, or Jazzy
   ClockSource clock = ClockSource::kSteady;
   std::string
       keys;  // absolute folder of credentials: only authenticated participants; empty: no security

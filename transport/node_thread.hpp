@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "musher/transport/dds/dds_node.hpp"
@@ -22,15 +23,19 @@ class NodeThread {
   // Runs `work` on the loop and waits for it. From any thread except the loop's.
   void RunOnLoop(const std::function<void()>& work);
 
+  // Another node of the same loop and participant, which ROS 2 lists by a name of its own: for an
+  // actuator that shares this thread. From any thread but the loop's; it goes on the loop.
+  Result<std::unique_ptr<Node>> MakeNode(const std::string& name_space, const std::string& name);
+
   // To be used on the loop only, except for Post().
   Node& node() { return *node_; }
   EventLoop& loop() { return loop_; }
-  const std::optional<Credentials>& credentials() const { return credentials_; }
+  const std::optional<Credentials>& credentials() const { return options_.credentials; }
 
  private:
   NodeThread() = default;
 
-  std::optional<Credentials> credentials_;
+  DdsOptions options_;
   LinuxEventLoop loop_;
   std::unique_ptr<Node> node_;
   std::thread thread_;

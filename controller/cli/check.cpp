@@ -6,6 +6,7 @@
 #include "musher/controller/cli/program_check.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/ros_check.hpp"
 #include "musher/controller/ota/root.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"
@@ -43,6 +44,8 @@ ExitCode Check(const CheckOptions& options, Console& console) {
       AddUpgradeFault(*read, reading.diagnostics);
       const auto found = CheckPrograms(*read);
       reading.diagnostics.insert(reading.diagnostics.end(), found.begin(), found.end());
+      const auto ros = CheckRos(*read, transport::OwnEnvironment());
+      reading.diagnostics.insert(reading.diagnostics.end(), ros.begin(), ros.end());
       if (HasError(found)) reading.config.reset();
     }
     all.insert(all.end(), reading.diagnostics.begin(), reading.diagnostics.end());

@@ -86,10 +86,9 @@ int ControllerProcess::Run() {
 Result<> ControllerProcess::Begin() {
   const auto domain_id = transport::DomainId({});
   if (!domain_id) return domain_id.error();
-  transport::DdsOptions options;
-  options.profile = config_.transport;
+  transport::DdsOptions options =
+      transport::OptionsFor(config_, transport::kControllerIdentity, transport::kControllerNode);
   options.impatient = true;
-  options.credentials = transport::CredentialsFor(config_, transport::kControllerIdentity);
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();

@@ -25,6 +25,7 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 Result<> Link::Join() {
   transport::DdsOptions options;
   options.impatient = true;
+  options.hidden = true;
   if (!global_.keys.empty()) {
     options.credentials =
         transport::Credentials{std::filesystem::absolute(global_.keys), global_.identity};

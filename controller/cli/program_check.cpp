@@ -15,11 +15,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <string_view>
 
+#include "musher/controller/cli/config_places.hpp"
 #include "musher/transport/host.hpp"
 #include "musher/transport/unique_fd.hpp"
 
@@ -27,30 +27,6 @@ namespace musher::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Finds the line of a key in an actuator's table; the line of the table if it has no such key.
-class Places {
- public:
-  explicit Places(const std::string& file) {
-    std::ifstream in(file);
-    for (std::string line; std::getline(in, line);) lines_.push_back(line);
-  }
-  int LineOf(const std::string& table, std::string_view key) const {
-    int found = 0;
-    for (std::size_t i = 0; i < lines_.size(); ++i) {
-      const std::size_t begin = lines_[i].find_first_not_of(" \t");
-      if (begin == std::string::npos) continue;
-      const std::string_view line = std::string_view(lines_[i]).substr(begin);
-      if (found != 0 && line.starts_with('[')) return found;
-      if (line.starts_with("[" + table + "]")) found = static_cast<int>(i) + 1;
-      if (found != 0 && line.starts_with(key)) return static_cast<int>(i) + 1;
-    }
-    return found;
-  }
-
- private:
-  std::vector<std::string> lines_;
-};
 
 std::string PathOf(const ActuatorConfig& actuator) {
   const auto own = actuator.env.find("PATH");
@@ -170,7 +146,7 @@ bool IsOn(const std::string& file, const std::string& line) {
 }  // namespace
 
 std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration timeout) {
-  const Places places(config.file);
+  const ConfigPlaces places(config.file);
   std::error_code no_folder;  // then the path stays relative
   const std::string file = fs::absolute(config.file, no_folder).string();
   std::vector<Diagnostic> found;

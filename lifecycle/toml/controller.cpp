@@ -157,6 +157,12 @@ void ReadTransport(TableReader& root, Draft& draft) {
   const auto profile = transport.Choice<TransportProfile>(
       "profile", {{"local", TransportProfile::kLocal}, {"lan", TransportProfile::kLan}});
   draft.config.transport = profile.value_or(draft.config.transport);
+  draft.config.ros_distro =
+      transport.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
+                                                 {"humble", RosDistro::kHumble},
+                                                 {"iron", RosDistro::kIron},
+                                                 {"jazzy", RosDistro::kJazzy},
+                                                 {"kilted", RosDistro::kKilted}});
   transport.RefuseOthers();
 }
 

@@ -130,6 +130,7 @@ Result<> ToolLink::Join() {
   dds.domain_id = options_.domain;
   dds.impatient = true;
   dds.unicast = true;  // it may read pictures
+  dds.hidden = true;
   if (!options_.keys.empty()) {
     dds.credentials =
         transport::Credentials{std::filesystem::absolute(options_.keys), options_.identity};

@@ -151,7 +151,7 @@ Result<Sensor::Parts> MakeUltrasonic(const Dependencies& dependencies,
                                      const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kUltrasonic;
   constexpr const char* kTopic = "ultrasonic_payload";
-  if (config.ros_distro < RosDistro::kIron) {
+  if (config.ros_distro.value_or(RosDistro::kJazzy) < RosDistro::kIron) {
     return MakeOne<msg::Range, msg::RangeBeforeIron>(kKind, dependencies, config, kTopic,
                                                      msg::BeforeIron);
   }

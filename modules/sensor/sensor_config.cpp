@@ -38,8 +38,7 @@ class Reader {
                                                                {"humble", RosDistro::kHumble},
                                                                {"iron", RosDistro::kIron},
                                                                {"jazzy", RosDistro::kJazzy},
-                                                               {"kilted", RosDistro::kKilted}})
-                             .value_or(config_.ros_distro);
+                                                               {"kilted", RosDistro::kKilted}});
     config_.skip = Kinds(root, "skip");
     config_.critical = Kinds(root, "critical");
     for (const SensorKind kind : kSensorKinds) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/lifecycle/time.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
@@ -17,10 +18,6 @@ namespace musher::sensor {
 // The ToF sensors by their number in SingleTofPayload.tof_position.
 inline constexpr std::array<std::string_view, 4> kTofKeys = {"left_head", "right_head", "left_rear",
                                                              "right_rear"};
-
-// The distributions of ROS 2 that the module can publish for, by age. Of its messages only
-// sensor_msgs/Range has changed between them.
-enum class RosDistro : std::uint8_t { kGalactic, kHumble, kIron, kJazzy, kKilted };
 
 struct SensorConfig {
   std::vector<std::string> sources;  // topics; empty: there is no such sensor; of ToF as kTofKeys
@@ -35,7 +32,8 @@ struct ManagerConfig {
   Duration self_check_time = Milliseconds(3000);  // how long SelfCheck waits for the sensors
   Duration start_time = Milliseconds(2000);  // how long critical ones may take to publish again
   Duration stamp_tolerance = Milliseconds(1000);  // zero: stamps are not compared with the clock
-  RosDistro ros_distro = RosDistro::kJazzy;       // whose message layouts are published
+  std::optional<RosDistro> ros_distro;            // whose message layouts are published; none:
+                                                  // the machine's (transport::ChosenDistro)
   std::vector<SensorKind> skip;                   // not checked
   std::vector<SensorKind> critical;               // a failure fails a self-check at once
   std::array<SensorConfig, kSensorKinds.size()> sensors;

@@ -56,7 +56,9 @@ Result<> SensorManager::MakeSensors() {
                                      [this](std::int32_t code) {
                                        static_cast<void>(errors_->Publish({name(), code}));
                                      }};
-  auto sensors = Sensors::Make(dependencies, config_);
+  ManagerConfig config = config_;
+  if (!config.ros_distro) config.ros_distro = transport::ChosenDistro(machine_config().ros_distro);
+  auto sensors = Sensors::Make(dependencies, config);
   if (!sensors) return sensors.error();
   sensors_ = std::move(sensors).value();
   return Ok();

@@ -202,6 +202,7 @@ Result<std::string> SendWorldCommand(const WorldCommand& command, const std::str
   transport::LinuxEventLoop loop;
   transport::DdsOptions options;
   options.impatient = true;
+  options.hidden = true;
   auto node = transport::MakeDdsNode(loop, options);
   if (!node) return node.error();
   return std::visit(CommandSender(loop, *node.value(), name_space, timeout), command);

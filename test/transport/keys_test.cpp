@@ -122,6 +122,7 @@ TEST(Rights, OfAnObserverHoldNothingButQuestions) {
   EXPECT_THAT(xml, Not(HasSubstr("set_state")));
   EXPECT_THAT(xml, Not(HasSubstr("emergency_stop")));
   EXPECT_THAT(xml, HasSubstr("<topic>rq/musher/get_statusRequest</topic>"));
+  EXPECT_THAT(xml, HasSubstr("<topic>ros_discovery_info</topic>")) << "to be listed as a node";
 }
 
 TEST(Rights, ToCyberdogsManagerAreTheOperatorsButForQuestionsAndWakingUp) {

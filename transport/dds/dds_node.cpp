@@ -1,5 +1,8 @@
 #include "musher/transport/dds/dds_node.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
@@ -9,10 +12,12 @@
 
 #include "musher/transport/dds/dds_reader.hpp"
 #include "musher/transport/dds/dds_writer.hpp"
+#include "musher/transport/dds/first_replies.hpp"
 #include "musher/transport/dds/participant.hpp"
 #include "musher/transport/dds/raw_type.hpp"
 #include "musher/transport/dds/service_tags.hpp"
 #include "musher/transport/dds/settings.hpp"
+#include "musher/transport/dds/type_tag.hpp"
 #include "musher/transport/keys/check.hpp"
 #include "musher/transport/network.hpp"
 
@@ -22,10 +27,14 @@ namespace {
 
 class DdsNode : public Node {
  public:
-  DdsNode(EventLoop& loop, std::shared_ptr<dds::Participant> participant)
+  DdsNode(EventLoop& loop, std::shared_ptr<dds::Participant> participant,
+          const std::string& name_space, const std::string& name)
       : loop_(loop),
         participant_(std::move(participant)),
-        tags_(participant_->get(), participant_->NextNode()) {}
+        tags_(participant_->get(), participant_->NextNode()),
+        listed_(std::make_shared<dds::ListedNode>(loop, participant_->graph(), name_space, name)) {
+    listed_->Notify();
+  }
 
   EventLoop& loop() override { return loop_; }
 
@@ -33,9 +42,10 @@ class DdsNode : public Node {
                                                    const std::string& type, const Qos& qos,
                                                    WriterCallbacks callbacks) override {
     const auto core = std::make_shared<dds::WriterCore>(loop_, topic, std::move(callbacks));
-    const Result<> opened = Open(*core, topic, type, qos, tags_.ForWriter(topic));
+    const Result<> opened =
+        Open(*core, topic, type, qos, tags_.ForWriter(topic) + dds::TypeTag(type));
     if (!opened) return opened.error();
-    return std::unique_ptr<RawWriter>(std::make_unique<dds::DdsWriter>(core));
+    return std::unique_ptr<RawWriter>(std::make_unique<dds::DdsWriter>(core, *listed_));
   }
 
   Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
@@ -43,9 +53,10 @@ class DdsNode : public Node {
                                                    ReaderCallbacks callbacks) override {
     const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks),
                                                         qos.partition == kEveryPartition);
-    const Result<> opened = Open(*core, topic, type, qos, tags_.ForReader(topic));
+    const Result<> opened =
+        Open(*core, topic, type, qos, tags_.ForReader(topic) + dds::TypeTag(type) + OwnTag(topic));
     if (!opened) return opened.error();
-    return std::unique_ptr<RawReader>(std::make_unique<dds::DdsReader>(core));
+    return std::unique_ptr<RawReader>(std::make_unique<dds::DdsReader>(core, *listed_));
   }
 
  private:
@@ -72,9 +83,15 @@ class DdsNode : public Node {
                             " does not allow " + topic_name};
   }
 
+  // On readers of replies, by which our servers know their own clients.
+  static std::string OwnTag(const std::string& topic) {
+    return topic.starts_with("rr/") ? std::string(dds::kOwnTag) : "";
+  }
+
   EventLoop& loop_;
   std::shared_ptr<dds::Participant> participant_;
   dds::ServiceTags tags_;
+  std::shared_ptr<dds::ListedNode> listed_;
 };
 
 }  // namespace
@@ -97,7 +114,25 @@ void WarnWithoutNetwork() {
   });
 }
 
+// Unique on a host, for nodes that were given no name; ROS 2 hides names that begin with '_'.
+std::string NodeName(const DdsOptions& options) {
+  if (!options.node_name.empty()) return options.node_name;
+  const std::string program = program_invocation_short_name;
+  return (options.hidden ? "_" : "") + program + "_" + std::to_string(getpid());
+}
+
 }  // namespace
+
+DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
+                      const std::string& node_name) {
+  DdsOptions options;
+  options.profile = config.transport;
+  options.credentials = CredentialsFor(config, identity);
+  options.node_name = node_name;
+  options.name_space = config.name_space;
+  options.ros_distro = config.ros_distro;
+  return options;
+}
 
 std::optional<Credentials> CredentialsFor(const MachineConfig& config,
                                           const std::string& identity) {
@@ -122,6 +157,15 @@ Result<int> DomainId(const DdsOptions& options) {
   return id;
 }
 
+RosDistro ChosenDistro(std::optional<RosDistro> configured) {
+  if (configured) return *configured;
+  const char* variable = std::getenv("ROS_DISTRO");
+  const std::string_view name = variable != nullptr ? variable : "";
+  if (name == "galactic") return RosDistro::kGalactic;
+  if (name == "humble") return RosDistro::kHumble;
+  return RosDistro::kJazzy;
+}
+
 Result<TransportProfile> Profile(const DdsOptions& options) {
   return dds::ChosenProfile(options.profile);
 }
@@ -144,10 +188,11 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   auto participant = dds::OpenParticipant(
       domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
-      options.credentials);
+      options.credentials, ChosenDistro(options.ros_distro));
   if (!participant) return participant.error();
   if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();
-  return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
+  return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value(),
+                                                         options.name_space, NodeName(options)));
 }
 
 }  // namespace musher::transport

@@ -42,14 +42,35 @@ struct DdsOptions {
   // its permissions say; without them only those without. All nodes of a process that are in one
   // domain have the same.
   std::optional<Credentials> credentials = std::nullopt;
+  // As what ROS 2 lists the node (`ros2 node list`): its name, none: that of the program with its
+  // process id, and its namespace ("" or "dog1"). What ROS 2 does not accept in a name becomes '_'.
+  std::string node_name = {};
+  std::string name_space = {};
+  // Without a name: is listed only to those who ask for hidden nodes. For command lines, which end
+  // when they have been answered.
+  bool hidden = false;
+  // Whose message layout ROS 2 is told of the nodes in; none: see ChosenDistro().
+  std::optional<RosDistro> ros_distro = std::nullopt;
 };
+
+// What the config says of a process that is `identity`, with `node_name` as its node in the
+// machine's namespace.
+DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
+                      const std::string& node_name);
 
 // Those of `identity` where the config has keys.
 std::optional<Credentials> CredentialsFor(const MachineConfig& config, const std::string& identity);
 inline constexpr const char* kControllerIdentity = "controller";
 
+// The ROS 2 node of a controller, in the namespace of its machine: its services are `/musher/…`.
+inline constexpr const char* kControllerNode = "musher";
+
 // The domain that `options` and the environment give; an Error when it is not one of 0 to 232.
 Result<int> DomainId(const DdsOptions& options);
+
+// The ROS 2 distribution whose message layouts are spoken: `configured`, else that of ROS_DISTRO,
+// else Jazzy, whose layouts newer ones have, too.
+RosDistro ChosenDistro(std::optional<RosDistro> configured);
 
 // The profile that `options` and the environment give; an Error when the environment's is none.
 Result<TransportProfile> Profile(const DdsOptions& options);

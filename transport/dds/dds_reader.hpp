@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "musher/transport/dds/entity.hpp"
+#include "musher/transport/dds/node_graph.hpp"
 #include "musher/transport/dds/notifier.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/endpoint.hpp"
@@ -30,6 +31,7 @@ class ReaderCore : public Notifier {
   void Close();
 
   const PeerTable& writers() const { return writers_; }
+  dds_entity_t entity() const { return reader_.get(); }
 
  private:
   static void OnDataAvailable(dds_entity_t reader, void* self);
@@ -53,7 +55,8 @@ class ReaderCore : public Notifier {
 
 class DdsReader : public RawReader {
  public:
-  explicit DdsReader(std::shared_ptr<ReaderCore> core) : core_(std::move(core)) {}
+  DdsReader(std::shared_ptr<ReaderCore> core, ListedNode& node)
+      : core_(std::move(core)), listed_(node, NodeGraph::Kind::kReader, core_->entity()) {}
   DdsReader(const DdsReader&) = delete;
   DdsReader& operator=(const DdsReader&) = delete;
   ~DdsReader() override { core_->Close(); }
@@ -66,6 +69,7 @@ class DdsReader : public RawReader {
 
  private:
   std::shared_ptr<ReaderCore> core_;
+  ListedEndpoint listed_;
 };
 
 }  // namespace musher::transport::dds

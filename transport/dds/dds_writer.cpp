@@ -1,9 +1,37 @@
 #include "musher/transport/dds/dds_writer.hpp"
 
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
 #include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/raw_type.hpp"
 
 namespace musher::transport::dds {
+
+namespace {
+
+// Whether a reader is that of a client of ours.
+bool IsOurs(dds_builtintopic_endpoint_t* reader) {
+  if (reader == nullptr) return false;
+  void* data = nullptr;
+  std::size_t size = 0;
+  bool ours = false;
+  if (dds_qget_userdata(reader->qos, &data, &size) && data != nullptr) {
+    ours = std::string_view(static_cast<const char*>(data), size).ends_with(kOwnTag);
+  }
+  dds_free(data);
+  dds_builtintopic_free_endpoint(reader);
+  return ours;
+}
+
+}  // namespace
+
+WriterCore::WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks)
+    : Notifier(loop), topic_name_(std::move(topic_name)), callbacks_(std::move(callbacks)) {
+  if (!topic_name_.starts_with("rr/")) return;
+  first_replies_.emplace(loop, [this](msg::Bytes reply) { return Send(std::move(reply)); });
+}
 
 Result<> WriterCore::Open(dds_entity_t participant, Entity topic, const QosPtr& qos) {
   topic_ = std::move(topic);
@@ -19,6 +47,8 @@ Result<> WriterCore::Open(dds_entity_t participant, Entity topic, const QosPtr& 
 
 void WriterCore::Close() {
   closed_ = true;
+  if (first_replies_) first_replies_->Release();
+  first_replies_.reset();
   writer_.Delete();
   topic_.Delete();
 }
@@ -28,6 +58,10 @@ Result<> WriterCore::Write(msg::Bytes bytes) {
   if (bytes.size() < kEncapsulationHeader) {
     return Error{kCodeParametersInvalid, topic_name_ + ": no encapsulation header"};
   }
+  return first_replies_ ? first_replies_->Write(std::move(bytes)) : Send(std::move(bytes));
+}
+
+Result<> WriterCore::Send(msg::Bytes bytes) {
   const RawSample sample{bytes};
   const dds_return_t result = dds_write(writer_.get(), &sample);
   if (result != DDS_RETCODE_OK) return DdsError(topic_name_ + ": cannot write", result);
@@ -35,6 +69,7 @@ Result<> WriterCore::Write(msg::Bytes bytes) {
 }
 
 Result<> WriterCore::Flush(Duration timeout) {
+  if (first_replies_) first_replies_->Release();
   const dds_return_t result = dds_wait_for_acks(writer_.get(), timeout.count());
   if (result == DDS_RETCODE_TIMEOUT) {
     return Error{kCodeTimeout, topic_name_ + ": a reader has not got all that was written"};
@@ -51,10 +86,14 @@ void WriterCore::Visit() {
   if (closed_) return;
   PeerTable readers;
   for (const PeerId reader : MatchedHandles(writer_.get(), dds_get_matched_subscriptions)) {
-    const PeerId known = readers_.ParticipantOf(reader);
-    readers.Add(reader, known != 0 ? known
-                                   : ParticipantIn(
-                                         dds_get_matched_subscription_data(writer_.get(), reader)));
+    PeerId participant = readers_.ParticipantOf(reader);
+    if (participant == 0) {
+      if (first_replies_ && !IsOurs(dds_get_matched_subscription_data(writer_.get(), reader))) {
+        first_replies_->OnNewReader();
+      }
+      participant = ParticipantIn(dds_get_matched_subscription_data(writer_.get(), reader));
+    }
+    readers.Add(reader, participant);
   }
   readers_ = std::move(readers);
   if (callbacks_.on_match_changed) callbacks_.on_match_changed();

@@ -4,9 +4,12 @@
 #include <dds/dds.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/transport/dds/entity.hpp"
+#include "musher/transport/dds/first_replies.hpp"
+#include "musher/transport/dds/node_graph.hpp"
 #include "musher/transport/dds/notifier.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/endpoint.hpp"
@@ -18,8 +21,7 @@ namespace musher::transport::dds {
 // writer.
 class WriterCore : public Notifier {
  public:
-  WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks)
-      : Notifier(loop), topic_name_(std::move(topic_name)), callbacks_(std::move(callbacks)) {}
+  WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks);
 
   Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
   // No callback runs after it, also when a callback calls it.
@@ -29,16 +31,19 @@ class WriterCore : public Notifier {
   Result<> Flush(Duration timeout);
   const PeerTable& readers() const { return readers_; }
   std::uint64_t id() const { return id_; }
+  dds_entity_t entity() const { return writer_.get(); }
 
  private:
   static void OnMatched(dds_entity_t writer, dds_publication_matched_status_t status, void* self);
 
   void Visit() override;
+  Result<> Send(msg::Bytes bytes);
 
   std::string topic_name_;
   WriterCallbacks callbacks_;
   bool closed_ = false;
   PeerTable readers_;
+  std::optional<FirstReplies> first_replies_;  // of a writer of replies
   dds_instance_handle_t id_ = 0;
   Entity topic_;
   Entity writer_;
@@ -46,7 +51,8 @@ class WriterCore : public Notifier {
 
 class DdsWriter : public RawWriter {
  public:
-  explicit DdsWriter(std::shared_ptr<WriterCore> core) : core_(std::move(core)) {}
+  DdsWriter(std::shared_ptr<WriterCore> core, ListedNode& node)
+      : core_(std::move(core)), listed_(node, NodeGraph::Kind::kWriter, core_->entity()) {}
   DdsWriter(const DdsWriter&) = delete;
   DdsWriter& operator=(const DdsWriter&) = delete;
   ~DdsWriter() override { core_->Close(); }
@@ -59,6 +65,7 @@ class DdsWriter : public RawWriter {
 
  private:
   std::shared_ptr<WriterCore> core_;
+  ListedEndpoint listed_;
 };
 
 }  // namespace musher::transport::dds

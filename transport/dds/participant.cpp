@@ -88,7 +88,7 @@ Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture
 }
 
 Result<Participant*> Join(int domain_id, const std::string& settings,
-                          const std::optional<Credentials>& credentials) {
+                          const std::optional<Credentials>& credentials, RosDistro distro) {
   LogCapture log(credentials ? TellOnceAMinute : nullptr);
   auto domain = OpenDomain(domain_id, settings, log);
   if (!domain) return domain.error();
@@ -103,13 +103,18 @@ Result<Participant*> Join(int domain_id, const std::string& settings,
     if (credentials) error.message += kPluginsHint;
     return error;
   }
-  return new Participant(std::move(domain).value(), Entity(entity), credentials);
+  auto participant =
+      std::make_unique<Participant>(std::move(domain).value(), Entity(entity), credentials, distro);
+  // Keys made by an older Musher do not allow it; nothing else is missing then.
+  if (!participant->graph().open()) log.Take();
+  return participant.release();
 }
 
 }  // namespace
 
-Result<std::shared_ptr<Participant>> OpenParticipant(
-    int domain_id, const std::string& settings, const std::optional<Credentials>& credentials) {
+Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
+                                                     const std::optional<Credentials>& credentials,
+                                                     RosDistro distro) {
   // One that goes takes its domain along, and whatever another thread opened in it meanwhile: so
   // they come and go one after the other.
   static std::mutex mutex;
@@ -118,7 +123,7 @@ Result<std::shared_ptr<Participant>> OpenParticipant(
   const std::lock_guard lock(mutex);
   participant = participants[domain_id].lock();
   if (!participant) {
-    auto joined = Join(domain_id, settings, credentials);
+    auto joined = Join(domain_id, settings, credentials, distro);
     if (!joined) return joined.error();
     participant.reset(joined.value(), [](Participant* last) {
       const std::lock_guard gone(mutex);

@@ -10,6 +10,7 @@
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/dds/entity.hpp"
+#include "musher/transport/dds/node_graph.hpp"
 
 namespace musher::transport::dds {
 
@@ -18,13 +19,18 @@ namespace musher::transport::dds {
 // another participant of its own goes (eclipse-cyclonedds/cyclonedds#1874).
 class Participant {
  public:
-  Participant(Entity domain, Entity participant, std::optional<Credentials> credentials)
+  Participant(Entity domain, Entity participant, std::optional<Credentials> credentials,
+              RosDistro distro)
       : domain_(std::move(domain)),
         participant_(std::move(participant)),
-        credentials_(std::move(credentials)) {}
+        credentials_(std::move(credentials)),
+        graph_(participant_.get(), distro) {}
 
   dds_entity_t get() const { return participant_.get(); }
   const std::optional<Credentials>& credentials() const { return credentials_; }
+
+  // The nodes as ROS 2 lists them.
+  NodeGraph& graph() { return graph_; }
 
   // A number for each node, from any thread.
   int NextNode() { return next_node_++; }
@@ -33,12 +39,15 @@ class Participant {
   Entity domain_;  // its configuration; none where the user brings it
   Entity participant_;
   const std::optional<Credentials> credentials_;
+  NodeGraph graph_;
   std::atomic<int> next_node_ = 0;
 };
 
 // Fails with Cyclone's own words. `settings` are Cyclone's XML; they are used by the first node of
-// the process in this domain and only when the user has not set CYCLONEDDS_URI. From any thread.
+// the process in this domain and only when the user has not set CYCLONEDDS_URI; so is `distro`, the
+// layout in which ROS 2 is told of the nodes. From any thread.
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
-                                                     const std::optional<Credentials>& credentials);
+                                                     const std::optional<Credentials>& credentials,
+                                                     RosDistro distro);
 
 }  // namespace musher::transport::dds

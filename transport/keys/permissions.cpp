@@ -138,6 +138,8 @@ std::string Rule(const char* kind, const std::vector<Criteria>& all) {
 const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorBeatTopic("")});
 const Topics kStops = DataTopics({EmergencyStopTopic("")});
 const Topics kAnnouncements = DataTopics({ControllerBeatTopic("")});
+// Which nodes a process has (`ros2 node list`); of the others it is among what is not reserved.
+const Topics kNodeGraph = {"ros_discovery_info"};
 const Topics kMachine =
     DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
@@ -168,7 +170,7 @@ std::vector<Criteria> OfOperator() {
 
 std::vector<Criteria> OfObserver() {
   const Topics asked = Queries() + kManagerQueries + kBehaviorQueries;
-  return {{"publish", Requests(asked)},
+  return {{"publish", Requests(asked) + kNodeGraph},
           {"subscribe", kMachine + kStatuses + Replies(asked) +
                             DataTopics(kManagerPublishes + kBehaviorPublishes)}};
 }

@@ -188,4 +188,27 @@ TEST_F(CheckedPrograms, HoldBehindASymbolicLinkWhereUpStartsThem) {
   EXPECT_EQ(ran.out, "ok: 2 actuators, 6 states, 2 stages\n");
 }
 
+// It started, and was absent for ever.
+TEST_F(CheckedPrograms, ThatAreRos2NodesAreNamedWhereTheyCannotMeetTheMachine) {
+  for (const char* name : {"CYCLONEDDS_URI", "RMW_IMPLEMENTATION", "ROS_LOCALHOST_ONLY",
+                           "ROS_AUTOMATIC_DISCOVERY_RANGE"}) {
+    unsetenv(name);
+  }
+  const std::string node = "protocol = \"ros2_lifecycle\"\ncommand = [\"true\"]";
+  EXPECT_EQ(Check(node).out, "ok: 2 actuators, 6 states, 2 stages\n");
+  const Ran ran = Check(node + "\nenv = { ROS_LOCALHOST_ONLY = \"1\" }");
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.out, HasSubstr("warning: in 'actuator.legs': the ROS 2 node does not meet the "
+                                 "machine: ROS_LOCALHOST_ONLY is 1"));
+}
+
+TEST_F(CheckedPrograms, ThatAPersonStartsMayNeedSettingsInTheShell) {
+  unsetenv("CYCLONEDDS_URI");
+  setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp", 1);
+  const Ran ran = Check("protocol = \"ros2_lifecycle\"");
+  unsetenv("RMW_IMPLEMENTATION");
+  EXPECT_THAT(ran.out, HasSubstr("a ROS 2 node that is started in this shell does not meet the "
+                                 "machine: CYCLONEDDS_URI is not set"));
+}
+
 }  // namespace musher::cli::check_test

@@ -1,0 +1,80 @@
+// What a ROS 2 process needs in its environment, and why it does not meet a machine without it.
+
+#include "musher/transport/ros_environment.hpp"
+
+#include <gmock/gmock.h>
+
+namespace musher::transport::ros_environment_test {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+using ::testing::UnorderedElementsAre;
+
+constexpr auto kLocal = TransportProfile::kLocal;
+constexpr auto kLan = TransportProfile::kLan;
+
+// A node that was given what it needs, with `more` set.
+Environment NodeOf(TransportProfile profile, Environment more = {}) {
+  more.merge(RosEnvironment(profile, more));
+  return more;
+}
+
+TEST(RosProcesses, GetTheLoopbackInTheProfileLocalAndCycloneInBoth) {
+  EXPECT_THAT(RosEnvironment(kLocal, {}),
+              UnorderedElementsAre(Pair("CYCLONEDDS_URI", kRosOnLoopback),
+                                   Pair("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")));
+  EXPECT_THAT(RosEnvironment(kLan, {}),
+              ElementsAre(Pair("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")));
+}
+
+TEST(RosProcesses, KeepWhatThePersonHasSet) {
+  const Environment set = {{"CYCLONEDDS_URI", "file:///mine.xml"},
+                           {"RMW_IMPLEMENTATION", "rmw_fastrtps_cpp"}};
+  EXPECT_THAT(RosEnvironment(kLocal, set), IsEmpty());
+  EXPECT_EQ(RosEnvironment(kLocal, {{"CYCLONEDDS_URI", ""}}).size(), 2U);
+}
+
+TEST(RosProcesses, MeetTheMachineWithWhatTheyAreGiven) {
+  for (const TransportProfile profile : {kLocal, kLan}) {
+    EXPECT_THAT(RosObstacles(profile, {}, NodeOf(profile)), IsEmpty());
+    EXPECT_THAT(RosObstacles(profile, {{"ROS_DOMAIN_ID", "7"}},
+                             NodeOf(profile, {{"ROS_DOMAIN_ID", "7"},
+                                              {"ROS_LOCALHOST_ONLY", "0"},
+                                              {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"}})),
+                IsEmpty());
+  }
+}
+
+TEST(RosProcesses, AreNotMetForEachReasonThatIsKnown) {
+  const auto why = [](const char* name, const char* value, TransportProfile profile = kLocal) {
+    return RosObstacles(profile, {}, NodeOf(profile, {{name, value}}));
+  };
+  EXPECT_THAT(why("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp"),
+              ElementsAre(AllOf(HasSubstr("rmw_fastrtps_cpp"), HasSubstr("rmw_cyclonedds_cpp"))));
+  EXPECT_THAT(why("ROS_DOMAIN_ID", "3"),
+              ElementsAre("ROS_DOMAIN_ID is 3, but the machine is in domain 0; use the same one"));
+  EXPECT_THAT(why("ROS_LOCALHOST_ONLY", "1", kLan), ElementsAre(HasSubstr("unset it")));
+  EXPECT_THAT(why("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", kLan),
+              ElementsAre(HasSubstr("set SUBNET")));
+  EXPECT_THAT(why("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"), ElementsAre(HasSubstr("OFF")));
+  EXPECT_THAT(why("CYCLONEDDS_URI", "<CycloneDDS/>"),
+              ElementsAre(AllOf(HasSubstr("does not name the interface lo"),
+                                HasSubstr("profile = \"lan\""))));
+}
+
+TEST(RosProcesses, AreNotMetFromAShellWithoutAnySettings) {
+  EXPECT_THAT(RosObstacles(kLocal, {}, {}), ElementsAre(HasSubstr("RMW_IMPLEMENTATION is not set"),
+                                                        HasSubstr("CYCLONEDDS_URI is not set")));
+}
+
+// Of a person's own settings of Cyclone nothing is known.
+TEST(RosProcesses, AreNotJudgedByTheInterfaceWhereTheMachineHasSettingsOfItsOwn) {
+  const Environment both = {{"CYCLONEDDS_URI", "file:///mine.xml"},
+                            {"RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"}};
+  EXPECT_THAT(RosObstacles(kLocal, both, both), IsEmpty());
+}
+
+}  // namespace musher::transport::ros_environment_test

@@ -1,0 +1,52 @@
+#include "musher/transport/dds/first_replies.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace musher::transport::dds {
+
+namespace {
+
+constexpr Duration kNew = Milliseconds(500);
+constexpr Duration kHold = Milliseconds(12);
+constexpr Duration kFollowUpDelay =
+    Milliseconds(110);  // ROS 2's readers ask again after 100 at least
+constexpr std::size_t kLargestFollowUp = 4096;
+constexpr std::size_t kClientIdBegin = 4;  // after the encapsulation header
+constexpr std::size_t kClientIdEnd = 12;
+
+}  // namespace
+
+void FirstReplies::OnNewReader() {
+  new_until_ = loop_.Now() + kNew;
+}
+
+Result<> FirstReplies::Write(msg::Bytes reply) {
+  if (held_.empty() && loop_.Now() >= new_until_) return send_(std::move(reply));
+  held_.push_back(std::move(reply));
+  if (!release_) release_ = loop_.At(loop_.Now() + kHold, [this] { Release(); });
+  return Ok();
+}
+
+void FirstReplies::Release() {
+  if (!held_.empty()) FollowUp(held_.back());
+  while (!held_.empty()) {
+    const Result<> sent = send_(std::exchange(held_.front(), {}));
+    static_cast<void>(sent);  // the client times out
+    held_.pop_front();
+  }
+  release_ = nullptr;
+}
+
+void FirstReplies::FollowUp(const msg::Bytes& reply) {
+  if (reply.size() < kClientIdEnd || reply.size() > kLargestFollowUp) return;
+  msg::Bytes copy = reply;
+  std::fill(copy.begin() + kClientIdBegin, copy.begin() + kClientIdEnd, std::byte{0});
+  follow_up_ = loop_.At(loop_.Now() + kFollowUpDelay, [this, copy = std::move(copy)] {
+    const Result<> sent = send_(copy);  // if it is not, the next heartbeat comes later
+    static_cast<void>(sent);
+  });
+}
+
+}  // namespace musher::transport::dds

@@ -1,0 +1,93 @@
+#include "musher/transport/ros_environment.hpp"
+
+#include <unistd.h>
+
+#include <string_view>
+
+namespace musher::transport {
+
+namespace {
+
+constexpr const char* kUri = "CYCLONEDDS_URI";
+constexpr const char* kRmw = "RMW_IMPLEMENTATION";
+constexpr const char* kCyclone = "rmw_cyclonedds_cpp";
+constexpr const char* kDomain = "ROS_DOMAIN_ID";
+constexpr const char* kRange = "ROS_AUTOMATIC_DISCOVERY_RANGE";
+constexpr const char* kLocalhostOnly = "ROS_LOCALHOST_ONLY";
+
+// What is set to nothing is not set, for ROS 2 and for Cyclone.
+std::string ValueOf(const Environment& environment, const std::string& name) {
+  const auto found = environment.find(name);
+  return found == environment.end() ? "" : found->second;
+}
+
+std::string DomainOf(const Environment& environment) {
+  const std::string domain = ValueOf(environment, kDomain);
+  return domain.empty() ? "0" : domain;
+}
+
+}  // namespace
+
+const char* const kRosOnLoopback =
+    "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" "
+    "multicast=\"true\"/></Interfaces></General><Discovery><ParticipantIndex>none"
+    "</ParticipantIndex></Discovery></Domain></CycloneDDS>";
+
+Environment OwnEnvironment() {
+  Environment environment;
+  for (char** each = environ; each != nullptr && *each != nullptr; ++each) {
+    const std::string_view variable = *each;
+    const std::size_t equals = variable.find('=');
+    if (equals == std::string_view::npos) continue;
+    environment.emplace(variable.substr(0, equals), variable.substr(equals + 1));
+  }
+  return environment;
+}
+
+Environment RosEnvironment(TransportProfile profile, const Environment& environment) {
+  Environment added;
+  if (ValueOf(environment, kRmw).empty()) added[kRmw] = kCyclone;
+  if (profile == TransportProfile::kLocal && ValueOf(environment, kUri).empty()) {
+    added[kUri] = kRosOnLoopback;
+  }
+  return added;
+}
+
+std::vector<std::string> RosObstacles(TransportProfile profile, const Environment& machine,
+                                      const Environment& node) {
+  std::vector<std::string> obstacles;
+  const std::string rmw = ValueOf(node, kRmw);
+  if (rmw != kCyclone) {
+    obstacles.push_back((rmw.empty() ? std::string(kRmw) + " is not set: most ROS 2 distributions "
+                                                           "then take Fast DDS"
+                                     : std::string(kRmw) + " is " + rmw) +
+                        ", whose services Musher cannot call; set it to " + kCyclone);
+  }
+  if (DomainOf(node) != DomainOf(machine)) {
+    obstacles.push_back(std::string(kDomain) + " is " + DomainOf(node) +
+                        ", but the machine is in domain " + DomainOf(machine) +
+                        "; use the same one");
+  }
+  if (const std::string only = ValueOf(node, kLocalhostOnly); !only.empty() && only != "0") {
+    obstacles.push_back(std::string(kLocalhostOnly) + " is " + only +
+                        ": ROS 2 then finds only processes on fixed ports, and Musher's have none; "
+                        "unset it");
+  }
+  if (const std::string range = ValueOf(node, kRange); range == "LOCALHOST" || range == "OFF") {
+    obstacles.push_back(std::string(kRange) + " is " + range +
+                        ": ROS 2 then finds no processes by multicast; unset it or set SUBNET");
+  }
+  const std::string uri = ValueOf(node, kUri);
+  const bool own_settings = !ValueOf(machine, kUri).empty();  // then nothing is known of them
+  if (profile == TransportProfile::kLocal && !own_settings &&
+      uri.find("\"lo\"") == std::string::npos) {
+    obstacles.push_back(std::string(kUri) +
+                        (uri.empty() ? " is not set" : " does not name the interface lo") +
+                        ": a machine of the profile local is found on multicast over lo only; set "
+                        "it to " +
+                        kRosOnLoopback + " or use [transport] profile = \"lan\"");
+  }
+  return obstacles;
+}
+
+}  // namespace musher::transport

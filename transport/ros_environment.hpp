@@ -1,0 +1,34 @@
+#pragma once
+// How ROS 2 processes and a machine meet: what a ROS 2 process has to have in its environment, and
+// why one does not meet the machine with what it has.
+//
+// Pure functions of environments; threads: any.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+
+namespace musher::transport {
+
+using Environment = std::map<std::string, std::string>;
+
+// That of this process.
+Environment OwnEnvironment();
+
+// CYCLONEDDS_URI for ROS 2 on multicast over the loopback, where a machine of the profile "local"
+// is. Without a limit to the number of processes.
+extern const char* const kRosOnLoopback;
+
+// What a ROS 2 process needs beside `environment` to meet a machine of this profile. What the
+// environment sets already is left as it is.
+Environment RosEnvironment(TransportProfile profile, const Environment& environment);
+
+// Why a ROS 2 process in the environment `node` does not meet a machine of this profile whose
+// processes are in the environment `machine`: sentences that say what to change; none where nothing
+// is known against it.
+std::vector<std::string> RosObstacles(TransportProfile profile, const Environment& machine,
+                                      const Environment& node);
+
+}  // namespace musher::transport
