@@ -169,6 +169,7 @@ Result<> Controller::TakeName() {
     }
     // One that is not ours to end lets go when it hears of a higher epoch.
     const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
+    taken_from_ = StateDirOfProcess(holder.pid);
     look_around_ = !holder.trusted || !EndController(holder.pid, is_it);
     options_.adopt |= !look_around_;
     if (look_around_) return Ok();
@@ -194,24 +195,6 @@ Result<> Controller::MayTakeOver(pid_t controller) const {
 
 std::string Controller::LockOf(const std::string& actuator) const {
   return transport::NameLock::NameOf(domain_id_, config_.name_space, actuator);
-}
-
-// Which actuators' processes run on this host already, left by an earlier controller or by hand.
-// Only one that is to be trusted is watched and ended with the machine.
-void Controller::FindRunning(event::Begin& begin) {
-  for (const ActuatorConfig& actuator : config_.actuators) {
-    const std::string name = LockOf(actuator.name);
-    begin.running.push_back(transport::NameLock::IsHeld(name));
-    const auto holder =
-        begin.running.back() ? transport::NameLock::HolderOf(name) : transport::NameLock::Holder{};
-    begin.processes.push_back(holder.trusted ? holder.pid : 0);
-    if (!begin.running.back() || holder.trusted) continue;
-    shell_->Remark(kCodePermissionDenied, holder.Text() + " holds the name of " + actuator.name +
-                                              ", and is neither root's nor of user " +
-                                              std::to_string(geteuid()) +
-                                              ": it is not watched or signalled, and " +
-                                              actuator.name + " is not started beside it");
-  }
 }
 
 Result<> Controller::OpenShell() {
@@ -248,6 +231,15 @@ Result<> Controller::OpenShell() {
         Stored::kStopIntent,
         [intended](StateStore& store) { return store.SaveStopIntent(intended); }, std::move(done));
   };
+  if (store_) {
+    world.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
+      const auto write = [store = store_, children] {
+        return store->SaveChildren(children, transport::HostId());
+      };
+      disk_.Do("processes", write, std::move(done));
+    };
+  }
+  world.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
   world.output = [this](const std::string& name) { return logs_ ? logs_->Output(name) : nullptr; };
   world.wall_ns = WallNanoseconds;
   world.config_text = TextOf(config_);
@@ -321,14 +313,14 @@ void Controller::Begin() {
     disk_.Do("config",
              [store = store_, hash = config_.hash] { return store->SaveConfigHash(hash); });
   }
-  FindRunning(begin);
+  const std::vector<ChildProcess> children = FindRunning(begin);
   begin.restarted = options_.restarted;
   if (store_) {
     begin.stops = store_->LoadEmergencyStops();
     begin.policy = store_->LoadPolicy();
     begin.stop_intent = store_->LoadStopIntent();
   }
-  shell_->Begin(std::move(begin));
+  shell_->Begin(std::move(begin), children);
 }
 
 std::uint64_t Controller::LoadEpoch() {

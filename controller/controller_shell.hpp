@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/controller/capability_board.hpp"
+#include "musher/controller/child_processes.hpp"
 #include "musher/controller/controller_presence.hpp"
 #include "musher/controller/health_watch.hpp"
 #include "musher/controller/journal.hpp"
@@ -47,6 +48,10 @@ class ControllerShell {
     std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
     std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
     std::function<void(bool, OnSaved done)> save_stop_intent;
+    // The processes that the next controller has to know; may be empty.
+    std::function<void(const std::vector<ChildProcess>&, OnSaved done)> save_children;
+    // By which the process of an actuator is known again (child_processes.hpp); may be empty.
+    std::function<std::string(const std::string& actuator)> child_mark;
     // Where a process of this name writes its stdout and stderr; may be null.
     std::function<std::shared_ptr<const transport::UniqueFd>(const std::string&)> output;
     std::function<std::int64_t()> wall_ns;  // since 1970
@@ -79,8 +84,9 @@ class ControllerShell {
 
   // Starts the machine; what this shell knows itself (the host) need not be in `begin`. From now on
   // clients are answered and the machine's status is latched, until another controller takes over
-  // or the machine is stopped.
-  void Begin(event::Begin begin);
+  // or the machine is stopped. `children`: those of the processes that a controller before has
+  // started.
+  void Begin(event::Begin begin, const std::vector<ChildProcess>& children = {});
   // Another controller of this machine that was heard, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
   // When the first actuator was heard, before Begin().
@@ -158,12 +164,16 @@ class ControllerShell {
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
+  void OnSignOfLife(std::size_t actuator, std::uint64_t incarnation);
   void OnWriterLost(transport::PeerId writer);
   Process& Heard(std::size_t actuator, const ActuatorReport& report);
   ActuatorReport Believed(std::size_t actuator, ActuatorReport report);
   Result<> ProveAndWatch(std::size_t actuator, const ActuatorReport& report);
   void TellUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
-  bool WatchFound(std::size_t actuator, pid_t pid);
+  bool WatchFound(std::size_t actuator, pid_t pid, bool child);
+  void NoteChild(std::size_t actuator, pid_t pid);
+  void ForgetChild(std::size_t actuator, pid_t pid);
+  void SaveChildren();
   void CompareHash(std::size_t actuator, const std::string& hash);
   void TellUnlisted(const msg::ActuatorStatus& status);
 
@@ -207,6 +217,8 @@ class ControllerShell {
   };
   std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
   std::vector<Peer> peers_;
+  std::map<std::size_t, ChildProcess> children_;  // by actuator; those that run
+  bool children_unsaved_ = false;                 // the disk has refused them, which was told
   StoredStops stops_before_begin_;
   std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
   std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs

@@ -56,17 +56,31 @@ ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
   return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
 }
 
-// A reply is a sign of life.
+// A reply is a sign of life, and so is what a link to another protocol tells of its node.
 void ControllerShell::OnLinkEvent(const Event& from_link) {
   Event event = from_link;
   auto* replied = std::get_if<event::Replied>(&event);
   if (replied) replied->report = Believed(replied->actuator, std::move(replied->report));
   Handle(event);
-  if (replied == nullptr) return;
-  const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
-  if (taken.incarnation == replied->report.incarnation) {
-    health_->OnReport(replied->actuator, taken);
+  if (replied != nullptr) return OnSignOfLife(replied->actuator, replied->report.incarnation);
+  const auto* seen = std::get_if<event::StatusSeen>(&event);
+  if (seen != nullptr) OnSignOfLife(seen->actuator, seen->report.incarnation);
+}
+
+// A program of another protocol does not say which process it is; of one that this controller has
+// started, or knows again, that is known. Until it is set up it need not answer: its constructor
+// may keep its only thread.
+void ControllerShell::OnSignOfLife(std::size_t actuator, std::uint64_t incarnation) {
+  const ActuatorRecord& record = machine_.actuators[actuator];
+  if (record.report.incarnation != incarnation) return;
+  const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
+  if (!own && record.presence != Presence::kPresent) return;
+  ActuatorReport report = record.report;
+  if (report.host.empty() && record.process != 0) {
+    report.host = world_.host;
+    report.pid = record.process;
   }
+  health_->OnReport(actuator, report);
 }
 
 void ControllerShell::OnWriterLost(transport::PeerId writer) {

@@ -35,6 +35,10 @@ struct MachineOrigin {
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir);
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin);
 
+// The folder whose lock the controller that is process `pid` has open; empty where it has none, or
+// its files are not ours to see.
+std::string StateDirOfProcess(pid_t pid);
+
 // Of the controller that is process `pid`, by the folder whose lock it has open; nothing where it
 // has none, or its files are not ours to see.
 std::optional<MachineOrigin> OriginOfProcess(pid_t pid);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/lifecycle/result.hpp"
@@ -20,7 +21,8 @@ struct ProcessSpec {
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
   std::string cwd;                         // empty = ours
   std::map<std::string, std::string> env;  // on top of ours, without what systemd gave to us
-  int output = -1;  // gets stdout and stderr; stays the caller's; -1 = our own
+  int output = -1;        // gets stdout and stderr; stays the caller's; -1 = our own
+  std::string mark = {};  // by which it is known again, see child_processes.hpp; empty: none
 };
 
 // How a process ended.
@@ -66,6 +68,10 @@ class ProcessRunner {
   // end is told, not how. Fails when there is no such process. The caller knows that the pid is one
   // of this host (HostId), and whose it is (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
+
+  // Watches a process that an earlier controller has started as its child. At its end what is left
+  // of its session is killed, as for a child of ours.
+  virtual Result<> Adopt(pid_t pid, OnExit on_exit) { return Watch(pid, std::move(on_exit)); }
 
   // Sends a signal to a started or watched process: to its whole group if it leads one. Fails when
   // the process is neither or has ended, so that it never hits a stranger with a reused pid.

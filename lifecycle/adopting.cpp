@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/ros2_states.hpp"
 
 namespace musher {
 
@@ -20,15 +21,34 @@ std::optional<State> Decision::LowestFound() const {
     const auto rank = config_.RankOf(state);
     if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = state;
   };
-  for (const ActuatorRecord& record : machine_.actuators) {
-    if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
-    // Who is being torn down alone will end, and be started again if it should.
-    const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
-    if (ends && record.report.apart) continue;
-    consider(record.state());
-    consider(record.report.target);  // also out of a check, which has no rank of its own
-  }
+  bool own_there = false;  // one of Musher's own, which says where it is
+  const auto consider_all = [&](bool ros2) {
+    for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+      const ActuatorRecord& record = Of(i);
+      const bool is_ros2 = ConfigOf(i).protocol == Protocol::kRos2Lifecycle;
+      if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
+      if (is_ros2 != ros2) continue;
+      // Where those have not got beyond SetUp and SelfCheck, the machine was starting.
+      if (ros2 && lowest && AgreesWith(i, *lowest)) continue;
+      if (ros2 && !lowest && own_there && AgreesWith(i, State(kSetUp))) continue;
+      own_there |= ConfigOf(i).protocol == Protocol::kMusher;
+      // Who is being torn down alone will end, and be started again if it should.
+      const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
+      if (ends && record.report.apart) continue;
+      consider(record.state());
+      consider(record.report.target);  // also out of a check, which has no rank of its own
+    }
+  };
+  consider_all(false);
+  consider_all(true);
   return lowest;
+}
+
+// Whether a ROS 2 node is where that state of the machine takes it: then it may have been in that
+// state, whatever its link has guessed.
+bool Decision::AgreesWith(std::size_t i, const State& state) const {
+  const auto& own = ConfigOf(i).ros2_states;
+  return config_.RankOf(Of(i).state()) && Ros2GoalOf(own, Of(i).state()) == Ros2GoalOf(own, state);
 }
 
 // Whether the controller before died during a switch: an actuator is on a way that does not end

@@ -4,6 +4,7 @@
 // simulation turn the world into events and actions into the world.
 //
 // In layers, each in its own file:
+//   arriving.cpp   an actuator shows itself, and follows this controller
 //   orders.cpp     one command to one actuator, with a certain outcome
 //   switching.cpp  a switch: legs in the order of the plan, rollback
 //   switch_end.cpp what a switch leaves behind, and its result

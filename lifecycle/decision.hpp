@@ -25,6 +25,8 @@ inline constexpr Duration kSecuredRivalPatience = Milliseconds(4000);  // strang
 // How long a hung process lives on for its backtrace, and one that was asked to end for its end.
 inline constexpr Duration kBacktraceTime = Milliseconds(5000);
 inline constexpr Duration kEndTime = Milliseconds(2000);
+// A process that is torn down ends by itself; this long it is left alone.
+inline constexpr Duration kExitGrace = Milliseconds(1000);
 // Two clocks that are 100 ppm apart differ by 6 ms after this.
 inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
@@ -78,11 +80,15 @@ class Decision {
   std::vector<Action> Take() && { return std::move(actions_); }
 
  private:
-  // orders.cpp
+  // arriving.cpp
+  void FoundTornDown(std::size_t i, const ActuatorReport& report);
+  void SetUpFailed(std::size_t i, const ActuatorReport& report);
   void TakeControl(std::size_t i);
   void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
-  void Accept(std::size_t i, const ActuatorReport& report);
   void Follow(std::size_t i);
+
+  // orders.cpp
+  void Accept(std::size_t i, const ActuatorReport& report);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
   void TakeOthersUp();
@@ -134,7 +140,9 @@ class Decision {
   void LeaveNobodyBehind(const Switch& s);
   void SettleBack(const Switch& s);
   bool IsAway(std::size_t i, const State& target) const;
-  std::optional<std::size_t> FirstAway(const State& target) const;
+  std::string LeftSince(const Switch& s, std::size_t i) const;
+  std::optional<Error> WhyAway(const Switch& s, std::size_t i) const;
+  std::optional<std::size_t> FirstAway(const Switch& s) const;
   static const Leg* FirstPartial(const Switch& s);
   std::string FirstTrouble() const;
   SwitchResult Conclude(const Switch& s, bool undone) const;
@@ -161,6 +169,7 @@ class Decision {
   std::string NotSetUp(std::size_t i) const;
   bool WasOutOfReach(std::size_t i) const;
   std::optional<State> LowestFound() const;
+  bool AgreesWith(std::size_t i, const State& state) const;
   bool FoundSwitching() const;
   std::string Elsewhere() const;
 
@@ -172,6 +181,7 @@ class Decision {
   bool MayJoin(std::size_t i, std::string& blocker) const;
   std::string RestsBefore(std::size_t i) const;
   void Join(std::size_t i);
+  void EndTornDown(std::size_t i, const OrderEnd& end);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
   void Fall(std::size_t i);
   bool BeginFallback();

@@ -47,9 +47,16 @@ void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const
   process.host = host;
   process.local = local;
   process.heard = now;
-  // Its first beats may have come before anybody listened.
-  if (config_->actuators[actuator].protocol != Protocol::kMusher) return;
-  Promise(process, HeartbeatPeriod(*config_, actuator));
+  const ActuatorConfig& config = config_->actuators[actuator];
+  if (config.protocol == Protocol::kMusher) {
+    // Its first beats may have come before anybody listened.
+    Promise(process, HeartbeatPeriod(*config_, actuator));
+  } else if (config.protocol == Protocol::kRos2Lifecycle && config.checkpoint) {
+    // It sends no heartbeats: at half of its limit it is asked.
+    process.limit = std::clamp(*config.checkpoint, Milliseconds(40), kLongestLimit);
+  } else {
+    return;
+  }
   process.look = now + process.limit / 2;
 }
 
@@ -184,6 +191,10 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
 void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
                                    std::vector<Finding>& findings) {
   const std::string silence = "nothing was heard of it for " + Ms(now - process.heard);
+  // A program of another protocol that was started by hand: where it runs is not known.
+  if (process.host.empty()) {
+    return Change(actuator, process, Health::kHung, true, silence, findings);
+  }
   if (HostIsHeard(process, now)) {
     Change(actuator, process, Health::kCrashed, true,
            silence + ", while others of its host are heard", findings);

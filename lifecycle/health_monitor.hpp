@@ -10,8 +10,9 @@
 //          of this host: Examine ──▶ waited for a CPU: starved   stopped, or had its chances: hung
 //          elsewhere:    others of its host are heard ──▶ crashed      nobody is ──▶ partitioned
 //
-// The end of a process is no matter of this: the kernel tells it at once. Who speaks another
-// protocol and never beats is never judged.
+// The end of a process is no matter of this: the kernel tells it at once. A program of another
+// protocol that sends no heartbeats is not judged, unless it is a ROS 2 node with a checkpoint: it
+// answers questions.
 
 #include <cstdint>
 #include <optional>

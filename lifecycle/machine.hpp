@@ -92,6 +92,7 @@ struct ActuatorRecord {
   bool restart_asked = false;      // by a person: its process has to end, then it is started again
   std::vector<std::uint64_t> restart_requests;  // who is told when it is back
   std::int32_t terminating = 0;                 // the process that is about to be killed …
+  std::optional<Time> terminate_at;             // … after SIGTERM at this time …
   std::optional<Time> kill_at;                  // … at the latest then
   bool killed = false;                          // it was; by kill_at its end has to be told
   bool parked = false;                          // taken to rest: one that it is bound to is not up

@@ -13,6 +13,7 @@
 
 namespace musher {
 
+struct ActuatorRecord;
 struct Machine;
 
 enum class Direction {
@@ -68,5 +69,11 @@ Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& 
 // The plan for a safe state: the on_lost of an actuator, or the battery's ceiling. The flow does
 // not count: what is less active can always be reached.
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
+
+// Whether it is a ROS 2 node that runs and is not configured: its configuration has failed, or
+// error processing has left it so. A SelfCheck configures it, and so does a switch up or to the
+// present state.
+bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+                    const ActuatorRecord& record);
 
 }  // namespace musher

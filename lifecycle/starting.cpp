@@ -227,9 +227,12 @@ void Decision::CheckSetUpDeadlines() {
     }
     record.set_up_by.reset();
     if (record.fault && record.presence != Presence::kStarting)
-      continue;                        // what is known says more
-    if (machine_.finishing) continue;  // what does not run need not be torn down
-    Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
+      continue;                                    // what is known says more
+    if (machine_.finishing) continue;              // what does not run need not be torn down
+    const ActuatorReport& report = record.report;  // why its SetUp failed says more, too
+    const bool failed = record.fault && report.incarnation != record.dead &&
+                        report.state == config_.default_state && report.outcome_code != kCodeOk;
+    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
     Fall(i);
   }
 }
@@ -276,7 +279,7 @@ void Decision::EndFirstStage() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
-    if (record.presence == Presence::kPresent) ++present;
+    if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
   }
   AnswerWhoAwaitsSetUp();
   const std::uint64_t told =
@@ -332,7 +335,8 @@ void Decision::BecomeRunning(const std::string& message, std::uint64_t cause) {
     if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
       record.due = true;
     }
-    if (!there && record.fault && !Coming(i)) Fall(i);
+    const bool away = !there || IsUnconfigured(config_, i, record);
+    if (away && record.fault && !Coming(i)) Fall(i);
   }
   RecordMachine(kCodeOk, message, cause);
   Do(action::StartUpEnded{true, message});

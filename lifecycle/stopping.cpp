@@ -15,8 +15,6 @@
 namespace musher {
 namespace {
 
-// A process that is torn down ends by itself; this long it is left alone.
-constexpr Duration kExitGrace = Milliseconds(1000);
 // So long TearDown waits for the disk, and at most a tenth of the budget.
 constexpr Duration kIntentTime = Milliseconds(500);
 

@@ -228,6 +228,7 @@ std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
+  if (IsUnconfigured(config_, leg.actuator, record)) return std::nullopt;  // it is configured first
   return OrderEnd{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
                   "has been started anew and has not passed its self-check", false};
 }
@@ -336,6 +337,11 @@ void Decision::BeginRollback(Switch& s) {
   s.back_number = ++machine_.number;
   for (const Leg& leg : s.legs) {
     if (!leg.ran || Of(leg.actuator).presence != Presence::kPresent) continue;
+    // It was not configured before, either.
+    if (leg.failed() && leg.from == config_.default_state &&
+        IsUnconfigured(config_, leg.actuator, Of(leg.actuator))) {
+      continue;
+    }
     Leg back;
     back.actuator = leg.actuator;
     back.from = leg.target;

@@ -13,6 +13,7 @@ constexpr Duration kHeardAfter = std::chrono::seconds(2);
 // A controller starts a process. One of the same actuator may run on another host; the controller
 // knows of that unless the link was cut a moment ago.
 void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name) {
+  CheckProgramRunsOnce(controller, name);
   const Processes& processes = robot_.processes();
   const Time now = robot_.network().now();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
@@ -56,6 +57,16 @@ void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid)
   ReportViolation(Invariant::kOnlyProven,
                   "the controller signals process " + std::to_string(pid) +
                       ", which is not of the actuator that it is meant for");
+}
+
+// A controller starts a program of another protocol. It holds no name that would keep a second one
+// from running beside it; the controller has to know that it runs.
+void Checker::CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name) {
+  const Processes& processes = robot_.processes();
+  if (!processes.IsProgram(name) || !processes.IsAlive(name, controller.host())) return;
+  ReportViolation(Invariant::kRunsOnce,
+                  "the controller starts " + name + ", which runs already as process " +
+                      std::to_string(processes.PidOf(name, controller.host())));
 }
 
 void Checker::CheckRunsOnce(const std::string& name) {

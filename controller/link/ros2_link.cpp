@@ -95,8 +95,17 @@ void Ros2Link::Inquire(const AskCommand& ask) {
 
 void Ros2Link::OnAskUnanswered(std::uint64_t number) {
   std::erase_if(asks_, [number](const PendingAsk& ask) { return ask.number == number; });
-  if (step_) return AnswerAsk(number);  // its only thread may be in the callback
+  if (MayBeInCallback()) return AnswerAsk(number);
   mute_ = true;
+}
+
+// Its only thread answers nothing then. Once the time of the command is over it has its checkpoint
+// to answer again, where it has one.
+bool Ros2Link::MayBeInCallback() const {
+  if (!step_) return false;
+  const auto checkpoint = actuator().checkpoint;
+  const bool set_up = order() && order()->number == 0;  // the coordinator knows its time
+  return !checkpoint || !order() || set_up || Now() < order()->deadline + *checkpoint;
 }
 
 void Ros2Link::AnswerAsks() {

@@ -13,7 +13,10 @@
 //   - A question does not fence: a request that was given up may still be carried out. When that
 //     shows, the report goes busy and free once, so that the node is driven to where the machine
 //     is.
-//   - Whoever else moves the node is reported, not corrected.
+//   - A node that another client moves is reported. The coordinator drives it back, as any actuator
+//     that has moved by itself.
+//   - With a checkpoint it is asked twice in its time; one that does not answer hangs, and is
+//     treated by its restart policy. While a transition runs within its time it need not answer.
 //
 // Threads: loop thread only.
 
@@ -61,6 +64,7 @@ class Ros2Link : public ForeignLink {
   void Finish(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   void AnswerAsks();
   void OnAskUnanswered(std::uint64_t number);
+  bool MayBeInCallback() const;
 
   State StateIn(Ros2State state) const;
   std::optional<State> AdoptedState(Ros2State state) const;

@@ -152,6 +152,16 @@ void FaultRun::CheckAlways() {
   }
   CheckActivity();
   CheckSwitches();
+  CheckProcesses();
+}
+
+// No actuator runs twice, whatever became of controllers, and none outlives its machine.
+void FaultRun::CheckProcesses() {
+  for (const auto& [name, count] : robot.StartedProcesses()) {
+    const int most = torn_down_ && robot.ControllerHasEnded() ? 0 : 1;
+    Expect(count <= most, name + " has " + std::to_string(count) + " processes, not " +
+                              std::to_string(most) + " at most");
+  }
 }
 
 // Nobody but the victims was taken for lost, or has lost its process.

@@ -15,6 +15,8 @@ enum class Shape {
   kTwoHosts  // controller here, actuators behind a link, where their own host starts them
 };
 
+inline constexpr const char* kNameSpace = "fault-injection suite";
+
 struct Member {
   std::string name;
   bool critical = false;
@@ -23,6 +25,7 @@ struct Member {
   std::string on_lost;    // where the machine goes without it; "": nowhere
   std::string keys;       // more of its table
   bool wrapped = false;   // a musher-exec around a program that knows nothing of Musher
+  bool ros2 = false;      // a ROS 2 managed node; only where all are on this host
 };
 
 const std::vector<Member>& Crew();
@@ -30,13 +33,15 @@ const Member& MemberOf(const std::string& name);
 // Those that are a fault_injection_module.
 std::vector<std::string> Modules();
 
+// Whether a robot of this shape has it.
+bool IsOnBoard(const Member& member, Shape shape);
+
 // What starts it; its board is in `folder`, `programs` is the folder of musher.
 std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
                                    const std::string& programs);
 
 // The state config of a robot whose files are in `folder`.
-std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
-                       const std::string& name_space);
+std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs);
 
 inline constexpr int kRestartLimit = 3;
 // Longer than any next controller takes to come; between two hosts shorter than a lease of DDS.

@@ -64,6 +64,8 @@ class Robot {
   pid_t LivingController();
   // Of an actuator, as this pid namespace numbers it. Throws std::runtime_error when there is none.
   pid_t PidOf(const std::string& name);
+  // How many processes run on this host that a controller has started, by actuator.
+  std::map<std::string, int> StartedProcesses() const;
   // Whether the present controller has started its process; of others it cannot know how they end.
   bool IsChildOfController(const std::string& name);
   // Whether the front of the present controller has ended.

@@ -186,6 +186,22 @@ TEST_F(RestartByHand, OfOneThatDoesNotEndGetsHarder) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
+// Its process should end by itself then, and hosts another actuator, say.
+TEST_F(RestartByHand, OfOneThatIsTornDownAndDoesNotEndGetsSigtermBeforeSigkill) {
+  for (const bool hangs : {false, true}) {
+    Harness& t = In("Active", Ours(2));
+    t.shared.insert("b");
+    t.On("b", "TERM").hangs = hangs;
+    EXPECT_TRUE(Do(t, "b"));
+    if (hangs) {
+      EXPECT_THAT(t.signals, ElementsAre("b:TERM", "b:KILL"));
+    } else {
+      EXPECT_THAT(t.signals, ElementsAre("b:TERM"));
+    }
+    EXPECT_EQ(t.StateOf("b"), "Active");
+  }
+}
+
 TEST_F(RestartByHand, OfOneThatIgnoresSigtermAndIsHeardAgainStillEnds) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "TERM").hangs = true;

@@ -19,12 +19,21 @@ Loss AsSeen(FaultRun& run, const std::string& victim, Loss loss) {
   return run.robot.IsChildOfController(victim) ? loss : Loss::kFailure;
 }
 
+// An orderly end is no crash.
+Observer::Is HasEnded(const std::string& victim) {
+  return [victim](const msg::MachineStatus& status) {
+    const msg::ActuatorInfo& info = Find(status, victim);
+    return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
+  };
+}
+
 void Signal(FaultRun& run, const std::string& victim, int signal, Loss loss) {
   const pid_t pid = run.robot.PidOf(victim);
   loss = AsSeen(run, victim, loss);
   run.Struck();
   kill(pid, signal);
-  run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
+  const bool in_order = loss == Loss::kClean;
+  run.Detected(victim + " has ended", in_order ? HasEnded(victim) : IsKnownAs(victim, "crashed"));
   AwaitExpectation(run, victim, loss);
 }
 
@@ -33,11 +42,7 @@ void EndByItself(FaultRun& run, End end, Loss loss) {
   loss = AsSeen(run, victim, loss);
   run.Struck();
   run.robot.board(victim).end = end;
-  // An orderly end is no crash.
-  run.Detected(victim + " has ended", [&victim](const msg::MachineStatus& status) {
-    const msg::ActuatorInfo& info = Find(status, victim);
-    return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
-  });
+  run.Detected(victim + " has ended", HasEnded(victim));
   Relieve(run.robot.board(victim));
   AwaitExpectation(run, victim, loss);
 }
@@ -50,8 +55,9 @@ void Killed(FaultRun& run) {
 
 void Terminated(FaultRun& run) {
   const std::string victim = run.Victim(Everybody());
-  // musher-exec ends its program and itself in order, which is no failure.
-  Signal(run, victim, SIGTERM, MemberOf(victim).wrapped ? Loss::kClean : Loss::kFailure);
+  // musher-exec ends its program and itself in order, and so does a ROS 2 node: that is no failure.
+  const bool in_order = MemberOf(victim).wrapped || MemberOf(victim).ros2;
+  Signal(run, victim, SIGTERM, in_order ? Loss::kClean : Loss::kFailure);
 }
 
 void SeveralKilled(FaultRun& run) {
