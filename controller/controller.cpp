@@ -170,6 +170,7 @@ Result<> Controller::TakeName() {
     }
     // A controller that we may not signal releases control when it receives a higher epoch.
     const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
+    taken_from_ = StateDirOfProcess(holder.pid);
     listen_for_others_ = !holder.trusted || !EndController(holder.pid, is_it);
     options_.adopt |= !listen_for_others_;
     if (listen_for_others_) return Ok();
@@ -195,24 +196,6 @@ Result<> Controller::MayTakeOver(pid_t controller) const {
 
 std::string Controller::LockOf(const std::string& actuator) const {
   return transport::NameLock::NameOf(domain_id_, config_.name_space, actuator);
-}
-
-// Finds the actuators' processes that already run on this host, started by an earlier controller or
-// by hand. Only trusted ones are watched and stopped with the machine.
-void Controller::FindRunning(event::Begin& begin) {
-  for (const ActuatorConfig& actuator : config_.actuators) {
-    const std::string name = LockOf(actuator.name);
-    begin.running.push_back(transport::NameLock::IsHeld(name));
-    const auto holder =
-        begin.running.back() ? transport::NameLock::HolderOf(name) : transport::NameLock::Holder{};
-    begin.processes.push_back(holder.trusted ? holder.pid : 0);
-    if (!begin.running.back() || holder.trusted) continue;
-    shell_->Remark(kCodePermissionDenied, holder.Text() + " holds the name of " + actuator.name +
-                                              " but belongs neither to root nor to user " +
-                                              std::to_string(geteuid()) +
-                                              ": it is not watched or signalled, and " +
-                                              actuator.name + " is not started");
-  }
 }
 
 Result<> Controller::OpenShell() {
@@ -249,6 +232,15 @@ Result<> Controller::OpenShell() {
         Stored::kStopIntent,
         [intended](StateStore& store) { return store.SaveStopIntent(intended); }, std::move(done));
   };
+  if (store_) {
+    world.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
+      const auto write = [store = store_, children] {
+        return store->SaveChildren(children, transport::HostId());
+      };
+      disk_.Do("processes", write, std::move(done));
+    };
+  }
+  world.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
   world.output = [this](const std::string& name) { return logs_ ? logs_->Output(name) : nullptr; };
   world.wall_ns = WallNanoseconds;
   world.config_text = TextOf(config_);
@@ -322,14 +314,14 @@ void Controller::Begin() {
     disk_.Do("config",
              [store = store_, hash = config_.hash] { return store->SaveConfigHash(hash); });
   }
-  FindRunning(begin);
+  const std::vector<ChildProcess> children = FindRunning(begin);
   begin.restarted = options_.restarted;
   if (store_) {
     begin.stops = store_->LoadEmergencyStops();
     begin.policy = store_->LoadPolicy();
     begin.stop_intent = store_->LoadStopIntent();
   }
-  shell_->Begin(std::move(begin));
+  shell_->Begin(std::move(begin), children);
 }
 
 std::uint64_t Controller::LoadEpoch() {

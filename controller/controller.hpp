@@ -76,7 +76,9 @@ class Controller {
   void BeginOnceReceived(Time deadline);
   void Begin();
   std::string LockOf(const std::string& actuator) const;
-  void FindRunning(event::Begin& begin);
+  std::vector<ChildProcess> FindRunning(event::Begin& begin);
+  pid_t HolderOf(std::size_t i);
+  void EndUnlisted(const ChildProcess& child);
   std::uint64_t LoadEpoch();
   void OpenLogs();
   void Trouble(const std::string& message);
@@ -91,6 +93,7 @@ class Controller {
   std::optional<HistoryReader> history_;     // of that one
   std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
   std::size_t held_ = 0;                     // actuators of this host whose name is held
+  std::string taken_from_;                   // state folder of the controller that was taken over
   std::string last_config_hash_;             // of the config of the previous controller
   bool listen_for_others_ = false;           // another controller may already lead
   DiskWriter disk_;
@@ -101,6 +104,7 @@ class Controller {
   std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
   std::unique_ptr<cyberdog::Manager> manager_;    // also null without [policy] manager
   transport::LoopHandlePtr begin_later_;
+  std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list
 };
 
 }  // namespace musher

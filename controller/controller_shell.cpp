@@ -71,7 +71,7 @@ Result<> ControllerShell::Open() {
   return Ok();
 }
 
-void ControllerShell::Begin(event::Begin begin) {
+void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>& children) {
   if (const auto opened = OpenToClients(); !opened) return Refuse(opened.error());
   recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
@@ -82,7 +82,11 @@ void ControllerShell::Begin(event::Begin begin) {
     if (Runs(config_, seen.report)) begin.running[actuator] = true;
   }
   for (std::size_t i = 0; i < begin.processes.size(); ++i) {
-    if (!WatchFound(i, begin.processes[i])) begin.processes[i] = 0;
+    const pid_t pid = begin.processes[i];
+    const bool child = std::any_of(children.begin(), children.end(), [&](const ChildProcess& c) {
+      return c.pid == pid && c.actuator == config_.actuators[i].name;
+    });
+    if (!WatchFound(i, pid, child)) begin.processes[i] = 0;
   }
   Handle(begin);
   for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {

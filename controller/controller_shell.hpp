@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/controller/capability_board.hpp"
+#include "musher/controller/child_processes.hpp"
 #include "musher/controller/controller_presence.hpp"
 #include "musher/controller/health_watch.hpp"
 #include "musher/controller/journal.hpp"
@@ -47,6 +48,11 @@ class ControllerShell {
     std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
     std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
     std::function<void(bool, OnSaved done)> save_stop_intent;
+    // Saves the processes that the next controller has to find; may be empty.
+    std::function<void(const std::vector<ChildProcess>&, OnSaved done)> save_children;
+    // The mark by which the process of an actuator is found again (child_processes.hpp); may be
+    // empty.
+    std::function<std::string(const std::string& actuator)> child_mark;
     // The file for stdout and stderr of the process of this name; may be null.
     std::function<std::shared_ptr<const transport::UniqueFd>(const std::string&)> output;
     std::function<std::int64_t()> wall_ns;  // since 1970
@@ -79,8 +85,8 @@ class ControllerShell {
 
   // Starts the machine; the shell fills in the host of `begin`. From now on the shell answers
   // clients and latches the machine's status, until another controller takes over or the machine is
-  // stopped.
-  void Begin(event::Begin begin);
+  // stopped. `children`: the processes in `begin` that an earlier controller has started.
+  void Begin(event::Begin begin, const std::vector<ChildProcess>& children = {});
   // Another controller of this machine whose heartbeat was received, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
   // When the first actuator status was received, before Begin().
@@ -159,12 +165,16 @@ class ControllerShell {
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
+  void CountAsHeartbeat(std::size_t actuator, std::uint64_t incarnation);
   void OnWriterLost(transport::PeerId writer);
   Process& ProcessOf(std::size_t actuator, const ActuatorReport& report);
   ActuatorReport WithProvenPid(std::size_t actuator, ActuatorReport report);
   Result<> ProveAndWatch(std::size_t actuator, const ActuatorReport& report);
   void RecordUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
-  bool WatchFound(std::size_t actuator, pid_t pid);
+  bool WatchFound(std::size_t actuator, pid_t pid, bool child);
+  void NoteChild(std::size_t actuator, pid_t pid);
+  void ForgetChild(std::size_t actuator, pid_t pid);
+  void SaveChildren();
   void CompareHash(std::size_t actuator, const std::string& hash);
   void RecordUnlisted(const msg::ActuatorStatus& status);
 
@@ -208,6 +218,8 @@ class ControllerShell {
   };
   std::unordered_map<transport::PeerId, StatusWriter> status_writers_;
   std::vector<Peer> peers_;
+  std::map<std::size_t, ChildProcess> children_;  // by actuator; the running ones
+  bool children_unsaved_ = false;                 // the last save failed, which was reported
   StoredStops stops_before_begin_;
   std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
   std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs

@@ -56,17 +56,31 @@ ControllerShell::Process& ControllerShell::ProcessOf(std::size_t actuator,
   return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
 }
 
-// A reply counts as a heartbeat.
+// A reply counts as a heartbeat, and so does what the link of another protocol reports of its node.
 void ControllerShell::OnLinkEvent(const Event& from_link) {
   Event event = from_link;
   auto* replied = std::get_if<event::Replied>(&event);
   if (replied) replied->report = WithProvenPid(replied->actuator, std::move(replied->report));
   Handle(event);
-  if (replied == nullptr) return;
-  const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
-  if (taken.incarnation == replied->report.incarnation) {
-    health_->OnReport(replied->actuator, taken);
+  if (replied != nullptr) return CountAsHeartbeat(replied->actuator, replied->report.incarnation);
+  const auto* seen = std::get_if<event::StatusSeen>(&event);
+  if (seen != nullptr) CountAsHeartbeat(seen->actuator, seen->report.incarnation);
+}
+
+// A program of another protocol does not report its pid; the controller knows the pid of a program
+// that it has started or found. Until the program is set up it need not answer: its constructor may
+// block its only thread.
+void ControllerShell::CountAsHeartbeat(std::size_t actuator, std::uint64_t incarnation) {
+  const ActuatorRecord& record = machine_.actuators[actuator];
+  if (record.report.incarnation != incarnation) return;
+  const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
+  if (!own && record.presence != Presence::kPresent) return;
+  ActuatorReport report = record.report;
+  if (report.host.empty() && record.process != 0) {
+    report.host = world_.host;
+    report.pid = record.process;
   }
+  health_->OnReport(actuator, report);
 }
 
 void ControllerShell::OnWriterLost(transport::PeerId writer) {

@@ -36,13 +36,15 @@ void ControllerShell::Do(const action::StartProcess& a) {
   }
   const bool alone = machine_.actuators[a.actuator].dead != 0;  // the other actuators already run
   if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
+  if (world_.child_mark) spec.mark = world_.child_mark(actuator.name);
   const auto output = world_.output(actuator.name);
   if (output) spec.output = output->get();
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
       world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
         health_->Forget(i);
-        peers_[i].link->OnProcess(0);
+        ForgetChild(i, *pid);
+        peers_[i].link->OnProcessEnded(*pid);
         if (exit.kind == ProcessExit::Kind::kNotRun) {
           return Handle(event::ProcessNotStarted{i, exit.Text()});
         }
@@ -50,18 +52,56 @@ void ControllerShell::Do(const action::StartProcess& a) {
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
   *pid = started.value();
+  NoteChild(a.actuator, started.value());
   peers_[a.actuator].link->OnProcess(*pid);
   Handle(event::ProcessStarted{a.actuator, started.value()});
 }
 
 void ControllerShell::Do(const action::FindProcesses&) {
   event::ProcessesFound found;
+  found.processes.resize(config_.actuators.size());
+  std::vector<std::size_t> with_command;
+  std::vector<std::string> names;
   for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
-    const ActuatorConfig& actuator = config_.actuators[i];
-    const pid_t pid = actuator.command.empty() ? 0 : world_.process_probe->Find(actuator.name);
-    found.processes.push_back(WatchFound(i, pid) ? pid : 0);
+    if (config_.actuators[i].command.empty()) continue;
+    with_command.push_back(i);
+    names.push_back(config_.actuators[i].name);
+  }
+  const std::vector<pid_t> pids = world_.process_probe->Find(names);
+  for (std::size_t n = 0; n < with_command.size(); ++n) {
+    const std::size_t i = with_command[n];
+    if (WatchFound(i, pids[n], false)) found.processes[i] = pids[n];
   }
   Handle(found);
+}
+
+// Saves what the next controller needs to find the process again.
+void ControllerShell::NoteChild(std::size_t actuator, pid_t pid) {
+  children_[actuator] = {config_.actuators[actuator].name, pid,
+                         world_.process_probe->StartTimeOf(pid)};
+  SaveChildren();
+}
+
+void ControllerShell::ForgetChild(std::size_t actuator, pid_t pid) {
+  const auto child = children_.find(actuator);
+  if (child == children_.end() || child->second.pid != pid) return;
+  children_.erase(child);
+  SaveChildren();
+}
+
+// If this controller exits before they are saved, the next one finds them by their marks.
+void ControllerShell::SaveChildren() {
+  if (!world_.save_children) return;
+  std::vector<ChildProcess> children;
+  children.reserve(children_.size());
+  for (const auto& [actuator, child] : children_) children.push_back(child);
+  world_.save_children(children, [this](const Result<>& saved) {
+    if (!saved && !std::exchange(children_unsaved_, true)) {
+      Remark(saved.error().code, "the list of processes is not saved: " + saved.error().message +
+                                     "; the next controller finds them by their environment only");
+    }
+    if (saved) children_unsaved_ = false;
+  });
 }
 
 void ControllerShell::Do(const action::SignalProcess& a) {
@@ -137,14 +177,22 @@ void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
                         "; that process is not watched, traced or signalled"});
 }
 
-// Watches a process that ran before this controller and may never publish a status.
-bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid) {
+// Watches a process that ran before this controller and may never publish a status. A `child` was
+// started for this actuator by an earlier controller.
+bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid, bool child) {
   if (pid == 0 || pid == world_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     health_->Forget(actuator);
+    ForgetChild(actuator, pid);
+    peers_[actuator].link->OnProcessEnded(pid);
     Handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
   };
-  return world_.processes->Watch(pid, on_exit).ok();
+  const bool watched = child ? world_.processes->Adopt(pid, on_exit).ok()
+                             : world_.processes->Watch(pid, on_exit).ok();
+  if (!watched) return false;
+  if (child) NoteChild(actuator, pid);
+  peers_[actuator].link->OnProcessFound(pid);
+  return true;
 }
 
 }  // namespace musher

@@ -73,16 +73,20 @@ Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin) {
   return Ok();
 }
 
-std::optional<MachineOrigin> OriginOfProcess(pid_t pid) {
+std::string StateDirOfProcess(pid_t pid) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(pid) + "/fd", error)) {
     std::error_code gone;
     const fs::path target = fs::read_symlink(entry.path(), gone);
     if (gone || target.filename() != kLock) continue;
-    if (!transport::HoldsLockOn(pid, target)) continue;
-    return LoadOrigin(target.parent_path());
+    if (transport::HoldsLockOn(pid, target)) return target.parent_path();
   }
-  return std::nullopt;
+  return {};
+}
+
+std::optional<MachineOrigin> OriginOfProcess(pid_t pid) {
+  const std::string state_dir = StateDirOfProcess(pid);
+  return state_dir.empty() ? std::nullopt : LoadOrigin(state_dir);
 }
 
 }  // namespace musher

@@ -35,6 +35,10 @@ struct MachineOrigin {
 std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir);
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin);
 
+// The folder whose lock the controller process `pid` holds; empty if it holds none, or its open
+// files are not visible to us.
+std::string StateDirOfProcess(pid_t pid);
+
 // The identity of the controller process `pid`, from the folder whose lock it holds; nullopt if it
 // holds none, or its open files are not visible to us.
 std::optional<MachineOrigin> OriginOfProcess(pid_t pid);

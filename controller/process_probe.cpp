@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/controller/child_processes.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -15,11 +16,33 @@ Result<> KernelProbe::Prove(const std::string& actuator, pid_t pid, pid_t child)
   return transport::NameLock::CheckHolder(lock_of_(actuator), pid);
 }
 
-pid_t KernelProbe::Find(const std::string& actuator) {
-  const std::string lock = lock_of_(actuator);
-  if (!transport::NameLock::IsHeld(lock)) return 0;  // avoids a search through all processes
-  const transport::NameLock::Holder holder = transport::NameLock::HolderOf(lock);
-  return holder.trusted ? holder.pid : 0;
+std::vector<pid_t> KernelProbe::Find(const std::vector<std::string>& actuators) {
+  std::vector<MarkedActuator> marked;
+  marked.reserve(actuators.size());
+  for (const std::string& actuator : actuators) {
+    const std::string lock = lock_of_(actuator);
+    marked.push_back({actuator, lock, transport::NameLock::IsHeld(lock)});
+  }
+  std::map<std::string, pid_t> children;
+  for (const ChildProcess& child : FindChildren(marked, {})) children[child.actuator] = child.pid;
+  std::vector<pid_t> found;
+  found.reserve(marked.size());
+  for (const MarkedActuator& actuator : marked) {
+    const auto child = children.find(actuator.name);
+    if (child != children.end()) {
+      found.push_back(child->second);
+    } else if (actuator.runs) {
+      const transport::NameLock::Holder holder = transport::NameLock::HolderOf(actuator.mark);
+      found.push_back(holder.trusted ? holder.pid : 0);
+    } else {
+      found.push_back(0);
+    }
+  }
+  return found;
+}
+
+std::uint64_t KernelProbe::StartTimeOf(pid_t pid) {
+  return musher::StartTimeOf(pid).value_or(0);
 }
 
 void KernelProbe::Mark(std::size_t actuator, pid_t pid, Time now) {

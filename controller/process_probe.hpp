@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "musher/controller/backtrace.hpp"
 #include "musher/lifecycle/health_monitor.hpp"
@@ -28,8 +29,13 @@ class ProcessProbe {
   // kCodeStateInvalid if there is no such process.
   virtual Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) = 0;
 
-  // The process that holds the actuator's name and belongs to root or our user; 0: none.
-  virtual pid_t Find(const std::string& actuator) = 0;
+  // For each of these actuators: the process that an earlier controller has started for it, or that
+  // holds its name and belongs to root or our user; 0: none.
+  virtual std::vector<pid_t> Find(const std::vector<std::string>& actuators) = 0;
+
+  // The start time of the process, which tells it from a later one with the same pid; 0: it has
+  // exited.
+  virtual std::uint64_t StartTimeOf(pid_t pid) = 0;
 
   // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators
   // may share a process; each has a mark of its own.
@@ -46,13 +52,15 @@ class ProcessProbe {
 class KernelProbe : public ProcessProbe {
  public:
   // Loop and processes must outlive the probe. `lock_of` returns the name that the process of an
-  // actuator holds (transport::NameLock).
+  // actuator holds (transport::NameLock); it is the mark of the process as well
+  // (child_processes.hpp).
   using LockOf = std::function<std::string(const std::string& actuator)>;
   KernelProbe(transport::EventLoop& loop, ProcessRunner& processes, LockOf lock_of)
       : lock_of_(std::move(lock_of)), backtraces_(loop, processes) {}
 
   Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
-  pid_t Find(const std::string& actuator) override;
+  std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
+  std::uint64_t StartTimeOf(pid_t pid) override;
   void Mark(std::size_t actuator, pid_t pid, Time now) override;
   Examination Examine(std::size_t actuator, pid_t pid, Time now) override;
   void TakeBacktrace(pid_t pid, Duration timeout,

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/lifecycle/result.hpp"
@@ -20,7 +21,8 @@ struct ProcessSpec {
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
   std::string cwd;                         // empty = ours
   std::map<std::string, std::string> env;  // added to ours, from which systemd's are removed
-  int output = -1;  // for stdout and stderr; the caller keeps it; -1 = our own
+  int output = -1;        // for stdout and stderr; the caller keeps it; -1 = our own
+  std::string mark = {};  // by which a later controller finds it (child_processes.hpp); empty: none
 };
 
 // How a process exited.
@@ -66,6 +68,10 @@ class ProcessRunner {
   // start the exit code is unknown. Fails if there is no such process. The caller must know that
   // the pid is of this host (HostId) and whose it is (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
+
+  // Watches a process that an earlier controller has started as its child. When it exits, the rest
+  // of its session is killed, as for a child of ours.
+  virtual Result<> Adopt(pid_t pid, OnExit on_exit) { return Watch(pid, std::move(on_exit)); }
 
   // Sends a signal to a started or watched process: to its whole group if it leads one. Fails if
   // the process is neither or has exited, so that it never hits another process with a reused pid.

@@ -90,6 +90,14 @@ std::string MarkIn(pid_t pid) {
   return {};
 }
 
+// Kills the rest of the group of an adopted process that has exited. Another process is its parent
+// and may have reaped it; but the kernel does not reuse the number of a group that has members.
+void KillRest(pid_t pid, int pidfd) {
+  const bool reaped = syscall(SYS_pidfd_send_signal, pidfd, 0, nullptr, 0) != 0;
+  const bool reused = reaped && (kill(pid, 0) == 0 || errno != ESRCH);
+  if (!reused) kill(-pid, SIGKILL);
+}
+
 std::vector<pid_t> Children() {
   std::vector<pid_t> children;
   std::error_code error;
@@ -157,6 +165,13 @@ Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {
   return Ok();
 }
 
+Result<> ProcessSupervisor::Adopt(pid_t pid, OnExit on_exit) {
+  if (auto watched = Watch(pid, std::move(on_exit)); !watched) return watched;
+  Process& process = processes_.at(pid);
+  process.adopted = !process.child && getsid(pid) == pid;
+  return Ok();
+}
+
 Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
   const auto found = processes_.find(pid);
   if (found == processes_.end()) {
@@ -185,7 +200,10 @@ Result<> ProcessSupervisor::Add(pid_t pid, Process process) {
 void ProcessSupervisor::Ended(pid_t pid) {
   auto process = processes_.extract(pid);  // `on_exit` may start the next one
   Process& ended = process.mapped();
-  if (!ended.child) return Call(ended.on_exit, {});
+  if (!ended.child) {
+    if (ended.adopted) KillRest(pid, ended.pidfd.get());
+    return Call(ended.on_exit, {});
+  }
   kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
   ProcessExit exit = Reap(pid);
   if (adopts_) EndOrphans();

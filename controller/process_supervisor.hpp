@@ -15,7 +15,8 @@
 // A process is watched once, for however many: all are told of its end at the same time.
 //
 // When a child has ended, what is left of its group is killed: the next start must not meet the
-// remains of the one before. Of a process that is only watched nothing is killed.
+// remains of the one before. The same holds for an adopted process, which an earlier controller
+// has started. Of a process that is only watched nothing is killed.
 //
 // Needs Linux 5.3. Nobody else in the process may wait for all children or ignore SIGCHLD; if so,
 // the exit is still seen, but its code is unknown.
@@ -45,6 +46,7 @@ class ProcessSupervisor : public ProcessRunner {
 
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
+  Result<> Adopt(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
 
   // From now on what a child leaves behind, as a daemon that it started, becomes a child of this
@@ -56,8 +58,9 @@ class ProcessSupervisor : public ProcessRunner {
  private:
   struct Process {
     std::string name;
-    std::uint64_t number = 0;                  // in the environment of all that it starts
-    std::optional<Spawned> child;              // none: it is only watched
+    std::uint64_t number = 0;      // in the environment of all that it starts
+    std::optional<Spawned> child;  // none: it is only watched or adopted
+    bool adopted = false;
     std::shared_ptr<transport::UniqueFd> log;  // of a child whose output is a file
     std::int64_t log_begin = 0;                // bytes that were in it before
     std::vector<OnExit> on_exit;  // of the one that started it, then of those that watch it

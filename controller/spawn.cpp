@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/controller/child_processes.hpp"
 #include "musher/transport/host.hpp"
 #include "musher/transport/unique_fd.hpp"
 
@@ -43,10 +44,12 @@ struct SpawnPlan {
   std::vector<std::string> environment;
   std::vector<char*> argv;
   std::vector<char*> envp;
+  char* mark = nullptr;  // digits of the child's pid in its environment; null: no mark
   std::string cwd;
   UniqueFd input;
   int output = -1;  // -1 = our own stdout and stderr
   rlim_t max_fds = 0;
+  pid_t parent = 0;
 };
 
 std::vector<char*> Pointers(const std::vector<std::string>& strings) {
@@ -99,6 +102,12 @@ Result<SpawnPlan> Prepare(const ProcessSpec& spec) {
   SpawnPlan plan;
   plan.programs = Candidates(spec);
   plan.environment = MergedEnvironment(spec.env);
+  if (!spec.mark.empty()) {
+    const std::string begin = std::string(kChildMark) + "=";
+    std::erase_if(plan.environment, [&](const auto& entry) { return entry.starts_with(begin); });
+    plan.environment.push_back(begin + std::string(kMarkDigits, '0') + "/" + spec.mark);
+    plan.mark = plan.environment.back().data() + begin.size();
+  }
   plan.argv = Pointers(spec.argv);
   plan.envp = Pointers(plan.environment);
   plan.cwd = spec.cwd;
@@ -107,6 +116,7 @@ Result<SpawnPlan> Prepare(const ProcessSpec& spec) {
   plan.output = spec.output;
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
+  plan.parent = getpid();
   plan.max_fds = std::min<rlim_t>(limit.rlim_cur, 65536);
   return plan;
 }
@@ -135,8 +145,15 @@ void CloseOthers(rlim_t max_fds) {
   for (rlim_t fd = kReportFd + 1; fd < max_fds; ++fd) close(static_cast<int>(fd));  // before 5.9
 }
 
+void WriteDigits(char* digits, pid_t number) {
+  for (std::size_t i = kMarkDigits; i > 0; --i, number /= 10) {
+    digits[i - 1] = static_cast<char>('0' + number % 10);
+  }
+}
+
 [[noreturn]] void RunChild(const SpawnPlan& plan, int report_fd) {
   setsid();
+  if (plan.mark != nullptr) WriteDigits(plan.mark, getpid());
   // Moved out of the way first, so that no dup2 below overwrites what is still needed.
   const int report = fcntl(report_fd, F_DUPFD_CLOEXEC, 16);
   const int input = fcntl(plan.input.get(), F_DUPFD_CLOEXEC, 16);
@@ -152,6 +169,8 @@ void CloseOthers(rlim_t max_fds) {
     GiveUp(kReportFd, ChildFailure::kChangeDirectory);
   }
   ResetSignals();
+  // Before execve the environment has no mark, so the next controller could not find this process.
+  if (getppid() != plan.parent) _exit(127);
   int reason = ENOENT;
   for (const auto& program : plan.programs) {
     execve(program.c_str(), plan.argv.data(), plan.envp.data());

@@ -35,6 +35,10 @@ std::string ReadSmall(int fd) {
   return text;
 }
 
+std::string ProcessesFileIn(const std::string& dir) {
+  return dir + "/processes";
+}
+
 bool WriteAll(int fd, std::string_view text) {
   const ssize_t written = write(fd, text.data(), text.size());
   if (written >= 0 && written != static_cast<ssize_t>(text.size())) errno = ENOSPC;
@@ -210,6 +214,17 @@ std::string StateStore::LoadConfigHash() const {
   const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_CLOEXEC));
   const std::string text = file.valid() ? ReadSmall(file.get()) : "";
   return text.substr(0, text.find('\n'));
+}
+
+Result<> StateStore::SaveChildren(const std::vector<ChildProcess>& children,
+                                  const std::string& host) {
+  return Replace(ProcessesFileIn(dir_), ToText(children, host));
+}
+
+std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
+                                                   const std::string& host) {
+  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_CLOEXEC));
+  return ChildrenFrom(file.valid() ? ReadSmall(file.get()) : "", host);
 }
 
 pid_t StateStore::OwnerOf(const std::string& dir) {

@@ -6,6 +6,7 @@
 //   config              the hash of the config that the machine was led with last
 //   epoch               the last epoch that was begun, as a decimal number
 //   emergency_stop      there while one is engaged: its number, by whom, why
+//   processes           the processes started for actuators (child_processes.hpp)
 //   policy              what the policy remembers: the low-power switch, where the battery took it
 //   last_selfcheck_info.json  what the self-check of the last start has found
 //   journal.sqlite      see journal.hpp
@@ -20,7 +21,9 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "musher/controller/child_processes.hpp"
 #include "musher/controller/machine_origin.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/machine.hpp"
@@ -77,6 +80,11 @@ class StateStore {
   // The hash of the config that the machine was led with last; empty where none is known.
   Result<> SaveConfigHash(const std::string& hash);
   std::string LoadConfigHash() const;
+
+  // The running processes that were started for actuators. LoadChildren() returns those that were
+  // started on `host` (HostId()).
+  Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
+  static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
 
   // The process that says it holds the lock of a folder; 0 when nobody says so.
   static pid_t OwnerOf(const std::string& dir);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/ros2_states.hpp"
 
 namespace musher {
 
@@ -20,15 +21,34 @@ std::optional<State> Decision::LowestFound() const {
     const auto rank = config_.RankOf(state);
     if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = state;
   };
-  for (const ActuatorRecord& record : machine_.actuators) {
-    if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
-    // An actuator that is being torn down alone will exit, and is restarted if it should be.
-    const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
-    if (ends && record.report.apart) continue;
-    consider(record.state());
-    consider(record.report.target);  // also out of a check, which has no rank of its own
-  }
+  bool musher_present = false;  // a Musher actuator, which reports its state
+  const auto consider_all = [&](bool ros2) {
+    for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+      const ActuatorRecord& record = Of(i);
+      const bool is_ros2 = ConfigOf(i).protocol == Protocol::kRos2Lifecycle;
+      if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
+      if (is_ros2 != ros2) continue;
+      // While the Musher actuators are still in SetUp or SelfCheck, the machine was starting.
+      if (ros2 && lowest && AgreesWith(i, *lowest)) continue;
+      if (ros2 && !lowest && musher_present && AgreesWith(i, State(kSetUp))) continue;
+      musher_present |= ConfigOf(i).protocol == Protocol::kMusher;
+      // An actuator that is being torn down alone will exit, and is restarted if it should be.
+      const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
+      if (ends && record.report.apart) continue;
+      consider(record.state());
+      consider(record.report.target);  // also out of a check, which has no rank of its own
+    }
+  };
+  consider_all(false);
+  consider_all(true);
   return lowest;
+}
+
+// Whether a ROS 2 node is in the ROS 2 state to which `state` maps: then it may have been in that
+// state of the machine, independent of the state that its link has guessed.
+bool Decision::AgreesWith(std::size_t i, const State& state) const {
+  const auto& own = ConfigOf(i).ros2_states;
+  return config_.RankOf(Of(i).state()) && Ros2GoalOf(own, Of(i).state()) == Ros2GoalOf(own, state);
 }
 
 // Whether the previous controller died during a switch: an actuator is switching to another state

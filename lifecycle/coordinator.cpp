@@ -95,7 +95,8 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   if (record.order) consider(record.order->deadline);
   if (record.take_control_again) consider(*record.take_control_again);
   if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
-  for (const auto& when : {record.restart_at, record.healthy_at, record.kill_at, record.free_by}) {
+  for (const auto& when : {record.restart_at, record.healthy_at, record.terminate_at,
+                           record.kill_at, record.free_by}) {
     if (when) consider(*when);
   }
   return next;

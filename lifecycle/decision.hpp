@@ -27,6 +27,8 @@ inline constexpr Duration kSecuredRivalGrace = Milliseconds(4000);
 // How long a hung process is kept for its backtrace, and how long a process may take to exit.
 inline constexpr Duration kBacktraceTime = Milliseconds(5000);
 inline constexpr Duration kEndTime = Milliseconds(2000);
+// A process that is torn down exits by itself; the time it gets for that.
+inline constexpr Duration kExitGrace = Milliseconds(1000);
 // Two clocks that are 100 ppm apart differ by 6 ms after this.
 inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
@@ -81,11 +83,15 @@ class Decision {
   std::vector<Action> Take() && { return std::move(actions_); }
 
  private:
-  // orders.cpp
+  // arriving.cpp
+  void FoundTornDown(std::size_t i, const ActuatorReport& report);
+  void SetUpFailed(std::size_t i, const ActuatorReport& report);
   void TakeControl(std::size_t i);
   void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
-  void Accept(std::size_t i, const ActuatorReport& report);
   void Attach(std::size_t i);
+
+  // orders.cpp
+  void Accept(std::size_t i, const ActuatorReport& report);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
   void TakeUpOthers();
@@ -137,7 +143,9 @@ class Decision {
   void DriveTheRest(const Switch& s);
   void SettleBack(const Switch& s);
   bool IsAway(std::size_t i, const State& target) const;
-  std::optional<std::size_t> FirstAway(const State& target) const;
+  std::string LeftSince(const Switch& s, std::size_t i) const;
+  std::optional<Error> WhyAway(const Switch& s, std::size_t i) const;
+  std::optional<std::size_t> FirstAway(const Switch& s) const;
   static const Leg* FirstPartial(const Switch& s);
   std::string FirstTrouble() const;
   SwitchResult Conclude(const Switch& s, bool undone) const;
@@ -164,6 +172,7 @@ class Decision {
   std::string NotSetUp(std::size_t i) const;
   bool WasDisconnected(std::size_t i) const;
   std::optional<State> LowestFound() const;
+  bool AgreesWith(std::size_t i, const State& state) const;
   bool FoundSwitching() const;
   std::string Elsewhere() const;
 
@@ -175,6 +184,7 @@ class Decision {
   bool MayJoin(std::size_t i, std::string& blocker) const;
   std::string WaitsForSuspended(std::size_t i) const;
   void Join(std::size_t i);
+  void EndTornDown(std::size_t i, const OrderEnd& end);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
   void FallBack(std::size_t i);
   bool BeginFallback();

@@ -47,9 +47,16 @@ void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const
   process.host = host;
   process.local = local;
   process.last_received = now;
-  // Its first heartbeats may have come before the subscription.
-  if (config_->actuators[actuator].protocol != Protocol::kMusher) return;
-  SetLimit(process, HeartbeatPeriod(*config_, actuator));
+  const ActuatorConfig& config = config_->actuators[actuator];
+  if (config.protocol == Protocol::kMusher) {
+    // Its first heartbeats may have come before the subscription.
+    SetLimit(process, HeartbeatPeriod(*config_, actuator));
+  } else if (config.protocol == Protocol::kRos2Lifecycle && config.checkpoint) {
+    // A ROS 2 node sends no heartbeats: it is queried at half of its limit.
+    process.limit = std::clamp(*config.checkpoint, Milliseconds(40), kLongestLimit);
+  } else {
+    return;
+  }
   process.look = now + process.limit / 2;
 }
 
@@ -185,6 +192,10 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
 void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
                                    std::vector<Finding>& findings) {
   const std::string silence = "no heartbeat for " + Ms(now - process.last_received);
+  // A program of another protocol that was started by hand: its host is not known.
+  if (process.host.empty()) {
+    return Change(actuator, process, Health::kHung, true, silence, findings);
+  }
   if (HostIsAlive(process, now)) {
     Change(actuator, process, Health::kCrashed, true,
            silence + ", while other actuators of its host are alive", findings);

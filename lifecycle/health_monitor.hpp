@@ -11,8 +11,9 @@
 //          on this host:    Examine ──▶ waited for a CPU: starved   stopped, or could run: hung
 //          on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
 //
-// The exit of a process is not handled here: the kernel reports it at once. An actuator of another
-// protocol without heartbeats is never evaluated.
+// The exit of a process is not handled here: the kernel reports it at once. A program of another
+// protocol without heartbeats is never evaluated, except a ROS 2 node with a checkpoint, which
+// answers queries.
 
 #include <cstdint>
 #include <optional>

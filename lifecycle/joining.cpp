@@ -106,13 +106,7 @@ void Decision::Join(std::size_t i) {
 // The end of a command that was not part of a switch.
 void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   ActuatorRecord& record = Of(i);
-  if (record.restart_asked) {
-    Terminate(i, ProcessOf(i), kEndTime);
-    if (end.outcome != ActuatorOutcome::kDone && record.terminating != 0) {
-      Do(action::SignalProcess{i, record.terminating, false});
-    }
-    return;
-  }
+  if (record.restart_asked) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
     record.due = order.target == kSelfCheck || record.state() != PlaceOf(i);
     return;
@@ -122,6 +116,22 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
           order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
           record.cause);
   FallBack(i);
+}
+
+// Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
+// that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
+void Decision::EndTornDown(std::size_t i, const OrderEnd& end) {
+  ActuatorRecord& record = Of(i);
+  const bool ends_itself =
+      end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;
+  const Duration grace = ends_itself ? kExitGrace : Duration::zero();
+  Terminate(i, ProcessOf(i), grace + kEndTime);
+  if (record.terminating == 0) return;
+  if (ends_itself) {
+    record.terminate_at = now_ + grace;
+  } else {
+    Do(action::SignalProcess{i, record.terminating, false});
+  }
 }
 
 // An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no

@@ -93,6 +93,7 @@ struct ActuatorRecord {
   bool restart_asked = false;      // by a person: its process has to exit, then it is restarted
   std::vector<std::uint64_t> restart_requests;  // answered when it is back
   std::int32_t terminating = 0;                 // the process that is about to be killed …
+  std::optional<Time> terminate_at;             // … after SIGTERM at this time …
   std::optional<Time> kill_at;                  // … at the latest then
   bool killed = false;                          // SIGKILL was sent; its exit is due by kill_at
   bool parked = false;  // suspended: an actuator that it is bound to is not up

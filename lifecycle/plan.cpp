@@ -211,8 +211,10 @@ class Planning {
       step.part = PlanStep::Part::kUnsupported;
       step.note = "has no state '" + plan_.target + "'";
       if (up) RefuseWith(kCodeUnSupport, actuator.name + " " + step.note);
+    } else if (checking && StartsByItself() && FailedSetUp(i)) {
+      leave_out("could not be configured", record.fault->code, false);
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
-               (up || !AtRest(record)) && !LeavesError(record)) {
+               (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i)) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
     } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
@@ -233,6 +235,20 @@ class Planning {
     return record.order && record.order->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
   }
+
+  // A ROS 2 node whose configuration was just requested and has failed.
+  bool FailedSetUp(std::size_t i) const {
+    return IsUnconfigured(config_, i, machine_.actuators[i]) && machine_.actuators[i].fault;
+  }
+
+  // Whether this switch configures the node as its first step. The switch after the self-check of a
+  // start does not, because the node has just failed that self-check; nor does a switch down.
+  bool IsConfiguredByIt(std::size_t i) const {
+    return IsUnconfigured(config_, i, machine_.actuators[i]) && !StartsByItself() &&
+           plan_.direction != Direction::kDown;
+  }
+
+  bool StartsByItself() const { return machine_.phase == Phase::kStarting && !machine_.by_hand; }
 
   // Leaving Error by the command of an earlier controller, while the machine stays in Error.
   bool LeavesError(const ActuatorRecord& record) const {
@@ -354,6 +370,12 @@ std::string_view DirectionName(Direction direction) {
       break;
   }
   return "check";
+}
+
+bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+                    const ActuatorRecord& record) {
+  return config.actuators[actuator].protocol == Protocol::kRos2Lifecycle &&
+         record.presence == Presence::kPresent && record.state() == config.default_state;
 }
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,

@@ -13,6 +13,7 @@
 
 namespace musher {
 
+struct ActuatorRecord;
 struct Machine;
 
 enum class Direction {
@@ -68,5 +69,11 @@ Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& 
 // The plan for a safe state: the on_lost of an actuator, or the battery's limit. The flow is
 // ignored: a less active state can always be reached.
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
+
+// Whether the actuator is a ROS 2 node that runs and is unconfigured: its configuration has failed,
+// or error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
+// the current state.
+bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+                    const ActuatorRecord& record);
 
 }  // namespace musher

@@ -76,6 +76,7 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   if (!record.restart_asked) {  // else it is terminated anyway
     record.terminating = 0;
     record.killed = false;
+    record.terminate_at.reset();
     record.kill_at.reset();
   }
   if (record.presence == Presence::kLost) {
@@ -110,6 +111,7 @@ void Decision::Terminate(std::size_t i, std::int32_t pid, Duration grace) {
   ActuatorRecord& record = Of(i);
   record.terminating = pid;
   record.killed = false;
+  record.terminate_at.reset();
   record.kill_at = now_ + grace;
   if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
@@ -163,6 +165,7 @@ void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
   record.terminating = 0;
+  record.terminate_at.reset();
   record.kill_at.reset();
   record.killed = false;
   record.healthy_at.reset();
@@ -216,6 +219,10 @@ void Decision::EvaluateArrival(std::size_t i) {
 void Decision::CheckRestarts() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
+    if (record.terminate_at && *record.terminate_at <= now_) {
+      record.terminate_at.reset();
+      Do(action::SignalProcess{i, record.terminating, false});
+    }
     if (record.kill_at && *record.kill_at <= now_) record.killed ? AssumeExited(i) : Kill(i);
     if (record.healthy_at && *record.healthy_at <= now_) {
       record.healthy_at.reset();
@@ -232,6 +239,7 @@ void Decision::ForgetEnd(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.terminating = 0;
   record.killed = false;
+  record.terminate_at.reset();
   record.kill_at.reset();
   record.restart_asked = false;
 }

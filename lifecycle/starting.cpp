@@ -231,7 +231,11 @@ void Decision::CheckSetUpDeadlines() {
     if (record.fault && record.presence != Presence::kStarting)
       continue;                        // the known fault says more
     if (machine_.finishing) continue;  // an actuator that does not run need not be torn down
-    Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
+    // The reason of a failed SetUp says more as well.
+    const ActuatorReport& report = record.report;
+    const bool failed = record.fault && report.incarnation != record.dead &&
+                        report.state == config_.default_state && report.outcome_code != kCodeOk;
+    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
     FallBack(i);
   }
 }
@@ -278,7 +282,7 @@ void Decision::EndFirstStage() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
-    if (record.presence == Presence::kPresent) ++present;
+    if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
   }
   AnswerSetUpRequests();
   const std::uint64_t recorded =
@@ -335,7 +339,8 @@ void Decision::BecomeRunning(const std::string& message, std::uint64_t cause) {
     if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
       record.due = true;
     }
-    if (!there && record.fault && !Coming(i)) FallBack(i);
+    const bool away = !there || IsUnconfigured(config_, i, record);
+    if (away && record.fault && !Coming(i)) FallBack(i);
   }
   RecordMachine(kCodeOk, message, cause);
   Do(action::StartUpEnded{true, message});

@@ -16,8 +16,6 @@
 namespace musher {
 namespace {
 
-// A process that is torn down exits by itself; the time it gets for that.
-constexpr Duration kExitGrace = Milliseconds(1000);
 // The longest wait of TearDown for the disk; also at most a tenth of the budget.
 constexpr Duration kIntentTime = Milliseconds(500);
 

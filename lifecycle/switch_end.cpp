@@ -110,6 +110,12 @@ std::vector<ActuatorResult> Decision::Results(const Switch& s) const {
       result.message =
           leg.progress == Leg::Progress::kWaiting ? "nothing was sent" : "was under way";
     }
+    const bool stays_done = result.outcome != ActuatorOutcome::kDone || s.rolling_back;
+    if (const auto away = stays_done ? std::nullopt : WhyAway(s, leg.actuator)) {
+      result.outcome = ActuatorOutcome::kLost;
+      result.code = away->code;
+      result.message = away->message;
+    }
     for (const Leg& back : s.back) {
       if (back.actuator == leg.actuator && back.outcome == ActuatorOutcome::kDone &&
           leg.outcome == ActuatorOutcome::kDone) {
@@ -153,10 +159,35 @@ bool Decision::IsAway(std::size_t i, const State& target) const {
   return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
 }
 
+// The current place of an actuator whose part of the switch was done, or that was already in the
+// target, and that has left the target while other actuators were still switching: it has exited,
+// and may have been restarted. Empty: it is in the target, or was not expected.
+std::string Decision::LeftSince(const Switch& s, std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  if (record.fault || record.held || record.parked || s.target == kTearDown) return {};
+  const bool had_done = std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
+    return leg.actuator == i && leg.outcome == ActuatorOutcome::kDone;
+  });
+  const bool was_there = std::any_of(s.others.begin(), s.others.end(), [&](const auto& other) {
+    return other.name == ConfigOf(i).name && other.outcome == ActuatorOutcome::kDone;
+  });
+  if (!had_done && !was_there) return {};
+  if (record.presence != Presence::kPresent) return "its process has exited since; it is starting";
+  const bool there = s.direction == Direction::kCheck ? record.checked : record.state() == s.target;
+  return there ? "" : "it has gone to " + record.state() + " since, and is being driven back";
+}
+
+// The reason why it is not in the target of the switch; nullopt: it is, or was not expected.
+std::optional<Error> Decision::WhyAway(const Switch& s, std::size_t i) const {
+  if (IsAway(i, s.target)) return Of(i).fault;
+  const std::string left = LeftSince(s, i);
+  return left.empty() ? std::nullopt : std::optional(Error{kCodeNetError, left});
+}
+
 // The first actuator that is away; nullopt when all expected ones are in the target.
-std::optional<std::size_t> Decision::FirstAway(const State& target) const {
+std::optional<std::size_t> Decision::FirstAway(const Switch& s) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    if (IsAway(i, target)) return i;
+    if (WhyAway(s, i)) return i;
   }
   return std::nullopt;
 }
@@ -177,9 +208,10 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
     result.reason = ConfigOf(worst->actuator).name + ": " +
                     std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +
                     (worst->message.empty() ? "" : ", " + worst->message);
-  } else if (const auto away = FirstAway(s.target); away && !s.only) {
-    result.code = Of(*away).fault->code;
-    result.reason = ConfigOf(*away).name + ": " + Of(*away).fault->message;
+  } else if (const auto away = FirstAway(s); away && !s.only) {
+    const Error why = *WhyAway(s, *away);
+    result.code = why.code;
+    result.reason = ConfigOf(*away).name + ": " + why.message;
   } else if (const Leg* partial = FirstPartial(s)) {
     result.code = partial->code;
     result.reason = ConfigOf(partial->actuator).name + ": " + partial->message;

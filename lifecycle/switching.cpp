@@ -230,6 +230,8 @@ std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
+  if (IsUnconfigured(config_, leg.actuator, record))
+    return std::nullopt;  // the leg configures it first
   return OrderEnd{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
                   "was restarted and has not passed its self-check", false};
 }
@@ -338,6 +340,11 @@ void Decision::BeginRollback(Switch& s) {
   s.back_number = ++machine_.number;
   for (const Leg& leg : s.legs) {
     if (!leg.ran || Of(leg.actuator).presence != Presence::kPresent) continue;
+    // It was unconfigured before the switch.
+    if (leg.failed() && leg.from == config_.default_state &&
+        IsUnconfigured(config_, leg.actuator, Of(leg.actuator))) {
+      continue;
+    }
     Leg back;
     back.actuator = leg.actuator;
     back.from = leg.target;

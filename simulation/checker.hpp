@@ -99,6 +99,7 @@ class Checker {
   // host_invariants.cpp
   void CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name);
   void CheckRunsOnce(const std::string& name);
+  void CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name);
   void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
   // stop_invariants.cpp
   void OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop);

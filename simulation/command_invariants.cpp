@@ -155,8 +155,8 @@ bool Checker::IsExcused(const Machine& machine, std::size_t i, const SwitchResul
       std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
         return one.name == name && one.outcome == ActuatorOutcome::kDone;
       });
-  const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
-                       record.order || record.parked || (record.fault && !took_part);
+  const bool away = record.presence != Presence::kPresent || !record.checked || record.fault;
+  const bool joining = record.due || record.order || record.parked || (away && !took_part);
   return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||
          robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
 }

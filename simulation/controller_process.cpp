@@ -36,6 +36,11 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.save_stop_intent = [this](bool intended, const auto& done) {
     Save(disk_.stop_intent, intended, done);
   };
+  world.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
+    disk_.children.clear();
+    for (const ChildProcess& child : children) disk_.children[child.actuator] = child;
+    done(Ok());
+  };
   world.output = [](const std::string&) { return nullptr; };
   world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
   world.host = hosts.Id(host);
@@ -119,9 +124,14 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
     if (!takeover) return shell_->Refuse({kCodeTargetBusy, "led by " + rival->who});
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
+  std::vector<ChildProcess> children;
   for (const ActuatorConfig& actuator : config_.actuators) {
-    begin.running.push_back(processes_.IsAlive(actuator.name, host_));
-    begin.processes.push_back(processes_.PidOf(actuator.name, host_));
+    const pid_t pid = FindOne(actuator.name);
+    begin.running.push_back(pid != 0);
+    begin.processes.push_back(pid);
+    const auto child = disk_.children.find(actuator.name);
+    if (child != disk_.children.end() && child->second.pid == pid)
+      children.push_back(child->second);
   }
   begin.stops = disk_.stops;
   begin.stop_intent = disk_.stop_intent;
@@ -129,7 +139,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   begin.restarted = restarted;
   begun_ = true;
   if (!restarted && hooks_.on_person_starts) hooks_.on_person_starts();
-  shell_->Begin(std::move(begin));
+  shell_->Begin(std::move(begin), children);
 }
 
 void ControllerProcess::OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit) {
@@ -141,10 +151,28 @@ void ControllerProcess::OnEnd(std::size_t host, std::int32_t pid, const ProcessE
   });
 }
 
+// A Musher actuator holds its name while it runs; the process of any other program is found by what
+// a controller has stored about it.
+pid_t ControllerProcess::FindOne(const std::string& actuator) {
+  const pid_t pid = processes_.PidOf(actuator, host_);
+  if (!processes_.IsProgram(actuator)) return pid;
+  const auto child = disk_.children.find(actuator);
+  const bool known = child != disk_.children.end() && child->second.pid == pid &&
+                     child->second.start_time == processes_.SerialOf(host_, pid);
+  return known ? pid : 0;
+}
+
+std::vector<pid_t> ControllerProcess::Find(const std::vector<std::string>& actuators) {
+  std::vector<pid_t> found;
+  found.reserve(actuators.size());
+  for (const std::string& actuator : actuators) found.push_back(FindOne(actuator));
+  return found;
+}
+
 Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
   if (!config_.IndexOf(spec.name)) return Error{kCodeUnSupport, "there is no power to switch"};
-  if (processes_.IsAlive(spec.name, host_)) return Error{kCodeTargetBusy, "it runs already"};
   if (hooks_.on_start) hooks_.on_start(spec.name);
+  if (processes_.IsAlive(spec.name, host_)) return Error{kCodeTargetBusy, "it runs already"};
   const std::int32_t pid = processes_.Launch(spec.name, host_);
   watchers_[pid].push_back(std::move(on_exit));
   return pid;

@@ -28,6 +28,8 @@ struct Disk {
   bool stop_intent = false;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
+  // By actuator; also the processes that could not be saved, which are found by their mark.
+  std::map<std::string, ChildProcess> children;
   std::map<std::string, std::string> files;  // small text files, by name
   bool full = false;                         // every write fails
   bool stalled = false;                      // no write ends
@@ -93,7 +95,8 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
     return processes_.Signal(host_, pid, signal);
   }
   Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
-  pid_t Find(const std::string& actuator) override { return processes_.PidOf(actuator, host_); }
+  std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
+  std::uint64_t StartTimeOf(pid_t pid) override { return processes_.SerialOf(host_, pid); }
   void Mark(std::size_t, pid_t, Time) override {}
   Examination Examine(std::size_t, pid_t pid, Time) override {
     return processes_.Examine(host_, pid);
@@ -105,6 +108,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   template <class T>
   void Save(T& stored, const T& value, const ControllerShell::World::OnSaved& done);
   bool WantsSnapshot() noexcept override;
+  pid_t FindOne(const std::string& actuator);
   Result<> OpenServices();
   void ReadDisk(std::int64_t since_wall_ns, std::size_t limit, OnHistory done);
 

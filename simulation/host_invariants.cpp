@@ -13,6 +13,7 @@ constexpr Duration kReceivedAfter = std::chrono::seconds(2);
 // A controller starts a process. If one of the same actuator runs on another host, the controller
 // knows of it unless the link was cut shortly before.
 void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name) {
+  CheckProgramRunsOnce(controller, name);
   const Processes& processes = robot_.processes();
   const Time now = robot_.network().now();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
@@ -56,6 +57,16 @@ void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid)
   ReportViolation(Invariant::kOnlyOwnProcessesSignalled,
                   "the controller signals process " + std::to_string(pid) +
                       ", which is not the process of that actuator");
+}
+
+// A controller starts a program of another protocol. The program holds no name that would prevent a
+// second process; the controller has to know that the first one runs.
+void Checker::CheckProgramRunsOnce(const ControllerProcess& controller, const std::string& name) {
+  const Processes& processes = robot_.processes();
+  if (!processes.IsProgram(name) || !processes.IsAlive(name, controller.host())) return;
+  ReportViolation(Invariant::kNoDuplicateActuator,
+                  "the controller starts " + name + ", which already runs as process " +
+                      std::to_string(processes.PidOf(name, controller.host())));
 }
 
 void Checker::CheckRunsOnce(const std::string& name) {

@@ -239,6 +239,11 @@ std::int32_t Processes::PidOf(const std::string& name, std::size_t host) const {
   return process == nullptr ? 0 : process->pid;
 }
 
+std::uint64_t Processes::SerialOf(std::size_t host, std::int32_t pid) const {
+  const Process* process = Find(host, pid);
+  return process == nullptr ? 0 : process->serial;
+}
+
 Result<> Processes::Signal(std::size_t host, std::int32_t pid, int signal) {
   const Process* process = Find(host, pid);
   if (process == nullptr) return Error{kCodeFailed, "no such process"};

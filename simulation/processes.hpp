@@ -98,6 +98,9 @@ class Processes {
   Examination Examine(std::size_t host, std::int32_t pid) const;
   std::int32_t PidOf(const std::string& name) const;  // 0: it does not run
   std::int32_t PidOf(const std::string& name, std::size_t host) const;
+  // The serial number of the process among all that ever ran; 0: no such process.
+  std::uint64_t SerialOf(std::size_t host, std::int32_t pid) const;
+  bool IsProgram(const std::string& name) const { return programs_.contains(name); }
   bool Exists(std::size_t host, std::int32_t pid) const { return Find(host, pid) != nullptr; }
   std::size_t HomeOf(const std::string& name) const;
 

@@ -60,7 +60,10 @@ Result<> Ending::Open() {
       const std::string lock = transport::NameLock::NameOf(domain, name_space_, name);
       auto process = transport::OpenPidfd(actuator.status.pid);
       // Opens the pidfd first, then checks it: a pid in a status is unproven.
-      target.here = process && transport::NameLock::CheckHolder(lock, actuator.status.pid);
+      const bool proven = actuator.child
+                              ? IsRunning(*actuator.child)
+                              : transport::NameLock::CheckHolder(lock, actuator.status.pid).ok();
+      target.here = process && proven;
       if (target.here) target.process = std::move(process).value();
     }
     if (!actuator.heard) {

@@ -23,13 +23,26 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
       node, transport::ActuatorStatusTopic(name_space),
       [self = running.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
         if (!transport::IsFrom(status.name, info)) return;
-        self->received_[status.name] = {status, true, self->loop_.Now(), info.writer};
+        self->received_[status.name] = {status, true, self->loop_.Now(), info.writer, std::nullopt};
       },
       qos, std::move(events));
   // The permissions of an observer from an earlier version do not allow it: the list stays empty.
   if (!statuses && !with_keys) return statuses.error();
   if (statuses) running->statuses_ = std::move(statuses).value();
+  running->FindChildrenHere();
   return running;
+}
+
+void Running::FindChildrenHere() {
+  const std::string prefix =
+      transport::NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
+  for (const MarkedProcess& process : FindMarked()) {
+    if (process.pid != process.started || !process.mark.starts_with(prefix)) continue;
+    const std::string name = process.mark.substr(prefix.size());
+    if (name.find('/') == std::string::npos) {
+      children_.push_back({name, process.pid, process.start_time});
+    }
+  }
 }
 
 std::map<std::string, Running::Actuator> Running::Now() const {
@@ -46,6 +59,16 @@ std::map<std::string, Running::Actuator> Running::Now() const {
     silent.status.name = name;
     silent.status.pid = transport::NameLock::HolderOf(prefix + name).pid;
     silent.status.host = transport::HostId();
+  }
+  for (const ChildProcess& child : children_) {
+    const bool known = received_.contains(child.actuator) || running.contains(child.actuator);
+    if (known || !IsRunning(child)) continue;
+    Actuator& program = running[child.actuator];
+    program.heard = false;
+    program.child = child;
+    program.status.name = child.actuator;
+    program.status.pid = child.pid;
+    program.status.host = transport::HostId();
   }
   return running;
 }

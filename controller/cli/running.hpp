@@ -1,14 +1,17 @@
 #pragma once
 // The running actuators of a namespace, with or without a controller: from their latched status,
-// and on this host from the name that each process holds.
+// and on this host from the name that each process holds, or from the mark that a controller has
+// given to the process of another protocol.
 //
 // Threads: loop thread only.
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "musher/controller/child_processes.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/node.hpp"
 
@@ -21,6 +24,7 @@ class Running {
     bool heard = true;           // its status was received
     Time at{};                   // when the status was received
     transport::PeerId writer = 0;
+    std::optional<ChildProcess> child;  // started by a controller; it holds no name
   };
 
   // Subscribes to the statuses. The node must outlive it.
@@ -35,9 +39,12 @@ class Running {
   Running(transport::EventLoop& loop, std::string name_space)
       : loop_(loop), name_space_(std::move(name_space)) {}
 
+  void FindChildrenHere();
+
   transport::EventLoop& loop_;
   const std::string name_space_;
   std::map<std::string, Actuator> received_;
+  std::vector<ChildProcess> children_;                 // marked processes, found by Begin()
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };
 

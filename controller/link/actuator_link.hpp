@@ -34,8 +34,12 @@ class ActuatorLink {
   virtual void Ask(const AskCommand& command) = 0;
   // The participant that the actuator's status comes from now.
   virtual void OnPeer(transport::PeerId /*participant*/) {}
-  // The process that the controller has started for this actuator; 0 when it has ended.
+  // The controller has started this process for the actuator.
   virtual void OnProcess(std::int32_t /*pid*/) {}
+  // The controller has found this process running: an earlier controller may have controlled it.
+  virtual void OnProcessFound(std::int32_t /*pid*/) {}
+  // The started or found process has exited.
+  virtual void OnProcessEnded(std::int32_t /*pid*/) {}
 };
 
 // The link that `config.actuators[actuator].protocol` asks for. `node` and `config` must outlive

@@ -32,10 +32,26 @@ void ForeignLink::Post(std::function<void()> work) {
   });
 }
 
-// The end of a process that we started is known before its server is missed.
 void ForeignLink::OnProcess(std::int32_t pid) {
   process_ = pid;
-  if (pid == 0 && there()) Forget();
+  found_ = false;
+}
+
+// Its server may already be matched.
+void ForeignLink::OnProcessFound(std::int32_t pid) {
+  process_ = pid;
+  found_ = true;
+  if (there()) report_.pid = pid;
+}
+
+// The exit of a process on this host is reported before its server is lost: the server stays
+// matched until the lease of its participant expires.
+void ForeignLink::OnProcessEnded(std::int32_t pid) {
+  if (pid != process_) return;
+  process_ = 0;
+  if (!there()) return;
+  ended_.insert(server_);
+  Forget();
 }
 
 void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
@@ -43,8 +59,11 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
   const auto newcomer = std::find_if(servers_.begin(), servers_.end(),
                                      [&](transport::PeerId s) { return !Contains(before, s); });
   if (newcomer != servers_.end()) return Appear(*newcomer);
+  std::erase_if(ended_, [&](transport::PeerId s) { return !Contains(servers_, s); });
   if (!there() || Contains(servers_, server_)) return;
-  if (!servers_.empty()) return Appear(servers_.back());
+  const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
+                                  [&](transport::PeerId s) { return !ended_.contains(s); });
+  if (other != servers_.rend()) return Appear(*other);
   TellVanished("it serves no more");
   Forget();
 }

@@ -16,6 +16,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ class ForeignLink : public ActuatorLink {
   void Switch(const SwitchCommand& command) final;
   void Ask(const AskCommand& command) final;
   void OnProcess(std::int32_t pid) final;
+  void OnProcessFound(std::int32_t pid) final;
+  void OnProcessEnded(std::int32_t pid) final;
 
  protected:
   // The command that is under way.
@@ -65,7 +68,7 @@ class ForeignLink : public ActuatorLink {
   void TellVanished(const std::string& how);
 
   bool there() const { return server_ != 0; }
-  bool ours() const { return process_ != 0; }  // this controller has started its process
+  bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
   transport::PeerId server() const { return server_; }
   std::optional<Order>& order() { return order_; }
   const std::optional<Order>& order() const { return order_; }
@@ -104,8 +107,10 @@ class ForeignLink : public ActuatorLink {
   const Emit emit_;
   ActuatorReport report_;
   std::int32_t process_ = 0;
+  bool found_ = false;                      // it ran when this controller started
   transport::PeerId server_ = 0;            // the process that counts; 0: none
   std::vector<transport::PeerId> servers_;  // all that serve
+  std::set<transport::PeerId> ended_;       // the servers whose process has exited
   std::optional<Order> order_;
   std::optional<Waiting> waiting_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for work that is posted

@@ -95,8 +95,17 @@ void Ros2Link::Inquire(const AskCommand& ask) {
 
 void Ros2Link::OnAskUnanswered(std::uint64_t number) {
   std::erase_if(asks_, [number](const PendingAsk& ask) { return ask.number == number; });
-  if (step_) return AnswerAsk(number);  // its only thread may be in the callback
+  if (MayBeInCallback()) return AnswerAsk(number);
   mute_ = true;
+}
+
+// In a callback its only thread answers no query. After the deadline of the command it must answer
+// within its checkpoint, if it has one.
+bool Ros2Link::MayBeInCallback() const {
+  if (!step_) return false;
+  const auto checkpoint = actuator().checkpoint;
+  const bool set_up = order() && order()->number == 0;  // the coordinator limits its time
+  return !checkpoint || !order() || set_up || Now() < order()->deadline + *checkpoint;
 }
 
 void Ros2Link::AnswerAsks() {

@@ -13,7 +13,11 @@
 //   - A question does not fence: a request that was given up may still be carried out. When that
 //     shows, the report goes busy and free once, so that the node is driven to where the machine
 //     is.
-//   - A transition that another manager requests is reported, not corrected.
+//   - A transition that another client requests is reported. The coordinator drives the node back,
+//     like every actuator that changes its state by itself.
+//   - A node with a checkpoint is queried twice within that time. A node that does not answer is
+//     hung, and its restart policy applies. It need not answer while a transition runs within its
+//     time limit.
 //
 // Threads: loop thread only.
 
@@ -61,6 +65,7 @@ class Ros2Link : public ForeignLink {
   void Finish(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   void AnswerAsks();
   void OnAskUnanswered(std::uint64_t number);
+  bool MayBeInCallback() const;
 
   State StateIn(Ros2State state) const;
   std::optional<State> AdoptedState(Ros2State state) const;

@@ -47,6 +47,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"restart_requests", &ActuatorRecord::restart_requests},
     Field{"doomed", &ActuatorRecord::terminating},
     Field{"kill_at", &ActuatorRecord::kill_at},
+    Field{"terminate_at", &ActuatorRecord::terminate_at},
     Field{"killed", &ActuatorRecord::killed},
     Field{"parked", &ActuatorRecord::parked},
     Field{"outbid_at", &ActuatorRecord::outbid_at},

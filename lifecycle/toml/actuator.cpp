@@ -251,8 +251,9 @@ class ActuatorReader {
                    "has no effect without controller_lost_ms");
     }
     if (config.protocol == Protocol::kMusher) return;
+    const bool can_be_queried = config.protocol == Protocol::kRos2Lifecycle;
     for (const std::string_view key : {"checkpoint_ms", "checkpoint_ms_in", "controller_lost_ms"}) {
-      if (reader_.Has(key)) {
+      if (reader_.Has(key) && !(can_be_queried && key == "checkpoint_ms")) {
         reader_.Warn(reader_.At(key), key,
                      "has no effect with this protocol, which knows no such thing");
       }

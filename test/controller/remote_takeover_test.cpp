@@ -30,7 +30,10 @@ class EmptyHost : public ProcessRunner, public ProcessProbe, public JournalSink 
   Result<> Prove(const std::string&, pid_t, pid_t) override {
     return Error{kCodeStateInvalid, "no such process"};
   }
-  pid_t Find(const std::string&) override { return 0; }
+  std::vector<pid_t> Find(const std::vector<std::string>& actuators) override {
+    return std::vector<pid_t>(actuators.size(), 0);
+  }
+  std::uint64_t StartTimeOf(pid_t) override { return 1; }
   void Mark(std::size_t, pid_t, Time) override {}
   Examination Examine(std::size_t, pid_t, Time) override { return {}; }
   void TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)>) override {}

@@ -151,6 +151,16 @@ void FaultRun::CheckAlways() {
   }
   CheckActivity();
   CheckSwitches();
+  CheckProcesses();
+}
+
+// No actuator runs twice, whatever happens to the controllers, and none outlives its machine.
+void FaultRun::CheckProcesses() {
+  for (const auto& [name, count] : robot.StartedProcesses()) {
+    const int most = torn_down_ && robot.ControllerHasEnded() ? 0 : 1;
+    Expect(count <= most, name + " has " + std::to_string(count) + " processes, expected at most " +
+                              std::to_string(most));
+  }
 }
 
 // No actuator but the victims was reported as lost, or has another process.

@@ -92,6 +92,7 @@ class FaultRun {
   void CheckOthers();
   void CheckActivity();
   void CheckSwitches();
+  void CheckProcesses();
 
   std::string state_ = "Active";
   std::map<std::string, int> pids_;  // before the fault

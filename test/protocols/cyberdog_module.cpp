@@ -41,8 +41,9 @@ void CyberdogModule::Run(const std::string& state, const Reply& reply) {
   if (std::find(unknown_states.begin(), unknown_states.end(), state) != unknown_states.end()) {
     return reply({0, 8});
   }
-  const Callback callback = script[state];
   log_.push_back(state);
+  if (on_callback) on_callback(state);
+  const Callback callback = script[state];
   busy_ = true;
   end_ = node_.loop().At(node_.loop().Now() + callback.takes, [this, reply, code = callback.code] {
     busy_ = false;

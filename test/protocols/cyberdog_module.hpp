@@ -31,6 +31,7 @@ class CyberdogModule {
   int lost_replies = 0;                     // so many of the next are not sent
   bool beats = true;
   bool heartbeats_while_busy = false;
+  std::function<void(const std::string&)> on_callback;  // called before each
 
   const std::vector<std::string>& log() const { return log_; }  // the callbacks that were begun
 

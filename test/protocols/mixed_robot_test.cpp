@@ -5,23 +5,23 @@
 
 #include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
-#include "musher/test/protocols/cyberdog_manager.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 
 namespace musher::testing::mixed_robot_test {
 
-using simulation::Act;
 using simulation::SimRobot;
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class AMixedRobot : public ::testing::Test {
  protected:
-  explicit AMixedRobot(bool critical = false) : robot_(1, Config(critical)) {
+  explicit AMixedRobot(bool critical = false) : AMixedRobot(Config(critical)) {}
+  explicit AMixedRobot(const MachineConfig& config) : robot_(1, config) {
     robot_.UseProgram("b", [this](transport::Node& node) {
       auto module = std::make_shared<CyberdogModule>(node, "", "b", "b");
       module->script = module_script_;
@@ -52,6 +52,11 @@ class AMixedRobot : public ::testing::Test {
     ASSERT_EQ(robot_.machine().state, "Active");
     ASSERT_THAT(robot_.Degraded(), IsEmpty());
     robot_.RunFor(std::chrono::seconds(1));  // the first beats
+  }
+  std::vector<std::int32_t> Pids() {
+    std::vector<std::int32_t> pids;
+    for (const char* name : {"a", "b", "c"}) pids.push_back(robot_.processes().PidOf(name));
+    return pids;
   }
   SwitchResult Set(const State& target) { return robot_.Set(target).value_or(SwitchResult{}); }
   void ExpectAllIn(const State& state) {
@@ -201,22 +206,101 @@ TEST_F(AMixedRobot, AModuleThatBeatsNoMoreIsLostUntilItBeatsAgain) {
   ExpectAllIn("Active");
 }
 
-TEST_F(AMixedRobot, ANodeThatCannotBeConfiguredIsDegradedAndTheRestComesUp) {
-  node_script_["configure"].outcome = RosManagedNode::Outcome::kFailure;
-  robot_.StartController();
-  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
-  EXPECT_THAT(robot_.Degraded(), ElementsAre("c"));
-  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("configure failed")));
-  ros_->script["configure"].outcome = RosManagedNode::Outcome::kSuccess;
-  ros_->Change("configure");  // a person has repaired it
+class AMixedRobotWhoseNodeCannotBeConfigured : public AMixedRobot {
+ protected:
+  static MachineConfig WithALongSetUp() {
+    MachineConfig config = Config(false);
+    ActuatorConfig& node = config.actuators[2];
+    for (std::size_t i = 0; i < node.states.size(); ++i) {
+      if (node.states[i] == kSetUp) node.times[i] = std::chrono::seconds(5);
+    }
+    return config;
+  }
+  AMixedRobotWhoseNodeCannotBeConfigured() : AMixedRobot(WithALongSetUp()) {}
+
+  void BringUpWithout() {
+    node_script_["configure"].outcome = RosManagedNode::Outcome::kFailure;
+    const Time begun = robot_.network().now();
+    robot_.StartController();
+    ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
+    EXPECT_LT(robot_.network().now() - begun, std::chrono::seconds(1));
+    EXPECT_EQ(robot_.machine().state, "Active");
+    ASSERT_THAT(robot_.Degraded(), ElementsAre("c"));
+    robot_.RunFor(std::chrono::seconds(2));
+    EXPECT_THAT(Fault(), HasSubstr("configure failed")) << "no later reason replaces it";
+    EXPECT_THAT(ros_->log(), ElementsAre("configure")) << "no automatic retry";
+  }
+  std::string Fault() const {
+    const auto& fault = robot_.machine().actuators[2].fault;
+    return fault ? fault->message : "";
+  }
+  void Repair() { ros_->script["configure"].outcome = RosManagedNode::Outcome::kSuccess; }
+};
+
+TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, StartsWithoutItAtOnceAndReportsWhy) {
+  ASSERT_NO_FATAL_FAILURE(BringUpWithout());
+}
+
+TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, ConfiguresItByASelfCheck) {
+  ASSERT_NO_FATAL_FAILURE(BringUpWithout());
+  EXPECT_EQ(Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(Fault(), HasSubstr("configure failed"));
+  Repair();
+  EXPECT_TRUE(Set("SelfCheck").done());
   robot_.RunFor(std::chrono::seconds(2));
   ExpectAllIn("Active");
+}
+
+TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, ConfiguresItByASwitchToTheCurrentState) {
+  ASSERT_NO_FATAL_FAILURE(BringUpWithout());
+  EXPECT_EQ(Set("Active").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(Fault(), HasSubstr("configure failed"));
+  Repair();
+  const SwitchResult result = Set("Active");
+  EXPECT_TRUE(result.done()) << result.reason;
+  ExpectAllIn("Active");
+  EXPECT_THAT(ros_->log(), ElementsAre("configure", "configure", "configure", "activate"));
+}
+
+TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, ConfiguresItByTheNextSwitchUp) {
+  ASSERT_NO_FATAL_FAILURE(BringUpWithout());
+  EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(ros_->log(), ElementsAre("configure")) << "not in a switch down";
+  EXPECT_EQ(Set("Active").outcome, SwitchOutcome::kDoneDegraded)
+      << "it does not delay the other actuators";
+  Set("LowPower");
+  Repair();
+  EXPECT_TRUE(Set("Active").done());
+  ExpectAllIn("Active");
+}
+
+TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, DrivesItWhenAPersonHasConfiguredIt) {
+  ASSERT_NO_FATAL_FAILURE(BringUpWithout());
+  Repair();
+  ros_->Change("configure");
+  robot_.RunFor(std::chrono::seconds(2));
+  ExpectAllIn("Active");
+}
+
+TEST_F(AMixedRobot, DrivesANodeBackAfterATransitionByAnotherClient) {
+  BringUp();
+  ros_->Change("deactivate");
+  robot_.RunFor(std::chrono::seconds(1));
+  ExpectAllIn("Active");
+  EXPECT_EQ(ros_->state(), Ros2State::kActive);
+  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("c has gone to DeActive by itself")));
+  ASSERT_TRUE(Set("LowPower").done());
+  ros_->Change("activate");
+  robot_.RunFor(std::chrono::seconds(1));
+  ExpectAllIn("LowPower");
+  EXPECT_EQ(ros_->state(), Ros2State::kInactive);
 }
 
 TEST_F(AMixedRobot, IsAdoptedByTheNextControllerWithoutBeingDisturbed) {
   BringUp();
   ASSERT_TRUE(Set("LowPower").done());
   const auto log = ros_->log();
+  const std::vector<std::int32_t> pids = Pids();
   robot_.CrashController();
   robot_.RunFor(std::chrono::seconds(1));
   robot_.StartController();
@@ -224,6 +308,72 @@ TEST_F(AMixedRobot, IsAdoptedByTheNextControllerWithoutBeingDisturbed) {
   robot_.RunFor(std::chrono::seconds(2));
   ExpectAllIn("LowPower");
   EXPECT_EQ(ros_->log(), log);
+  EXPECT_EQ(Pids(), pids);
+  EXPECT_TRUE(Set("TearDown").done());
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(robot_.IsAlive(name)) << name;
+}
+
+// The node is inactive in Protected and in DeActive; the Musher actuator determines the state.
+TEST_F(AMixedRobot, IsAdoptedInTheStateOfItsMusherActuatorsThoughANodeMayBeLessActive) {
+  BringUp();
+  ASSERT_TRUE(Set("Protected").done());
+  robot_.CrashController();
+  robot_.StartController();
+  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
+  robot_.RunFor(std::chrono::seconds(2));
+  ExpectAllIn("Protected");
+}
+
+TEST_F(AMixedRobot, FinishesItsStartWhenTheControllerDiesDuringIt) {
+  robot_.StartController();
+  ASSERT_TRUE(robot_.RunUntil([&] { return ros_ && ros_->state() == Ros2State::kInactive; }));
+  ASSERT_EQ(robot_.machine().phase, Phase::kStarting);
+  robot_.CrashController();
+  robot_.StartController();
+  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
+  robot_.RunFor(std::chrono::seconds(2));
+  ExpectAllIn("Active");
+}
+
+// Integration tests cover detection with real processes; here it is the decision code and monitor.
+class AMixedRobotWithACheckpoint : public AMixedRobot {
+ protected:
+  static MachineConfig Checked() {
+    MachineConfig config = Config(false);
+    config.actuators[2].checkpoint = Milliseconds(400);
+    config.actuators[2].restart.policy = RestartPolicy::kOnFailure;
+    return config;
+  }
+  AMixedRobotWithACheckpoint() : AMixedRobot(Checked()) {}
+};
+
+TEST_F(AMixedRobotWithACheckpoint, DetectsAFrozenNodeWithinItAndRestartsIt) {
+  BringUp();
+  const std::int32_t before = Pids()[2];
+  ros_->frozen = true;
+  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().actuators[2].health == Health::kHung; },
+                              Milliseconds(450)));
+  robot_.RunFor(std::chrono::seconds(15));  // past the lease of the dead process
+  ExpectAllIn("Active");
+  EXPECT_NE(Pids()[2], before);
+}
+
+TEST_F(AMixedRobotWithACheckpoint, DoesNotTakeALongTransitionForAHang) {
+  BringUp();
+  ros_->script["deactivate"].takes = Milliseconds(450);
+  ros_->script["activate"].takes = Milliseconds(450);
+  Set("LowPower");
+  robot_.RunFor(std::chrono::seconds(2));
+  ExpectAllIn("LowPower");
+  EXPECT_THAT(robot_.journal(), Not(Contains(HasSubstr("hung"))));
+}
+
+TEST_F(AMixedRobotWithACheckpoint, RestartsANodeThatHangsInATransitionLongAfterItsDeadline) {
+  BringUp();
+  ros_->script["deactivate"].takes = std::chrono::hours(1);
+  EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  robot_.RunFor(std::chrono::seconds(20));
+  ExpectAllIn("LowPower");
 }
 
 TEST_F(AMixedRobot, ATornDownNodeAndAModuleThatDoNotEndAreEnded) {
@@ -233,75 +383,6 @@ TEST_F(AMixedRobot, ATornDownNodeAndAModuleThatDoNotEndAreEnded) {
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_EQ(robot_.machine().phase, Phase::kStopped);
   for (const char* name : {"b", "c"}) EXPECT_FALSE(robot_.IsAlive(name)) << name;
-}
-
-// The other way round: our actuators under CyberDog's manager.
-class UnderACyberdogManager : public ::testing::Test {
- protected:
-  UnderACyberdogManager()
-      : robot_(1, MachineOf(2), [this](const std::string& actuator, const State& state) {
-          const auto act = acts_.find(actuator + ":" + state);
-          return act == acts_.end() ? Act{} : act->second;
-        }) {
-    node_ = robot_.network().MakeNode("manager");
-    manager_ = std::make_unique<CyberdogManager>(*node_, "", std::vector<std::string>{"a", "b"},
-                                                 Milliseconds(100));
-    robot_.StartActuator("a");
-    robot_.StartActuator("b");
-  }
-
-  std::vector<CyberdogManager::Result> Set(const std::string& state) {
-    std::optional<std::vector<CyberdogManager::Result>> results;
-    manager_->SetState(state, [&](auto r) { results = std::move(r); });
-    EXPECT_TRUE(robot_.RunUntil([&] { return results.has_value(); }));
-    return *results;
-  }
-
-  std::map<std::string, Act> acts_;
-  SimRobot robot_;
-  std::unique_ptr<transport::Node> node_;
-  std::unique_ptr<CyberdogManager> manager_;
-};
-
-TEST_F(UnderACyberdogManager, ActuatorsAreVisibleOnceTheyAreSetUpAndSwitch) {
-  ASSERT_TRUE(robot_.RunUntil([&] { return manager_->Ready(); }));
-  for (const auto& result : Set("SelfCheck")) EXPECT_EQ(result.code, 0);
-  for (const auto& result : Set("Active")) {
-    EXPECT_EQ(result.code, 0);
-    EXPECT_EQ(result.current_state, 4) << "ours is filled";
-  }
-  EXPECT_EQ(robot_.ReportOf("b")->state, "Active");
-}
-
-TEST_F(UnderACyberdogManager, AFailureIsItsCodeAndAnUnknownStateANakedEight) {
-  ASSERT_TRUE(robot_.RunUntil([&] { return manager_->Ready(); }));
-  acts_["a:Active"].error = {5001, "no"};
-  EXPECT_EQ(Set("Active").back().code, 5001);
-  EXPECT_EQ(Set("Dance").back().code, 8);
-}
-
-TEST_F(UnderACyberdogManager, AnActuatorThatIsBusySaysSo) {
-  ASSERT_TRUE(robot_.RunUntil([&] { return manager_->Ready(); }));
-  acts_["a:Active"].takes = Milliseconds(500);
-  EXPECT_EQ(Set("Active").back().code, -1) << "the manager's own timeout";
-  EXPECT_EQ(Set("LowPower").back().code, kCodeTargetBusy);
-}
-
-TEST_F(UnderACyberdogManager, ActuatorsBeatWhileSomebodyListens) {
-  ASSERT_TRUE(robot_.RunUntil([&] { return manager_->Ready(); }));
-  robot_.RunFor(std::chrono::seconds(10));
-  for (const char* name : {"a", "b"}) {
-    EXPECT_GE(manager_->heard[name], 19) << name;
-    EXPECT_LE(manager_->heard[name], 20) << name;
-  }
-}
-
-TEST_F(UnderACyberdogManager, ActuatorsThatAControllerHoldsAreDenied) {
-  ASSERT_TRUE(robot_.RunUntil([&] { return manager_->Ready(); }));
-  robot_.StartController();
-  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
-  EXPECT_EQ(Set("LowPower").back().code, kCodePermissionDenied);
-  EXPECT_EQ(robot_.ReportOf("a")->state, "Active");
 }
 
 }  // namespace musher::testing::mixed_robot_test

@@ -1,12 +1,21 @@
-// A process of another kind than ours, for tests on real DDS: runs until it is killed.
+// A process without Musher's protocol, for tests on real DDS: runs until SIGTERM.
 //
-//   protocol_peer ros2 <namespace> <name> <lease_ms> [faulty]   a ROS 2 managed node
-//   protocol_peer cyberdog <namespace> <name> <lease_ms>        a CyberDog module that beats
+//   protocol_peer ros2 <namespace> <name> <lease_ms> [option …]       a ROS 2 managed node
+//   protocol_peer cyberdog <namespace> <name> <lease_ms> [option …]   a module with heartbeats
 //
-// `faulty`: its first replies are lost, as to a client that has not been matched.
+//   faulty                  its first replies are lost, as to a client that has not been matched
+//   takes=NAME:MS           the duration of the callback of a transition or state
+//   fails_while=NAME:FILE   the callback fails while the file exists
+//   events=FILE             events are appended to it: "start PID", "activate", "SIGTERM"
 
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -17,10 +26,69 @@
 
 using namespace musher;  // NOLINT(google-build-using-namespace): a main program
 
+namespace {
+
+std::array<int, 2> g_terminated{};  // a pipe: the handler writes, the loop reads
+
+void OnTerminate(int) {
+  [[maybe_unused]] const ssize_t written = write(g_terminated[1], "T", 1);
+}
+
+class Peer {
+ public:
+  Peer(transport::Node& node, const std::string& kind, const std::string& name_space,
+       const std::string& name) {
+    if (kind == "ros2") {
+      ros_.emplace(node, transport::ResolveName(name_space, name));
+      ros_->on_callback = [this](const std::string& callback) { OnCallback(callback); };
+    } else {
+      module_.emplace(node, name_space, name, name);
+      module_->on_callback = [this](const std::string& callback) { OnCallback(callback); };
+    }
+  }
+
+  void Apply(const std::string& option) {
+    const std::size_t equals = option.find('=');
+    const std::string value = option.substr(equals == std::string::npos ? 0 : equals + 1);
+    if (option == "faulty" && ros_) ros_->lost_change_replies = ros_->lost_get_replies = 1;
+    if (option.starts_with("events=")) events_ = value;
+    const std::size_t colon = value.find(':');
+    const std::string callback = value.substr(0, colon);
+    const std::string more = colon == std::string::npos ? "" : value.substr(colon + 1);
+    if (option.starts_with("fails_while=")) fails_while_[callback] = more;
+    if (option.starts_with("takes=")) Take(callback, Milliseconds(std::atoi(more.c_str())));
+  }
+
+  void Log(const std::string& event) const {
+    if (!events_.empty()) std::ofstream(events_, std::ios::app) << event << std::endl;
+  }
+
+ private:
+  void OnCallback(const std::string& callback) {
+    Log(callback);
+    const auto cause = fails_while_.find(callback);
+    if (cause == fails_while_.end()) return;
+    const bool fails = access(cause->second.c_str(), F_OK) == 0;
+    using Outcome = testing::RosManagedNode::Outcome;
+    if (ros_) ros_->script[callback].outcome = fails ? Outcome::kFailure : Outcome::kSuccess;
+    if (module_) module_->script[callback].code = fails ? 1 : 0;
+  }
+  void Take(const std::string& callback, Duration takes) {
+    if (ros_) ros_->script[callback].takes = takes;
+    if (module_) module_->script[callback].takes = takes;
+  }
+
+  std::string events_;
+  std::map<std::string, std::string> fails_while_;  // by callback: a file
+  std::optional<testing::RosManagedNode> ros_;
+  std::optional<testing::CyberdogModule> module_;
+};
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  if (argc < 5) return EXIT_FAILURE;
-  const std::string kind = argv[1], name_space = argv[2], name = argv[3];
-  const bool faulty = argc > 5;
+  if (argc < 5 || pipe(g_terminated.data()) != 0) return EXIT_FAILURE;
+  signal(SIGTERM, OnTerminate);
   transport::LinuxEventLoop loop;
   transport::DdsOptions options;
   options.lease = Milliseconds(std::atoi(argv[4]));
@@ -29,14 +97,13 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", node.error().message.c_str());
     return EXIT_FAILURE;
   }
-  std::optional<testing::RosManagedNode> ros;
-  std::optional<testing::CyberdogModule> module;
-  if (kind == "ros2") {
-    ros.emplace(*node.value(), transport::ResolveName(name_space, name));
-    if (faulty) ros->lost_change_replies = ros->lost_get_replies = 1;
-  } else {
-    module.emplace(*node.value(), name_space, name, name);
-  }
+  Peer peer(*node.value(), argv[1], argv[2], argv[3]);
+  for (int i = 5; i < argc; ++i) peer.Apply(argv[i]);
+  peer.Log("start " + std::to_string(getpid()));
+  const auto terminated = loop.WhenReadable(g_terminated[0], [&] {
+    peer.Log("SIGTERM");
+    loop.Stop();
+  });
   loop.Run();
   return EXIT_SUCCESS;
 }

@@ -227,7 +227,7 @@ TEST_F(DrivingARos2Node, ASelfCheckConfiguresANodeThatHasFallenOutOfItsConfigura
   EXPECT_EQ(ros_->state(), Ros2State::kInactive);
 }
 
-TEST_F(DrivingARos2Node, ATransitionByAnotherManagerIsReportedAndNotCorrected) {
+TEST_F(DrivingARos2Node, ATransitionByAnotherClientIsReportedAndNotCorrectedByTheLink) {
   BringUp();
   ros_->Change("deactivate");
   EXPECT_TRUE(Until([&] { return IsIn("DeActive"); }));
@@ -259,7 +259,7 @@ TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter)
 TEST_F(DrivingARos2Node, NobodyAnswersForAProcessOfOursThatHasEnded) {
   link_->OnProcess(4711);
   network_.Crash(*process_);
-  link_->OnProcess(0);
+  link_->OnProcessEnded(4711);
   Switch("Active");
   EXPECT_FALSE(Ask());
   EXPECT_FALSE(reply_);
@@ -285,6 +285,32 @@ TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
   network_.RunFor(std::chrono::seconds(20));
   EXPECT_THAT(losses_, IsEmpty()) << "the end of the dead one's lease is not the successor's";
+}
+
+// A killed process stays matched for 10 s; meanwhile its successor exits with code 0.
+TEST_F(DrivingARos2Node, ADeadPredecessorIsNotTakenForTheNodeWhenItsSuccessorEnds) {
+  link_->OnProcess(4711);
+  network_.Crash(*process_);
+  EndNode();
+  link_->OnProcessEnded(4711);
+  StartNode();
+  link_->OnProcess(4712);
+  ASSERT_TRUE(Until([&] { return IsIn("SetUp") && status_.pid == 4712; }));
+  const std::uint64_t second = status_.incarnation;
+  EndNode();
+  ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(status_.incarnation, second) << "no process came after it";
+}
+
+TEST_F(DrivingARos2Node, ANodeWithACheckpointIsSilentWhenItDoesNotAnswerLongAfterItsDeadline) {
+  config_.actuators[0].checkpoint = Milliseconds(500);
+  ros_->script["activate"].takes = std::chrono::seconds(30);
+  Switch("Active");
+  network_.RunFor(Milliseconds(300));
+  EXPECT_TRUE(Ask()) << "it is busy";
+  network_.RunFor(Milliseconds(500));
+  EXPECT_FALSE(Ask());
 }
 
 class FindingARos2Node : public DrivingARos2Node {
@@ -328,6 +354,14 @@ TEST_F(FindingARos2Node, OneOfOursThatActivatedItselfIsBroughtBackToBeSetUp) {
   EXPECT_TRUE(Until([&] { return IsIn("SetUp"); }));
   EXPECT_EQ(ros_->state(), Ros2State::kInactive);
   EXPECT_EQ(status_.pid, 4711);
+}
+
+TEST_F(FindingARos2Node, ANodeStartedByAnEarlierControllerIsAdoptedInItsState) {
+  Prepare({"configure", "activate"});
+  link_->OnProcessFound(4711);
+  EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
+  EXPECT_EQ(status_.pid, 4711);
+  EXPECT_THAT(ros_->log(), ElementsAre("configure", "activate"));
 }
 
 TEST_F(FindingARos2Node, OneThatCannotBeConfiguredHasAFailedSetUpUntilSomebodyDoesIt) {

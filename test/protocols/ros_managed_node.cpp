@@ -79,8 +79,9 @@ void RosManagedNode::Release() {
 void RosManagedNode::Begin(std::uint8_t id, Done done) {
   for (const Ros2Transition& t : kTransitions) {
     if (t.id != id || t.from != state_) continue;
-    const Callback callback = script[std::string(t.name)];
     log_.emplace_back(t.name);
+    if (on_callback) on_callback(log_.back());
+    const Callback callback = script[std::string(t.name)];
     MoveTo(t.by);
     busy_ = true;
     end_ = node_.loop().At(

@@ -37,6 +37,8 @@ class RosManagedNode {
   bool holds_looks = false;    // answers to get_state are still on their way, see Release()
   bool frozen = false;  // nothing is taken any more, as by a callback of its own that never ends
 
+  std::function<void(const std::string&)> on_callback;  // called before each
+
   Ros2State state() const { return state_; }
   const std::vector<std::string>& log() const { return log_; }  // the callbacks that were begun
 

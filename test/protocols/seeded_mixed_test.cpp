@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <set>
 
 #include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
@@ -42,6 +43,9 @@ class MixedScenario {
   }
 
   void Run() {
+    robot_.on_start = [this](const simulation::ControllerProcess&, const std::string& name) {
+      EXPECT_FALSE(robot_.IsAlive(name)) << name << " is started while its process runs";
+    };
     LinkFaults faults;
     faults.loss = 0.05;
     faults.duplication = 0.05;
@@ -53,6 +57,11 @@ class MixedScenario {
     for (int i = 0; i < 10 && !::testing::Test::HasFailure(); ++i) TakeATurn();
     EndFaults();
     Judge();
+    robot_.Set(State(kTearDown));
+    for (const ActuatorConfig& actuator : robot_.config().actuators) {
+      if (by_hand_.contains(actuator.name)) continue;
+      EXPECT_FALSE(robot_.IsAlive(actuator.name)) << actuator.name << " outlives the machine";
+    }
   }
 
   void Tell() const {
@@ -138,7 +147,9 @@ class MixedScenario {
       if (ros->state() == Ros2State::kFinalized || not_set_up) robot_.CrashActuator(name);
     }
     for (const ActuatorConfig& actuator : robot_.config().actuators) {
-      if (!robot_.IsAlive(actuator.name)) robot_.StartActuator(actuator.name);
+      if (robot_.IsAlive(actuator.name)) continue;
+      robot_.StartActuator(actuator.name);
+      by_hand_.insert(actuator.name);
     }
     robot_.RunFor(std::chrono::seconds(20));
     DrawFaults();
@@ -162,6 +173,7 @@ class MixedScenario {
 
   Random random_;
   bool faulty_ = true;
+  std::set<std::string> by_hand_;  // started by the test
   std::map<std::string, CyberdogModule*> modules_;
   std::map<std::string, RosManagedNode*> nodes_;
   SimRobot robot_;

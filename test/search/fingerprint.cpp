@@ -119,8 +119,8 @@ void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
             r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due,
             r.fault.has_value(), r.tolerated.has_value(), r.order, r.health, r.restarts,
-            r.restart_at, r.healthy_at, r.given_up, r.restart_asked, r.terminating, r.kill_at,
-            r.killed, r.parked, r.outbid_at, r.blocked, r.free_by);
+            r.restart_at, r.healthy_at, r.given_up, r.restart_asked, r.terminating, r.terminate_at,
+            r.kill_at, r.killed, r.parked, r.outbid_at, r.blocked, r.free_by);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 

@@ -112,7 +112,13 @@ pid_t Start(const Member& member, const fs::path& folder, const Boot& boot) {
   while (!fs::exists(folder / "go")) poll(nullptr, 0, kPollMs);
   std::map<pid_t, const Member*> members;
   Boot boot;
-  for (const Member& member : Crew()) members[Start(member, folder, boot)] = &member;
+  const auto start_all = [&] {
+    for (const Member& member : Crew()) {
+      if (!IsOnBoard(member, Shape::kTwoHosts)) continue;
+      members[Start(member, folder, boot)] = &member;
+    }
+  };
+  start_all();
   while (true) {
     if (sigwaitinfo(&signals, nullptr) == SIGUSR1) {
       members.clear();
@@ -121,7 +127,7 @@ pid_t Start(const Member& member, const fs::path& folder, const Boot& boot) {
       }
       boot = {boot.number + 1, SecondsSinceBoot()};
       SetBootId(folder, boot.number);
-      for (const Member& member : Crew()) members[Start(member, folder, boot)] = &member;
+      start_all();
     }
     for (pid_t ended = 0; (ended = waitpid(-1, nullptr, WNOHANG)) > 0;) {
       const auto member = members.extract(ended);

@@ -43,13 +43,17 @@ std::string Table(const Member& member, Shape shape, const std::string& folder,
                   const std::string& programs) {
   std::string table = "\n[actuator." + member.name + "]\nstates = " + StatesKey() +
                       "\ntimes = " + TimesKey() + "\n" + member.keys;
+  if (member.ros2) table += "protocol = \"ros2_lifecycle\"\n";
   if (member.critical) table += "critical = true\n";
   if (!member.on_lost.empty()) table += "on_lost = \"" + member.on_lost + "\"\n";
   if (member.checkpoint_ms > 0) {
     table += "checkpoint_ms = " + std::to_string(member.checkpoint_ms) + "\n";
   }
-  table += "controller_lost_ms = " + std::to_string(ControllerLostMs(shape)) +
-           "\non_controller_lost = \"" + kOnControllerLost + "\"\n" + kResetKey;
+  if (!member.ros2) {
+    table += "controller_lost_ms = " + std::to_string(ControllerLostMs(shape)) +
+             "\non_controller_lost = \"" + kOnControllerLost + "\"\n";
+  }
+  table += kResetKey;
   if (shape == Shape::kHere) {
     table += CommandKey(CommandOf(member, folder, programs)) + RestartKeys(member);
   }
@@ -66,6 +70,7 @@ const std::vector<Member>& Crew() {
       {"hands", false, "on-failure", 0, "", "after = [\"arm\"]\n", false},
       {"planner", true, "no", 400, "LowPower", "", false},
       {"voice", false, "on-failure", 0, "", "", true},
+      {"mapper", false, "on-failure", 0, "", "", false, true},
   };
   return crew;
 }
@@ -80,28 +85,33 @@ const Member& MemberOf(const std::string& name) {
 std::vector<std::string> Modules() {
   std::vector<std::string> names;
   for (const Member& member : Crew()) {
-    if (!member.wrapped) names.push_back(member.name);
+    if (!member.wrapped && !member.ros2) names.push_back(member.name);
   }
   return names;
 }
 
+bool IsOnBoard(const Member& member, Shape shape) {
+  return !member.ros2 || shape == Shape::kHere;
+}
+
 std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
                                    const std::string& programs) {
+  if (member.ros2) return {programs + "/protocol_peer", "ros2", kNameSpace, member.name, "10000"};
   if (member.wrapped) return {programs + "/musher-exec", "--", "sleep", "infinity"};
   return {programs + "/fault_injection_module", member.name, folder + "/" + member.name + ".board",
           std::to_string(kHz)};
 }
 
-std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
-                       const std::string& name_space) {
+std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs) {
   std::string names;
   std::string tables;
   for (const Member& member : Crew()) {
+    if (!IsOnBoard(member, shape)) continue;
     names += (names.empty() ? "[\"" : ", \"") + member.name + '"';
     tables += Table(member, shape, folder, programs);
   }
   if (shape == Shape::kTwoHosts) tables += "\n[transport]\nprofile = \"lan\"\n";
-  return "[controller]\nname = \"robot\"\nnamespace = \"" + name_space +
+  return std::string("[controller]\nname = \"robot\"\nnamespace = \"") + kNameSpace +
          "\"\nactuators = " + names + "]\nstates = " + StatesKey() +
          "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nstate_dir = \"disk/state\"\n"
          "shutdown_budget_ms = " +

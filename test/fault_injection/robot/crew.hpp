@@ -15,6 +15,8 @@ enum class Shape {
   kTwoHosts  // controller here, actuators on the other host, which starts them itself
 };
 
+inline constexpr const char* kNameSpace = "fault_injection";
+
 struct Member {
   std::string name;
   bool critical = false;
@@ -23,6 +25,7 @@ struct Member {
   std::string on_lost;    // the machine's state without it; "": unchanged
   std::string keys;       // further lines of its table
   bool wrapped = false;   // a musher-exec that runs a program without Musher
+  bool ros2 = false;      // a ROS 2 managed node; only with Shape::kHere
 };
 
 const std::vector<Member>& Crew();
@@ -30,13 +33,15 @@ const Member& MemberOf(const std::string& name);
 // The actuators that run fault_injection_module.
 std::vector<std::string> Modules();
 
+// Whether a robot of this shape has the member.
+bool IsOnBoard(const Member& member, Shape shape);
+
 // Its command line; its board is in `folder`, `programs` is the folder of musher.
 std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
                                    const std::string& programs);
 
 // The state config of a robot whose files are in `folder`.
-std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
-                       const std::string& name_space);
+std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs);
 
 inline constexpr int kRestartLimit = 3;
 // Longer than any next controller takes to start; between two hosts shorter than a DDS lease.

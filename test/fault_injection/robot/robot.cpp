@@ -9,14 +9,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "musher/controller/child_processes.hpp"
 #include "musher/test/fault_injection/robot/processes.hpp"
+#include "musher/transport/host.hpp"
 
 namespace musher::fault_injection {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNameSpace = "fault_injection";
 constexpr const char* kStallFile = "disk_stalls";
 constexpr int kPollMs = 2;
 
@@ -39,7 +40,7 @@ bool AwaitThat(const std::function<bool()>& is_so, Duration timeout) {
 Robot::Robot(Shape shape, fs::path folder, int domain)
     : shape_(shape), folder_(std::move(folder)), domain_(domain) {
   const std::string programs = fs::path(benchmark::Program("musher")).parent_path();
-  std::ofstream(folder_ / "robot.toml") << ConfigText(shape, folder_, programs, kNameSpace);
+  std::ofstream(folder_ / "robot.toml") << ConfigText(shape, folder_, programs);
   for (const Member& member : Crew()) {
     boards_[member.name] = &OpenBoard(folder_ / (member.name + ".board"));
   }
@@ -169,6 +170,16 @@ pid_t Robot::ControllerPid() {
   if (launchers_.empty()) return 0;
   const std::vector<pid_t> children = ChildrenOf(launchers_.back().pid());
   return children.empty() ? 0 : children.front();
+}
+
+std::map<std::string, int> Robot::StartedProcesses() const {
+  const std::string prefix = transport::NameLock::NameOf(domain_, kNameSpace, "");
+  std::map<std::string, int> running;
+  for (const MarkedProcess& process : FindMarked()) {
+    const bool ours = process.pid == process.started && process.mark.starts_with(prefix);
+    if (ours) ++running[process.mark.substr(prefix.size())];
+  }
+  return running;
 }
 
 pid_t Robot::PidOf(const std::string& name) {

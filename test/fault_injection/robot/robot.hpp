@@ -63,6 +63,8 @@ class Robot {
   pid_t RunningController();
   // Of an actuator, as this pid namespace numbers it. Throws std::runtime_error when there is none.
   pid_t PidOf(const std::string& name);
+  // The number of processes on this host that a controller has started, by actuator.
+  std::map<std::string, int> StartedProcesses() const;
   // Whether the current controller has started its process; it knows the exit code of its children
   // only.
   bool IsChildOfController(const std::string& name);

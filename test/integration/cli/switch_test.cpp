@@ -36,6 +36,30 @@ TEST_F(Set, SwitchesTheMachineAndReportsEachActuatorsOutcome) {
   }
 }
 
+// Also when it is restarted before the slow actuator has switched.
+TEST_F(Set, IsNotDoneWhenAnActuatorExitsAfterItsPartWhileASlowOneStillSwitches) {
+  Blocks("voice", "LowPower");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Process set(Command({"set", "LowPower", "--json"}));
+  const auto part_done = AwaitStatus([](const nlohmann::json& status) {
+    return status["actuators"]["legs"]["state"] == "LowPower";
+  });
+  kill(part_done["actuators"]["legs"]["pid"].get<pid_t>(), SIGKILL);
+  AwaitStatus([](const nlohmann::json& status) {
+    const auto& legs = status["actuators"]["legs"];
+    return legs["restarts"] == 1 && legs["presence"] == "present";
+  });
+  Release();
+  const Ended ended = set.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("legs: it has gone to SetUp since"));
+  const auto result = Json(ended.out);
+  EXPECT_EQ(result["outcome"], "done-degraded");
+  EXPECT_EQ(result["actuators"]["legs"]["outcome"], "lost") << result;
+  const auto back = AwaitStatus(AllHaveArrived);
+  EXPECT_EQ(back["actuators"]["legs"]["state"], "LowPower");
+}
+
 TEST_F(Set, SwitchesOneActuatorWhichThenIsHeld) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended set = Musher({"set", "LowPower", "voice"});

@@ -32,6 +32,20 @@ TEST_F(Adopting, DisturbsNoActuatorInWhateverStateTheMachineIs) {
   }
 }
 
+TEST_F(Adopting, ReportsATornDownActuatorAsTornDownAndDoesNotWaitForIt) {
+  Harness& t = In("Active", Ours(3));
+  t.shared.insert("b");  // its process keeps running
+  ASSERT_TRUE(t.Set("TearDown", "b").done());
+  t.RestartController();
+  const Time begun = t.now();
+  ASSERT_TRUE(t.RunUntil([&] { return t.machine().phase == Phase::kRunning; }));
+  EXPECT_LT(t.now() - begun, Milliseconds(50)) << "the time of its SetUp is 100 ms";
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->message, "is torn down; only a new start brings it back");
+  EXPECT_EQ(t.StateOf("a"), "Active");
+}
+
 TEST_F(Adopting, FinishesASwitchDownInWhichThePreviousControllerDied) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").after = {"b"};  // so b goes down after a

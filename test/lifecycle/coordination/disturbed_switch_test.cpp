@@ -112,6 +112,32 @@ TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome
   }
 }
 
+// It may be restarted before the other actuators have switched.
+TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
+  for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
+    for (const bool critical : {false, true}) {
+      MachineConfig config = critical ? OursWithCriticalB() : Ours(3);
+      for (ActuatorConfig& actuator : config.actuators) {
+        actuator.times.assign(actuator.times.size(), Milliseconds(2000));
+      }
+      Harness& t = In("Protected", config);
+      t.On("c", target).takes = Milliseconds(1000);
+      const RequestId request = t.Ask(target);
+      t.RunFor(Milliseconds(40));
+      t.Crash("b");
+      t.RunUntil([&] { return t.answers.count(request) > 0; });
+      ASSERT_EQ(t.RecordOf("b").presence, Presence::kPresent) << target;
+      const SwitchResult& result = t.answers.at(request);
+      EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << target << critical;
+      EXPECT_EQ(result.code, kCodeNetError) << target << critical;
+      EXPECT_EQ(result.reason, "b: it has gone to SetUp since, and is being driven back");
+      EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kLost) << target << critical;
+      t.Rest();
+      EXPECT_EQ(t.StateOf("b"), t.machine().state) << target << critical;
+    }
+  }
+}
+
 TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachineDown) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").critical = true;

@@ -186,6 +186,22 @@ TEST_F(RestartByHand, OfAProcessThatDoesNotExitEscalates) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
+// After its TearDown the process should exit by itself; here it also hosts another actuator.
+TEST_F(RestartByHand, OfATornDownProcessThatDoesNotExitSendsSigtermBeforeSigkill) {
+  for (const bool hangs : {false, true}) {
+    Harness& t = In("Active", Ours(2));
+    t.shared.insert("b");
+    t.On("b", "TERM").hangs = hangs;
+    EXPECT_TRUE(Do(t, "b"));
+    if (hangs) {
+      EXPECT_THAT(t.signals, ElementsAre("b:TERM", "b:KILL"));
+    } else {
+      EXPECT_THAT(t.signals, ElementsAre("b:TERM"));
+    }
+    EXPECT_EQ(t.StateOf("b"), "Active");
+  }
+}
+
 TEST_F(RestartByHand, OfAProcessThatIgnoresSigtermAndReconnectsStillEnds) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "TERM").hangs = true;

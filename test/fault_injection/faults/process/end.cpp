@@ -19,12 +19,21 @@ Loss LossAsSeen(FaultRun& run, const std::string& victim, Loss loss) {
   return run.robot.IsChildOfController(victim) ? loss : Loss::kFailure;
 }
 
+// An exit with code 0 is not a crash.
+Observer::Is HasEnded(const std::string& victim) {
+  return [victim](const msg::MachineStatus& status) {
+    const msg::ActuatorInfo& info = Find(status, victim);
+    return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
+  };
+}
+
 void Signal(FaultRun& run, const std::string& victim, int signal, Loss loss) {
   const pid_t pid = run.robot.PidOf(victim);
   loss = LossAsSeen(run, victim, loss);
   run.FaultInjected();
   kill(pid, signal);
-  run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
+  const bool clean = loss == Loss::kClean;
+  run.Detected(victim + " has ended", clean ? HasEnded(victim) : IsKnownAs(victim, "crashed"));
   AwaitExpectation(run, victim, loss);
 }
 
@@ -33,11 +42,7 @@ void EndByItself(FaultRun& run, End end, Loss loss) {
   loss = LossAsSeen(run, victim, loss);
   run.FaultInjected();
   run.robot.board(victim).end = end;
-  // An exit with code 0 is not a crash.
-  run.Detected(victim + " has ended", [&victim](const msg::MachineStatus& status) {
-    const msg::ActuatorInfo& info = Find(status, victim);
-    return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
-  });
+  run.Detected(victim + " has ended", HasEnded(victim));
   ClearFaults(run.robot.board(victim));
   AwaitExpectation(run, victim, loss);
 }
@@ -50,8 +55,9 @@ void Killed(FaultRun& run) {
 
 void Terminated(FaultRun& run) {
   const std::string victim = run.Victim(AllActuators());
-  // musher-exec ends its program and exits with code 0, which is not a failure.
-  Signal(run, victim, SIGTERM, MemberOf(victim).wrapped ? Loss::kClean : Loss::kFailure);
+  // musher-exec ends its program and exits with code 0, and so does a ROS 2 node: not a failure.
+  const bool clean = MemberOf(victim).wrapped || MemberOf(victim).ros2;
+  Signal(run, victim, SIGTERM, clean ? Loss::kClean : Loss::kFailure);
 }
 
 void SeveralKilled(FaultRun& run) {

@@ -1,0 +1,78 @@
+// The processes that already run when a controller starts.
+
+#include <unistd.h>
+
+#include <csignal>
+#include <utility>
+
+#include "musher/controller/controller.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher {
+namespace {
+
+// A process that an earlier controller has started and the config does not list gets SIGKILL after
+// this time.
+constexpr Duration kUnlistedEndsWithin = Milliseconds(2000);
+
+}  // namespace
+
+// Finds the actuators' processes that already run on this host, started by an earlier controller or
+// by hand; returns those that a controller has started. Only trusted ones are watched and stopped
+// with the machine.
+std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
+  std::vector<ChildProcess> stored;
+  for (const std::string& folder : {store_ ? config_.state_dir : std::string(), taken_from_}) {
+    if (folder.empty()) continue;
+    const auto more = StateStore::LoadChildren(folder, transport::HostId());
+    stored.insert(stored.end(), more.begin(), more.end());
+  }
+  std::vector<MarkedActuator> marked;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const std::string name = LockOf(actuator.name);
+    begin.running.push_back(transport::NameLock::IsHeld(name));
+    begin.processes.push_back(0);
+    if (!actuator.command.empty()) marked.push_back({actuator.name, name, begin.running.back()});
+  }
+  const std::vector<ChildProcess> children = FindChildren(marked, stored);
+  for (const ChildProcess& child : children) {
+    const std::size_t i = *config_.IndexOf(child.actuator);
+    begin.running[i] = true;
+    begin.processes[i] = child.pid;
+  }
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    if (begin.running[i] && begin.processes[i] == 0) begin.processes[i] = HolderOf(i);
+  }
+  for (const ChildProcess& child : stored) {
+    const auto i = config_.IndexOf(child.actuator);
+    if ((!i || config_.actuators[*i].command.empty()) && IsRunning(child)) EndUnlisted(child);
+  }
+  return children;
+}
+
+pid_t Controller::HolderOf(std::size_t i) {
+  const std::string& actuator = config_.actuators[i].name;
+  const auto holder = transport::NameLock::HolderOf(LockOf(actuator));
+  if (holder.trusted) return holder.pid;
+  shell_->Remark(kCodePermissionDenied,
+                 holder.Text() + " holds the name of " + actuator +
+                     " but belongs neither to root nor to user " + std::to_string(geteuid()) +
+                     ": it is not watched or signalled, and " + actuator + " is not started");
+  return 0;
+}
+
+// Stops a process that no controller controls any more. A process that holds its name is reported
+// instead, see ControllerShell::RecordUnlisted.
+void Controller::EndUnlisted(const ChildProcess& child) {
+  if (transport::NameLock::IsHeld(LockOf(child.actuator))) return;
+  if (!processes_.Adopt(child.pid, nullptr)) return;
+  shell_->Remark(kCodeStateInvalid, child.actuator + " (pid " + std::to_string(child.pid) +
+                                        ") was started by an earlier controller, and " +
+                                        config_.file + " does not start it: it is stopped");
+  static_cast<void>(processes_.Signal(child.pid, SIGTERM).ok());
+  kill_later_.push_back(node_.loop().At(node_.loop().Now() + kUnlistedEndsWithin, [this, child] {
+    static_cast<void>(processes_.Signal(child.pid, SIGKILL).ok());
+  }));
+}
+
+}  // namespace musher

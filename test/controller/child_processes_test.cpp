@@ -1,0 +1,115 @@
+// Finding the processes that an earlier controller has started: by the stored list and by their
+// mark.
+
+#include <gmock/gmock.h>
+
+#include "musher/controller/child_processes.hpp"
+#include "musher/controller/state_store.hpp"
+#include "musher/test/controller/supervised.hpp"
+
+namespace musher::child_processes_test {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class ChildProcesses : public Supervisor {
+ protected:
+  // A process of the actuator `dog` that runs until it is killed.
+  pid_t StartDog(const std::string& script = "echo ready > $PIPE; exec tail -f /dev/null") {
+    ProcessSpec spec = Script(script);
+    spec.mark = mark_;
+    const pid_t pid = MustStart(spec);
+    WaitForLine();
+    return pid;
+  }
+  static ChildProcess Now(pid_t pid) { return {"dog", pid, StartTimeOf(pid).value_or(0)}; }
+  std::vector<ChildProcess> Find(const std::vector<ChildProcess>& stored, bool runs = false) {
+    return FindChildren({{"dog", mark_, runs}}, stored);
+  }
+
+  const std::string mark_ = "7/test_" + std::to_string(getpid()) + "/dog";
+};
+
+TEST_F(ChildProcesses, AStoredProcessThatRunsIsFoundAgain) {
+  ProcessSpec spec = Script("echo ready > $PIPE; exec env -i tail -f /dev/null");
+  const pid_t pid = MustStart(spec);
+  WaitForLine();
+  EXPECT_THAT(Find({Now(pid)}), ElementsAre(Now(pid)));
+}
+
+TEST_F(ChildProcesses, AnotherProcessWithTheSamePidIsNotTakenForIt) {
+  ChildProcess reused = Now(getpid());
+  EXPECT_TRUE(IsRunning(reused));
+  reused.start_time -= 1;
+  EXPECT_FALSE(IsRunning(reused));
+  EXPECT_THAT(Find({reused}), IsEmpty());
+}
+
+TEST_F(ChildProcesses, AnExitedProcessDoesNotRunThoughItIsNotReaped) {
+  const pid_t pid = fork();
+  if (pid == 0) _exit(0);
+  siginfo_t info{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOWAIT), 0);
+  EXPECT_EQ(StartTimeOf(pid), std::nullopt);
+  waitpid(pid, nullptr, 0);
+  EXPECT_EQ(StartTimeOf(pid), std::nullopt);
+}
+
+TEST_F(ChildProcesses, AProcessThatIsNotStoredIsFoundByItsMark) {
+  const pid_t pid = StartDog();
+  EXPECT_THAT(Find({}), ElementsAre(Now(pid)));
+  EXPECT_THAT(FindChildren({{"cat", "7//cat"}}, {}), IsEmpty());
+}
+
+TEST_F(ChildProcesses, TheRemainsOfAnExitedProcessAreKilled) {
+  const pid_t pid = StartDog("setsid tail -f /dev/null & echo $! > $PIPE; exec tail -f /dev/null");
+  const auto marked = FindMarked();
+  const auto left = std::find_if(marked.begin(), marked.end(), [&](const MarkedProcess& process) {
+    return process.started == pid && process.pid != pid;
+  });
+  ASSERT_NE(left, marked.end());
+  EXPECT_THAT(Find({}), ElementsAre(Now(pid))) << "its own child is not the actuator's process";
+  supervisor_.reset();  // it would kill the remains itself
+  kill(pid, SIGKILL);
+  waitpid(pid, nullptr, 0);
+  EXPECT_THAT(Find({}, true), IsEmpty());
+  EXPECT_TRUE(StartTimeOf(left->pid)) << "it may hold the actuator's name";
+  EXPECT_TRUE(EndsAfter(left->pid, [this] { EXPECT_THAT(Find({}), IsEmpty()); }));
+}
+
+TEST_F(ChildProcesses, TheExitOfAnAdoptedProcessIsReportedAndTheRestOfItsSessionIsKilled) {
+  const pid_t pid = StartDog("tail -f /dev/null & echo $! > $PIPE; exec tail -f /dev/null");
+  const auto marked = FindMarked();
+  const auto other = std::find_if(marked.begin(), marked.end(), [&](const MarkedProcess& process) {
+    return process.started == pid && process.pid != pid;
+  });
+  ASSERT_NE(other, marked.end());
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);  // the next controller
+  ASSERT_TRUE(supervisor_->Adopt(pid, [this](const ProcessExit& exit) { exit_ = exit; }));
+  EXPECT_TRUE(EndsAfter(other->pid, [&] { kill(pid, SIGKILL); }));
+  const auto exit = WaitForExit();
+  ASSERT_TRUE(exit);
+  EXPECT_EQ(exit->kind, ProcessExit::Kind::kUnknown);
+}
+
+TEST_F(ChildProcesses, AreStoredForThisBootOfThisHostOnly) {
+  const std::vector<ChildProcess> children = {{"dog", 4711, 815}, {"cat", 4712, 816}};
+  const std::string text = ToText(children, "this boot/4026531836");
+  EXPECT_EQ(ChildrenFrom(text, "this boot/4026531836"), children);
+  EXPECT_THAT(ChildrenFrom(text, "the next boot/4026531836"), IsEmpty());
+  EXPECT_THAT(ChildrenFrom(text, ""), IsEmpty());
+  EXPECT_THAT(ChildrenFrom("host h\nprocess 4711 815 dog\nprocess -1 5 cat\nproc", "h"),
+              ElementsAre(children[0]));
+}
+
+TEST_F(ChildProcesses, AreKeptInTheFolderOfTheController) {
+  const MachineOrigin machine{"robot", "", 0, "/robot.toml"};
+  auto store = StateStore::Open(folder_ / "state", machine);
+  ASSERT_TRUE(store);
+  const std::vector<ChildProcess> children = {{"dog", 4711, 815}};
+  ASSERT_TRUE(store.value().SaveChildren(children, "h"));
+  EXPECT_EQ(StateStore::LoadChildren(folder_ / "state", "h"), children);
+  EXPECT_THAT(StateStore::LoadChildren(folder_ / "nowhere", "h"), IsEmpty());
+}
+
+}  // namespace musher::child_processes_test
