@@ -16,6 +16,13 @@ constexpr std::size_t kLongestName = 256;
 // How long the latch may be behind: every reply carries the status too, so a quick callback need
 // not be told of twice, and a switch does not wait for the telling.
 constexpr Duration kStatusDelay = Milliseconds(50);
+// The endpoints of a managed node come after what a controller needs: at once where there is none,
+// else when the robot is up.
+constexpr Duration kControllerSeen = Milliseconds(150);
+constexpr Duration kRobotIsUp = Milliseconds(2000);
+// A ROS 2 manager asks for the state after its shutdown.
+constexpr Duration kLastLook = Milliseconds(1000);
+constexpr Duration kLastLookPeriod = Milliseconds(5);
 
 // Of our own process, if that means anything here: a simulated one has none.
 Checkpoints::Sample SampleOf(pid_t pid) {
@@ -135,12 +142,50 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
   }
 }
 
-void ActuatorShell::OnManager(const State& target, FsMachine::Reply reply) {
+void ActuatorShell::OnManager(const State& target, OnManagerAnswered answered) {
   const RequestToken token = next_token_++;
-  replies_[token] = [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
-    reply(core_.report.state, answer.code);
-  };
+  replies_[token] = std::move(answered);
   Handle(actuator_event::ManagerCommand{token, target.substr(0, kLongestName)});
+}
+
+void ActuatorShell::OfferManagedNodeAt(Time when) {
+  offer_later_ = node_.loop().At(when, [this] { OfferManagedNode(); });
+}
+
+void ActuatorShell::OfferManagedNode() {
+  offer_later_ = nullptr;
+  transport::ManagedNodeEndpoints::Hooks hooks;
+  hooks.refusal = [this]() -> std::optional<Error> {
+    if (core_.report.epoch == 0) return std::nullopt;
+    return Error{kCodePermissionDenied,
+                 "a controller holds it, epoch " + std::to_string(core_.report.epoch)};
+  };
+  hooks.change = [this](const Ros2Transition& transition, auto done) {
+    ChangeManagedNode(transition, std::move(done));
+  };
+  hooks.log = hooks_.on_remark;
+  const std::string instance = actuator_.name + "-" + std::to_string(core_.report.incarnation);
+  auto made = transport::ManagedNodeEndpoints::Make(node_, config_.name_space, actuator_.name,
+                                                    instance, std::move(hooks));
+  if (!made) {  // a controller can drive it all the same
+    if (hooks_.on_remark) hooks_.on_remark("no ROS 2 managed node: " + made.error().message);
+    return;
+  }
+  managed_node_ = std::move(made).value();
+  managed_node_->Observe(core_.report.state, core_.report.target);
+}
+
+void ActuatorShell::ChangeManagedNode(const Ros2Transition& transition,
+                                      transport::ManagedNodeEndpoints::Done done) {
+  const auto target = TargetOf(transition, actuator_, config_);
+  if (!target) {
+    return done(Error{kCodeUnSupport, actuator_.name + " has no state for it"});
+  }
+  if (target->empty()) return done(Ok());
+  OnManager(*target, [done = std::move(done)](const actuator_action::Answer& answer) {
+    if (answer.verdict == Verdict::kDone) return done(Ok());
+    done(Error{answer.code, answer.message.empty() ? "its callback failed" : answer.message});
+  });
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
@@ -148,6 +193,7 @@ void ActuatorShell::Handle(const ActuatorEvent& event) {
   const std::vector<ActuatorAction> actions =
       Step(config_, index_, core_, event, node_.loop().Now());
   if (hooks_.on_report) hooks_.on_report(core_.report);  // before anybody is answered
+  if (managed_node_) managed_node_->Observe(core_.report.state, core_.report.target);
   for (const ActuatorAction& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
@@ -254,15 +300,34 @@ void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
   server_ = std::move(server).value();
   auto fs_machine = FsMachine::Make(
       node_, config_.name_space, actuator_.name,
-      [this](const State& target, FsMachine::Reply reply) { OnManager(target, std::move(reply)); });
+      [this](const State& target, FsMachine::Reply reply) {
+        OnManager(target, [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
+          reply(core_.report.state, answer.code);
+        });
+      });
   if (!fs_machine) return hooks_.on_finished(fs_machine.error());
   fs_machine_ = std::move(fs_machine).value();
+  if (hooks_.managed_node) {
+    const Time now = node_.loop().Now();
+    offer_later_ = node_.loop().At(now + kControllerSeen, [this, now] {
+      const bool controlled = !core_.announced.empty() || core_.report.epoch != 0;
+      if (controlled) return OfferManagedNodeAt(now + kRobotIsUp);
+      OfferManagedNode();
+    });
+  }
   if (hooks_.on_set_up) hooks_.on_set_up();
 }
 
 void ActuatorShell::Do(const actuator_action::Finish& action) {
   if (publish_later_) Publish();
-  hooks_.on_finished(Error{action.code, action.message});
+  FinishOnceLookedAt({action.code, action.message}, node_.loop().Now() + kLastLook);
+}
+
+void ActuatorShell::FinishOnceLookedAt(const Error& end, Time deadline) {
+  const Time now = node_.loop().Now();
+  if (!managed_node_ || !managed_node_->Holds() || now >= deadline) return hooks_.on_finished(end);
+  finish_later_ = node_.loop().At(now + kLastLookPeriod,
+                                  [this, end, deadline] { FinishOnceLookedAt(end, deadline); });
 }
 
 // Stamps only grow: of two reports of the same moment the later one counts.

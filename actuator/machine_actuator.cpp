@@ -230,6 +230,8 @@ class MachineActuator::Impl {
       if (end.code != kCodeOk) TellSetUp(end);
       Finish(end.code == kCodeOk ? 0 : 1);
     };
+    hooks.on_remark = [this](const std::string& line) { Log(line); };
+    hooks.managed_node = config_->ros2.managed_nodes;
     auto shell = ActuatorShell::Make(node_->node(), *worker_, *config_, *index_,
                                      {transport::NewIncarnation(), getpid(), transport::HostId()},
                                      std::move(hooks));

@@ -20,6 +20,7 @@ musher_dependency(SQLiteCpp libsqlitecpp-dev)
 musher_dependency(OpenSSL libssl-dev 3.0)
 musher_dependency(ZLIB zlib1g-dev)
 musher_dependency(Threads libc6-dev)
+musher_dependency(Python3 python3 COMPONENTS Interpreter)
 
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp)
 find_path(NLOHMANN_JSON_INCLUDE_DIR nlohmann/json.hpp)

@@ -17,6 +17,7 @@
 #include "musher/controller/log_files.hpp"
 #include "musher/controller/process_probe.hpp"
 #include "musher/controller/process_supervisor.hpp"
+#include "musher/controller/ros2_tools.hpp"
 #include "musher/controller/state_store.hpp"
 #include "musher/transport/host.hpp"
 
@@ -93,6 +94,7 @@ class Controller {
   std::size_t held_ = 0;                     // actuators of this host whose name is taken
   std::string led_with_;                     // hash of the config it was led with before
   bool look_around_ = false;                 // another controller may lead already
+  const std::uint64_t incarnation_ = transport::NewIncarnation();
   DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
@@ -100,6 +102,7 @@ class Controller {
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
   std::unique_ptr<cyberdog::Manager> manager_;    // the same, and where the config wants none
+  std::unique_ptr<Ros2Tools> ros2_tools_;         // the same
   transport::LoopHandlePtr begin_later_;
 };
 

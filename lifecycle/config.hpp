@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "musher/lifecycle/policy_config.hpp"
+#include "musher/lifecycle/ros2_config.hpp"
 #include "musher/lifecycle/ros2_states.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/time.hpp"
@@ -136,6 +137,7 @@ struct MachineConfig {
   std::string keys;  // absolute folder of keys: strangers are kept out; empty: anybody may come
 
   std::optional<PolicyConfig> policy;  // none: the machine has no rules of its own
+  Ros2Config ros2;
 
   std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
   std::vector<CapabilityConfig> capabilities;  // in the order of the file

@@ -29,6 +29,8 @@ struct Qos {
   // Writers and readers of a topic meet in the same partition; "*" is every one. Empty: the default
   // one, and ROS 2's. What it views outlives the endpoint.
   std::string_view partition = {};
+  // What is older is not delivered any more; zero: no such limit. Not in the simulation.
+  Duration lifespan{};
 
   friend bool operator==(const Qos&, const Qos&) = default;
 };

@@ -146,6 +146,13 @@ TEST(Rights, ToCyberdogsManagerAreTheOperatorsButForQuestionsAndWakingUp) {
   EXPECT_TRUE(may(Role::kController, "rr/*/poweroffReply"));
 }
 
+TEST(Rights, OfAControllerCoverAllOfTheMachinesManagedNode) {
+  const std::string xml = PermissionsXml({"dog", "CN=dog", Role::kController, {}, {}});
+  const std::string allowed = xml.substr(0, xml.find("<deny_rule>"));
+  EXPECT_THAT(allowed, HasSubstr("<topic>rt/musher/transition_event</topic>"));
+  EXPECT_THAT(allowed, HasSubstr("<topic>rr/musher/*Reply</topic>"));
+}
+
 TEST(Governance, LetsNobodyInWithoutACertificate) {
   const std::string xml = GovernanceXml(Protection::kSigned);
   EXPECT_THAT(xml, HasSubstr("<allow_unauthenticated_participants>false<"));

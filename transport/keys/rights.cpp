@@ -141,7 +141,8 @@ const Topics kMachine =
     DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
 std::vector<Criteria> OfController() {
-  const Topics told = kAnnouncements + kMachine + kStops + DataTopics(kManagerTells);
+  const Topics told = kAnnouncements + kMachine + kStops +
+                      DataTopics(kManagerTells + Topics{MachineService("", "transition_event")});
   const Topics answered =
       Replies({kAllMachineServices}) + Replies(kManagerQuestions + kManagerWakeUp + kManagerWishes);
   return {{"publish", told + answered + Requests(ServicesOf("*"))}, {"subscribe", {"*"}}};
