@@ -16,6 +16,13 @@ constexpr std::size_t kLongestName = 256;
 // The latched status may lag by this time: every reply carries the status too, so a short callback
 // need not be published twice, and a switch does not wait for the publication.
 constexpr Duration kStatusDelay = Milliseconds(50);
+// The endpoints of a managed node are offered after those that a controller needs: after the first
+// time without a controller, after the second with one, when the start of the robot is over.
+constexpr Duration kControllerDetected = Milliseconds(150);
+constexpr Duration kStartIsOver = Milliseconds(2000);
+// A ROS 2 manager queries the state once more after its shutdown.
+constexpr Duration kLastQueryTime = Milliseconds(1000);
+constexpr Duration kLastQueryPeriod = Milliseconds(5);
 
 // Samples our own process; a simulated process has no sample.
 Checkpoints::Sample SampleOf(pid_t pid) {
@@ -135,12 +142,50 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
   }
 }
 
-void ActuatorShell::OnManager(const State& target, FsMachine::Reply reply) {
+void ActuatorShell::OnManager(const State& target, OnManagerAnswered answered) {
   const RequestToken token = next_token_++;
-  replies_[token] = [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
-    reply(core_.report.state, answer.code);
-  };
+  replies_[token] = std::move(answered);
   Handle(actuator_event::ManagerCommand{token, target.substr(0, kLongestName)});
+}
+
+void ActuatorShell::OfferManagedNodeAt(Time when) {
+  offer_later_ = node_.loop().At(when, [this] { OfferManagedNode(); });
+}
+
+void ActuatorShell::OfferManagedNode() {
+  offer_later_ = nullptr;
+  transport::ManagedNodeEndpoints::Hooks hooks;
+  hooks.refusal = [this]() -> std::optional<Error> {
+    if (core_.report.epoch == 0) return std::nullopt;
+    return Error{kCodePermissionDenied,
+                 "under control of the controller of epoch " + std::to_string(core_.report.epoch)};
+  };
+  hooks.change = [this](const Ros2Transition& transition, auto done) {
+    ChangeManagedNode(transition, std::move(done));
+  };
+  hooks.log = hooks_.on_remark;
+  const std::string instance = actuator_.name + "-" + std::to_string(core_.report.incarnation);
+  auto made = transport::ManagedNodeEndpoints::Make(node_, config_.name_space, actuator_.name,
+                                                    instance, std::move(hooks));
+  if (!made) {  // a controller can still drive it
+    if (hooks_.on_remark) hooks_.on_remark("no ROS 2 managed node: " + made.error().message);
+    return;
+  }
+  managed_node_ = std::move(made).value();
+  managed_node_->Observe(core_.report.state, core_.report.target);
+}
+
+void ActuatorShell::ChangeManagedNode(const Ros2Transition& transition,
+                                      transport::ManagedNodeEndpoints::Done done) {
+  const auto target = TargetOf(transition, actuator_, config_);
+  if (!target) {
+    return done(Error{kCodeUnSupport, actuator_.name + " has no state for this transition"});
+  }
+  if (target->empty()) return done(Ok());
+  OnManager(*target, [done = std::move(done)](const actuator_action::Answer& answer) {
+    if (answer.verdict == Verdict::kDone) return done(Ok());
+    done(Error{answer.code, answer.message.empty() ? "its callback failed" : answer.message});
+  });
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
@@ -148,6 +193,7 @@ void ActuatorShell::Handle(const ActuatorEvent& event) {
   const std::vector<ActuatorAction> actions =
       Step(config_, index_, core_, event, node_.loop().Now());
   if (hooks_.on_report) hooks_.on_report(core_.report);  // before any reply is sent
+  if (managed_node_) managed_node_->Observe(core_.report.state, core_.report.target);
   for (const ActuatorAction& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
@@ -255,15 +301,34 @@ void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
   server_ = std::move(server).value();
   auto fs_machine = FsMachine::Make(
       node_, config_.name_space, actuator_.name,
-      [this](const State& target, FsMachine::Reply reply) { OnManager(target, std::move(reply)); });
+      [this](const State& target, FsMachine::Reply reply) {
+        OnManager(target, [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
+          reply(core_.report.state, answer.code);
+        });
+      });
   if (!fs_machine) return hooks_.on_finished(fs_machine.error());
   fs_machine_ = std::move(fs_machine).value();
+  if (hooks_.managed_node) {
+    const Time now = node_.loop().Now();
+    offer_later_ = node_.loop().At(now + kControllerDetected, [this, now] {
+      const bool controlled = !core_.announced.empty() || core_.report.epoch != 0;
+      if (controlled) return OfferManagedNodeAt(now + kStartIsOver);
+      OfferManagedNode();
+    });
+  }
   if (hooks_.on_set_up) hooks_.on_set_up();
 }
 
 void ActuatorShell::Do(const actuator_action::Finish& action) {
   if (publish_later_) Publish();
-  hooks_.on_finished(Error{action.code, action.message});
+  FinishAfterLastQuery({action.code, action.message}, node_.loop().Now() + kLastQueryTime);
+}
+
+void ActuatorShell::FinishAfterLastQuery(const Error& end, Time deadline) {
+  const Time now = node_.loop().Now();
+  if (!managed_node_ || !managed_node_->Holds() || now >= deadline) return hooks_.on_finished(end);
+  finish_later_ = node_.loop().At(now + kLastQueryPeriod,
+                                  [this, end, deadline] { FinishAfterLastQuery(end, deadline); });
 }
 
 // Stamps only grow: of two reports with the same time the later one counts.

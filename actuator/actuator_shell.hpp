@@ -18,6 +18,7 @@
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/battery_watch.hpp"
+#include "musher/transport/managed_node_endpoints.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
 
@@ -42,6 +43,9 @@ class ActuatorShell {
     std::function<void(std::optional<int>)> on_battery;
     std::function<void()> on_set_up;         // SetUp is done and the services are available
     std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
+    // A line for the actuator's log; may be empty.
+    std::function<void(const std::string&)> on_remark;
+    bool managed_node = false;  // offered to ROS 2 as a managed node after SetUp
   };
 
   // `config`, `node` and `worker` must outlive the shell.
@@ -69,7 +73,13 @@ class ActuatorShell {
   Result<> WatchBattery();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::PeerId sender);
-  void OnManager(const State& target, FsMachine::Reply reply);
+  using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
+  void OnManager(const State& target, OnManagerAnswered answered);
+  void OfferManagedNodeAt(Time when);
+  void OfferManagedNode();
+  void ChangeManagedNode(const Ros2Transition& transition,
+                         transport::ManagedNodeEndpoints::Done done);
+  void FinishAfterLastQuery(const Error& end, Time deadline);
   void Handle(const ActuatorEvent& event);
   void Do(const actuator_action::RunCallback& action);
   void Do(const actuator_action::RequestStop& action);
@@ -109,6 +119,9 @@ class ActuatorShell {
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
   std::unique_ptr<FsMachine> fs_machine_;
+  std::unique_ptr<transport::ManagedNodeEndpoints> managed_node_;
+  transport::LoopHandlePtr offer_later_;
+  transport::LoopHandlePtr finish_later_;
   std::shared_ptr<bool> alive_ =
       std::make_shared<bool>(true);  // expires before late results arrive
 };

@@ -26,8 +26,7 @@ namespace musher {
 namespace {
 
 Result<> FromCode(std::int32_t code) {
-  if (code == kCodeOk) return Ok();
-  return Error{code, ""};
+  return code == kCodeOk ? Ok() : Result<>(Error{code, ""});
 }
 
 }  // namespace
@@ -236,6 +235,8 @@ class MachineActuator::Impl {
       if (end.code != kCodeOk) SetSetUpResult(end);
       Finish(end.code == kCodeOk ? 0 : 1);
     };
+    hooks.on_remark = [this](const std::string& line) { Log(line); };
+    hooks.managed_node = config_->ros2.managed_nodes;
     auto shell = ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
                                      {transport::NewIncarnation(), getpid(), transport::HostId()},
                                      std::move(hooks));

@@ -246,16 +246,20 @@ Result<> Controller::OpenShell() {
   world.config_text = TextOf(config_);
   world.host = transport::HostId();
   world.pid = getpid();
-  world.incarnation = transport::NewIncarnation();
+  world.incarnation = incarnation_;
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
-  hooks.holds_answers = [this] { return services_ && services_->HoldsAnswers(); };
+  hooks.holds_answers = [this] {
+    return (services_ && services_->HoldsAnswers()) || (ros2_tools_ && ros2_tools_->Holds());
+  };
   hooks.close_services = [this] {
+    ros2_tools_ = nullptr;
     manager_ = nullptr;
     services_ = nullptr;
   };
   hooks.on_record = [this](const action::Record& record) {
     if (manager_) manager_->OnRecord(record);
+    if (ros2_tools_) ros2_tools_->OnRecord(record);
     if (options_.hooks.on_record) options_.hooks.on_record(record);
   };
   auto shell = ControllerShell::Make(std::move(world), config_, std::move(hooks));
@@ -283,12 +287,14 @@ Result<> Controller::OpenServices() {
   auto manager = cyberdog::Manager::Make(node_, *shell_, host);
   if (!manager) return manager.error();
   manager_ = std::move(manager).value();
+  ros2_tools_ =
+      std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, std::to_string(incarnation_));
   return Ok();
 }
 
 void Controller::Begin() {
   event::Begin begin;
-  begin.by_hand = options_.by_hand;
+  begin.by_hand = options_.by_hand || config_.ros2.started_by_manager;
   begin.epoch = LoadEpoch();
   if (const auto& rival = shell_->rival()) {
     if (!options_.takeover) {

@@ -17,6 +17,7 @@
 #include "musher/controller/log_files.hpp"
 #include "musher/controller/process_probe.hpp"
 #include "musher/controller/process_supervisor.hpp"
+#include "musher/controller/ros2_tools.hpp"
 #include "musher/controller/state_store.hpp"
 #include "musher/transport/host.hpp"
 
@@ -96,6 +97,7 @@ class Controller {
   std::string taken_from_;                   // state folder of the controller that was taken over
   std::string last_config_hash_;             // of the config of the previous controller
   bool listen_for_others_ = false;           // another controller may already lead
+  const std::uint64_t incarnation_ = transport::NewIncarnation();
   DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
@@ -103,6 +105,7 @@ class Controller {
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
   std::unique_ptr<cyberdog::Manager> manager_;    // also null without [policy] manager
+  std::unique_ptr<Ros2Tools> ros2_tools_;         // null unless this controller leads
   transport::LoopHandlePtr begin_later_;
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list
 };

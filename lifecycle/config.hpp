@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "musher/lifecycle/policy_config.hpp"
+#include "musher/lifecycle/ros2_config.hpp"
 #include "musher/lifecycle/ros2_states.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/time.hpp"
@@ -140,6 +141,7 @@ struct MachineConfig {
       keys;  // absolute folder of credentials: only authenticated participants; empty: no security
 
   std::optional<PolicyConfig> policy;  // none: no rules
+  Ros2Config ros2;
 
   std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
   std::vector<CapabilityConfig> capabilities;  // in the order of the file

@@ -39,9 +39,9 @@ ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
 }
 
-constexpr std::array<std::string_view, 8> kSections = {"controller", "actuator",  "state",
-                                                       "transition", "transport", "security",
-                                                       "policy",     "capability"};
+constexpr std::array<std::string_view, 9> kSections = {"controller", "actuator",   "state",
+                                                       "transition", "transport",  "security",
+                                                       "policy",     "capability", "ros2"};
 
 bool IsSection(const Value& value) {
   const auto* array = value.As<Array>();
@@ -91,6 +91,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadTransport(root, draft);
   ReadSecurity(root, draft);
   ReadPolicy(root, draft);
+  ReadRos2(root, draft);
   ReadActuators(root, draft);
   ReadCapabilities(root, draft);
 }

@@ -162,6 +162,7 @@ class Decision {
   bool StageSettled(int stage) const;
   bool AdvanceStart();
   void EndFirstStage();
+  void WaitForManager(std::uint64_t cause);
   void AnswerSetUpRequests();
   void AdoptFrom(const State& lowest, std::uint64_t cause);
   void AfterStartUpCheck(std::uint64_t checked);

@@ -289,6 +289,7 @@ void Decision::EndFirstStage() {
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
   if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, recorded);
+  if (machine_.by_hand && config_.ros2.started_by_manager) return WaitForManager(recorded);
   if (machine_.by_hand) return;
   if (present == 0) {
     return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front(),
@@ -302,6 +303,12 @@ void Decision::EndFirstStage() {
   }
   if (!config_.HasState(kSelfCheck)) return Activate(recorded);
   Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {}, recorded);
+}
+
+void Decision::WaitForManager(std::uint64_t cause) {
+  const std::string message = "the machine waits in SetUp for a manager to configure it";
+  RecordMachine(kCodeOk, message, cause);
+  Do(action::StartUpEnded{true, message});
 }
 
 void Decision::AfterStartUpCheck(std::uint64_t checked) {

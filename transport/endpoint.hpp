@@ -29,6 +29,8 @@ struct Qos {
   // Writers and readers of a topic match in the same partition; "*" matches all. Empty: the default
   // one, as in ROS 2. The viewed text must outlive the endpoint.
   std::string_view partition = {};
+  // Older samples are not delivered; zero: no limit. The simulation ignores it.
+  Duration lifespan{};
 
   friend bool operator==(const Qos&, const Qos&) = default;
 };

@@ -2,6 +2,7 @@
 
 #include "musher/test/contract/wire_exchange.hpp"
 #include "musher/test/contract/wire_fields.hpp"
+#include "musher/test/contract/wire_fields_tools.hpp"
 
 namespace musher::transport::wire_test {
 
@@ -10,6 +11,12 @@ MESSAGE(protocol, Heartbeats)
 MESSAGE(lifecycle_msgs, State)
 MESSAGE(lifecycle_msgs, Transition)
 MESSAGE(lifecycle_msgs, TransitionEvent)
+MESSAGE(lifecycle_msgs, TransitionDescription)
+MUSHER_MESSAGE(bond, Status, BondStatus)
+MESSAGE(diagnostic_msgs, KeyValue)
+MESSAGE(diagnostic_msgs, DiagnosticStatus)
+MESSAGE(diagnostic_msgs, DiagnosticArray)
+MESSAGE(rcl_interfaces, Log)
 MESSAGE(musher_msgs, ActuatorStatus)
 MESSAGE(musher_msgs, ActuatorInfo)
 MESSAGE(musher_msgs, ActuatorBeat)
@@ -26,6 +33,8 @@ SERVICE(std_srvs, Trigger)
 SERVICE(protocol, FsMachine)
 SERVICE(lifecycle_msgs, ChangeState)
 SERVICE(lifecycle_msgs, GetState)
+SERVICE(lifecycle_msgs, GetAvailableStates)
+SERVICE(lifecycle_msgs, GetAvailableTransitions)
 SERVICE(musher_msgs, ActuatorCommand)
 SERVICE(musher_msgs, SetState)
 SERVICE(musher_msgs, RequestPolicy)

@@ -106,7 +106,7 @@ TEST_F(Keys, ThatAreNoKeysAreNamed) {
   EXPECT_THAT(Complaint("legs"), HasSubstr("revoked.crl is empty"));
 }
 
-TEST(Rights, OfAnActuatorAreThoseOfItsOwnName) {
+TEST(Permissions, OfAnActuatorAreThoseOfItsOwnName) {
   const Grant grant{"legs", "CN=legs", Role::kActuator, {}, {}};
   const std::string xml = PermissionsXml(grant);
   EXPECT_THAT(xml, HasSubstr("<topic>rr/*/legs/musher_commandReply</topic>"));
@@ -116,7 +116,7 @@ TEST(Rights, OfAnActuatorAreThoseOfItsOwnName) {
   EXPECT_THAT(xml, HasSubstr("<default>DENY</default>"));
 }
 
-TEST(Rights, OfAnObserverHoldNothingButQuestions) {
+TEST(Permissions, OfAnObserverAllowOnlyQueries) {
   const std::string xml = PermissionsXml({"guest", "CN=guest", Role::kObserver, {}, {}});
   EXPECT_THAT(xml, Not(HasSubstr("<topic>*</topic>")));
   EXPECT_THAT(xml, Not(HasSubstr("set_state")));
@@ -125,7 +125,7 @@ TEST(Rights, OfAnObserverHoldNothingButQuestions) {
   EXPECT_THAT(xml, HasSubstr("<topic>ros_discovery_info</topic>")) << "to be listed as a node";
 }
 
-TEST(Rights, ToCyberdogsManagerAreTheOperatorsButForQuestionsAndWakingUp) {
+TEST(Permissions, ForCyberdogsManagerAreTheOperatorsExceptQueriesAndWakingUp) {
   const auto may = [](Role role, const std::string& topic) {
     const std::string xml = PermissionsXml({"x", "CN=x", role, {}, {}});
     const std::string allowed = xml.substr(0, xml.find("<deny_rule>"));
@@ -145,6 +145,13 @@ TEST(Rights, ToCyberdogsManagerAreTheOperatorsButForQuestionsAndWakingUp) {
   }
   EXPECT_TRUE(may(Role::kController, "rt/state_switch_status"));
   EXPECT_TRUE(may(Role::kController, "rr/*/poweroffReply"));
+}
+
+TEST(Permissions, OfAControllerCoverAllOfTheMachinesManagedNode) {
+  const std::string xml = PermissionsXml({"dog", "CN=dog", Role::kController, {}, {}});
+  const std::string allowed = xml.substr(0, xml.find("<deny_rule>"));
+  EXPECT_THAT(allowed, HasSubstr("<topic>rt/musher/transition_event</topic>"));
+  EXPECT_THAT(allowed, HasSubstr("<topic>rr/musher/*Reply</topic>"));
 }
 
 TEST(Governance, AdmitsNoParticipantWithoutACertificate) {

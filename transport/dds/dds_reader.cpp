@@ -7,6 +7,7 @@
 
 #include "musher/transport/dds/matched.hpp"
 #include "musher/transport/dds/raw_type.hpp"
+#include "musher/transport/lost_samples.hpp"
 
 namespace musher::transport::dds {
 
@@ -21,6 +22,7 @@ Result<> ReaderCore::Open(dds_entity_t participant, Entity topic, const QosPtr& 
   const ListenerPtr listener(dds_create_listener(this));
   dds_lset_data_available(listener.get(), OnDataAvailable);
   dds_lset_subscription_matched(listener.get(), OnMatched);
+  dds_lset_sample_lost(listener.get(), OnSampleLost);
   const dds_entity_t reader =
       dds_create_reader(participant, topic_.get(), qos.get(), listener.get());
   if (reader < 0) return DdsError("dds_create_reader", reader);
@@ -42,6 +44,10 @@ void ReaderCore::OnMatched(dds_entity_t, dds_subscription_matched_status_t, void
   auto* core = static_cast<ReaderCore*>(self);
   core->match_changed_ = true;
   core->Notify();
+}
+
+void ReaderCore::OnSampleLost(dds_entity_t, dds_sample_lost_status_t status, void*) {
+  CountLostSamples(static_cast<std::uint64_t>(std::max(status.total_count_change, 0)));
 }
 
 // New writers are learnt before their samples are delivered, lost ones are told after their last.

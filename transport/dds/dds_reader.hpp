@@ -36,6 +36,7 @@ class ReaderCore : public Notifier {
  private:
   static void OnDataAvailable(dds_entity_t reader, void* self);
   static void OnMatched(dds_entity_t reader, dds_subscription_matched_status_t status, void* self);
+  static void OnSampleLost(dds_entity_t reader, dds_sample_lost_status_t status, void* self);
 
   void Visit() override;
   bool Take();

@@ -144,7 +144,9 @@ const Topics kMachine =
     DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
 std::vector<Criteria> OfController() {
-  const Topics published = kAnnouncements + kMachine + kStops + DataTopics(kManagerPublishes);
+  const Topics published =
+      kAnnouncements + kMachine + kStops +
+      DataTopics(kManagerPublishes + Topics{MachineService("", "transition_event")});
   const Topics answered = Replies({kAllMachineServices}) +
                           Replies(kManagerQueries + kManagerWakeUp + kManagerOperatorServices);
   return {{"publish", published + answered + Requests(ServicesOf("*"))}, {"subscribe", {"*"}}};

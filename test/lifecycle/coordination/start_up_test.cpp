@@ -174,6 +174,21 @@ TEST(StartUpByHand, LeavesSelfCheckAndActiveToTheProgram) {
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
 }
 
+TEST(StartUpByAManager, EndsOnceAllActuatorsAreSetUpAndTheManagerActivatesTheMachine) {
+  MachineConfig config = MachineOf(2);
+  config.ros2.started_by_manager = true;
+  Harness t(config);
+  t.Begin(/*by_hand=*/true);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "SetUp");
+  ASSERT_TRUE(t.start_up().has_value()) << "`musher up --detach` returns";
+  EXPECT_TRUE(t.start_up()->usable);
+  EXPECT_THAT(t.start_up()->message, ::testing::HasSubstr("waits in SetUp for a manager"));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+}
+
 MachineConfig TwoStages() {
   MachineConfig config = Started(3);
   ActuatorNamed(config, "c").stage = 2;

@@ -1,0 +1,326 @@
+// Actuators and the machine under the control of ROS 2's tools: plain C peers on real DDS.
+
+#include "musher/test/contract/plain_lifecycle_manager.hpp"
+
+#include <diagnostic_msgs.h>
+#include <gmock/gmock.h>
+#include <rcl_interfaces.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/controller/machine_controller.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+
+namespace musher::testing::plain_lifecycle_manager_test {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr std::uint64_t kFlood = 5000;  // requests
+constexpr std::uint8_t kConfigure = 1;
+constexpr std::uint8_t kActivate = 3;
+constexpr std::uint8_t kDeactivate = 4;
+
+// An actuator that records its callbacks.
+class Module : public MachineActuator {
+ public:
+  explicit Module(const std::string& name) : MachineActuator(name) {
+    RegisterStateCallback([this](const State& state) {
+      const std::lock_guard lock(mutex_);
+      ran_.push_back(state);
+      return state == fails_in_ ? 2012 : kCodeOk;
+    });
+  }
+  ~Module() override { Shutdown(); }
+
+  std::vector<State> ran() const {
+    const std::lock_guard lock(mutex_);
+    return ran_;
+  }
+  void FailIn(const State& state) {
+    const std::lock_guard lock(mutex_);
+    fails_in_ = state;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<State> ran_;
+  State fails_in_;
+};
+
+int Domain() {
+  return transport::TestDomain();
+}
+
+class AnActuatorWithoutAController : public ::testing::Test {
+ protected:
+  AnActuatorWithoutAController() : file_({"arm", "leg"}, kAllStates) {
+    for (Module* module : {&arm_, &leg_}) {
+      EXPECT_TRUE(module->Init(file_.path()));
+      EXPECT_TRUE(module->Start());
+    }
+  }
+
+  RobotFile file_;
+  Module arm_{"arm"};
+  Module leg_{"leg"};
+};
+
+TEST_F(AnActuatorWithoutAController, IsBroughtUpAndDownByNav2sManagerWithoutErrors) {
+  PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"arm", "leg"});
+  EXPECT_TRUE(manager.Startup());
+  EXPECT_EQ(arm_.CurrentState(), "Active");
+  EXPECT_TRUE(manager.Pause());
+  EXPECT_EQ(arm_.CurrentState(), "DeActive");
+  EXPECT_TRUE(manager.Resume());
+  EXPECT_TRUE(manager.Reset());
+  EXPECT_TRUE(manager.Startup()) << "after its cleanup a node is configured again";
+  EXPECT_TRUE(manager.Shutdown());
+  EXPECT_THAT(manager.errors(), IsEmpty());
+  EXPECT_EQ(arm_.Wait(), 0) << "its process exits after the manager has queried it finalized";
+  EXPECT_THAT(arm_.ran(), ElementsAre("SetUp", "SelfCheck", "Active", "DeActive", "Active",
+                                      "DeActive", "SelfCheck", "Active", "DeActive", "TearDown"));
+}
+
+TEST_F(AnActuatorWithoutAController, KeepsABondWithABondedManager) {
+  PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"arm", "leg"}, 1.0);
+  const auto begun = std::chrono::steady_clock::now();
+  ASSERT_TRUE(manager.Startup());
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begun;
+  RecordProperty("bonded_startup_of_two_ms", std::to_string(took.count()));
+  // Longer than the bond's timeout.
+  EXPECT_TRUE(manager.participant().Spin([&] { return manager.bond("arm")->received() >= 20; }));
+  EXPECT_FALSE(manager.bond("arm")->broken());
+  EXPECT_FALSE(manager.bond("leg")->broken());
+  EXPECT_TRUE(manager.Pause());
+  EXPECT_TRUE(manager.Resume()) << "with a new bond";
+  EXPECT_TRUE(manager.Shutdown());
+  EXPECT_THAT(manager.errors(), IsEmpty());
+}
+
+TEST_F(AnActuatorWithoutAController, EndsItsBondWhenAnotherClientDeactivatesIt) {
+  PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"arm"}, 4.0);
+  ASSERT_TRUE(manager.Startup());
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
+  ASSERT_EQ(tool.ChangeState(kDeactivate), true);
+  EXPECT_TRUE(manager.participant().Spin([&] { return manager.bond("arm")->broken(); }, 2000))
+      << "at once, not after 4 s";
+}
+
+TEST_F(AnActuatorWithoutAController, HasTheGraphThatRos2LifecycleLists) {
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
+  EXPECT_EQ(tool.GetState(), "unconfigured [1]");
+  EXPECT_THAT(
+      tool.GetAvailableStates(),
+      ElementsAre("unknown [0]", "unconfigured [1]", "inactive [2]", "active [3]", "finalized [4]",
+                  "configuring [10]", "cleaningup [11]", "shuttingdown [12]", "activating [13]",
+                  "deactivating [14]", "errorprocessing [15]"));
+  EXPECT_THAT(tool.GetAvailableTransitions(),
+              ElementsAre("configure [1] unconfigured -> configuring",
+                          "shutdown [5] unconfigured -> shuttingdown"));
+  EXPECT_THAT(tool.GetTransitionGraph(),
+              AllOf(SizeIs(25), Contains("transition_success [30] activating -> active"),
+                    Contains("transition_error [62] errorprocessing -> finalized")));
+}
+
+TEST_F(AnActuatorWithoutAController, PublishesItsTransitionsAndAcceptsThemByLabel) {
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
+  ASSERT_EQ(tool.ChangeState(0, "configure"), true);
+  arm_.FailIn("Active");
+  EXPECT_EQ(tool.ChangeState(kActivate), false);
+  EXPECT_EQ(tool.GetState(), "inactive [2]") << "like a ROS 2 node after a failed on_activate";
+  EXPECT_EQ(tool.ChangeState(0, "fly"), false);
+  EXPECT_TRUE(person.Spin([&] { return tool.events.size() >= 4; }));
+  EXPECT_THAT(tool.events, ElementsAre("configure: unconfigured -> configuring",
+                                       "transition_success: configuring -> inactive",
+                                       "activate: inactive -> activating",
+                                       "transition_failure: activating -> inactive"));
+}
+
+class AMachineAndItsManagers : public ::testing::Test {
+ protected:
+  AMachineAndItsManagers() : file_({"arm", "leg"}, kAllStates) {}
+
+  void BringActuatorsUp() {
+    for (Module* module : {&arm_, &leg_}) {
+      ASSERT_TRUE(module->Init(file_.path()));
+      ASSERT_TRUE(module->Start());
+    }
+    ASSERT_TRUE(controller_.MachineControllerInit(file_.path()));
+  }
+
+  RobotFile file_;
+  Module arm_{"arm"};
+  Module leg_{"leg"};
+  MachineController controller_;
+};
+
+TEST_F(AMachineAndItsManagers, ItsActuatorsRefuseAManagerWithAReasonAndAnswerQueries) {
+  BringActuatorsUp();
+  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
+  ASSERT_TRUE(controller_.SetState("SelfCheck"));
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
+  EXPECT_EQ(tool.GetState(), "inactive [2]");
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(tool.ChangeState(kActivate), false);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              HasSubstr("arm: change_state 3 failed: under control of the controller of epoch 1"));
+  EXPECT_EQ(arm_.CurrentState(), "SelfCheck");
+  ASSERT_TRUE(controller_.SetState("Active"));
+  EXPECT_EQ(tool.GetState(), "active [3]");
+  EXPECT_TRUE(person.Spin([&] { return tool.events.size() >= 2; }));
+  EXPECT_THAT(tool.events, ElementsAre("activate: inactive -> activating",
+                                       "transition_success: activating -> active"));
+}
+
+TEST_F(AMachineAndItsManagers, AsOneNodeItIsBroughtUpAndDownByNav2sManager) {
+  BringActuatorsUp();
+  PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"musher"});
+  EXPECT_TRUE(manager.Startup());
+  EXPECT_EQ(arm_.CurrentState(), "Active");
+  EXPECT_EQ(leg_.CurrentState(), "Active");
+  EXPECT_TRUE(manager.Pause());
+  EXPECT_EQ(leg_.CurrentState(), "DeActive");
+  EXPECT_TRUE(manager.Resume());
+  EXPECT_TRUE(manager.Shutdown()) << "it answers queries after the TearDown as well";
+  EXPECT_THAT(manager.errors(), IsEmpty());
+  EXPECT_EQ(arm_.Wait(), 0);
+  EXPECT_EQ(leg_.Wait(), 0);
+}
+
+TEST_F(AMachineAndItsManagers, AsOneNodeItKeepsABond) {
+  BringActuatorsUp();
+  PlainNav2Manager manager(Domain(), RobotFile::name_space(), {"musher"}, 1.0);
+  ASSERT_TRUE(manager.Startup());
+  EXPECT_TRUE(manager.participant().Spin([&] { return manager.bond("musher")->received() >= 20; }));
+  EXPECT_FALSE(manager.bond("musher")->broken());
+  EXPECT_TRUE(manager.Shutdown());
+  EXPECT_THAT(manager.errors(), IsEmpty());
+}
+
+TEST_F(AMachineAndItsManagers, AsOneNodeItKeepsItsStateWhenAnActuatorFails) {
+  BringActuatorsUp();
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/musher");
+  ASSERT_EQ(tool.ChangeState(0, "configure"), true);
+  leg_.FailIn("Active");
+  EXPECT_EQ(tool.ChangeState(0, "activate"), false);
+  EXPECT_EQ(tool.GetState(), "inactive [2]");
+}
+
+TEST_F(AMachineAndItsManagers, AppearInRos2sDiagnosticsAndLog) {
+  BringActuatorsUp();
+  PlainParticipant person(Domain());
+  std::vector<std::string> shown;  // the status of the arm, each time
+  std::vector<std::string> logged;
+  const std::string arm = "robot: arm";
+  person.Read<diagnostic_msgs_msg_dds__DiagnosticArray_>(
+      diagnostic_msgs_msg_dds__DiagnosticArray__desc, "rt/diagnostics", [&](const auto& array) {
+        for (std::uint32_t i = 0; i < array.status._length; ++i) {
+          const auto& status = array.status._buffer[i];
+          if (status.name == arm) shown.emplace_back(status.message);
+        }
+      });
+  person.Read<rcl_interfaces_msg_dds__Log_>(rcl_interfaces_msg_dds__Log__desc, "rt/rosout",
+                                            [&](const auto& log) { logged.emplace_back(log.msg); });
+  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
+  ASSERT_TRUE(controller_.SetState("SelfCheck"));
+  EXPECT_TRUE(person.Spin([&] { return !shown.empty() && shown.back() == "SelfCheck"; }));
+  const auto begun = std::chrono::steady_clock::now();
+  ASSERT_TRUE(controller_.SetState("Active"));
+  EXPECT_TRUE(person.Spin([&] { return shown.back() == "Active"; }));
+  const auto took = std::chrono::steady_clock::now() - begun;
+  EXPECT_LT(took, std::chrono::milliseconds(900)) << "on change, not after the period of 1 s";
+  EXPECT_FALSE(controller_.SetState("SetUp"));
+  EXPECT_TRUE(person.Spin([&] { return !logged.empty(); }));
+  EXPECT_THAT(logged.back(), HasSubstr("SetUp"));
+}
+
+// A faulty client that sends requests at full speed to each actuator and the machine.
+class RogueClient {
+ public:
+  RogueClient()
+      : thread_([this] {
+          PlainParticipant participant(Domain());
+          std::vector<std::unique_ptr<PlainLifecycleClient>> clients;
+          for (const char* node : {"arm", "leg", "musher"}) {
+            clients.push_back(std::make_unique<PlainLifecycleClient>(
+                participant, RobotFile::name_space() + "/" + node));
+            clients.back()->WaitForServices();
+          }
+          floods_ = true;
+          while (!over_) {
+            for (const auto& client : clients) client->ChangeStateWithoutWaiting(kConfigure);
+            sent_ += clients.size();
+            if (sent_ % kBurst == 0) participant.Spin([] { return false; }, 1);
+          }
+          for (const auto& client : clients) answers_ += client->answers();
+        }) {}
+  ~RogueClient() { End(); }
+  RogueClient(const RogueClient&) = delete;
+  RogueClient& operator=(const RogueClient&) = delete;
+
+  bool floods() const { return floods_; }
+  void End() {
+    over_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  std::uint64_t sent() const { return sent_; }
+  std::uint64_t answers() const { return answers_; }
+
+ private:
+  static constexpr std::uint64_t kBurst = 30;
+  std::atomic<bool> floods_ = false;
+  std::atomic<bool> over_ = false;
+  std::atomic<std::uint64_t> sent_ = 0;
+  std::atomic<std::uint64_t> answers_ = 0;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+TEST_F(AMachineAndItsManagers, AFloodOfRequestsDoesNotDelayASwitch) {
+  BringActuatorsUp();
+  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
+  ASSERT_TRUE(controller_.SetState("SelfCheck"));
+  const auto median_ms = [&](const std::function<bool()>& enough) {
+    std::vector<double> took;
+    for (int i = 0; i < 40 || i % 2 != 0 || !enough(); ++i) {
+      const auto begun = std::chrono::steady_clock::now();
+      EXPECT_TRUE(controller_.SetState(i % 2 == 0 ? "Active" : "Protected"));
+      const std::chrono::duration<double, std::milli> one =
+          std::chrono::steady_clock::now() - begun;
+      took.push_back(one.count());
+    }
+    std::sort(took.begin(), took.end());
+    return took[took.size() / 2];
+  };
+  const double idle = median_ms([] { return true; });
+  PlainParticipant person(Domain());
+  RogueClient rogue;
+  ASSERT_TRUE(person.Spin([&] { return rogue.floods(); }));
+  const double beside = median_ms([&] { return rogue.sent() >= kFlood; });
+  rogue.End();
+  RecordProperty("switch_idle_ms", std::to_string(idle));
+  RecordProperty("switch_in_flood_ms", std::to_string(beside));
+  RecordProperty("requests", std::to_string(rogue.sent()));
+  EXPECT_GT(rogue.answers(), 0U) << "those that its reader, which keeps the last 10, has taken";
+  EXPECT_EQ(arm_.CurrentState(), "Protected");
+  EXPECT_LT(beside, 250.0) << "ms for a switch of two actuators; without the flood: " << idle;
+  EXPECT_EQ(std::ranges::count(arm_.ran(), "SelfCheck"), 1)
+      << "no request of the flood was executed";
+}
+
+}  // namespace musher::testing::plain_lifecycle_manager_test
