@@ -169,7 +169,8 @@ void WriteDigits(char* digits, pid_t number) {
     GiveUp(kReportFd, ChildFailure::kChangeDirectory);
   }
   ResetSignals();
-  // Before execve the environment has no mark, so the next controller could not find this process.
+  // The next controller finds this process only after execve, by the mark in its environment; if
+  // our controller has died meanwhile, the process exits.
   if (getppid() != plan.parent) _exit(127);
   int reason = ENOENT;
   for (const auto& program : plan.programs) {

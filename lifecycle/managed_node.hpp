@@ -76,8 +76,8 @@ std::optional<State> TargetOf(const Ros2Transition& transition, const ActuatorCo
 // The same for the machine, from its [ros2] table.
 std::optional<State> TargetOf(const Ros2Transition& transition, const MachineConfig& machine);
 
-// A rate-limited log of refused requests: it logs the first one at once, then at most one every 10
-// s with a count.
+// A rate-limited log of refused requests: the first one at once, then at most one line in ten
+// seconds with a count.
 class RefusalLog {
  public:
   // The line to log now; nullopt: none.
