@@ -122,8 +122,8 @@ class ActuatorShell {
   std::unique_ptr<transport::ManagedNodeEndpoints> managed_node_;
   transport::LoopHandlePtr offer_later_;
   transport::LoopHandlePtr finish_later_;
-  std::shared_ptr<bool> alive_ =
-      std::make_shared<bool>(true);  // expires before late results arrive
+  // Expires before late results arrive.
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 }  // namespace musher

@@ -12,8 +12,8 @@ namespace {
 using Status = msg::DiagnosticStatus;
 
 constexpr Duration kDiagnosticsPeriod = std::chrono::seconds(1);
-constexpr Duration kDiagnosticsDelay =
-    Milliseconds(100);  // changes within this time are published together
+// Changes within this time are published together.
+constexpr Duration kDiagnosticsDelay = Milliseconds(100);
 constexpr Duration kRecentlyLost = std::chrono::seconds(60);
 
 const char* YesOrNo(bool yes) {

@@ -35,8 +35,8 @@ class ManagedMachine {
 
   ControllerShell& shell_;
   std::unique_ptr<transport::ManagedNodeEndpoints> endpoints_;
-  std::shared_ptr<bool> alive_ =
-      std::make_shared<bool>(true);  // expires before late answers arrive
+  // Expires before late answers arrive.
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 }  // namespace musher

@@ -230,8 +230,8 @@ std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
-  if (IsUnconfigured(config_, leg.actuator, record))
-    return std::nullopt;  // the leg configures it first
+  // The leg configures such a node first.
+  if (IsUnconfigured(config_, leg.actuator, record)) return std::nullopt;
   return OrderEnd{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
                   "was restarted and has not passed its self-check", false};
 }

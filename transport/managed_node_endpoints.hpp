@@ -89,8 +89,8 @@ class ManagedNodeEndpoints {
   std::unique_ptr<Server<msg::GetAvailableStates>> get_states_;
   std::unique_ptr<Server<msg::GetAvailableTransitions>> get_transitions_;
   std::unique_ptr<Server<msg::GetAvailableTransitions>> get_graph_;
-  std::shared_ptr<bool> alive_ =
-      std::make_shared<bool>(true);  // expires before late results arrive
+  // Expires before late results arrive.
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 }  // namespace musher::transport
