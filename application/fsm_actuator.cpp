@@ -156,7 +156,7 @@ class FsmActuator::Impl : public fsm::Listener {
         return Error{kCodeFailed,
                      "the machine stopped at its start: " + machine_->Describe(*machine_->fault())};
       }
-    } else if (options_.resume == Resume::kAnew) {
+    } else if (options_.resume == Resume::kFromStart) {
       static_cast<void>(machine_->Reset());
     }
     // The first time received from /clock may have any value.

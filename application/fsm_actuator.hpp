@@ -70,7 +70,7 @@ class FsmActuator : public MachineActuator {
  public:
   enum class Resume : std::uint8_t {
     kWhereItWas,
-    kAnew  // Machine::Reset(): the start state, no commands
+    kFromStart  // Machine::Reset(): the start state, no commands
   };
   struct Options {
     double rate_hz = 50;  // of ticks; more than 0

@@ -136,7 +136,7 @@ void ControllerProcess::OnTrialBootEnd(const Result<>& outcome) {
   if (start_up_) OnStartUpEnded(*start_up_);
 }
 
-// As `musher down`, but this process then executes the program anew.
+// As `musher down`, but this process then executes the program again.
 void ControllerProcess::StartAgain(const std::string& why) {
   const Phase phase = controller_->shell().machine().phase;
   if (start_again_ || phase == Phase::kStopping || phase == Phase::kStopped) return;

@@ -2,7 +2,7 @@
 // any thread or DDS socket exists; this process stays in the foreground and prints events.
 //
 // The controller of an upgrade root may have to restart from another slot. It executes this program
-// anew, in the same process and with --resume: its launcher, systemd and others that know its pid
+// again, in the same process and with --resume: its launcher, systemd and others that know its pid
 // notice nothing, and its memory keeps nothing of the previous machine.
 
 #include <fcntl.h>
@@ -61,7 +61,7 @@ void EndWithin(unsigned seconds) {
   alarm(seconds);
 }
 
-// What a controller needs to execute this program anew.
+// What a controller needs to execute this program again.
 struct Reexec {
   std::vector<std::string> words;
   std::vector<std::string> environment;  // as it was before this process changed it

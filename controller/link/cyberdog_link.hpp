@@ -7,7 +7,7 @@
 //   - Its answer says how the command ended. `current_state` beside it is 0 whatever the state is,
 //     and not looked at.
 //   - It cannot be asked. While an answer is owed the report is busy with that command, and nothing
-//     more is sent: a module that is overdue is unknown until it answers or starts anew.
+//     more is sent: a module that is overdue is unknown until it answers or starts again.
 //   - A module that beats and then does not for 5 periods is lost, until it beats or answers again.
 //     While a command runs within its time it need not beat: callbacks may block its only thread.
 //

@@ -9,7 +9,7 @@
 //      └────── no server any more ─────┴───────────────┘  the newest keeps it
 //
 // Each process behind the name is an incarnation of its own, told apart by its DDS participant: one
-// that is started anew is matched before the lease of the dead one is over.
+// that is started again is matched before the lease of the dead one is over.
 //
 // Threads: loop thread only.
 

@@ -25,7 +25,7 @@ class Decision {
   }
 
  private:
-  // Time started with the first /clock, or anew because the world was restarted: remaining times
+  // Time started with the first /clock, or again because the world was restarted: remaining times
   // are kept.
   void Rebase() {
     const Duration jump = now_ - player_.now;

@@ -233,7 +233,7 @@ CameraServer::Response CameraServer::State() const {
   return Answer(CameraService::kSuccess, text);
 }
 
-// A world's time starts anew with each run, so the name may exist already.
+// A world's time starts again with each run, so the name may exist already.
 NewFile CameraServer::FileFor(const std::string& requested, bool video) const {
   if (!requested.empty()) return {requested};
   const msg::Stamp stamp = dependencies_.stamp();

@@ -31,7 +31,7 @@ class BatteryDevice {
   // Fails with 1409 while there is no valid reading; without a source there is nothing to check.
   Result<> Check() const;
 
-  // The clock went back: periods measured with it start anew.
+  // The clock went back: periods measured with it start again.
   void OnTimeJumped();
 
  private:

@@ -111,7 +111,7 @@ struct Closed {
 struct Opened {};
 // The machine's emergency stop is engaged.
 struct EmergencyStop {};
-// The world and its time started anew: what was known of the body is void.
+// The world and its time started again: what was known of the body is void.
 struct WorldRestarted {};
 struct TimePassed {};
 }  // namespace motion_event

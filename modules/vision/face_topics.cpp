@@ -117,7 +117,7 @@ void FaceTopics::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kNotNewer:
     case StampGate::Verdict::kTooSoon:
       return;
-    case StampGate::Verdict::kLookAnew:
+    case StampGate::Verdict::kLookAfterJump:
       OnJump();
       break;
     case StampGate::Verdict::kLook:

@@ -65,7 +65,7 @@ StampGate::Verdict StampGate::Check(std::int64_t stamp_ns) {
   const bool in_step = last_ns_ && !jumped && stamp_ns < due_ns_ + period_ns_;
   due_ns_ = (in_step ? due_ns_ : stamp_ns) + period_ns_;
   last_ns_ = stamp_ns;
-  return jumped ? Verdict::kLookAnew : Verdict::kLook;
+  return jumped ? Verdict::kLookAfterJump : Verdict::kLook;
 }
 
 }  // namespace musher::vision

@@ -22,9 +22,9 @@ class StampGate {
 
   enum class Verdict {
     kLook,
-    kLookAnew,  // time jumped back: tracks are void
-    kNotNewer,  // not newer than the last one by a millisecond
-    kTooSoon,   // earlier than the rate permits
+    kLookAfterJump,  // time jumped back: tracks are void
+    kNotNewer,       // not newer than the last one by a millisecond
+    kTooSoon,        // earlier than the rate permits
   };
   Verdict Check(std::int64_t stamp_ns);
 

@@ -289,8 +289,8 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   const std::string_view to = machine.Name(change.to);
   if (to == state::kIdle && change.cause == fsm::Cause::kForced) data_.LeaveAlone();
-  const bool anew = change.cause == fsm::Cause::kReset || change.cause == fsm::Cause::kStarted;
-  if (anew || (to != state::kIdle && to != state::kSafeStop)) data_.left_alone = false;
+  const bool again = change.cause == fsm::Cause::kReset || change.cause == fsm::Cause::kStarted;
+  if (again || (to != state::kIdle && to != state::kSafeStop)) data_.left_alone = false;
   if (actions_) {
     const auto action = ActionOnEntering(to, data_);
     action ? actions_->Start(*action, data_) : actions_->Stop(data_);

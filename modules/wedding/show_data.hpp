@@ -95,7 +95,7 @@ struct ShowData {
   std::optional<bool> video_wanted;    // begin or end a recording
   std::optional<Gaze> look_override;   // requested by a person or program; overrides all else
 
-  // All but what is measured anew.
+  // All but what is measured again.
   void Persist(fsm::Archive& archive);
 
   void LeaveAlone() {

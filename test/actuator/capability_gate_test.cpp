@@ -59,7 +59,7 @@ TEST_F(OnesOwnFunctions, AreRefusedBeforeInit) {
   const Result<> walk = legs_.Allowed("walk", ModuleCode::kMotionManager);
   ASSERT_FALSE(walk.ok());
   EXPECT_EQ(walk.error().code, 3003);
-  EXPECT_THAT(walk.error().message, HasSubstr("before Init"));
+  EXPECT_THAT(walk.error().message, HasSubstr("is not initialised"));
 }
 
 TEST_F(OnesOwnFunctions, FollowTheStateAndTheCallbackThatRuns) {

@@ -75,7 +75,7 @@ TEST_F(AnFsmActuator, IsPausedInEveryOtherStateAndResumesInItsState) {
 }
 
 TEST_F(AnFsmActuator, StartsFromTheBeginningWithThatOption) {
-  Show show({.resume = FsmActuator::Resume::kAnew});
+  Show show({.resume = FsmActuator::Resume::kFromStart});
   Begin(show);
   harness_.Tick(show, 5);
   ASSERT_EQ(show.Path(), "PLAY");

@@ -137,7 +137,7 @@ TEST_F(Inputs, TheTimeOfAWorldIsEmittedOnlyBeforeAnotherEventAndWhenDue) {
   Clock(seconds(51));
   Battery(50);
   EXPECT_THAT(Heard(), ElementsAre(at(51), Event(event::BatterySeen{50, false})));
-  Clock(seconds(3));  // the world begins anew
+  Clock(seconds(3));  // the world begins again
   EXPECT_THAT(Heard(), ElementsAre(at(3)));
 }
 

@@ -96,7 +96,7 @@ class ProcessProof : public ::testing::Test {
 
   const ActuatorRecord& Arm() const { return controller_->shell().machine().actuators[0]; }
 
-  // The peer says that it is the arm, and process `pid`.
+  // The peer publishes the status of the arm with `pid`.
   void Say(pid_t pid, std::uint64_t incarnation = 77, const std::string& state = "SetUp") {
     ActuatorReport report;
     report.state = state;
@@ -137,7 +137,7 @@ TEST_F(ProcessProof, AProcessThatAStatusNamesWithoutProofIsNotSignalled) {
   TakeDown();
   EXPECT_TRUE(bystander.IsAlive());
   const std::string process = "process " + std::to_string(bystander.pid());
-  EXPECT_THAT(records_, Contains(HasSubstr("arm says that it is " + process)));
+  EXPECT_THAT(records_, Contains(HasSubstr("arm reports " + process)));
   EXPECT_THAT(records_, Not(Contains(HasSubstr(process + " gets SIG"))));
 }
 
@@ -157,7 +157,7 @@ TEST_F(ProcessProof, ItIsSaidOnceThatAPidIsNotProvenHoweverOftenItIsPublished) {
   }
   EXPECT_EQ(std::count_if(records_.begin(), records_.end(),
                           [](const std::string& record) {
-                            return record.find("which is not proven") != std::string::npos;
+                            return record.find("without proof") != std::string::npos;
                           }),
             1);
 }

@@ -88,7 +88,8 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
     const bool at_home = std::any_of(places.begin(), places.end(),
                                      [&](const std::string& place) { return file.In(place); });
     if (!at_home) return "<" + header + "> has no place in " + file.Folder();
-    if (file.Is(".hpp") && IsHeavy(library) && !file.In("test/")) {
+    const bool light = header.ends_with("_fwd.hpp");  // forward declarations alone
+    if (file.Is(".hpp") && IsHeavy(library) && !light && !file.In("test/")) {
       return "<" + header + "> is too heavy for a header";
     }
   }

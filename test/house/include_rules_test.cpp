@@ -46,6 +46,8 @@ TEST(IncludeRules, LeaveDdsToItsFolder) {
 TEST(IncludeRules, KeepHeavyLibrariesOutOfHeaders) {
   EXPECT_THAT(ForbiddenIncludes(Including("controller/a.hpp", "<nlohmann/json.hpp>")), SizeIs(1));
   EXPECT_THAT(ForbiddenIncludes(Including("controller/a.cpp", "<nlohmann/json.hpp>")), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes(Including("controller/a.hpp", "<nlohmann/json_fwd.hpp>")),
+              IsEmpty());
 }
 
 TEST(IncludeRules, LetTestsIncludeEverythingOfOurs) {

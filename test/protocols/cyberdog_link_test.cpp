@@ -101,7 +101,7 @@ TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheOneThatRuns) {
   EXPECT_THAT(module_->log(), ElementsAre("Active", "Error"));
 }
 
-TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAnew) {
+TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgain) {
   module_->lost_replies = 1;
   Switch("Active");
   network_.RunFor(std::chrono::minutes(1));

@@ -265,7 +265,7 @@ TEST_F(DrivingARos2Node, NobodyAnswersForAProcessOfOursThatHasEnded) {
   EXPECT_FALSE(reply_);
 }
 
-TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAnew) {
+TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAgain) {
   const std::uint64_t first = status_.incarnation;
   EndNode();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));

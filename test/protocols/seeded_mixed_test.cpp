@@ -132,7 +132,7 @@ class MixedScenario {
     }
   }
 
-  // What nobody can repair from afar is started anew: a node that is finalized or could not be
+  // What nobody can repair from afar is started again: a node that is finalized or could not be
   // configured.
   void EndFaults() {
     faulty_ = false;

@@ -79,7 +79,7 @@ TEST_F(UnauthorizedParticipants, AreThoseWhoseCertificateIsRevokedOnceTheMachine
   EXPECT_EQ(Musher({"status", "--keys", kept, "--identity", "fired"}).exit, 0);
   const Ended revoke = Musher({"keys", "revoke", "fired"});
   EXPECT_EQ(revoke.exit, 0) << revoke.err;
-  EXPECT_THAT(revoke.out, HasSubstr("copy it into the folder\nof keys on every host"));
+  EXPECT_THAT(revoke.out, HasSubstr("copy it into the folder\nof credentials on every host"));
   ASSERT_EQ(Musher({"down"}).exit, 0);
   ASSERT_NO_FATAL_FAILURE(Start());
 

@@ -158,9 +158,9 @@ TEST_P(OfSeed, ThePublishedCapabilitiesAreWhatTheActuatorsAllow) {
       for (const std::string& name : declared.actuators) {
         const auto report = robot_.ReportOf(name);
         ASSERT_TRUE(report);
-        allowed &= CheckCapability(robot_.config(), declared.name,
-                                   {name, report->state, report->target,
-                                    report->emergency_stop != 0, std::nullopt})
+        allowed &= EvaluateCapability(robot_.config(), declared.name,
+                                      {name, report->state, report->target,
+                                       report->emergency_stop != 0, std::nullopt})
                        .ok();
       }
       EXPECT_EQ(Published(declared.name).allowed, allowed) << declared.name << " in " << target;

@@ -113,8 +113,8 @@ class CheckedPrograms : public CheckCommand {
 TEST_F(CheckedPrograms, NamesAProgramThatIsNotThere) {
   const Ran ran = Check("command = [\"nosuchprogram\"]");
   EXPECT_EQ(ran.exit, 0);
-  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:12:1: warning: in 'actuator.legs': 'command': there is "
-                                 "no program 'nosuchprogram' in PATH"));
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:12:1: warning: in 'actuator.legs': 'command': program "
+                                 "'nosuchprogram' not found in PATH"));
 }
 
 TEST_F(CheckedPrograms, NamesAProgramThatIsNotExecutable) {
@@ -126,8 +126,8 @@ TEST_F(CheckedPrograms, NamesAProgramThatIsNotExecutable) {
 
 TEST_F(CheckedPrograms, NamesAFolderThatIsNotThere) {
   const Ran ran = Check("command = [\"true\"]\ncwd = \"gone\"");
-  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'cwd': there is no "
-                                 "folder " +
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'cwd': folder not "
+                                 "found: " +
                                  (folder_ / "gone")));
 }
 

@@ -160,7 +160,7 @@ TEST_F(Voices, ATornDownRobotSaysNothingMore) {
 
 // --- time ---
 
-TEST_F(Voices, AWorldThatBeginsAnewTakesNoTimeFromWhatWaits) {
+TEST_F(Voices, AWorldThatBeginsAgainTakesNoTimeFromWhatWaits) {
   answers_ = false;
   BringUp();
   Hear(voice_event::DoubleTapped{});

@@ -145,7 +145,7 @@ TEST_F(Voices, ABatteryThatWaversAtALevelIsSaidOnce) {
   EXPECT_THAT(Said(), ElementsAre("10030"));
   SetBattery(32);
   SetBattery(30);
-  EXPECT_THAT(Said(), ElementsAre("10030")) << "two percent above it began anew";
+  EXPECT_THAT(Said(), ElementsAre("10030")) << "two percent above it began again";
 }
 
 TEST_F(Voices, AJumpSaysOnlyTheLast) {

@@ -64,19 +64,19 @@ TEST_F(Bundle, WithoutASignatureIsRefused) {
 
 TEST_F(Bundle, WithACutSignatureIsRefused) {
   disk_->Put(kSignature, disk_->Content(kSignature).substr(0, 63));
-  ExpectRefused(Fault::kWrongSignature, "made with another key, or altered");
+  ExpectRefused(Fault::kWrongSignature, "signed with another key, or altered");
 }
 
 TEST_F(Bundle, SignedWithAnotherKeyIsRefused) {
   const std::string other = MakeKeyPair().value().private_pem;
   disk_->Put(kSignature, Sign(disk_->Content(kManifest), other).value());
-  ExpectRefused(Fault::kWrongSignature, "made with another key, or altered");
+  ExpectRefused(Fault::kWrongSignature, "signed with another key, or altered");
 }
 
 TEST_F(Bundle, WhoseManifestWasAlteredAfterwardsIsRefused) {
   std::string text = disk_->Content(kManifest);
   disk_->Put(kManifest, text.replace(text.find("1.1.0"), 5, "1.9.0"));
-  ExpectRefused(Fault::kWrongSignature, "made with another key, or altered");
+  ExpectRefused(Fault::kWrongSignature, "signed with another key, or altered");
 }
 
 TEST_F(Bundle, WithAnAlteredFileIsRefused) {

@@ -130,7 +130,7 @@ TEST_F(EmergencyStop, IsReleasedByHandWhichChangesNoState) {
   Estop();
   const Ended release = Musher({"estop", "--release"});
   EXPECT_EQ(release.exit, 0) << release.err;
-  EXPECT_THAT(release.out, AllOf(HasSubstr("no state was changed"),
+  EXPECT_THAT(release.out, AllOf(HasSubstr("states are unchanged"),
                                  HasSubstr("robot is in LowPower (running)")));
   EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);

@@ -32,7 +32,7 @@ TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("the machine is Active"), "");
   up.Signal(SIGTERM);
-  ASSERT_NE(up.LineWith("TearDown from Active"), "");
+  ASSERT_NE(up.LineWith("Active → TearDown"), "");
   up.Signal(SIGINT);
   EXPECT_TRUE(up.AwaitError("is already being taken down"));
   Release();

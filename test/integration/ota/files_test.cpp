@@ -65,7 +65,7 @@ TEST_F(OtaFiles, ARootIsNotMadeFromABundleOfAnotherKey) {
   ASSERT_EQ(Musher({"ota", "keygen", folder_ / "other"}).exit, 0);
   ExpectRefused(
       {"init", folder_ / "new", "--from", Bundle("1.0.0"), "--key", folder_ / "other.pub"}, 1,
-      "made with another key, or altered");
+      "signed with another key, or altered");
   ExpectRefused({"init", folder_ / "new", "--from", Bundle("1.0.0"), "--key", key_}, 1,
                 "not an Ed25519 public key");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));

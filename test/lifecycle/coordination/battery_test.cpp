@@ -195,7 +195,7 @@ TEST_F(BatteryRule, ValuesOutOfRangeAreIgnoredAndRecordedOnce) {
   EXPECT_FALSE(policy().battery);
   const auto& records = robot().records;
   EXPECT_EQ(std::count_if(records.begin(), records.end(),
-                          [](const auto& text) { return text.find("cannot be") != text.npos; }),
+                          [](const auto& text) { return text.find("out of range") != text.npos; }),
             1);
 }
 

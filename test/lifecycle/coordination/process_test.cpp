@@ -139,7 +139,7 @@ TEST_F(Processes, TheirBacktraceIsARecordOfTheProcess) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   Do(event::BacktraceTaken{0, 700, "main()"});
-  const action::Record record = RecordWith("backtrace of a");
+  const action::Record record = RecordWith("backtrace of a:");
   EXPECT_EQ(record.kind, "process");
   EXPECT_EQ(record.actuator, 0U);
   EXPECT_EQ(record.data, "main()");

@@ -96,7 +96,7 @@ TEST_F(CueDecision, DropsACueWhoseTurnComesTooLate) {
 TEST_F(CueDecision, RefusesACueWhenTheQueueIsFull) {
   Say(0, "plays");
   for (std::size_t i = 0; i <= kMostWaiting; ++i) Cue(kPatientCues, "greeting");
-  EXPECT_THAT(LogText(), HasSubstr("refused cue \"greeting\": 16 wait"));
+  EXPECT_THAT(LogText(), HasSubstr("refused cue \"greeting\": 16 sounds are queued already"));
   EXPECT_THAT(player().waiting, SizeIs(kMostWaiting));
 }
 

@@ -26,7 +26,7 @@ TEST(Caption, IgnoresTheSameTextAgain) {
   EXPECT_FALSE(caption.Due(2));
 }
 
-TEST(Caption, WaitsAnewWhenTheTextChangesBeforeThePicture) {
+TEST(Caption, WaitsAgainWhenTheTextChangesBeforeThePicture) {
   Caption caption(kSecond);
   caption.OnText("IDLE");
   EXPECT_FALSE(caption.Due(kSecond));

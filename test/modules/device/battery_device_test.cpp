@@ -89,7 +89,7 @@ TEST_F(BatteryOnANetwork, IsNotPublishedWhenItJumpsOnce) {
   Start();
   SayEachSecond({80, 80, 3, 79});
   EXPECT_THAT(Charges(), ElementsAre(80, 79));
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("well, at 80 %"),
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("ok, at 80 %"),
                                 "battery: a jump to 3 % is held until the next reading"));
 }
 
@@ -116,7 +116,7 @@ TEST_F(BatteryOnANetwork, IsReportedWhenItFallsSilentAndItsLastValueIsNotRepeate
   EXPECT_EQ(devices_->Check()[0].result.error().message, "silent for 5000 ms");
   SayEachSecond({78});
   EXPECT_THAT(Charges(), ElementsAre(80, 78));
-  EXPECT_THAT(log_.back(), HasSubstr("well, at 78 %"));
+  EXPECT_THAT(log_.back(), HasSubstr("ok, at 78 %"));
 }
 
 TEST_F(BatteryOnANetwork, IsReportedAtOnceWhenItsPublisherIsLost) {

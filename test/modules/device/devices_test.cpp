@@ -309,7 +309,7 @@ TEST_F(Pad, CallsOnceWithoutAReplyAndLogsTheTimeoutAfter13Seconds) {
   Touch(msg::TouchStatus::kDouble);
   EXPECT_THAT(log_, SizeIs(1));
   Run(Milliseconds(8000));
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("asks"), HasSubstr("touch: low_power_exit: ")));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("is requested"), HasSubstr("touch: low_power_exit: ")));
 }
 
 class DeviceCheck : public DevicesOnANetwork {};

@@ -198,7 +198,7 @@ TEST_F(FaceTopicsTest, StampAPictureWithoutAStampWithTheTimeOfReception) {
   EXPECT_NEAR(double(looker_.looks[0] - now_ns), 0, double(10 * kMs));
 }
 
-TEST_F(FaceTopicsTest, StartAnewWhenTheWorldIsRestarted) {
+TEST_F(FaceTopicsTest, StartAgainWhenTheWorldIsRestarted) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Run(Milliseconds(60000));

@@ -86,7 +86,7 @@ TEST(StampGate, KeepsToItsRateWhateverThatOfTheCamera) {
 TEST(StampGate, DetectsATimeJumpBack) {
   StampGate gate(10);
   gate.Check(100'000 * kMs);
-  EXPECT_EQ(gate.Check(40 * kMs), Verdict::kLookAnew);
+  EXPECT_EQ(gate.Check(40 * kMs), Verdict::kLookAfterJump);
   EXPECT_EQ(gate.Check(50 * kMs), Verdict::kTooSoon);
   EXPECT_EQ(gate.Check(140 * kMs), Verdict::kLook);
 }

@@ -93,7 +93,7 @@ TEST(AngleTrailTest, GoesBackASecondHoweverOftenTheHeadIsMeasured) {
   EXPECT_EQ(trail.Last(), 3);
 }
 
-TEST(AngleTrailTest, BeginsAnewWhenTheClockWasSetBack) {
+TEST(AngleTrailTest, BeginsAgainWhenTheClockWasSetBack) {
   AngleTrail trail;
   trail.Add(Milliseconds(5000), 1);
   trail.Add(Milliseconds(100), 0.5);

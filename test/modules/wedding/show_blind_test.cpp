@@ -65,7 +65,7 @@ TEST_F(BlindShow, IsNotKeptGoingByRefusedInput) {
   EXPECT_EQ(state(), "SAFE_STOP");
 }
 
-TEST_F(BlindShow, StartsTheTimeoutAnewAfterAPause) {
+TEST_F(BlindShow, StartsTheTimeoutAgainAfterAPause) {
   Tick(Ticks(Milliseconds(2000)));
   show_->Rest(now_);
   now_ += std::chrono::hours(1);
