@@ -12,11 +12,6 @@ constexpr std::uint8_t kActivate = 3;
 constexpr std::uint8_t kDeactivate = 4;
 constexpr std::uint8_t kUnconfiguredShutdown = 5;
 
-// The setting of a ROS 2 process that communicates with a machine of the profile `local`.
-constexpr const char* kLoopback =
-    "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" "
-    "multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>";
-
 // A participant in the domain, which may already exist in this process.
 dds_entity_t Join(dds_domainid_t domain) {
   static_cast<void>(dds_create_domain(domain, kLoopback));
