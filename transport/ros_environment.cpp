@@ -78,8 +78,9 @@ std::vector<std::string> RosObstacles(TransportProfile profile, const Environmen
                         ": ROS 2 then finds no processes by multicast; unset it or set SUBNET");
   }
   const std::string uri = ValueOf(node, kUri);
+  // The text of a file is not read.
   const bool own_settings = !ValueOf(machine, kUri).empty();  // then nothing is known of them
-  if (profile == TransportProfile::kLocal && !own_settings &&
+  if (profile == TransportProfile::kLocal && !own_settings && !uri.starts_with("file:") &&
       uri.find("\"lo\"") == std::string::npos) {
     obstacles.push_back(std::string(kUri) +
                         (uri.empty() ? " is not set" : " does not name the interface lo") +

@@ -42,7 +42,8 @@ double UnderMusher(const Fleet& fleet) {
 
 double UnderNav2(const std::vector<std::string>& nodes) {
   const int domain = NextDomain();
-  const Child::Environment environment = {{"CYCLONEDDS_URI", testing::kLoopback}};
+  const Child::Environment environment = {{"CYCLONEDDS_URI", testing::kLoopback},
+                                          {"RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"}};
   const auto begin = Clock::now();
   std::vector<std::unique_ptr<Child>> processes;
   for (const std::string& node : nodes) {
