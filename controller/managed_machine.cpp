@@ -58,16 +58,19 @@ std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) c
   }
   if (!machine.set_up || transition == nullptr) return std::nullopt;
   const auto target = TargetOf(*transition, shell_.config());
-  if (!target || target->empty()) return std::nullopt;
+  if (!target || NeedsNoSwitch(*target)) return std::nullopt;
   const Plan plan = MakePlan(shell_.config(), machine, *target);
   return plan.free_by ? std::nullopt : plan.refusal;
+}
+
+bool ManagedMachine::NeedsNoSwitch(const State& target) const {
+  return target.empty() || (target == kTearDown && shell_.machine().state == kTearDown);
 }
 
 void ManagedMachine::Change(const Ros2Transition& transition, const Done& done) {
   const auto target = TargetOf(transition, shell_.config());
   if (!target) return done(Error{kCodeUnSupport, "the machine has no state for this transition"});
-  const bool over = *target == kTearDown && shell_.machine().state == kTearDown;
-  if (target->empty() || over) return done(Ok());
+  if (NeedsNoSwitch(*target)) return done(Ok());
   if (shell_.machine().set_up) return Switch(*target, done);
   // Its services are available before its actuators are set up. What becomes of an actuator that
   // is not set up is the switch's decision, as after the set-up.

@@ -30,6 +30,7 @@ class ManagedMachine {
 
   using Done = transport::ManagedNodeEndpoints::Done;
   std::optional<Error> Refusal(const Ros2Transition* transition) const;
+  bool NeedsNoSwitch(const State& target) const;
   void Change(const Ros2Transition& transition, const Done& done);
   void Switch(const State& target, const Done& done);
 

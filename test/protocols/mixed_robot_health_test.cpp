@@ -29,7 +29,7 @@ class AMixedRobotWithAShortCheckpoint : public AMixedRobotWithACheckpoint {
 TEST_F(AMixedRobotWithAShortCheckpoint, DoesNotTakeALongTransitionForAHang) {
   BringUp();
   for (const char* callback : {"deactivate", "activate"}) {
-    ros_->script[callback].takes = Milliseconds(450);
+    ros_->script[callback].takes = Milliseconds(95);  // its time is 100 ms
   }
   for (const char* state : {"LowPower", "Active"}) {
     Set(state);

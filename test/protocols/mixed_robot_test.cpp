@@ -7,8 +7,6 @@ namespace musher::testing::mixed_robot_test {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
 
 TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   BringUp();

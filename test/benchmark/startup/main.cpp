@@ -37,7 +37,9 @@ double UnderMusher(const Fleet& fleet) {
   if (!controller.WaitActuatorsSetUp()) Fail("not all are set up");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
-  return Seconds(Clock::now() - begin);
+  const double took = Seconds(Clock::now() - begin);
+  static_cast<void>(controller.Switch("TearDown").done());  // ends its processes
+  return took;
 }
 
 double UnderNav2(const std::vector<std::string>& nodes) {
@@ -48,9 +50,9 @@ double UnderNav2(const std::vector<std::string>& nodes) {
   std::vector<std::unique_ptr<Child>> processes;
   for (const std::string& node : nodes) {
     processes.push_back(std::make_unique<Child>(
-        std::vector<std::string>{Program("ros_server_peer"), node}, environment));
+        std::vector<std::string>{Program("ros_server_peer"), "nav/" + node}, environment));
   }
-  testing::PlainNav2Manager manager(domain, "", nodes);
+  testing::PlainNav2Manager manager(domain, "nav", nodes);
   if (!manager.Startup()) Fail("the plain manager: " + manager.errors().front());
   return Seconds(Clock::now() - begin);
 }

@@ -53,7 +53,7 @@ class MixedMachine : public MachineByCli {
   }
   bool AwaitEvent(const std::string& actuator, const std::string& event) const {
     const int changes = inotify_init1(IN_CLOEXEC);
-    inotify_add_watch(changes, folder_.c_str(), IN_MODIFY | IN_CREATE);
+    inotify_add_watch(changes, (folder_ / "").c_str(), IN_MODIFY | IN_CREATE);
     bool found = false;
     for (bool in_time = true; in_time && !found;) {
       const auto events = Events(actuator);
