@@ -39,6 +39,8 @@ ProcessExit Reap(pid_t pid) {
 constexpr std::int64_t kMostWords = 2048;   // bytes of a log's end that are looked at
 constexpr std::size_t kLongestWords = 200;  // bytes that are reported
 constexpr Duration kWordsPatience = Milliseconds(100);
+// Programs that are started within this time of each other are waited for together.
+constexpr Duration kBurst = Milliseconds(100);
 
 // -1: it is no file.
 std::int64_t SizeOf(int fd) {
@@ -141,7 +143,7 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
   auto child = Spawn(marked);
   if (!child) return child.error();
   const pid_t pid = child.value().pid();
-  if (const auto failure = child.value().Failure(loading_)) {
+  if (const auto failure = AwaitProgram(child.value())) {
     Reap(pid);
     return *failure;
   }
@@ -153,6 +155,15 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
     return added.error();
   }
   return pid;
+}
+
+std::optional<Error> ProcessSupervisor::AwaitProgram(const Spawned& child) {
+  const Time begin = loop_.Now();
+  if (begin - last_start_ > kBurst) loading_left_ = loading_;
+  const auto failure = child.Failure(loading_left_);
+  last_start_ = loop_.Now();
+  loading_left_ = std::max(loading_left_ - (last_start_ - begin), Duration::zero());
+  return failure;
 }
 
 Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {

@@ -10,7 +10,8 @@
 // than 0 is part of the report of its end: mostly it is the reason. The disk thread reads it; a
 // disk that stalls delays the report by 100 ms at most, and the line is missing then.
 //
-// Start() waits 10 ms at most for the program to be loaded.
+// Start() waits 10 ms at most for the program to be loaded; for many programs that are started at
+// once 10 ms in all. A program that cannot be loaded later is reported by its exit.
 //
 // A process is watched once, for however many: all are told of its end at the same time.
 //
@@ -76,6 +77,8 @@ class ProcessSupervisor : public ProcessRunner {
     transport::LoopHandlePtr deadline;
   };
 
+  // The reason why the program of `child` cannot run, if that is known in time.
+  std::optional<Error> AwaitProgram(const Spawned& child);
   Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
   void EndOrphans();
@@ -85,6 +88,8 @@ class ProcessSupervisor : public ProcessRunner {
   transport::EventLoop& loop_;
   DiskWriter& disk_;
   const Duration loading_;
+  Time last_start_{};
+  Duration loading_left_{};  // of the current burst of starts
   std::map<pid_t, Process> processes_;
   bool adopts_ = false;
   std::uint64_t next_number_ = 1;
