@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <string_view>
-
 namespace musher::transport {
 
 namespace {
@@ -51,6 +49,11 @@ Environment RosEnvironment(TransportProfile profile, const Environment& environm
     added[kUri] = kRosOnLoopback;
   }
   return added;
+}
+
+std::string MissingProgramHint(std::string_view program) {
+  if (program != "ros2") return "";
+  return " (set up ROS 2 in this shell first: . /opt/ros/<distribution>/setup.sh)";
 }
 
 std::vector<std::string> RosObstacles(TransportProfile profile, const Environment& machine,

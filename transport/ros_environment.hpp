@@ -6,6 +6,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/lifecycle/config.hpp"
@@ -24,6 +25,9 @@ extern const char* const kRosOnLoopback;
 // What a ROS 2 process needs beside `environment` to meet a machine of this profile. What the
 // environment sets already is left as it is.
 Environment RosEnvironment(TransportProfile profile, const Environment& environment);
+
+// Ends the message that `program` was not found: how a person gets `ros2`; empty for any other.
+std::string MissingProgramHint(std::string_view program);
 
 // Why a ROS 2 process in the environment `node` does not meet a machine of this profile whose
 // processes are in the environment `machine`: sentences that say what to change; none where nothing
