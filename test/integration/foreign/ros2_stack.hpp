@@ -31,8 +31,9 @@ class Ros2Stack : public MachineByCli {
     setenv("PATH", (before + MUSHER_BIN_DIR ":/usr/bin:/bin").c_str(), 1);
   }
 
-  Ended Up() const {
-    Ended up = Musher({"up", robot_, "--detach"});
+  Ended Up() const { return Up(robot_); }
+  static Ended Up(const std::string& config) {
+    Ended up = Musher({"up", config, "--detach"});
     if (up.exit == 0) AwaitStatus(AllHaveArrived);
     return up;
   }

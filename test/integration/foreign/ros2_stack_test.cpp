@@ -12,6 +12,7 @@ namespace musher::testing::ros2_stack_test {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -170,6 +171,53 @@ TEST_F(TheStackWithoutRos2, DoesNotStartAndSaysHowToGetRos2) {
   EXPECT_EQ(up.exit, 1);
   EXPECT_THAT(up.out + up.err,
               HasSubstr("can't run ros2: No such file or directory" + std::string(kHint)));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
+class TheTalker : public Ros2Stack {
+ protected:
+  // A line of talker.toml is another one.
+  void Replace(const std::string& line, const std::string& by) const {
+    std::ifstream file(talker_);
+    std::string toml{std::istreambuf_iterator<char>(file), {}};
+    toml.replace(toml.find(line), line.size(), by);
+    std::ofstream(talker_) << toml;
+  }
+
+  const std::string talker_ = stack_ + "/talker.toml";
+};
+
+TEST_F(TheTalker, IsTheSmallestMachine) {
+  EXPECT_EQ(Musher({"check", talker_}).out, "ok: 1 actuator, 5 states, 1 stage\n");
+  const Ended up = Up(talker_);
+  ASSERT_EQ(up.exit, 0) << up.out << up.err;
+  EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_THAT(Events(), ElementsAre("lc_talker: on_configure", "lc_talker: on_activate",
+                                    "lc_talker: on_deactivate", "lc_talker: on_cleanup",
+                                    "lc_talker: on_shutdown"));
+}
+
+// It was "not set up within 20000 ms", as if its on_configure were slow.
+TEST_F(TheTalker, IsReportedAsNotDiscoveredWhenItIsInAnotherDomain) {
+  const std::string other = std::to_string(transport::TestDomain() % 101 + 1);
+  Replace("times = [20000", "env = { ROS_DOMAIN_ID = \"" + other + "\" }\ntimes = [400");
+  const Ended up = Musher({"up", talker_, "--detach"});
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, AllOf(HasSubstr("no managed node /lc_talker was discovered within 400 ms, "
+                                      "but its program runs (process "),
+                            HasSubstr("does not meet the machine: `musher check` says why")));
+  EXPECT_THAT(Musher({"check", talker_}).out,
+              HasSubstr("the ROS 2 node does not meet the machine: ROS_DOMAIN_ID is " + other));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
+TEST_F(TheTalker, IsReportedAsNotDiscoveredWhenNoPersonHasStartedIt) {
+  Replace("command = [\"ros2\", \"run\", \"lifecycle\", \"lifecycle_talker\"]\n", "");
+  Replace("times = [20000", "times = [400");
+  const Ended up = Musher({"up", talker_, "--detach"});
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("no managed node /lc_talker was discovered within 400 ms; "));
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
