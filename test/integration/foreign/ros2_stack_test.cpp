@@ -221,6 +221,19 @@ TEST_F(TheTalker, IsReportedAsNotDiscoveredWhenNoPersonHasStartedIt) {
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
+TEST_F(TheTalker, IsActivatedWhenItsLaunchFileStartsAndRespawnsIt) {
+  Replace("command = [\"ros2\", \"run\", \"lifecycle\", \"lifecycle_talker\"]\n", "");
+  Process up(Command({"up", talker_}));
+  ASSERT_NE(up.LineWith("controller started"), "");
+  const Process first({MUSHER_BIN_DIR "/managed_node", "lc_talker"});
+  ASSERT_NE(up.LineWith("the machine is Active"), "");
+  first.Signal(SIGKILL);
+  Process second({MUSHER_BIN_DIR "/managed_node", "lc_talker"});
+  EXPECT_NE(second.LineWith("lc_talker: on_activate"), "");
+  EXPECT_EQ(AwaitStatus(AllHaveArrived)["state"], "Active");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
 // lidar.launch.py, with what it takes from ROS 2's `launch` replaced by classes that keep their
 // arguments.
 class TheLaunchedLidar : public TheStack {
