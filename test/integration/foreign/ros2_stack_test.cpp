@@ -303,6 +303,7 @@ TEST_F(TheLaunchedLidar, IsTakenOverWhileItRunsAndThenRefusesTheManager) {
   EXPECT_EQ(Status()["state"], "Active");
   ASSERT_NO_FATAL_FAILURE(SetTo("LowPower"));
   EXPECT_EQ(manager.client("lidar").GetState(), "inactive [2]");
+  EXPECT_TRUE(manager.participant().Spin([&] { return manager.bond("lidar")->broken(); }));
   EXPECT_EQ(Musher({"down"}).exit, 0);
   EXPECT_EQ(lidar.Wait().exit, 0);
 }
@@ -317,6 +318,7 @@ TEST_F(TheLaunchedLidar, IsStartedByTheControllerWhenItsLaunchFileEnds) {
     return AllHaveArrived(now) && now["actuators"]["lidar"]["pid"] != lidar.pid();
   });
   EXPECT_EQ(status["state"], "Active");
+  EXPECT_THAT(Events(), Contains("controller_server: on_deactivate"));
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
