@@ -42,6 +42,10 @@ Environment OwnEnvironment() {
   return environment;
 }
 
+bool ReplacesProfile(TransportProfile profile, std::string_view uri) {
+  return !uri.empty() && !(profile == TransportProfile::kLocal && uri == kRosOnLoopback);
+}
+
 Environment RosEnvironment(TransportProfile profile, const Environment& environment) {
   Environment added;
   if (ValueOf(environment, kRmw).empty()) added[kRmw] = kCyclone;
@@ -81,7 +85,8 @@ std::vector<std::string> RosObstacles(TransportProfile profile, const Environmen
                         ": ROS 2 then finds no processes by multicast; unset it or set SUBNET");
   }
   const std::string uri = ValueOf(node, kUri);
-  const bool own_settings = !ValueOf(machine, kUri).empty();  // then nothing is known of them
+  // Nothing is known of settings of the person's own.
+  const bool own_settings = ReplacesProfile(profile, ValueOf(machine, kUri));
   if (profile == TransportProfile::kLocal && !own_settings &&
       uri.find("\"lo\"") == std::string::npos) {
     obstacles.push_back(std::string(kUri) +

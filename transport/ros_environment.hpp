@@ -22,6 +22,10 @@ Environment OwnEnvironment();
 // is. Without a limit to the number of processes.
 extern const char* const kRosOnLoopback;
 
+// Whether a CYCLONEDDS_URI replaces the settings of the profile. kRosOnLoopback, which a person
+// exports for ROS 2's tools, does not replace those of "local", which is on the loopback, too.
+bool ReplacesProfile(TransportProfile profile, std::string_view uri);
+
 // What a ROS 2 process needs beside `environment` to meet a machine of this profile. What the
 // environment sets already is left as it is.
 Environment RosEnvironment(TransportProfile profile, const Environment& environment);

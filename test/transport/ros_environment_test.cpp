@@ -96,6 +96,16 @@ TEST(RosProcesses, FindTheirSettingsAndTheMessagesOnThePageForUsersOfRos2) {
   }
 }
 
+// A shell with the line for ROS 2's tools slowed the machine down that was started in it.
+TEST(RosProcesses, ShareAShellWithAMachineOfTheProfileLocal) {
+  EXPECT_FALSE(ReplacesProfile(kLocal, ""));
+  EXPECT_FALSE(ReplacesProfile(kLocal, kRosOnLoopback));
+  EXPECT_TRUE(ReplacesProfile(kLan, kRosOnLoopback));
+  EXPECT_TRUE(ReplacesProfile(kLocal, "file:///mine.xml"));
+  const Environment shell = NodeOf(kLocal);
+  EXPECT_THAT(RosObstacles(kLocal, shell, shell), IsEmpty());
+}
+
 TEST(AMissingProgram, GetsAHintOnlyIfItIsRos2s) {
   EXPECT_EQ(MissingProgramHint("planner"), "");
   EXPECT_THAT(MissingProgramHint("ros2"), HasSubstr("/setup.sh"));
