@@ -155,10 +155,13 @@ void ActuatorShell::OfferManagedNodeAt(Time when) {
 void ActuatorShell::OfferManagedNode() {
   offer_later_ = nullptr;
   transport::ManagedNodeEndpoints::Hooks hooks;
-  hooks.refusal = [this]() -> std::optional<Error> {
+  hooks.refusal = [this](const Ros2Transition*) -> std::optional<Error> {
     if (core_.report.epoch == 0) return std::nullopt;
-    return Error{kCodePermissionDenied,
-                 "under control of the controller of epoch " + std::to_string(core_.report.epoch)};
+    // It may have exited: the next controller continues, and this actuator waits for it.
+    return Error{kCodePermissionDenied, "under control of the controller of epoch " +
+                                            std::to_string(core_.report.epoch) +
+                                            "; switch the machine instead (ros2 lifecycle set "
+                                            "/musher), or start the actuator without a controller"};
   };
   hooks.change = [this](const Ros2Transition& transition, auto done) {
     ChangeManagedNode(transition, std::move(done));

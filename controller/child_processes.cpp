@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <sstream>
 
 #include "musher/transport/host.hpp"
@@ -26,6 +27,43 @@ std::string VariableOf(pid_t pid, const std::string& name) {
   return {};
 }
 
+// Whether the process has the pids and the network of this process: a container may run the same
+// machine, whose processes have the same marks.
+bool IsInOurNamespaces(pid_t pid) {
+  for (const char* kind : {"pid", "net"}) {
+    struct stat ours {};
+    struct stat theirs {};
+    const std::string process = "/proc/" + std::to_string(pid);
+    if (stat((std::string("/proc/self/ns/") + kind).c_str(), &ours) != 0) continue;
+    if (stat((process + "/ns/" + kind).c_str(), &theirs) != 0) return false;
+    if (ours.st_ino != theirs.st_ino || ours.st_dev != theirs.st_dev) return false;
+  }
+  return true;
+}
+
+// Field `number` of /proc/<pid>/stat, from 3 on; empty if the process has exited.
+// "4711 (sh) S 1 4711 4711 0 …": the name may contain spaces and brackets.
+std::string StatField(pid_t pid, int number) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t bracket = text.rfind(')');
+  if (bracket == std::string::npos) return {};
+  std::istringstream fields(text.substr(bracket + 1));
+  std::string field;
+  for (int i = 3; i <= number; ++i) fields >> field;
+  return fields ? field : std::string();
+}
+
+// This process and its ancestors: a controller that was started in the shell of an actuator has the
+// actuator's mark.
+std::set<pid_t> OwnLineage() {
+  std::set<pid_t> lineage;
+  for (pid_t pid = getpid(); pid > 1 && lineage.insert(pid).second;) {
+    pid = std::atoi(StatField(pid, 4).c_str());
+  }
+  return lineage;
+}
+
 // Kills the process that was found, never a later one with the same pid.
 void Kill(const MarkedProcess& process) {
   const auto pidfd = transport::OpenPidfd(process.pid);
@@ -35,20 +73,12 @@ void Kill(const MarkedProcess& process) {
 
 }  // namespace
 
-// "4711 (sh) S 1 4711 4711 0 …": the name may contain spaces and brackets.
 std::optional<std::uint64_t> StartTimeOf(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t bracket = text.rfind(')');
-  if (bracket == std::string::npos) return std::nullopt;
-  std::istringstream fields(text.substr(bracket + 1));
-  std::string state;
-  std::string skipped;
-  std::uint64_t start_time = 0;
-  fields >> state;  // field 3
-  for (int field = 4; field < 22; ++field) fields >> skipped;
-  if (!(fields >> start_time) || state == "Z" || state == "X") return std::nullopt;
-  return start_time;
+  const std::string state = StatField(pid, 3);
+  if (state.empty() || state == "Z" || state == "X") return std::nullopt;
+  const std::string start_time = StatField(pid, 22);
+  if (start_time.empty()) return std::nullopt;
+  return std::strtoull(start_time.c_str(), nullptr, 10);
 }
 
 bool IsRunning(const ChildProcess& child) {
@@ -74,7 +104,7 @@ std::vector<ChildProcess> ChildrenFrom(const std::string& text, const std::strin
     std::string kind;
     ChildProcess child;
     const bool whole = words >> kind >> child.pid >> child.start_time >> child.actuator &&
-                       kind == "process" && child.pid > 0;
+                       kind == "process" && child.pid > 1;
     if (whole) children.push_back(child);
   }
   return children;
@@ -87,6 +117,7 @@ std::vector<MarkedProcess> FindMarked() {
     const pid_t pid = std::atoi(entry.path().filename().c_str());
     struct stat owner {};
     if (pid == 0 || stat(entry.path().c_str(), &owner) != 0 || owner.st_uid != geteuid()) continue;
+    if (!IsInOurNamespaces(pid)) continue;
     const std::string value = VariableOf(pid, kChildMark);
     if (value.size() <= kMarkDigits || value[kMarkDigits] != '/') continue;
     const auto start_time = StartTimeOf(pid);
@@ -100,6 +131,7 @@ std::vector<ChildProcess> FindChildren(const std::vector<MarkedActuator>& actuat
                                        const std::vector<ChildProcess>& stored) {
   std::vector<ChildProcess> children;
   const std::vector<MarkedProcess> marked = FindMarked();
+  const std::set<pid_t> lineage = OwnLineage();
   for (const MarkedActuator& actuator : actuators) {
     std::optional<ChildProcess> child;
     for (const ChildProcess& one : stored) {
@@ -114,10 +146,24 @@ std::vector<ChildProcess> FindChildren(const std::vector<MarkedActuator>& actuat
       continue;
     }
     for (const MarkedProcess& one : marked) {
-      if (one.mark == actuator.mark && !actuator.runs) Kill(one);
+      const bool left = one.mark == actuator.mark && !actuator.runs;
+      if (left && !lineage.contains(one.pid)) Kill(one);
     }
   }
   return children;
+}
+
+std::string ChildMarkOf(pid_t pid) {
+  const std::string value = VariableOf(pid, kChildMark);
+  return value.size() > kMarkDigits ? value.substr(kMarkDigits + 1) : std::string();
+}
+
+void KillMarked(const std::string& mark, pid_t started) {
+  if (mark.empty()) return;
+  const std::set<pid_t> lineage = OwnLineage();
+  for (const MarkedProcess& one : FindMarked()) {
+    if (one.mark == mark && one.started == started && !lineage.contains(one.pid)) Kill(one);
+  }
 }
 
 }  // namespace musher

@@ -45,7 +45,7 @@ bool IsRunning(const ChildProcess& child);
 std::string ToText(const std::vector<ChildProcess>& children, const std::string& host);
 std::vector<ChildProcess> ChildrenFrom(const std::string& text, const std::string& host);
 
-// A process of our own user that has a mark.
+// A process of our own user, pids and network that has a mark.
 struct MarkedProcess {
   std::string mark;
   pid_t started = 0;  // the process that the controller has started: this one, or an ancestor
@@ -66,5 +66,11 @@ struct MarkedActuator {
 // has left behind, so that it does not disturb the next start.
 std::vector<ChildProcess> FindChildren(const std::vector<MarkedActuator>& actuators,
                                        const std::vector<ChildProcess>& stored);
+
+// The mark of a process, without its digits; empty: it has none.
+std::string ChildMarkOf(pid_t pid);
+// Kills what process `started` has left behind: all with its mark, but for the ancestors of this
+// process.
+void KillMarked(const std::string& mark, pid_t started);
 
 }  // namespace musher

@@ -170,7 +170,8 @@ Result<> Controller::TakeName() {
     }
     // A controller that we may not signal releases control when it receives a higher epoch.
     const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
-    taken_from_ = StateDirOfProcess(holder.pid);
+    // The list of processes of another user could name any process of the host.
+    if (holder.trusted) taken_from_ = StateDirOfProcess(holder.pid);
     listen_for_others_ = !holder.trusted || !EndController(holder.pid, is_it);
     options_.adopt |= !listen_for_others_;
     if (listen_for_others_) return Ok();

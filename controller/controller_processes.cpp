@@ -65,7 +65,7 @@ pid_t Controller::HolderOf(std::size_t i) {
 // instead, see ControllerShell::RecordUnlisted.
 void Controller::EndUnlisted(const ChildProcess& child) {
   if (transport::NameLock::IsHeld(LockOf(child.actuator))) return;
-  if (!processes_.Adopt(child.pid, nullptr)) return;
+  if (!processes_.Adopt(child.pid, child.start_time, nullptr)) return;
   shell_->Remark(kCodeStateInvalid, child.actuator + " (pid " + std::to_string(child.pid) +
                                         ") was started by an earlier controller, and " +
                                         config_.file + " does not start it: it is stopped");

@@ -83,10 +83,13 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   }
   for (std::size_t i = 0; i < begin.processes.size(); ++i) {
     const pid_t pid = begin.processes[i];
-    const bool child = std::any_of(children.begin(), children.end(), [&](const ChildProcess& c) {
+    const auto child = std::find_if(children.begin(), children.end(), [&](const ChildProcess& c) {
       return c.pid == pid && c.actuator == config_.actuators[i].name;
     });
-    if (!WatchFound(i, pid, child)) begin.processes[i] = 0;
+    const bool is_child = child != children.end();
+    if (WatchFound(i, pid, is_child ? &*child : nullptr)) continue;
+    begin.processes[i] = 0;
+    if (is_child) begin.running[i] = false;  // it has exited meanwhile
   }
   Handle(begin);
   for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {

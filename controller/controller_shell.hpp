@@ -171,7 +171,7 @@ class ControllerShell {
   ActuatorReport WithProvenPid(std::size_t actuator, ActuatorReport report);
   Result<> ProveAndWatch(std::size_t actuator, const ActuatorReport& report);
   void RecordUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
-  bool WatchFound(std::size_t actuator, pid_t pid, bool child);
+  bool WatchFound(std::size_t actuator, pid_t pid, const ChildProcess* child);
   void NoteChild(std::size_t actuator, pid_t pid);
   void ForgetChild(std::size_t actuator, pid_t pid);
   void SaveChildren();

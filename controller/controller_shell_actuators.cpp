@@ -78,7 +78,7 @@ void ControllerShell::CountAsHeartbeat(std::size_t actuator, std::uint64_t incar
   ActuatorReport report = record.report;
   if (report.host.empty() && record.process != 0) {
     report.host = world_.host;
-    report.pid = record.process;
+    report.pid = world_.process_probe->WorkerOf(record.process);
   }
   health_->OnReport(actuator, report);
 }

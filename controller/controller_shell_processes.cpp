@@ -70,7 +70,7 @@ void ControllerShell::Do(const action::FindProcesses&) {
   const std::vector<pid_t> pids = world_.process_probe->Find(names);
   for (std::size_t n = 0; n < with_command.size(); ++n) {
     const std::size_t i = with_command[n];
-    if (WatchFound(i, pids[n], false)) found.processes[i] = pids[n];
+    if (WatchFound(i, pids[n], nullptr)) found.processes[i] = pids[n];
   }
   Handle(found);
 }
@@ -178,8 +178,8 @@ void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
 }
 
 // Watches a process that ran before this controller and may never publish a status. A `child` was
-// started for this actuator by an earlier controller.
-bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid, bool child) {
+// started for this actuator by an earlier controller; null: it was not.
+bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid, const ChildProcess* child) {
   if (pid == 0 || pid == world_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     health_->Forget(actuator);
@@ -187,7 +187,7 @@ bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid, bool child) {
     peers_[actuator].link->OnProcessEnded(pid);
     Handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
   };
-  const bool watched = child ? world_.processes->Adopt(pid, on_exit).ok()
+  const bool watched = child ? world_.processes->Adopt(pid, child->start_time, on_exit).ok()
                              : world_.processes->Watch(pid, on_exit).ok();
   if (!watched) return false;
   if (child) NoteChild(actuator, pid);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/plan.hpp"
 
 namespace musher {
 namespace {
@@ -23,7 +24,7 @@ Result<std::unique_ptr<ManagedMachine>> ManagedMachine::Make(transport::Node& no
   std::unique_ptr<ManagedMachine> machine(new ManagedMachine(shell));
   ManagedMachine* self = machine.get();
   transport::ManagedNodeEndpoints::Hooks hooks;
-  hooks.refusal = [self] { return self->Refusal(); };
+  hooks.refusal = [self](const Ros2Transition* transition) { return self->Refusal(transition); };
   hooks.change = [self](const Ros2Transition& transition, const Done& done) {
     self->Change(transition, done);
   };
@@ -45,7 +46,7 @@ void ManagedMachine::OnRecord() {
 }
 
 // The requests that the decision code would refuse, without a record of each: there may be many.
-std::optional<Error> ManagedMachine::Refusal() const {
+std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) const {
   const Machine& machine = shell_.machine();
   if (machine.current) {
     return Error{kCodeTargetBusy, "switch " + std::to_string(machine.current->number) + " to " +
@@ -55,19 +56,26 @@ std::optional<Error> ManagedMachine::Refusal() const {
     return Error{kCodeTargetBusy,
                  "the machine is starting by itself; with [ros2] start = \"manager\" it waits"};
   }
-  return std::nullopt;
+  if (!machine.set_up || transition == nullptr) return std::nullopt;
+  const auto target = TargetOf(*transition, shell_.config());
+  if (!target || NeedsNoSwitch(*target)) return std::nullopt;
+  const Plan plan = MakePlan(shell_.config(), machine, *target);
+  return plan.free_by ? std::nullopt : plan.refusal;
+}
+
+bool ManagedMachine::NeedsNoSwitch(const State& target) const {
+  return target.empty() || (target == kTearDown && shell_.machine().state == kTearDown);
 }
 
 void ManagedMachine::Change(const Ros2Transition& transition, const Done& done) {
   const auto target = TargetOf(transition, shell_.config());
   if (!target) return done(Error{kCodeUnSupport, "the machine has no state for this transition"});
-  const bool over = *target == kTearDown && shell_.machine().state == kTearDown;
-  if (target->empty() || over) return done(Ok());
+  if (NeedsNoSwitch(*target)) return done(Ok());
   if (shell_.machine().set_up) return Switch(*target, done);
-  // Its services are available before its actuators are set up.
+  // Its services are available before its actuators are set up. What becomes of an actuator that
+  // is not set up is the switch's decision, as after the set-up.
   shell_.AwaitSetUp(
-      [this, target = *target, done, alive = std::weak_ptr<bool>(alive_)](const Result<>& set_up) {
-        if (!set_up) return done(set_up);
+      [this, target = *target, done, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
         if (alive.expired()) return;
         Switch(target, done);
       });

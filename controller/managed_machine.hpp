@@ -29,7 +29,8 @@ class ManagedMachine {
   explicit ManagedMachine(ControllerShell& shell) : shell_(shell) {}
 
   using Done = transport::ManagedNodeEndpoints::Done;
-  std::optional<Error> Refusal() const;
+  std::optional<Error> Refusal(const Ros2Transition* transition) const;
+  bool NeedsNoSwitch(const State& target) const;
   void Change(const Ros2Transition& transition, const Done& done);
   void Switch(const State& target, const Done& done);
 

@@ -3,6 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "musher/controller/child_processes.hpp"
@@ -43,6 +46,21 @@ std::vector<pid_t> KernelProbe::Find(const std::vector<std::string>& actuators) 
 
 std::uint64_t KernelProbe::StartTimeOf(pid_t pid) {
   return musher::StartTimeOf(pid).value_or(0);
+}
+
+pid_t KernelProbe::WorkerOf(pid_t pid) {
+  constexpr int kMostWrappers = 8;
+  for (int i = 0; i < kMostWrappers; ++i) {
+    const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
+    std::error_code error;
+    const auto count = std::distance(std::filesystem::directory_iterator(threads, error),
+                                     std::filesystem::directory_iterator());
+    std::ifstream file(threads / std::to_string(pid) / "children");
+    const std::vector<pid_t> children{std::istream_iterator<pid_t>(file), {}};
+    if (error || count != 1 || children.size() != 1) return pid;
+    pid = children.front();
+  }
+  return pid;
 }
 
 void KernelProbe::Mark(std::size_t actuator, pid_t pid, Time now) {

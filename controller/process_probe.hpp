@@ -37,6 +37,10 @@ class ProcessProbe {
   // exited.
   virtual std::uint64_t StartTimeOf(pid_t pid) = 0;
 
+  // The process that works for `pid`: the only child of one that has a single thread, as a shell or
+  // `ros2 run` has, and so on; else `pid` itself.
+  virtual pid_t WorkerOf(pid_t pid) { return pid; }
+
   // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators
   // may share a process; each has a mark of its own.
   virtual void Mark(std::size_t actuator, pid_t pid, Time now) = 0;
@@ -61,6 +65,7 @@ class KernelProbe : public ProcessProbe {
   Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
   std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
   std::uint64_t StartTimeOf(pid_t pid) override;
+  pid_t WorkerOf(pid_t pid) override;
   void Mark(std::size_t actuator, pid_t pid, Time now) override;
   Examination Examine(std::size_t actuator, pid_t pid, Time now) override;
   void TakeBacktrace(pid_t pid, Duration timeout,

@@ -70,8 +70,12 @@ class ProcessRunner {
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
   // Watches a process that an earlier controller has started as its child. When it exits, the rest
-  // of its session is killed, as for a child of ours.
-  virtual Result<> Adopt(pid_t pid, OnExit on_exit) { return Watch(pid, std::move(on_exit)); }
+  // of its group, and all that it has started, is killed, as for a child of ours. `start_time`: of
+  // StartTimeOf(); fails if another process has the pid meanwhile.
+  virtual Result<> Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) {
+    static_cast<void>(start_time);
+    return Watch(pid, std::move(on_exit));
+  }
 
   // Sends a signal to a started or watched process: to its whole group if it leads one. Fails if
   // the process is neither or has exited, so that it never hits another process with a reused pid.

@@ -17,6 +17,7 @@
 #include <sstream>
 #include <utility>
 
+#include "musher/controller/child_processes.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -165,10 +166,17 @@ Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {
   return Ok();
 }
 
-Result<> ProcessSupervisor::Adopt(pid_t pid, OnExit on_exit) {
+Result<> ProcessSupervisor::Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) {
+  const bool watched_before = processes_.contains(pid);
   if (auto watched = Watch(pid, std::move(on_exit)); !watched) return watched;
+  // The pidfd is open: if this is the right process now, it is the right one for good.
+  if (!watched_before && StartTimeOf(pid) != start_time) {
+    processes_.erase(pid);
+    return Error{kCodeStateInvalid, "process " + std::to_string(pid) + " has exited"};
+  }
   Process& process = processes_.at(pid);
   process.adopted = !process.child && getsid(pid) == pid;
+  if (process.adopted) process.mark = ChildMarkOf(pid);
   return Ok();
 }
 
@@ -201,7 +209,10 @@ void ProcessSupervisor::Ended(pid_t pid) {
   auto process = processes_.extract(pid);  // `on_exit` may start the next one
   Process& ended = process.mapped();
   if (!ended.child) {
-    if (ended.adopted) KillRest(pid, ended.pidfd.get());
+    if (ended.adopted) {
+      KillRest(pid, ended.pidfd.get());
+      KillMarked(ended.mark, pid);
+    }
     return Call(ended.on_exit, {});
   }
   kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own

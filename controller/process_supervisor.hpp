@@ -46,7 +46,7 @@ class ProcessSupervisor : public ProcessRunner {
 
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
-  Result<> Adopt(pid_t pid, OnExit on_exit) override;
+  Result<> Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
 
   // From now on what a child leaves behind, as a daemon that it started, becomes a child of this
@@ -61,6 +61,7 @@ class ProcessSupervisor : public ProcessRunner {
     std::uint64_t number = 0;      // in the environment of all that it starts
     std::optional<Spawned> child;  // none: it is only watched or adopted
     bool adopted = false;
+    std::string mark;                          // of an adopted one (child_processes.hpp)
     std::shared_ptr<transport::UniqueFd> log;  // of a child whose output is a file
     std::int64_t log_begin = 0;                // bytes that were in it before
     std::vector<OnExit> on_exit;  // of the one that started it, then of those that watch it

@@ -162,7 +162,9 @@ class Decision {
   bool StageSettled(int stage) const;
   bool AdvanceStart();
   void EndFirstStage();
-  void WaitForManager(std::uint64_t cause);
+  void WaitForManager(std::size_t present, const std::vector<std::string>& missing,
+                      std::uint64_t cause);
+  bool FailOnCriticalFault();
   void AnswerSetUpRequests();
   void AdoptFrom(const State& lowest, std::uint64_t cause);
   void AfterStartUpCheck(std::uint64_t checked);

@@ -298,7 +298,8 @@ void Decision::EndFirstStage() {
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
   if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, recorded);
-  if (machine_.by_hand && config_.ros2.started_by_manager) return WaitForManager(recorded);
+  if (machine_.by_hand && config_.ros2.started_by_manager)
+    return WaitForManager(present, missing, recorded);
   if (machine_.by_hand) return;
   if (present == 0) {
     return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front(),
@@ -314,20 +315,32 @@ void Decision::EndFirstStage() {
   Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {}, recorded);
 }
 
-void Decision::WaitForManager(std::uint64_t cause) {
-  const std::string message = "the machine waits in SetUp for a manager to configure it";
+void Decision::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
+                              std::uint64_t cause) {
+  if (FailOnCriticalFault()) return;
+  if (present == 0) {
+    return FailStartUp(missing.empty() ? "the machine has no actuator" : missing.front(), cause);
+  }
+  std::string message = "the machine waits in SetUp for a manager to configure it";
+  for (const std::string& actuator : missing) message += "; " + actuator;
   RecordMachine(kCodeOk, message, cause);
   Do(action::StartUpEnded{true, message});
 }
 
-void Decision::AfterStartUpCheck(std::uint64_t checked) {
+// Returns whether a critical actuator of the stages so far has a fault.
+bool Decision::FailOnCriticalFault() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;
-    return FailStartUp("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
-                           Of(i).fault->message,
-                       Of(i).cause);
+    FailStartUp("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
+                    Of(i).fault->message,
+                Of(i).cause);
+    return true;
   }
-  Activate(checked);
+  return false;
+}
+
+void Decision::AfterStartUpCheck(std::uint64_t checked) {
+  if (!FailOnCriticalFault()) Activate(checked);
 }
 
 void Decision::Activate(std::uint64_t cause) {

@@ -24,6 +24,10 @@ msg::Transition TransitionOf(Ros2State from, Ros2State to) {
   return {};
 }
 
+std::string Failure(const std::string& transition, const std::string& why) {
+  return "change_state " + transition + " failed: " + why;
+}
+
 float ToSeconds(Duration duration) {
   return std::chrono::duration<float>(duration).count();
 }
@@ -135,10 +139,11 @@ void ManagedNodeEndpoints::OnChange(const msg::ChangeState::Request& request,
            why);
     reply({false});
   };
-  if (const auto why = hooks_.refusal ? hooks_.refusal() : std::nullopt) {
-    return refuse(why->message);
-  }
   const auto transition = core_.Begin(requested.id, requested.label);
+  const auto why = hooks_.refusal ? hooks_.refusal(transition ? &transition.value() : nullptr)
+                                  : std::optional<Error>();
+  if (why && transition) core_.End(false);
+  if (why) return refuse(why->message);
   if (!transition) return refuse(transition.error().message);
   PublishEvent();
   hooks_.change(transition.value(), [this, reply, transition = transition.value(),
@@ -151,7 +156,8 @@ void ManagedNodeEndpoints::OnChange(const msg::ChangeState::Request& request,
 void ManagedNodeEndpoints::OnEnded(const Ros2Transition& transition, const Result<>& result) {
   core_.End(result.ok());
   if (!result) {
-    Refuse(std::string(transition.name), WithCode(result.error().message, result.error().code));
+    Log(Failure(std::string(transition.name),
+                WithCode(result.error().message, result.error().code)));
   }
   ended_by_manager_ |= result.ok() && core_.musher_state() == kTearDown;
   PublishEvent();
@@ -159,8 +165,7 @@ void ManagedNodeEndpoints::OnEnded(const Ros2Transition& transition, const Resul
 }
 
 void ManagedNodeEndpoints::Refuse(const std::string& transition, const std::string& why) {
-  const auto line =
-      refusals_.Refused("change_state " + transition + " failed: " + why, node_.loop().Now());
+  const auto line = refusals_.Refused(Failure(transition, why), node_.loop().Now());
   if (line) Log(*line);
 }
 
@@ -174,7 +179,8 @@ void ManagedNodeEndpoints::PublishEvent() {
   event.start_state = ToMessage(*from);
   event.goal_state = ToMessage(now);
   static_cast<void>(events_->Publish(event));  // a subscriber that misses one calls get_state
-  if (bond_.active() && now != Ros2State::kActive) AfterBond(bond_.Stop(node_.loop().Now()));
+  const bool bonds = bond_.phase() != Bond::Phase::kOff;
+  if (bonds && now != Ros2State::kActive) AfterBond(bond_.Stop(node_.loop().Now()));
 }
 
 void ManagedNodeEndpoints::FormBond() {
@@ -212,7 +218,7 @@ void ManagedNodeEndpoints::OnBondStatus(const msg::BondStatus& status) {
       bond_.OnHeartbeat({status.instance_id, status.active, FromSeconds(status.heartbeat_timeout)},
                         node_.loop().Now()));
   const bool broken = before == Bond::Phase::kFormed && bond_.phase() == Bond::Phase::kBroken;
-  if (broken) Log("the manager ended the bond");
+  if (broken) LogBond("the manager ended the bond");
 }
 
 void ManagedNodeEndpoints::EndBond() {
@@ -240,8 +246,14 @@ void ManagedNodeEndpoints::AfterBond(bool publish) {
     const Bond::Phase before = bond_.phase();
     AfterBond(bond_.OnTime(node_.loop().Now()));
     const bool broken = before == Bond::Phase::kFormed && bond_.phase() == Bond::Phase::kBroken;
-    if (broken) Log("the bond with the manager is broken: no heartbeat within its timeout");
+    if (broken) LogBond("the bond with the manager is broken: no heartbeat within its timeout");
   });
+}
+
+// Any participant may form a bond and end it, again and again.
+void ManagedNodeEndpoints::LogBond(const std::string& line) {
+  const auto now = bond_ends_.Refused(line, node_.loop().Now());
+  if (now) Log(*now);
 }
 
 void ManagedNodeEndpoints::Log(const std::string& line) const {

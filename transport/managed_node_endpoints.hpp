@@ -29,9 +29,10 @@ class ManagedNodeEndpoints {
  public:
   using Done = std::function<void(const Result<>&)>;
   struct Hooks {
-    // The reason why no manager may change the state now; may be empty. Called first, so that a
-    // flood of requests costs little.
-    std::function<std::optional<Error>()> refusal;
+    // The reason why no manager may change the state now; may be empty. Called before each
+    // transition (null: one that the node's state does not have), so that a flood of requests costs
+    // little.
+    std::function<std::optional<Error>(const Ros2Transition*)> refusal;
     // Executes the transition; calls `done` once, now or later, with the reason of a failure.
     std::function<void(const Ros2Transition&, Done done)> change;
     std::function<void(const std::string&)> log;  // may be empty
@@ -67,6 +68,7 @@ class ManagedNodeEndpoints {
   void OnBondStatus(const msg::BondStatus& status);
   void EndBond();
   void AfterBond(bool publish);
+  void LogBond(const std::string& line);
   void Log(const std::string& line) const;
 
   Node& node_;
@@ -79,6 +81,7 @@ class ManagedNodeEndpoints {
   bool ended_by_manager_ = false;
   bool seen_finalized_ = false;
   RefusalLog refusals_;
+  RefusalLog bond_ends_;
   Bond bond_;
   LoopHandlePtr bond_timer_;
   std::unique_ptr<Publisher<msg::BondStatus>> bond_writer_;

@@ -85,9 +85,9 @@ std::vector<std::string> RosObstacles(TransportProfile profile, const Environmen
                         ": ROS 2 then finds no processes by multicast; unset it or set SUBNET");
   }
   const std::string uri = ValueOf(node, kUri);
-  // Nothing is known of settings of the person's own.
+  // Nothing is known of settings of the person's own, and the text of a file is not read.
   const bool own_settings = ReplacesProfile(profile, ValueOf(machine, kUri));
-  if (profile == TransportProfile::kLocal && !own_settings &&
+  if (profile == TransportProfile::kLocal && !own_settings && !uri.starts_with("file:") &&
       uri.find("\"lo\"") == std::string::npos) {
     obstacles.push_back(std::string(kUri) +
                         (uri.empty() ? " is not set" : " does not name the interface lo") +

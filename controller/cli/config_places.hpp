@@ -1,5 +1,5 @@
 #pragma once
-// Where a key of a table stands in the text of a config, as a person looks for it.
+// The line of a key of a table in the text of a config.
 
 #include <fstream>
 #include <string>

@@ -86,15 +86,28 @@ void Ros2Link::Drive() {
   Proceed();
 }
 
+// For a node in a callback the answer is given long before the health monitor misses it.
 void Ros2Link::Inquire(const AskCommand& ask) {
-  asks_.push_back({ask.number, node().loop().At(Now() + kAskPatience, [this, number = ask.number] {
-                     OnAskUnanswered(number);
-                   })});
+  const Duration in_callback =
+      std::min(kAskPatience, actuator().checkpoint.value_or(kAskPatience) / 4);
+  asks_.push_back({ask.number, Now() + kAskPatience, AskTimer(ask.number, Now() + in_callback)});
   Look();
 }
 
+transport::LoopHandlePtr Ros2Link::AskTimer(std::uint64_t number, Time when) {
+  return node().loop().At(when, [this, number] { OnAskUnanswered(number); });
+}
+
 void Ros2Link::OnAskUnanswered(std::uint64_t number) {
-  std::erase_if(asks_, [number](const PendingAsk& ask) { return ask.number == number; });
+  const auto ask = std::find_if(asks_.begin(), asks_.end(), [number](const PendingAsk& pending) {
+    return pending.number == number;
+  });
+  if (ask == asks_.end()) return;
+  if (!MayBeInCallback() && Now() < ask->until) {
+    ask->patience = AskTimer(number, ask->until);
+    return;
+  }
+  asks_.erase(ask);
   if (MayBeInCallback()) return AnswerAsk(number);
   mute_ = true;
 }

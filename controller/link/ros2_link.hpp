@@ -64,6 +64,7 @@ class Ros2Link : public ForeignLink {
   void OnChanged(const Result<msg::ChangeState::Response>& reply);
   void Finish(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   void AnswerAsks();
+  transport::LoopHandlePtr AskTimer(std::uint64_t number, Time when);
   void OnAskUnanswered(std::uint64_t number);
   bool MayBeInCallback() const;
 
@@ -74,6 +75,7 @@ class Ros2Link : public ForeignLink {
 
   struct PendingAsk {
     std::uint64_t number = 0;
+    Time until{};  // without an answer the node is mute then
     transport::LoopHandlePtr patience;
   };
 

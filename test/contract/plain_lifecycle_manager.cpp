@@ -12,11 +12,6 @@ constexpr std::uint8_t kActivate = 3;
 constexpr std::uint8_t kDeactivate = 4;
 constexpr std::uint8_t kUnconfiguredShutdown = 5;
 
-// The setting of a ROS 2 process that communicates with a machine of the profile `local`.
-constexpr const char* kLoopback =
-    "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" "
-    "multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>";
-
 std::string Resolve(const std::string& name_space, const std::string& name) {
   return name_space.empty() ? name : name_space + "/" + name;
 }

@@ -21,6 +21,11 @@
 
 namespace musher::testing {
 
+// The setting of a ROS 2 process that communicates with a machine of the profile `local`.
+inline constexpr const char* kLoopback =
+    "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" "
+    "multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>";
+
 // Takes all samples; `on_sample` receives each one while it is on loan.
 template <class T>
 void TakeAll(dds_entity_t reader, const std::function<void(const T&)>& on_sample) {

@@ -222,6 +222,20 @@ TEST_F(AMachineAndItsManagers, AsOneNodeItKeepsItsStateWhenAnActuatorFails) {
   EXPECT_EQ(tool.GetState(), "inactive [2]");
 }
 
+TEST_F(AnActuatorWithoutAController, LogsEachFailureOfACallbackAlsoAfterARefusal) {
+  PlainParticipant person(Domain());
+  PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(tool.ChangeState(kActivate), false) << "it is unconfigured";
+  ASSERT_EQ(tool.ChangeState(0, "configure"), true);
+  arm_.FailIn("Active");
+  EXPECT_EQ(tool.ChangeState(kActivate), false);
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("change_state 3 failed: the node is unconfigured"));
+  EXPECT_THAT(log, HasSubstr("change_state activate failed: "));
+  EXPECT_THAT(log, HasSubstr("2012"));
+}
+
 TEST_F(AMachineAndItsManagers, AppearInRos2sDiagnosticsAndLog) {
   BringActuatorsUp();
   PlainParticipant person(Domain());

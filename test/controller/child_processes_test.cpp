@@ -85,11 +85,74 @@ TEST_F(ChildProcesses, TheExitOfAnAdoptedProcessIsReportedAndTheRestOfItsSession
   });
   ASSERT_NE(other, marked.end());
   supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);  // the next controller
-  ASSERT_TRUE(supervisor_->Adopt(pid, [this](const ProcessExit& exit) { exit_ = exit; }));
+  ASSERT_TRUE(supervisor_->Adopt(pid, Now(pid).start_time,
+                                 [this](const ProcessExit& exit) { exit_ = exit; }));
   EXPECT_TRUE(EndsAfter(other->pid, [&] { kill(pid, SIGKILL); }));
   const auto exit = WaitForExit();
   ASSERT_TRUE(exit);
   EXPECT_EQ(exit->kind, ProcessExit::Kind::kUnknown);
+}
+
+TEST_F(ChildProcesses, ADaemonThatAnAdoptedProcessLeavesBehindIsKilled) {
+  const pid_t pid = StartDog("setsid tail -f /dev/null & echo $! > $PIPE; exec tail -f /dev/null");
+  const auto marked = FindMarked();
+  const auto daemon = std::find_if(marked.begin(), marked.end(), [&](const MarkedProcess& process) {
+    return process.started == pid && process.pid != pid;
+  });
+  ASSERT_NE(daemon, marked.end());
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);  // the next controller
+  ASSERT_TRUE(supervisor_->Adopt(pid, Now(pid).start_time,
+                                 [this](const ProcessExit& exit) { exit_ = exit; }));
+  EXPECT_TRUE(EndsAfter(daemon->pid, [&] {
+    kill(pid, SIGKILL);
+    EXPECT_TRUE(WaitForExit());
+  }));
+}
+
+TEST_F(ChildProcesses, ALaterProcessWithTheSamePidIsNotAdopted) {
+  const pid_t pid = StartDog();
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);  // the next controller
+  EXPECT_FALSE(supervisor_->Adopt(pid, Now(pid).start_time - 1, nullptr));
+  EXPECT_FALSE(supervisor_->Signal(pid, SIGTERM)) << "it is not watched";
+}
+
+TEST_F(ChildProcesses, InAnotherNetworkNamespaceBelongToAnotherMachine) {
+  if (system("unshare -n true 2> /dev/null") != 0) {
+    GTEST_SKIP() << "needs the permission to make a network namespace";
+  }
+  StartDog("exec unshare -n sh -c 'echo ready > $PIPE; exec tail -f /dev/null'");
+  const auto marked = FindMarked();
+  EXPECT_TRUE(std::none_of(marked.begin(), marked.end(),
+                           [&](const MarkedProcess& process) { return process.mark == mark_; }));
+}
+
+TEST_F(ChildProcesses, NeverIncludeTheControllerThatAnActuatorsShellHasStarted) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    // As started by the shell of the actuator "dog", whose process has exited.
+    const std::string mark = std::string(kChildMark) + "=0000000002/" + mark_;
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe");
+    setenv("MUSHER_TEST_MARK", mark_.c_str(), 1);
+    putenv(const_cast<char*>(mark.c_str()));
+    execl(program.c_str(), program.c_str(), "--gtest_filter=*FindsAndKillsAsAController",
+          "--gtest_also_run_disabled_tests", nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(pid, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "it has killed itself: " << status;
+}
+
+// Runs in a process of the test above only.
+TEST(DISABLED_ChildProcessesOfAShell, FindsAndKillsAsAController) {
+  const char* mark = std::getenv("MUSHER_TEST_MARK");
+  ASSERT_NE(mark, nullptr);
+  EXPECT_THAT(FindChildren({{"dog", mark}}, {}), IsEmpty());
+  KillMarked(mark, 2);
+}
+
+TEST_F(ChildProcesses, TheListOfProcessesCannotNameTheInitProcess) {
+  EXPECT_THAT(ChildrenFrom("host h\nprocess 1 0 dog\n", "h"), IsEmpty());
 }
 
 TEST_F(ChildProcesses, AreStoredForThisBootOfThisHostOnly) {

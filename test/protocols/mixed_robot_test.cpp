@@ -1,84 +1,12 @@
-// A whole machine in virtual time with one actuator of each protocol: "a" is Musher's own, "b" a
-// CyberDog module, "c" a ROS 2 managed node.
+// Switches, start-up, faults and adoption of a machine with an actuator of each protocol.
 
-#include <gmock/gmock.h>
-
-#include "musher/simulation/robot.hpp"
-#include "musher/test/lifecycle/coordination/harness.hpp"
-#include "musher/test/protocols/cyberdog_module.hpp"
-#include "musher/test/protocols/ros_managed_node.hpp"
+#include "musher/test/protocols/mixed_robot.hpp"
 
 namespace musher::testing::mixed_robot_test {
-
-using simulation::SimRobot;
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
-
-class AMixedRobot : public ::testing::Test {
- protected:
-  explicit AMixedRobot(bool critical = false) : AMixedRobot(Config(critical)) {}
-  explicit AMixedRobot(const MachineConfig& config) : robot_(1, config) {
-    robot_.UseProgram("b", [this](transport::Node& node) {
-      auto module = std::make_shared<CyberdogModule>(node, "", "b", "b");
-      module->script = module_script_;
-      module_ = module.get();
-      return module;
-    });
-    robot_.UseProgram("c", [this](transport::Node& node) {
-      auto ros = std::make_shared<RosManagedNode>(node, "c");
-      ros->script = node_script_;
-      ros_ = ros.get();
-      return ros;
-    });
-  }
-
-  static MachineConfig Config(bool critical) {
-    MachineConfig config = MachineOf(3);
-    for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
-    config.actuators[1].protocol = Protocol::kCyberdog;
-    config.actuators[1].heartbeat_name = "b";
-    config.actuators[1].critical = critical;
-    config.actuators[2].protocol = Protocol::kRos2Lifecycle;
-    return config;
-  }
-
-  void BringUp() {
-    robot_.StartController();
-    ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
-    ASSERT_EQ(robot_.machine().state, "Active");
-    ASSERT_THAT(robot_.Degraded(), IsEmpty());
-    robot_.RunFor(std::chrono::seconds(1));  // the first beats
-  }
-  std::vector<std::int32_t> Pids() {
-    std::vector<std::int32_t> pids;
-    for (const char* name : {"a", "b", "c"}) pids.push_back(robot_.processes().PidOf(name));
-    return pids;
-  }
-  SwitchResult Set(const State& target) { return robot_.Set(target).value_or(SwitchResult{}); }
-  void ExpectAllIn(const State& state) {
-    EXPECT_EQ(robot_.machine().state, state);
-    for (const ActuatorRecord& record : robot_.machine().actuators) {
-      EXPECT_EQ(record.state(), state);
-      EXPECT_EQ(record.presence, Presence::kPresent);
-    }
-    EXPECT_THAT(robot_.Degraded(), IsEmpty());
-  }
-
-  struct Robot : SimRobot {
-    using SimRobot::SimRobot;
-    std::vector<std::string> Degraded() const { return musher::Degraded(config(), machine()); }
-  };
-
-  std::map<std::string, CyberdogModule::Callback> module_script_;
-  std::map<std::string, RosManagedNode::Callback> node_script_;
-  CyberdogModule* module_ = nullptr;
-  RosManagedNode* ros_ = nullptr;
-  Robot robot_;
-};
 
 TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   BringUp();
@@ -333,47 +261,6 @@ TEST_F(AMixedRobot, FinishesItsStartWhenTheControllerDiesDuringIt) {
   ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
   robot_.RunFor(std::chrono::seconds(2));
   ExpectAllIn("Active");
-}
-
-// Integration tests cover detection with real processes; here it is the decision code and monitor.
-class AMixedRobotWithACheckpoint : public AMixedRobot {
- protected:
-  static MachineConfig Checked() {
-    MachineConfig config = Config(false);
-    config.actuators[2].checkpoint = Milliseconds(400);
-    config.actuators[2].restart.policy = RestartPolicy::kOnFailure;
-    return config;
-  }
-  AMixedRobotWithACheckpoint() : AMixedRobot(Checked()) {}
-};
-
-TEST_F(AMixedRobotWithACheckpoint, DetectsAFrozenNodeWithinItAndRestartsIt) {
-  BringUp();
-  const std::int32_t before = Pids()[2];
-  ros_->frozen = true;
-  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().actuators[2].health == Health::kHung; },
-                              Milliseconds(450)));
-  robot_.RunFor(std::chrono::seconds(15));  // past the lease of the dead process
-  ExpectAllIn("Active");
-  EXPECT_NE(Pids()[2], before);
-}
-
-TEST_F(AMixedRobotWithACheckpoint, DoesNotTakeALongTransitionForAHang) {
-  BringUp();
-  ros_->script["deactivate"].takes = Milliseconds(450);
-  ros_->script["activate"].takes = Milliseconds(450);
-  Set("LowPower");
-  robot_.RunFor(std::chrono::seconds(2));
-  ExpectAllIn("LowPower");
-  EXPECT_THAT(robot_.journal(), Not(Contains(HasSubstr("hung"))));
-}
-
-TEST_F(AMixedRobotWithACheckpoint, RestartsANodeThatHangsInATransitionLongAfterItsDeadline) {
-  BringUp();
-  ros_->script["deactivate"].takes = std::chrono::hours(1);
-  EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
-  robot_.RunFor(std::chrono::seconds(20));
-  ExpectAllIn("LowPower");
 }
 
 TEST_F(AMixedRobot, ATornDownNodeAndAModuleThatDoNotEndAreEnded) {

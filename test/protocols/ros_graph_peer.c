@@ -3,15 +3,16 @@
 //
 //   ros_graph_peer      in the domain of ROS_DOMAIN_ID, until its standard input ends
 //
-// Prints at every change what it knows by then:
+// At each change it prints all that it knows:
 //
-//   samples 3                                    of `ros_discovery_info`, so far
-//   node /dog1/arm                               as `ros2 node list`, and as `ros2 node info`:
+//   samples 3              of `ros_discovery_info`, so far
+//   node /dog1/arm         as `ros2 node list`; then, as `ros2 node info`:
 //   publisher /dog1/chat std_msgs/msg/String RIHS01_…
-//   subscription, service, client likewise
-//   unknown rt/dog1/chat                         an endpoint that no node lists:
-//   _NODE_NAME_UNKNOWN_ bytes 12 1044                                endpoints, and the bytes of
-//   their USER_DATA log [WARN] …                                 what rclcpp logs end
+//                          and subscription, service, client in the same form
+//   unknown rt/dog1/chat   an endpoint that no node lists (_NODE_NAME_UNKNOWN_)
+//   bytes 12 1044          the number of endpoints, and the bytes of their USER_DATA
+//   log [WARN] …           what rclcpp logs
+//   end
 
 #include <ctype.h>
 #include <dds/dds.h>

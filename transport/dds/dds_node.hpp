@@ -46,10 +46,10 @@ struct DdsOptions {
   // process id, and its namespace ("" or "dog1"). What ROS 2 does not accept in a name becomes '_'.
   std::string node_name = {};
   std::string name_space = {};
-  // Without a name: is listed only to those who ask for hidden nodes. For command lines, which end
-  // when they have been answered.
+  // Without a name: a hidden node, which `ros2 node list` lists with --all only. For command lines,
+  // which exit once they are answered.
   bool hidden = false;
-  // Whose message layout ROS 2 is told of the nodes in; none: see ChosenDistro().
+  // The layout of ros_discovery_info; none: see ChosenDistro().
   std::optional<RosDistro> ros_distro = std::nullopt;
 };
 

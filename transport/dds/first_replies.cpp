@@ -12,6 +12,8 @@ constexpr Duration kNew = Milliseconds(500);
 constexpr Duration kHold = Milliseconds(12);
 constexpr Duration kFollowUpDelay =
     Milliseconds(110);  // ROS 2's readers ask again after 100 at least
+// Fewer than a writer keeps, so that each can be repeated for the new reader.
+constexpr std::size_t kMostHeld = 8;
 constexpr std::size_t kLargestFollowUp = 4096;
 constexpr std::size_t kClientIdBegin = 4;  // after the encapsulation header
 constexpr std::size_t kClientIdEnd = 12;
@@ -25,6 +27,10 @@ void FirstReplies::OnNewReader() {
 Result<> FirstReplies::Write(msg::Bytes reply) {
   if (held_.empty() && loop_.Now() >= new_until_) return send_(std::move(reply));
   held_.push_back(std::move(reply));
+  if (held_.size() >= kMostHeld) {
+    Release();
+    return Ok();
+  }
   if (!release_) release_ = loop_.At(loop_.Now() + kHold, [this] { Release(); });
   return Ok();
 }

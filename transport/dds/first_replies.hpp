@@ -10,8 +10,8 @@
 //                                     and followed after 110 ms by a copy for no client (id 0),
 //                                     which brings a heartbeat if the reply was missed all the same
 //
-// Our own clients repeat their question after 10 ms and need none of it: their readers are told
-// apart by kOwnTag. Threads: loop thread only.
+// Clients of Musher repeat their request after 10 ms and need none of it; kOwnTag marks their
+// readers. Threads: loop thread only.
 
 #include <deque>
 #include <functional>

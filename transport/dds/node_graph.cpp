@@ -64,7 +64,7 @@ void NodeGraph::Remove(Nodes::iterator node, Kind kind, const msg::Gid& endpoint
   std::erase(EndpointsOf(*node, kind), endpoint);
 }
 
-// A participant whose last node goes says nothing: it goes, too.
+// A participant without nodes publishes nothing: it is about to be deleted.
 void NodeGraph::Publish() {
   const std::lock_guard lock(mutex_);
   if (!std::exchange(changed_, false) || writer_.get() <= 0 || nodes_.empty()) return;

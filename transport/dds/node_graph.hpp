@@ -1,5 +1,5 @@
 #pragma once
-// Which nodes a participant has and which endpoints are theirs, as ROS 2 wants to be told: one
+// Which nodes a participant has and which endpoints are theirs, in the form of ROS 2: one
 // latched sample of the whole participant on `ros_discovery_info`. By it `ros2 node list`, `ros2
 // node info` and rqt's graph show our processes by name.
 //

@@ -34,8 +34,8 @@ std::string Buffers(const std::string& linger) {
 // with 200 ms a start of a hundred takes half as long again. A repetition that was asked for too
 // early is not sent (Cyclone's writer does not count its sample as sent yet), so it is asked for
 // again, soon: a ROS 2 client's first request is often lost like that, and its own next heartbeat
-// is 100 ms away. What a new process has announced is asked for after 13 ms: it hears of us within
-// some 12, and does not answer one that it does not know.
+// is 100 ms away. The endpoints of a new process are requested after 13 ms: it discovers us within
+// about 12, and does not answer a process that it does not know.
 constexpr const char* kPatientTiming =
     "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">400ms</HeartbeatInterval>"
     "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"

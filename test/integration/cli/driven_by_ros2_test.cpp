@@ -7,6 +7,7 @@ namespace musher::testing::driven_by_ros2_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class ARobotDrivenByRos2 : public MachineByCli {
  protected:
@@ -41,6 +42,19 @@ TEST_F(ARobotDrivenByRos2, IsShutDownByAManagerThatQueriesItFinalized) {
   EXPECT_EQ(ended.exit, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("the machine is stopped after"));
   EXPECT_TRUE(AwaitNoChildren());
+}
+
+TEST_F(ARobotDrivenByRos2, RefusesAFloodOfForbiddenRequestsWithoutARecordOfEach) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  ASSERT_EQ(Musher({"estop"}).exit, 0);
+  PlainParticipant person(transport::TestDomain());
+  PlainLifecycleClient machine(person, name_space_ + "/musher");
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(machine.ChangeState(0, "activate"), false);
+  const std::string history = Musher({"history"}).out;
+  EXPECT_THAT(history, HasSubstr("change_state activate failed: "));
+  EXPECT_THAT(history, Not(HasSubstr("switch to Active requested")));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
 TEST_F(ARobotDrivenByRos2, IsActiveForRos2AfterItsOwnStart) {

@@ -4,6 +4,7 @@
 
 namespace musher::testing::start_up_test {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
@@ -187,6 +188,41 @@ TEST(StartUpByAManager, EndsOnceAllActuatorsAreSetUpAndTheManagerActivatesTheMac
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
+}
+
+MachineConfig StartedByAManager(bool critical) {
+  MachineConfig config = Started(2);
+  config.ros2.started_by_manager = true;
+  ActuatorNamed(config, "b").critical = critical;
+  return config;
+}
+
+TEST(StartUpByAManager, FailsWhenACriticalActuatorIsNotSetUp) {
+  Harness t(StartedByAManager(true));
+  t.On("b", "SetUp").code = 5012;
+  t.Begin(/*by_hand=*/true);
+  t.Rest();
+  EXPECT_FALSE(t.usable());
+  EXPECT_THAT(t.start_up()->message, HasSubstr("critical b: 5012"));
+}
+
+TEST(StartUpByAManager, NamesTheActuatorsThatAreNotSetUp) {
+  Harness t(StartedByAManager(false));
+  t.On("b", "SetUp").code = 5012;
+  t.On("b", "SetUp").message = "no sound card";
+  t.Begin(/*by_hand=*/true);
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_THAT(t.start_up()->message, AllOf(HasSubstr("waits in SetUp for a manager"),
+                                           HasSubstr("; b "), HasSubstr("no sound card")));
+}
+
+TEST(StartUpByAManager, FailsWhenNoActuatorIsSetUp) {
+  Harness t(StartedByAManager(false));
+  for (const char* name : {"a", "b"}) t.On(name, "SetUp").code = 5012;
+  t.Begin(/*by_hand=*/true);
+  t.Rest();
+  EXPECT_FALSE(t.usable());
 }
 
 MachineConfig TwoStages() {

@@ -1,0 +1,71 @@
+// A ROS 2 node with a checkpoint in a machine with an actuator of each protocol.
+
+#include "musher/test/protocols/mixed_robot.hpp"
+
+namespace musher::testing::mixed_robot_health_test {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Integration tests cover detection with real processes; here it is the decision code and monitor.
+class AMixedRobotWithACheckpoint : public AMixedRobot {
+ protected:
+  static MachineConfig Checked(Duration checkpoint) {
+    MachineConfig config = Config(false);
+    config.actuators[2].checkpoint = checkpoint;
+    config.actuators[2].restart.policy = RestartPolicy::kOnFailure;
+    return config;
+  }
+  explicit AMixedRobotWithACheckpoint(Duration checkpoint = Milliseconds(400))
+      : AMixedRobot(Checked(checkpoint)) {}
+};
+
+class AMixedRobotWithAShortCheckpoint : public AMixedRobotWithACheckpoint {
+ protected:
+  AMixedRobotWithAShortCheckpoint() : AMixedRobotWithACheckpoint(Milliseconds(60)) {}
+};
+
+TEST_F(AMixedRobotWithAShortCheckpoint, DoesNotTakeALongTransitionForAHang) {
+  BringUp();
+  for (const char* callback : {"deactivate", "activate"}) {
+    ros_->script[callback].takes = Milliseconds(95);  // its time is 100 ms
+  }
+  for (const char* state : {"LowPower", "Active"}) {
+    Set(state);
+    robot_.RunFor(std::chrono::seconds(2));
+    ExpectAllIn(state);
+  }
+  EXPECT_THAT(robot_.journal(), Not(Contains(HasSubstr("hung"))));
+}
+
+TEST_F(AMixedRobotWithACheckpoint, DetectsAFrozenNodeWithinItAndRestartsIt) {
+  BringUp();
+  const std::int32_t before = Pids()[2];
+  ros_->frozen = true;
+  ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().actuators[2].health == Health::kHung; },
+                              Milliseconds(450)));
+  robot_.RunFor(std::chrono::seconds(15));  // past the lease of the dead process
+  ExpectAllIn("Active");
+  EXPECT_NE(Pids()[2], before);
+}
+
+TEST_F(AMixedRobotWithACheckpoint, DoesNotTakeALongTransitionForAHang) {
+  BringUp();
+  ros_->script["deactivate"].takes = Milliseconds(450);
+  ros_->script["activate"].takes = Milliseconds(450);
+  Set("LowPower");
+  robot_.RunFor(std::chrono::seconds(2));
+  ExpectAllIn("LowPower");
+  EXPECT_THAT(robot_.journal(), Not(Contains(HasSubstr("hung"))));
+}
+
+TEST_F(AMixedRobotWithACheckpoint, RestartsANodeThatHangsInATransitionLongAfterItsDeadline) {
+  BringUp();
+  ros_->script["deactivate"].takes = std::chrono::hours(1);
+  EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  robot_.RunFor(std::chrono::seconds(20));
+  ExpectAllIn("LowPower");
+}
+
+}  // namespace musher::testing::mixed_robot_health_test
