@@ -44,8 +44,8 @@ class Participant {
 };
 
 // Fails with Cyclone's own words. `settings` are Cyclone's XML, empty: those of CYCLONEDDS_URI. The
-// first node of the process in this domain determines them and `distro`, the layout in which ROS 2
-// is told of the nodes. From any thread.
+// first node of the process in this domain determines them and `distro`, the layout of
+// ros_discovery_info. From any thread.
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,
                                                      RosDistro distro);
