@@ -28,7 +28,7 @@ install(DIRECTORY ${CMAKE_BINARY_DIR}/share/musher/ros DESTINATION ${CMAKE_INSTA
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
-        PATTERN "examples/CMakeLists.txt" EXCLUDE)
+        USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The unit names the installed program, wherever that is by then.

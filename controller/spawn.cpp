@@ -21,6 +21,7 @@
 
 #include "musher/controller/child_processes.hpp"
 #include "musher/transport/host.hpp"
+#include "musher/transport/ros_environment.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher {
@@ -199,7 +200,9 @@ std::optional<Error> Spawned::Failure(Duration patience) const {
     case ChildFailure::kExecute:
       break;
   }
-  return SystemError("can't run " + program_, failure.error_number);
+  Error error = SystemError("can't run " + program_, failure.error_number);
+  if (failure.error_number == ENOENT) error.message += transport::MissingProgramHint(program_);
+  return error;
 }
 
 Result<Spawned> Spawn(const ProcessSpec& spec) {

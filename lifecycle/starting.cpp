@@ -210,6 +210,15 @@ std::string Decision::NotSetUp(std::size_t i) const {
   const std::string within =
       "within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) + " ms";
   const bool announced = record.report.incarnation != 0 && record.report.incarnation != record.dead;
+  if (actuator.protocol == Protocol::kRos2Lifecycle && !announced) {
+    const std::string folder = config_.name_space.empty() ? "/" : "/" + config_.name_space + "/";
+    return "no managed node " + folder + actuator.name + " was discovered " + within +
+           (record.process == 0
+                ? ""
+                : ", but its program runs (process " + std::to_string(record.process) + ")") +
+           "; the node has another name, or no lifecycle states, or does not meet the machine: "
+           "`musher check` says why";
+  }
   if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
     return "was not set up " + within;
   }

@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <string_view>
-
 namespace musher::transport {
 
 namespace {
@@ -44,6 +42,10 @@ Environment OwnEnvironment() {
   return environment;
 }
 
+bool ReplacesProfile(TransportProfile profile, std::string_view uri) {
+  return !uri.empty() && !(profile == TransportProfile::kLocal && uri == kRosOnLoopback);
+}
+
 Environment RosEnvironment(TransportProfile profile, const Environment& environment) {
   Environment added;
   if (ValueOf(environment, kRmw).empty()) added[kRmw] = kCyclone;
@@ -51,6 +53,11 @@ Environment RosEnvironment(TransportProfile profile, const Environment& environm
     added[kUri] = kRosOnLoopback;
   }
   return added;
+}
+
+std::string MissingProgramHint(std::string_view program) {
+  if (program != "ros2") return "";
+  return " (set up ROS 2 in this shell first: . /opt/ros/<distribution>/setup.sh)";
 }
 
 std::vector<std::string> RosObstacles(TransportProfile profile, const Environment& machine,
@@ -78,8 +85,8 @@ std::vector<std::string> RosObstacles(TransportProfile profile, const Environmen
                         ": ROS 2 then finds no processes by multicast; unset it or set SUBNET");
   }
   const std::string uri = ValueOf(node, kUri);
-  // The text of a file is not read.
-  const bool own_settings = !ValueOf(machine, kUri).empty();  // then nothing is known of them
+  // Nothing is known of settings of the person's own, and the text of a file is not read.
+  const bool own_settings = ReplacesProfile(profile, ValueOf(machine, kUri));
   if (profile == TransportProfile::kLocal && !own_settings && !uri.starts_with("file:") &&
       uri.find("\"lo\"") == std::string::npos) {
     obstacles.push_back(std::string(kUri) +

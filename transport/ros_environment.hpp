@@ -6,6 +6,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/lifecycle/config.hpp"
@@ -21,9 +22,16 @@ Environment OwnEnvironment();
 // is. Without a limit to the number of processes.
 extern const char* const kRosOnLoopback;
 
+// Whether a CYCLONEDDS_URI replaces the settings of the profile. kRosOnLoopback, which a person
+// exports for ROS 2's tools, does not replace those of "local", which is on the loopback, too.
+bool ReplacesProfile(TransportProfile profile, std::string_view uri);
+
 // What a ROS 2 process needs beside `environment` to meet a machine of this profile. What the
 // environment sets already is left as it is.
 Environment RosEnvironment(TransportProfile profile, const Environment& environment);
+
+// Ends the message that `program` was not found: how a person gets `ros2`; empty for any other.
+std::string MissingProgramHint(std::string_view program);
 
 // Why a ROS 2 process in the environment `node` does not meet a machine of this profile whose
 // processes are in the environment `machine`: sentences that say what to change; none where nothing

@@ -21,6 +21,7 @@
 
 #include "musher/controller/cli/config_places.hpp"
 #include "musher/transport/host.hpp"
+#include "musher/transport/ros_environment.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
@@ -54,7 +55,7 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
     why = "program not found: " + path.string();
     return is_program(path) ? path.string() : "";
   }
-  why = "program '" + program + "' not found in PATH";
+  why = "program '" + program + "' not found in PATH" + transport::MissingProgramHint(program);
   std::istringstream folders(PathOf(actuator));
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path path = fs::path(folder.empty() ? "." : folder) / program;

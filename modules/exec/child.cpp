@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "musher/transport/host.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace musher::exec {
 namespace {
@@ -169,7 +170,9 @@ Result<Child> Child::Start(const ChildSpec& spec, const Reaper& reaper, int outp
   const int error = AwaitProgram(report);
   if (error == 0) return child;
   const std::string where = spec.cwd.empty() ? "" : " in " + spec.cwd;
-  return transport::SystemError("can't run " + spec.argv.front() + where, error);
+  Error failure = transport::SystemError("can't run " + spec.argv.front() + where, error);
+  if (error == ENOENT) failure.message += transport::MissingProgramHint(spec.argv.front());
+  return failure;
 }
 
 Child::Child(Child&& other) noexcept

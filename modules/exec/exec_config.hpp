@@ -40,6 +40,7 @@ struct ExecConfig {
   std::int32_t module = static_cast<std::int32_t>(ModuleCode::kRobot);
   Duration stop_time = Milliseconds(2000);  // from SIGTERM to SIGKILL
   std::string cwd;                          // absolute; empty: that of this process
+  std::map<std::string, std::string> env;   // added to that of this process
   std::map<State, StateActions> states;
 
   friend bool operator==(const ExecConfig&, const ExecConfig&) = default;

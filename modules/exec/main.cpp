@@ -13,6 +13,8 @@
 #include "musher/lifecycle/version.hpp"
 #include "musher/modules/exec/exec_process.hpp"
 #include "musher/modules/program/module_main.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace {
 
@@ -77,9 +79,14 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   }
 }
 
-// The actuator's part of the state config. Nothing: the errors were printed on stderr.
-std::optional<musher::ActuatorConfig> ReadActuator(const std::string& state_config,
-                                                   const std::string& actuator) {
+// What the state config says of this process.
+struct Role {
+  musher::ActuatorConfig actuator;
+  musher::TransportProfile profile = musher::TransportProfile::kLocal;
+};
+
+// Nothing: the errors were printed on stderr.
+std::optional<Role> ReadRole(const std::string& state_config, const std::string& actuator) {
   const musher::ConfigReading machine = musher::ReadConfigFile(state_config);
   musher::program::PrintErrors(machine.diagnostics);
   if (!machine.config) return std::nullopt;
@@ -89,28 +96,35 @@ std::optional<musher::ActuatorConfig> ReadActuator(const std::string& state_conf
               << std::endl;
     return std::nullopt;
   }
-  return machine.config->actuators[*index];
+  musher::transport::DdsOptions options;
+  options.profile = machine.config->transport;
+  const auto profile = musher::transport::Profile(options);  // an error is reported at the start
+  return Role{machine.config->actuators[*index], profile ? profile.value() : options.profile};
 }
 
 int Run(const Options& options) {
-  const auto actuator = ReadActuator(options.state_config, options.actuator);
-  if (!actuator) return kUsageError;
+  const auto role = ReadRole(options.state_config, options.actuator);
+  if (!role) return kUsageError;
+  const musher::ActuatorConfig& actuator = role->actuator;
   std::optional<musher::exec::ExecConfig> config;
   if (options.file.empty()) {
     config = musher::exec::ConfigForProgram(options.program);
   } else {
-    musher::exec::ExecReading reading = musher::exec::ReadExecFile(options.file, *actuator);
+    musher::exec::ExecReading reading = musher::exec::ReadExecFile(options.file, actuator);
     musher::program::PrintErrors(reading.diagnostics);
     config = std::move(reading.config);
   }
   if (!config) return kUsageError;
   if (options.check) return 0;
+  // Its commands may be ROS 2 programs.
+  config->env =
+      musher::transport::RosEnvironment(role->profile, musher::transport::OwnEnvironment());
   const auto reaper = musher::exec::Reaper::Start();
   if (!reaper) {
-    std::cerr << actuator->name << ": " << reaper.error().message << std::endl;
+    std::cerr << actuator.name << ": " << reaper.error().message << std::endl;
     return 1;
   }
-  return musher::exec::ExecProcess(actuator->name, *std::move(config), reaper.value())
+  return musher::exec::ExecProcess(actuator.name, *std::move(config), reaper.value())
       .Run(options.state_config);
 }
 

@@ -87,7 +87,9 @@ Result<> StateRunner::ResultOf(const CommandEnd& end) const {
 }
 
 ChildSpec StateRunner::Spec(const State& state, const std::vector<std::string>& argv) const {
-  ChildSpec spec{argv, config_.cwd, {{"MUSHER_STATE", state}, {"MUSHER_ACTUATOR", actuator_}}};
+  ChildSpec spec{argv, config_.cwd, config_.env};
+  spec.env["MUSHER_STATE"] = state;
+  spec.env["MUSHER_ACTUATOR"] = actuator_;
   // Output of a Python program is logged when it is printed, not when it exits.
   if (std::getenv("PYTHONUNBUFFERED") == nullptr) {  // NOLINT(concurrency-mt-unsafe)
     spec.env["PYTHONUNBUFFERED"] = "1";

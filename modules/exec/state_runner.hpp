@@ -5,8 +5,9 @@
 //   others    run the command
 //   TearDown  run the command, and when that has succeeded stop the program
 //
-// Commands and the program inherit the environment and get MUSHER_STATE, MUSHER_ACTUATOR and,
-// beside a program, MUSHER_PROGRAM_PID (which is also the number of its process group).
+// Commands and the program inherit the environment and get that of the config, MUSHER_STATE,
+// MUSHER_ACTUATOR and, beside a program, MUSHER_PROGRAM_PID (which is also the number of its
+// process group).
 //
 // Threads: Run() on one thread at a time; exceptions are stated below.
 

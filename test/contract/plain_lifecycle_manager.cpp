@@ -12,10 +12,8 @@ constexpr std::uint8_t kActivate = 3;
 constexpr std::uint8_t kDeactivate = 4;
 constexpr std::uint8_t kUnconfiguredShutdown = 5;
 
-// A participant in the domain, which may already exist in this process.
-dds_entity_t Join(dds_domainid_t domain) {
-  static_cast<void>(dds_create_domain(domain, kLoopback));
-  return dds_create_participant(domain, nullptr, nullptr);
+std::string Resolve(const std::string& name_space, const std::string& name) {
+  return name_space.empty() ? name : name_space + "/" + name;
 }
 
 std::string Text(const lifecycle_msgs_msg_dds__State_& state) {
@@ -25,7 +23,8 @@ std::string Text(const lifecycle_msgs_msg_dds__State_& state) {
 }  // namespace
 
 PlainParticipant::PlainParticipant(int domain)
-    : participant_(Join(static_cast<dds_domainid_t>(domain))),
+    : domain_(dds_create_domain(static_cast<dds_domainid_t>(domain), kLoopback)),
+      participant_(dds_create_participant(static_cast<dds_domainid_t>(domain), nullptr, nullptr)),
       waitset_(dds_create_waitset(participant_)),
       qos_(dds_create_qos()) {
   dds_qset_reliability(qos_, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -36,6 +35,7 @@ PlainParticipant::PlainParticipant(int domain)
 PlainParticipant::~PlainParticipant() {
   dds_delete_qos(qos_);
   dds_delete(participant_);
+  if (domain_ > 0) dds_delete(domain_);
 }
 
 dds_entity_t PlainParticipant::Topic(const dds_topic_descriptor_t& type,
@@ -224,8 +224,8 @@ PlainBond::PlainBond(PlainParticipant& participant, const std::string& name_spac
       id_(std::move(id)),
       instance_("6f1c1f0e-plain-" + std::to_string(dds_time())),
       timeout_s_(heartbeat_timeout_s),
-      writer_(participant.Writer(bond_msg_dds__Status__desc, "rt/" + name_space + "/bond")),
-      reader_(participant.Reader(bond_msg_dds__Status__desc, "rt/" + name_space + "/bond",
+      writer_(participant.Writer(bond_msg_dds__Status__desc, "rt/" + Resolve(name_space, "bond"))),
+      reader_(participant.Reader(bond_msg_dds__Status__desc, "rt/" + Resolve(name_space, "bond"),
                                  [this] { OnData(); })) {
   // bondcpp's first heartbeat comes one period after its start.
   participant_.Every(100, [this] {
@@ -263,8 +263,8 @@ void PlainBond::OnData() {
 }
 
 bool PlainBond::Break() {
+  ended_ = true;  // from now on it does not answer
   if (broken_) return true;
-  ended_ = true;
   Publish(false);
   return participant_.Spin([this] { return broken_; }, 100);
 }
@@ -277,7 +277,8 @@ PlainNav2Manager::PlainNav2Manager(int domain, std::string name_space,
       nodes_(std::move(nodes)),
       bond_timeout_s_(bond_timeout_s) {
   for (const std::string& node : nodes_) {
-    clients_[node] = std::make_unique<PlainLifecycleClient>(participant_, name_space_ + "/" + node);
+    clients_[node] =
+        std::make_unique<PlainLifecycleClient>(participant_, Resolve(name_space_, node));
   }
 }
 

@@ -69,6 +69,7 @@ class PlainParticipant {
  private:
   dds_entity_t Topic(const dds_topic_descriptor_t& type, const std::string& topic) const;
 
+  dds_entity_t domain_;  // negative: it already existed in this process
   dds_entity_t participant_;
   dds_entity_t waitset_;
   dds_qos_t* qos_;
@@ -162,7 +163,7 @@ class PlainBond {
 
 class PlainNav2Manager {
  public:
-  // Forms no bonds without `bond_timeout_s`.
+  // Of the nodes in `name_space`, which may be empty. Forms no bonds without `bond_timeout_s`.
   PlainNav2Manager(int domain, std::string name_space, std::vector<std::string> nodes,
                    std::optional<double> bond_timeout_s = std::nullopt);
 

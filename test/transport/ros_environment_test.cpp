@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <iterator>
+
 namespace musher::transport::ros_environment_test {
 
 using ::testing::AllOf;
@@ -11,6 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
+using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
 constexpr auto kLocal = TransportProfile::kLocal;
@@ -75,6 +79,36 @@ TEST(RosProcesses, AreNotJudgedByTheInterfaceWhereTheMachineHasSettingsOfItsOwn)
   const Environment both = {{"CYCLONEDDS_URI", "file:///mine.xml"},
                             {"RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"}};
   EXPECT_THAT(RosObstacles(kLocal, both, both), IsEmpty());
+}
+
+TEST(RosProcesses, FindTheirSettingsAndTheMessagesOnThePageForUsersOfRos2) {
+  std::ifstream file(MUSHER_SOURCE_DIR "/docs/ros2.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(page, HasSubstr(std::string("\nexport CYCLONEDDS_URI='") + kRosOnLoopback + "'\n"));
+  EXPECT_THAT(page, HasSubstr("program 'ros2' not found in PATH" + MissingProgramHint("ros2")));
+  const Environment node = {{"ROS_DOMAIN_ID", "3"},
+                            {"ROS_LOCALHOST_ONLY", "1"},
+                            {"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"}};
+  const auto obstacles = RosObstacles(kLocal, {}, node);
+  EXPECT_THAT(obstacles, SizeIs(5));
+  for (const std::string& obstacle : obstacles) {
+    EXPECT_THAT(page, HasSubstr("`" + obstacle.substr(0, obstacle.find("set it to <"))));
+  }
+}
+
+// A shell with the line for ROS 2's tools slowed the machine down that was started in it.
+TEST(RosProcesses, ShareAShellWithAMachineOfTheProfileLocal) {
+  EXPECT_FALSE(ReplacesProfile(kLocal, ""));
+  EXPECT_FALSE(ReplacesProfile(kLocal, kRosOnLoopback));
+  EXPECT_TRUE(ReplacesProfile(kLan, kRosOnLoopback));
+  EXPECT_TRUE(ReplacesProfile(kLocal, "file:///mine.xml"));
+  const Environment shell = NodeOf(kLocal);
+  EXPECT_THAT(RosObstacles(kLocal, shell, shell), IsEmpty());
+}
+
+TEST(AMissingProgram, GetsAHintOnlyIfItIsRos2s) {
+  EXPECT_EQ(MissingProgramHint("planner"), "");
+  EXPECT_THAT(MissingProgramHint("ros2"), HasSubstr("/setup.sh"));
 }
 
 }  // namespace musher::transport::ros_environment_test

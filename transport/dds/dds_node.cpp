@@ -20,6 +20,7 @@
 #include "musher/transport/dds/type_tag.hpp"
 #include "musher/transport/keys/check.hpp"
 #include "musher/transport/network.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace musher::transport {
 
@@ -186,8 +187,11 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   }
   const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
+  const char* uri = std::getenv("CYCLONEDDS_URI");
+  const bool own_settings = uri != nullptr && ReplacesProfile(profile.value(), uri);
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
+      domain_id.value(),
+      own_settings ? "" : dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
       options.credentials, ChosenDistro(options.ros_distro));
   if (!participant) return participant.error();
   if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();

@@ -67,17 +67,12 @@ Error SetupError(int domain_id, dds_return_t code, LogCapture& log) {
   return error;
 }
 
-bool UserHasSettings() {
-  const char* uri = std::getenv("CYCLONEDDS_URI");
-  return uri != nullptr && *uri != '\0';
-}
-
 std::string NameOf(const std::optional<Credentials>& credentials) {
   return credentials ? credentials->identity + " of " + credentials->keys : "nobody";
 }
 
 Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture& log) {
-  if (UserHasSettings()) return Entity();
+  if (settings.empty()) return Entity();
   const dds_entity_t entity =
       dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
   // One that exists was made by other code of this process, and is used as it is.

@@ -43,9 +43,9 @@ class Participant {
   std::atomic<int> next_node_ = 0;
 };
 
-// Fails with Cyclone's own words. `settings` are Cyclone's XML; they are used by the first node of
-// the process in this domain and only when the user has not set CYCLONEDDS_URI; so is `distro`, the
-// layout in which ROS 2 is told of the nodes. From any thread.
+// Fails with Cyclone's own words. `settings` are Cyclone's XML, empty: those of CYCLONEDDS_URI. The
+// first node of the process in this domain determines them and `distro`, the layout of
+// ros_discovery_info. From any thread.
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,
                                                      RosDistro distro);

@@ -5,12 +5,16 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include "musher/test/modules/exec/exec_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/transport/ros_environment.hpp"
 
 namespace musher::exec::exec_process_test {
 
@@ -43,6 +47,22 @@ TEST(MusherExec, IsSetUpRunsItsStatesAndIsTornDown) {
   EXPECT_EQ(torn_down.value().verdict, msg::ActuatorCommand::kVerdictDone);
   EXPECT_EQ(peer.AwaitExit(), 0) << peer.Output();
   EXPECT_TRUE(Gone(program));
+}
+
+// `ros2 service call` as a command did not meet the machine without settings in the state config.
+TEST(MusherExec, GivesItsCommandsTheSettingsThatARos2ProgramNeeds) {
+  for (const char* name : {"CYCLONEDDS_URI", "MUSHER_TRANSPORT"}) unsetenv(name);
+  setenv("RMW_IMPLEMENTATION", "rmw_of_the_person", 1);
+  ExecPeer peer;
+  peer.Start("[state.Active]\nshell = \"env > $MUSHER_TEST/env\"\n");
+  unsetenv("RMW_IMPLEMENTATION");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  ASSERT_TRUE(peer.Switch("Active"));
+  std::ifstream file(peer.folder() / "env");
+  const std::string environment{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(environment,
+              HasSubstr(std::string("CYCLONEDDS_URI=") + transport::kRosOnLoopback + "\n"));
+  EXPECT_THAT(environment, HasSubstr("RMW_IMPLEMENTATION=rmw_of_the_person\n"));
 }
 
 TEST(MusherExec, AnswersWithTheCodeAndTheReasonOfAFailingCommand) {
