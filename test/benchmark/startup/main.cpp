@@ -1,6 +1,6 @@
-// From the start of the processes to all active: ROS 2 managed nodes under a Musher controller and
-// under a manager like nav2's (one node after the other, without bonds), in turns, and as many
-// Musher actuators.
+// From the start of the processes to all active, and a switch of all: ROS 2 managed nodes under a
+// Musher controller and under a manager like nav2's (one node after the other, without bonds), in
+// turns, and as many Musher actuators.
 //
 //   benchmark_startup [NODES [TURNS]]
 
@@ -29,7 +29,13 @@ int NextDomain() {
   return domain;
 }
 
-double UnderMusher(const Fleet& fleet) {
+struct Times {
+  std::vector<double> start_s;
+  std::vector<double> switch_ms;  // deactivate all, activate all, and so on
+};
+constexpr int kSwitches = 20;  // after each start
+
+void UnderMusher(const Fleet& fleet, Times& times) {
   NextDomain();
   const auto begin = Clock::now();
   MachineController controller;
@@ -37,12 +43,16 @@ double UnderMusher(const Fleet& fleet) {
   if (!controller.WaitActuatorsSetUp()) Fail("not all are set up");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
-  const double took = Seconds(Clock::now() - begin);
+  times.start_s.push_back(Seconds(Clock::now() - begin));
+  for (int i = 0; i < kSwitches; ++i) {
+    const auto switched = Clock::now();
+    MustBeDone(controller.Switch(i % 2 == 0 ? "DeActive" : "Active"));
+    times.switch_ms.push_back(Seconds(Clock::now() - switched) * 1000);
+  }
   static_cast<void>(controller.Switch("TearDown").done());  // ends its processes
-  return took;
 }
 
-double UnderNav2(const std::vector<std::string>& nodes) {
+void UnderNav2(const std::vector<std::string>& nodes, Times& times) {
   const int domain = NextDomain();
   const Child::Environment environment = {{"CYCLONEDDS_URI", testing::kLoopback},
                                           {"RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"}};
@@ -54,25 +64,34 @@ double UnderNav2(const std::vector<std::string>& nodes) {
   }
   testing::PlainNav2Manager manager(domain, "nav", nodes);
   if (!manager.Startup()) Fail("the plain manager: " + manager.errors().front());
-  return Seconds(Clock::now() - begin);
+  times.start_s.push_back(Seconds(Clock::now() - begin));
+  for (int i = 0; i < kSwitches; ++i) {
+    const auto switched = Clock::now();
+    if (!(i % 2 == 0 ? manager.Pause() : manager.Resume())) Fail("the plain manager's switch");
+    times.switch_ms.push_back(Seconds(Clock::now() - switched) * 1000);
+  }
 }
 
 void Measure(int count, int turns) {
-  const Table table(std::to_string(count) + " processes, from their start to all active");
+  const Table table(std::to_string(count) + " processes: from their start to all active; a switch");
   const auto node = [](const Fleet&, const std::string& name) {
     return "protocol = \"ros2_lifecycle\"\n" + CommandKey({Program("ros_server_peer"), name});
   };
-  std::vector<double> musher, nav2, actuators;
+  Times musher, nav2, actuators;
   for (int turn = 0; turn < turns; ++turn) {
     const Fleet nodes(node, count);
-    musher.push_back(UnderMusher(nodes));
-    nav2.push_back(UnderNav2(nodes.names()));
-    actuators.push_back(UnderMusher(Fleet(count, true)));
+    UnderMusher(nodes, musher);
+    UnderNav2(nodes.names(), nav2);
+    UnderMusher(Fleet(count, true), actuators);
   }
-  table.Row("ROS 2 nodes, Musher", musher, "s");
-  table.Row("ROS 2 nodes, a manager like nav2's", nav2, "s");
-  table.Row("Musher / the other manager", Ratios(musher, nav2), "×");
-  table.Row("Musher actuators", actuators, "s");
+  table.Row("start of ROS 2 nodes, Musher", musher.start_s, "s");
+  table.Row("start of ROS 2 nodes, a manager like nav2's", nav2.start_s, "s");
+  table.Row("start, Musher / the other manager", Ratios(musher.start_s, nav2.start_s), "×");
+  table.Row("start of Musher actuators", actuators.start_s, "s");
+  table.Row("switch of ROS 2 nodes, Musher", musher.switch_ms, "ms");
+  table.Row("switch of ROS 2 nodes, a manager like nav2's", nav2.switch_ms, "ms");
+  table.Row("switch, Musher / the other manager", Ratios(musher.switch_ms, nav2.switch_ms), "×");
+  table.Row("switch of Musher actuators", actuators.switch_ms, "ms");
 }
 
 }  // namespace
