@@ -232,6 +232,9 @@ class Decision {
 
   // saving.cpp
   void Save(Stored what);
+  std::vector<RemoteActuator> RemoteActuators() const;
+  bool IsElsewhere(std::size_t i) const;
+  void NoteHosts();
 
   // policy_rules.cpp
   void BeginPolicy(const StoredPolicy& stored);
@@ -290,9 +293,9 @@ class Decision {
   void EndUnfinished();
   void JoinStop(const event::SetStateRequested& requested);
   bool WaitsForIntent();
-  std::string MayStillRun(std::size_t i) const;
+  std::string WhyMayRun(std::size_t i) const;
   void ListSurvivors();
-  SwitchResult StopResult();
+  SwitchResult StopResult(const Error& not_ended);
 
   // coordinator.cpp
   ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }

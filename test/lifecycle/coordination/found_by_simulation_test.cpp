@@ -233,4 +233,24 @@ TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMach
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
+// b never publishes its status, so TearDown does not reach it: it is ended by a signal, later.
+TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasEnded) {
+  Harness t(Ours(2));
+  t.On("b", "SetUp").hangs = true;
+  t.On("b", "TERM").hangs = true;
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(t.machine().state, "Active");
+  const RequestId request = t.Ask("TearDown");
+  t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process == 0; });
+  ASSERT_EQ(t.machine().phase, Phase::kStopping) << "a is torn down, b does not end";
+  t.HearRival(99);
+  ASSERT_TRUE(t.answers.contains(request));
+  const SwitchResult& result = t.answers.at(request);
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_THAT(result.reason, HasSubstr("had not ended when another controller, process 1 "
+                                       "elsewhere, took over"));
+}
+
 }  // namespace musher::testing::found_by_simulation_test
