@@ -233,6 +233,35 @@ TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMach
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
+TEST_F(FoundBySimulation,
+       AnActuatorThatReportsTearDownWithoutACommandIsListedUntilItReportsAnother) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "c").critical = true;
+  Harness t(config);
+  t.On("c", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  ActuatorReport report = t.CoreOf("a").report;
+  const State truth = report.state;
+  const auto publish = [&](const State& state) {
+    report.state = state;
+    report.stamp = t.now();
+    t.Tell(event::StatusSeen{0, report});
+    t.RunFor(Milliseconds(1));
+  };
+  publish("TearDown");
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("only a new start brings it back"));
+  t.On("c", "SelfCheck") = {};
+  const SwitchResult check = t.Set("SelfCheck");
+  EXPECT_EQ(check.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(check.degraded, ElementsAre("a"));
+  publish(truth);
+  EXPECT_FALSE(t.RecordOf("a").fault);
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+}
+
 // b never publishes its status, so TearDown does not reach it: it is ended by a signal, later.
 TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasEnded) {
   Harness t(Ours(2));
