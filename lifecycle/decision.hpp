@@ -150,6 +150,7 @@ class Decision {
   std::string FirstTrouble() const;
   SwitchResult Conclude(const Switch& s, bool undone) const;
   std::vector<ActuatorResult> Results(const Switch& s) const;
+  void CorrectIfAway(const Switch& s, std::size_t i, ActuatorResult& result) const;
   void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
 
   // starting.cpp, adopting.cpp

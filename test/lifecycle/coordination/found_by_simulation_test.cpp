@@ -233,6 +233,20 @@ TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMach
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
+TEST_F(FoundBySimulation, AnActuatorThatWasInTheTargetAndIsRestartedMeanwhileIsNotReportedAsDone) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "LowPower").takes = std::chrono::seconds(2);  // of 100 ms
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  const RequestId second = t.Ask("LowPower");  // for b; a is there
+  ASSERT_TRUE(t.machine().current);
+  t.Restart("a");
+  t.RunUntil([&] { return t.answers.contains(second); });
+  ASSERT_EQ(t.StateOf("a"), "SetUp");
+  const ActuatorResult& result = Of(t.answers.at(second), "a");
+  EXPECT_EQ(result.outcome, ActuatorOutcome::kLost);
+  EXPECT_THAT(result.message, HasSubstr("has gone to SetUp since, and is being driven back"));
+}
+
 TEST_F(FoundBySimulation,
        AnActuatorThatReportsTearDownWithoutACommandIsListedUntilItReportsAnother) {
   MachineConfig config = MachineOf(3);
