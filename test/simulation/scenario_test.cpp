@@ -105,6 +105,14 @@ TEST_P(Scenarios, HoldEveryInvariant) {
 
 INSTANTIATE_TEST_SUITE_P(Part, Scenarios, ::testing::Range(std::uint64_t{0}, kParts));
 
+// Seeds above those of the gate that violated an invariant before the fault was fixed.
+TEST(Scenario, OfASeedThatOnceViolatedAnInvariantHoldsEveryInvariant) {
+  simulation::Coverage coverage;
+  for (const std::uint64_t seed : {16692, 77468, 116243, 152815, 236951}) {
+    ExpectInvariantsHold(seed, coverage);
+  }
+}
+
 TEST(Scenario, IsReproducibleToTheByteFromItsSeed) {
   for (const std::uint64_t seed : {3, 14, 159, 265, 358, 979}) {
     const MachineConfig config = SampleConfig(seed);
