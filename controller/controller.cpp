@@ -233,6 +233,14 @@ Result<> Controller::OpenShell() {
         Stored::kStopIntent,
         [intended](StateStore& store) { return store.SaveStopIntent(intended); }, std::move(done));
   };
+  world.save_remote_actuators = [save](const std::vector<RemoteActuator>& actuators, OnSaved done) {
+    save(
+        Stored::kRemoteActuators,
+        [actuators](StateStore& store) {
+          return store.SaveRemoteActuators(actuators, transport::HostId());
+        },
+        std::move(done));
+  };
   if (store_) {
     world.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
       const auto write = [store = store_, children] {
@@ -327,6 +335,7 @@ void Controller::Begin() {
     begin.stops = store_->LoadEmergencyStops();
     begin.policy = store_->LoadPolicy();
     begin.stop_intent = store_->LoadStopIntent();
+    begin.remote = store_->LoadRemoteActuators(transport::HostId());
   }
   shell_->Begin(std::move(begin), children);
 }

@@ -271,6 +271,10 @@ void ControllerShell::Do(const action::SaveStopIntent& a) {
   world_.save_stop_intent(a.intended, OnSaved(Stored::kStopIntent, a.save));
 }
 
+void ControllerShell::Do(const action::SaveRemoteActuators& a) {
+  world_.save_remote_actuators(a.actuators, OnSaved(Stored::kRemoteActuators, a.save));
+}
+
 void ControllerShell::Do(const action::Fenced& a) {
   presence_->FallSilent();
   CloseToClients({kCodePermissionDenied, a.message});

@@ -48,6 +48,7 @@ class ControllerShell {
     std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
     std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
     std::function<void(bool, OnSaved done)> save_stop_intent;
+    std::function<void(const std::vector<RemoteActuator>&, OnSaved done)> save_remote_actuators;
     // Saves the processes that the next controller has to find; may be empty.
     std::function<void(const std::vector<ChildProcess>&, OnSaved done)> save_children;
     // The mark by which the process of an actuator is found again (child_processes.hpp); may be
@@ -201,6 +202,7 @@ class ControllerShell {
   void Do(const action::SaveEpoch& a);
   void Do(const action::SavePolicy& a);
   void Do(const action::SaveStopIntent& a);
+  void Do(const action::SaveRemoteActuators& a);
   void Do(const action::RunPowerCommand& a);
   void Do(const action::Record& a);
   void Do(const action::StartUpEnded& a);

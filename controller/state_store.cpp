@@ -35,6 +35,11 @@ std::string ReadSmall(int fd) {
   return text;
 }
 
+// Of a HostId(): "BOOT/PID NAMESPACE".
+std::string BootOf(const std::string& host) {
+  return host.substr(0, host.find('/'));
+}
+
 std::string ProcessesFileIn(const std::string& dir) {
   return dir + "/processes";
 }
@@ -177,6 +182,36 @@ Result<> StateStore::SaveStopIntent(bool intended) {
 
 bool StateStore::LoadStopIntent() const {
   return access(StopIntentFile().c_str(), F_OK) == 0 || errno != ENOENT;
+}
+
+// "host HOST" of the controller, then lines "actuator NAME HOST".
+Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
+                                         const std::string& host) {
+  std::string text = "host " + host + "\n";
+  for (const RemoteActuator& actuator : actuators) {
+    text += "actuator " + actuator.name + " " + actuator.host + "\n";
+  }
+  return Replace(RemoteActuatorsFile(), text);
+}
+
+std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& host) const {
+  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_CLOEXEC));
+  std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
+  std::vector<RemoteActuator> actuators;
+  std::string boot_then;  // of this computer
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    RemoteActuator actuator;
+    words >> kind;
+    if (kind == "host" && words >> actuator.host) boot_then = BootOf(actuator.host);
+    if (kind != "actuator" || !(words >> actuator.name)) continue;
+    words >> actuator.host;
+    const bool was_here = !actuator.host.empty() && BootOf(actuator.host) == boot_then;
+    if (was_here && boot_then != BootOf(host)) continue;
+    actuators.push_back(std::move(actuator));
+  }
+  return actuators;
 }
 
 // "low_power on", "lowered Active Protected 7", the last the epoch.

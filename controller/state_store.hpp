@@ -7,6 +7,8 @@
 //   epoch               the last epoch that was begun, as a decimal number
 //   emergency_stop      there while one is engaged: its number, by whom, why
 //   processes           the processes started for actuators (child_processes.hpp)
+//   stop_intent         there from the start of a TearDown until a person starts the machine
+//   remote_actuators    the actuators that run on other hosts, with the host
 //   policy              what the policy remembers: the low-power switch, where the battery took it
 //   last_selfcheck_info.json  what the self-check of the last start has found
 //   journal.sqlite      see journal.hpp
@@ -68,6 +70,13 @@ class StateStore {
   Result<> SaveStopIntent(bool intended);
   bool LoadStopIntent() const;
 
+  // The actuators on other hosts. `host` is this one (HostId()). LoadRemoteActuators() skips those
+  // that ran on this computer, such as in another container, before it was booted; and damaged
+  // lines.
+  Result<> SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
+                               const std::string& host);
+  std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const;
+
   // What the policy remembers; nothing where there is no file yet, or none that can be read.
   Result<> SavePolicy(const StoredPolicy& policy);
   StoredPolicy LoadPolicy() const;
@@ -103,6 +112,7 @@ class StateStore {
   std::string PolicyFile() const { return dir_ + "/policy"; }
   std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
+  std::string RemoteActuatorsFile() const { return dir_ + "/remote_actuators"; }
   Result<> Replace(const std::string& path, const std::string& content) const;
 
   std::string dir_;

@@ -57,6 +57,10 @@ void Decision::On(const event::StatusSeen& seen) {
 // wait for it.
 void Decision::FoundTornDown(std::size_t i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
+  if (record.report.incarnation == 0 && record.elsewhere == report.host) {
+    record.elsewhere.reset();  // another controller has torn it down
+    Save(Stored::kRemoteActuators);
+  }
   const bool same = report.incarnation == record.report.incarnation;
   const bool awaited = record.presence == Presence::kAbsent ||
                        (record.presence == Presence::kStarting && same && record.terminating == 0);

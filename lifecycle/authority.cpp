@@ -41,7 +41,11 @@ void Decision::On(const event::RivalHeard& rival) {
     if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();
   }
-  if (machine_.stopping) Answer(machine_.stopping->requests, *machine_.stopping->result);
+  if (machine_.stopping) {
+    const SwitchResult result = StopResult(
+        {fenced.code, "had not ended when another controller, " + rival.who + ", took over"});
+    Answer(machine_.stopping->requests, result);
+  }
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
     Do(action::AnswerCall{request, fenced});
   }

@@ -28,6 +28,7 @@ void Decision::Settle() {
       changed |= AdvancePolicy();
     }
   }
+  NoteHosts();
 }
 
 // Numbers the record. A record about the machine also reports a change of its state.

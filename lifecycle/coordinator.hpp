@@ -38,7 +38,7 @@ namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
 // a process of actuator i runs on this host already, `processes[i]` is its pid where its end can be
-// seen, else 0. `epoch`, `stops`, `policy` and `stop_intent` are what was found on disk.
+// seen, else 0. `epoch`, `stops`, `policy`, `stop_intent` and `remote` are what was found on disk.
 // `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
 // controller finishes the TearDown that was begun, and the machine stays down. A person's start
 // clears the intent.
@@ -52,6 +52,7 @@ struct Begin {
   StoredPolicy policy = {};
   bool stop_intent = false;
   bool restarted = false;
+  std::vector<RemoteActuator> remote = {};
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status was received.
@@ -285,6 +286,11 @@ struct SaveStopIntent {
   std::uint64_t save = 0;
   friend bool operator==(const SaveStopIntent&, const SaveStopIntent&) = default;
 };
+struct SaveRemoteActuators {
+  std::vector<RemoteActuator> actuators;
+  std::uint64_t save = 0;
+  friend bool operator==(const SaveRemoteActuators&, const SaveRemoteActuators&) = default;
+};
 // Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
 // down, or its time has expired.
 struct RunPowerCommand {
@@ -331,12 +337,13 @@ struct Stopped {
 
 }  // namespace action
 
-using Action = std::variant<action::SendSwitch, action::SendAsk, action::StartProcess,
-                            action::FindProcesses, action::SignalProcess, action::AnswerSetState,
-                            action::AnswerCall, action::TakeBacktrace, action::TellEmergencyStop,
-                            action::SaveEmergencyStops, action::SaveEpoch, action::SavePolicy,
-                            action::SaveStopIntent, action::RunPowerCommand, action::Record,
-                            action::StartUpEnded, action::Fenced, action::Stopped>;
+using Action =
+    std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::FindProcesses,
+                 action::SignalProcess, action::AnswerSetState, action::AnswerCall,
+                 action::TakeBacktrace, action::TellEmergencyStop, action::SaveEmergencyStops,
+                 action::SaveEpoch, action::SavePolicy, action::SaveStopIntent,
+                 action::SaveRemoteActuators, action::RunPowerCommand, action::Record,
+                 action::StartUpEnded, action::Fenced, action::Stopped>;
 
 // One step of the decision. Events that are not expected any more (a late reply, an exit that was
 // seen already) only update what is known about the actuator.

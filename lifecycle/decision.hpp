@@ -150,6 +150,7 @@ class Decision {
   std::string FirstTrouble() const;
   SwitchResult Conclude(const Switch& s, bool undone) const;
   std::vector<ActuatorResult> Results(const Switch& s) const;
+  void CorrectIfAway(const Switch& s, std::size_t i, ActuatorResult& result) const;
   void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
 
   // starting.cpp, adopting.cpp
@@ -234,6 +235,9 @@ class Decision {
 
   // saving.cpp
   void Save(Stored what);
+  std::vector<RemoteActuator> RemoteActuators() const;
+  bool IsElsewhere(std::size_t i) const;
+  void NoteHosts();
 
   // policy_rules.cpp
   void BeginPolicy(const StoredPolicy& stored);
@@ -292,9 +296,9 @@ class Decision {
   void EndUnfinished();
   void JoinStop(const event::SetStateRequested& requested);
   bool WaitsForIntent();
-  std::string MayStillRun(std::size_t i) const;
+  std::string WhyMayRun(std::size_t i) const;
   void ListSurvivors();
-  SwitchResult StopResult();
+  SwitchResult StopResult(const Error& not_ended);
 
   // coordinator.cpp
   ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }

@@ -45,9 +45,11 @@ std::string_view StoredName(Stored what) {
     case Stored::kPolicy:
       return "policy";
     case Stored::kStopIntent:
+      return "intent to stop";
+    case Stored::kRemoteActuators:
       break;
   }
-  return "intent to stop";
+  return "list of remote actuators";
 }
 
 Machine MakeMachine(const MachineConfig& config) {

@@ -99,6 +99,10 @@ struct ActuatorRecord {
   bool parked = false;  // suspended: an actuator that it is bound to is not up
   // It has a higher epoch: take control at this time, if no controller leads with that epoch.
   std::optional<Time> outbid_at;
+  // The other host on which it ran by its last status, also when an earlier controller received
+  // that; "" if its protocol does not name the host. None: it is torn down, has exited, or runs
+  // here. Stored: after a reboot of this host it may still run there and be out of reach.
+  std::optional<std::string> elsewhere;
 
   const State& state() const { return report.state; }
 
@@ -205,12 +209,21 @@ struct StoredStops {
 // that is released in either of them is over.
 StoredStops Merge(const StoredStops& stored, const StoredStops& received);
 
+// An actuator that runs on another host, as it is stored for the next controller.
+struct RemoteActuator {
+  std::string name;
+  std::string host;  // "": not known
+
+  friend bool operator==(const RemoteActuator&, const RemoteActuator&) = default;
+};
+
 // What a controller stores on disk for the next one.
 enum class Stored {
   kEpoch,
   kEmergencyStops,
   kPolicy,
   kStopIntent,  // the machine is to be torn down and to stay down
+  kRemoteActuators,
 };
 std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
 

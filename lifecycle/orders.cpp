@@ -50,6 +50,12 @@ void Decision::Drifted(std::size_t i) {
   record.cause = RecordActuator(i, kCodeStatusError,
                                 ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
                                     (succeeded ? "" : ": " + record.report.outcome_message));
+  const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
+  if (record.state() == kTearDown && !ends) {
+    Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
+  } else if (record.fault && record.fault->message == kTornDownAlone) {
+    record.fault.reset();  // what it had reported was not true
+  }
   if (!record.held && MayFollow(i)) record.due = true;
 }
 

@@ -27,7 +27,43 @@ void Decision::Save(Stored what) {
       return Do(action::SavePolicy{machine_.policy.stored, save});
     case Stored::kStopIntent:
       return Do(action::SaveStopIntent{machine_.phase == Phase::kStopping, save});
+    case Stored::kRemoteActuators:
+      return Do(action::SaveRemoteActuators{RemoteActuators(), save});
   }
+}
+
+std::vector<RemoteActuator> Decision::RemoteActuators() const {
+  std::vector<RemoteActuator> remote;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (Of(i).elsewhere) remote.push_back({ConfigOf(i).name, *Of(i).elsewhere});
+  }
+  return remote;
+}
+
+// Whether it runs on another host, by its last status. A process whose protocol does not name its
+// host may be on another one with profile lan only.
+bool Decision::IsElsewhere(std::size_t i) const {
+  const ActuatorReport& report = Of(i).report;
+  if (Of(i).process != 0 || report.incarnation == Of(i).dead || report.state == kTearDown) {
+    return false;
+  }
+  if (report.host.empty()) return config_.transport == TransportProfile::kLan;
+  return !machine_.host.empty() && report.host != machine_.host;
+}
+
+void Decision::NoteHosts() {
+  bool changed = false;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    if (record.report.incarnation == 0) continue;  // what an earlier controller has stored counts
+    const bool elsewhere = IsElsewhere(i);
+    const bool known = record.elsewhere.has_value() == elsewhere &&
+                       (!elsewhere || *record.elsewhere == record.report.host);
+    if (known) continue;
+    record.elsewhere = elsewhere ? std::optional(record.report.host) : std::nullopt;
+    changed = true;
+  }
+  if (changed) Save(Stored::kRemoteActuators);
 }
 
 void Decision::On(const event::SaveEnded& ended) {

@@ -31,6 +31,9 @@ void Decision::On(const event::Begin& begin) {
   Save(Stored::kEpoch);
   for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
   for (std::size_t i = 0; i < begin.processes.size(); ++i) Of(i).process = begin.processes[i];
+  for (const RemoteActuator& remote : begin.remote) {
+    if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
+  }
   RecordMachine(kCodeOk, "controller started: epoch " + std::to_string(machine_.epoch) + ", " +
                              std::to_string(machine_.actuators.size()) + " actuators");
   if (machine_.finishing) {

@@ -6,8 +6,9 @@
 // after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
 // answer delays it for a moment only.
 //
-// An actuator that was lost without a known exit may still run in its last state: it is listed as
-// degraded, and the outcome is done-degraded.
+// An actuator that was lost without a known exit may still run in its last state, also when only an
+// earlier controller of this host has received its status: it is listed as degraded, and the
+// outcome is done-degraded.
 
 #include <algorithm>
 
@@ -80,28 +81,32 @@ bool Decision::WaitsForIntent() {
   return false;
 }
 
-// The state in which an actuator that TearDown does not reach may still run; empty: it has exited,
-// or is reached, or its process is ended with the machine.
-std::string Decision::MayStillRun(std::size_t i) const {
+// Why an actuator that TearDown does not reach may still run; empty: it has exited, or is reached,
+// or its process is ended with the machine.
+std::string Decision::WhyMayRun(std::size_t i) const {
+  const std::string lost = "connection lost and no exit seen; it may still run in ";
   const ActuatorRecord& record = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   // Found by its name when this controller started, and no status has arrived from it yet.
   const bool found =
       record.found_running && record.presence == Presence::kAbsent && record.process != 0;
-  if (found && !ends_with_it) return State("an unknown state");
+  if (found && !ends_with_it) return lost + "an unknown state";
+  if (record.report.incarnation == 0 && record.elsewhere) {
+    return "no status received since this controller started; it may still run on another host" +
+           (record.elsewhere->empty() ? "" : ", " + record.elsewhere->substr(0, 64)) +
+           ", where an earlier controller has left it";
+  }
   const bool reported = record.report.incarnation != 0 && record.report.incarnation != record.dead;
   const bool out_of_reach =
       record.presence == Presence::kLost || record.presence == Presence::kStarting;
   if (!reported || !out_of_reach || ends_with_it || record.state() == kTearDown) return {};
-  return record.state();
+  return lost + record.state();
 }
 
 void Decision::ListSurvivors() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const State state = MayStillRun(i);
-    if (state.empty()) continue;
-    Degrade(i, kCodeNetError, "connection lost and no exit seen; it may still run in " + state,
-            Of(i).cause);
+    const std::string why = WhyMayRun(i);
+    if (!why.empty()) Degrade(i, kCodeNetError, why, Of(i).cause);
   }
 }
 
@@ -183,7 +188,7 @@ void Decision::AdvanceStopping() {
   if (out_of_time && machine_.current) EndUnfinished();
   if (!stopping.result) return;
   if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
-  const SwitchResult result = StopResult();
+  const SwitchResult result = StopResult({kCodeTimeout, "has not ended"});
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart) Save(Stored::kStopIntent);  // there is none now
   RecordMachine(result.code, "the machine is stopped after " +
@@ -195,13 +200,15 @@ void Decision::AdvanceStopping() {
 }
 
 // The result of TearDown after the processes have had their time. An actuator that was lost only
-// since then, and a process that outlives SIGKILL, are left behind.
-SwitchResult Decision::StopResult() {
+// since then, and a process that outlives SIGKILL, are left behind. So is a process that this
+// controller was still ending, or starting, when another one took over: `not_ended` says why.
+SwitchResult Decision::StopResult(const Error& not_ended) {
   ListSurvivors();
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const std::int32_t pid = OwnProcess(i);
-    if (pid == 0) continue;
-    Degrade(i, kCodeTimeout, "its process " + std::to_string(pid) + " has not ended", Of(i).cause);
+    if (pid == 0 && !Of(i).launching) continue;
+    const std::string process = pid == 0 ? "process" : "process " + std::to_string(pid);
+    Degrade(i, not_ended.code, "its " + process + " " + not_ended.message, Of(i).cause);
   }
   SwitchResult result = *machine_.stopping->result;
   result.degraded = Degraded(config_, machine_);

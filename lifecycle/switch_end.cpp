@@ -110,12 +110,7 @@ std::vector<ActuatorResult> Decision::Results(const Switch& s) const {
       result.message =
           leg.progress == Leg::Progress::kWaiting ? "nothing was sent" : "was under way";
     }
-    const bool stays_done = result.outcome != ActuatorOutcome::kDone || s.rolling_back;
-    if (const auto away = stays_done ? std::nullopt : WhyAway(s, leg.actuator)) {
-      result.outcome = ActuatorOutcome::kLost;
-      result.code = away->code;
-      result.message = away->message;
-    }
+    CorrectIfAway(s, leg.actuator, result);
     for (const Leg& back : s.back) {
       if (back.actuator == leg.actuator && back.outcome == ActuatorOutcome::kDone &&
           leg.outcome == ActuatorOutcome::kDone) {
@@ -126,13 +121,25 @@ std::vector<ActuatorResult> Decision::Results(const Switch& s) const {
     results.push_back(std::move(result));
   }
   for (const ActuatorResult& other : s.others) {
+    const std::size_t i = *config_.IndexOf(other.name);
     results.push_back(other);
-    results.back().state = Of(*config_.IndexOf(other.name)).state();
+    results.back().state = Of(i).state();
+    CorrectIfAway(s, i, results.back());
   }
   std::sort(results.begin(), results.end(), [&](const ActuatorResult& a, const ActuatorResult& b) {
     return config_.IndexOf(a.name) < config_.IndexOf(b.name);
   });
   return results;
+}
+
+// An actuator whose part was done, or that was in the target before, may have left it since.
+void Decision::CorrectIfAway(const Switch& s, std::size_t i, ActuatorResult& result) const {
+  if (result.outcome != ActuatorOutcome::kDone || s.rolling_back) return;
+  const auto away = WhyAway(s, i);
+  if (!away) return;
+  result.outcome = ActuatorOutcome::kLost;
+  result.code = away->code;
+  result.message = away->message;
 }
 
 // The leg whose outcome decides the switch; null when none has failed.

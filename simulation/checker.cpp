@@ -155,6 +155,7 @@ void Checker::AfterEvent() {
 void Checker::CheckController(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
   CheckDeadline(controller, seen_[controller.serial()]);
+  NoteReceived(controller, seen_[controller.serial()]);
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();

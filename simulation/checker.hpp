@@ -82,6 +82,7 @@ class Checker {
                                  // part of the start
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
+    std::vector<std::uint64_t> received;  // of each actuator, the incarnation reported last
   };
   using CommandKey =
       std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
@@ -112,6 +113,9 @@ class Checker {
   void PersonStarts() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
   bool RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const;
+  void NoteReceived(const ControllerProcess& controller, Seen& seen);
+  bool IsKnown(const ControllerProcess& controller, std::size_t i, std::size_t host,
+               const ActuatorReport& report) const;
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
@@ -176,6 +180,9 @@ class Checker {
     std::size_t host = 0;
   };
   std::optional<AcceptedTearDown> accepted_tear_down_;  // a TearDown was accepted
+  // The processes of which controllers have received a report: the controller's host, actuator, the
+  // host's id, incarnation.
+  std::set<std::tuple<std::size_t, std::size_t, std::string, std::uint64_t>> received_;
   struct Waiting {
     std::uint64_t incarnation = 0;
     std::uint64_t epoch = 0;

@@ -36,6 +36,9 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.save_stop_intent = [this](bool intended, const auto& done) {
     Save(disk_.stop_intent, intended, done);
   };
+  world.save_remote_actuators = [this](const auto& actuators, const auto& done) {
+    Save(disk_.remote, actuators, done);
+  };
   world.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
     disk_.children.clear();
     for (const ChildProcess& child : children) disk_.children[child.actuator] = child;
@@ -135,6 +138,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   }
   begin.stops = disk_.stops;
   begin.stop_intent = disk_.stop_intent;
+  begin.remote = disk_.remote;
   begin.policy = disk_.policy;
   begin.restarted = restarted;
   begun_ = true;

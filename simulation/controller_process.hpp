@@ -26,6 +26,7 @@ struct Disk {
   std::uint64_t epoch = 0;
   StoredStops stops;
   bool stop_intent = false;
+  std::vector<RemoteActuator> remote;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
   // By actuator; also the processes that could not be saved, which are found by their mark.

@@ -75,6 +75,11 @@ class SimRobot {
   void StartController(Duration listens = {});
   // The same without waiting. `restarted`: by a supervisor.
   void LaunchController(std::size_t which, bool takeover, Duration listens, bool restarted = false);
+  // Whether the first controller can be started: no controller leads, and none that still listens
+  // holds the lock on its folder.
+  bool MayStartFirst() const {
+    return !has_controller() && !controllers_[0] && !(OneHost() && controllers_[1]);
+  }
   bool OneHost() const { return layout_.controllers[0] == layout_.controllers[1]; }
   Duration ListenTime() const;  // how long the config makes it listen
   // Starts a second controller. On another host it listens for a second; then it takes over, or

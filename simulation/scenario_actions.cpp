@@ -193,9 +193,8 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
     for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
       if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
     }
-    const bool none = !robot_.has_controller() && robot_.controller(0) == nullptr;
     const bool here = robot_.layout().controllers[0] == host;
-    if (had_controller && none) StartController(supervised_ && here);
+    if (had_controller && robot_.MayStartFirst()) StartController(supervised_ && here);
   });
 }
 
@@ -219,7 +218,7 @@ void Scenario::ApplyToController(const Injection& injection) {
       const bool restarted = supervised_ && (robot_.controller(0) != nullptr || robot_.OneHost());
       robot_.CrashController();
       return Later(injection.lasts, [this, restarted] {
-        if (!robot_.has_controller() && robot_.controller(0) == nullptr) StartController(restarted);
+        if (robot_.MayStartFirst()) StartController(restarted);
       });
     }
     case InjectionKind::kStalledDisk:

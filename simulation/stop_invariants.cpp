@@ -129,7 +129,32 @@ bool Checker::RunsForAnother(const ControllerProcess& asked, std::size_t i,
   return false;
 }
 
-// TearDown is reported as done.
+// Notes which process of each actuator a controller has received a report of.
+void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
+  const Machine& machine = controller.shell().machine();
+  seen.received.resize(machine.actuators.size());
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const ActuatorReport& report = machine.actuators[i].report;
+    if (report.incarnation == seen.received[i]) continue;
+    seen.received[i] = report.incarnation;
+    received_.insert({controller.host(), i, report.host, report.incarnation});
+  }
+}
+
+// Whether a controller can know of a process on another host: it has received a report of it, or an
+// earlier controller of its host has, which stores that. A controller that takes the machine over
+// from one of a third host while the link to the process is cut, or whose disk was full or stalled,
+// cannot: what it never received and no disk of its host has is indistinguishable from a process
+// that was never started.
+bool Checker::IsKnown(const ControllerProcess& controller, std::size_t i, std::size_t host,
+                      const ActuatorReport& report) const {
+  return host == controller.host() ||
+         (!state_lost_ &&
+          received_.contains({controller.host(), i, report.host, report.incarnation}));
+}
+
+// TearDown is reported as done. It concerns the processes on the controller's own host, which it
+// finds by their names, and those of other hosts that it can know of.
 void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
   if (result.target != kTearDown || !result.actuator.empty()) return;
   if (result.outcome != SwitchOutcome::kDone) return;
@@ -143,6 +168,7 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
       const bool received = record.report.incarnation == report->incarnation;
       if (!received && !config_.RankOf(report->state)) continue;
       if (!received && RunsForAnother(controller, i, host)) continue;
+      if (!received && !IsKnown(controller, i, host, *report)) continue;
       ReportViolation(Invariant::kTearDownIsComplete, "TearDown is reported as done, and " + name +
                                                           " still runs in " + report->state +
                                                           " on host " + robot_.hosts().name(host));

@@ -48,8 +48,8 @@ inline constexpr std::array<std::string_view, 8> kValueNames<PolicyRequest> = {
     "low-power store", "wake-up", "power-off", "reboot"};
 
 template <>
-inline constexpr std::array<std::string_view, 4> kValueNames<Stored> = {"epoch", "emergency stops",
-                                                                        "policy", "stop intent"};
+inline constexpr std::array<std::string_view, 5> kValueNames<Stored> = {
+    "epoch", "emergency stops", "policy", "stop intent", "remote actuators"};
 
 template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<AfterTearDown> = {
@@ -65,7 +65,7 @@ static_assert(EndsWith(Verdict::kFailed) && EndsWith(Phase::kFenced) && EndsWith
               EndsWith(Leg::Progress::kEnded) && EndsWith(ActuatorOutcome::kUnsupported) &&
               EndsWith(SwitchOutcome::kSuperseded) && EndsWith(Health::kPartitioned) &&
               EndsWith(PolicyInput::kMotion) && EndsWith(BatteryLevel::kEmpty) &&
-              EndsWith(PolicyRequest::kReboot) && EndsWith(Stored::kStopIntent) &&
+              EndsWith(PolicyRequest::kReboot) && EndsWith(Stored::kRemoteActuators) &&
               EndsWith(AfterTearDown::kStartsAgain));
 
 template <>
@@ -110,6 +110,12 @@ inline constexpr std::tuple kFields<StoredStops> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<RemoteActuator> = {
+    Field{"name", &RemoteActuator::name},
+    Field{"host", &RemoteActuator::host},
+};
+
+template <>
 inline constexpr std::tuple kFields<Lowering> = {
     Field{"from", &Lowering::from}, Field{"to", &Lowering::to}, Field{"epoch", &Lowering::epoch}};
 template <>
@@ -126,7 +132,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"running", &event::Begin::running},     Field{"processes", &event::Begin::processes},
     Field{"host", &event::Begin::host},           Field{"stops", &event::Begin::stops},
     Field{"policy", &event::Begin::policy},       Field{"stop_intent", &event::Begin::stop_intent},
-    Field{"restarted", &event::Begin::restarted},
+    Field{"restarted", &event::Begin::restarted}, Field{"remote", &event::Begin::remote},
 };
 template <>
 inline constexpr std::string_view kEventName<event::StatusSeen> = "StatusSeen";

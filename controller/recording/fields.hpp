@@ -53,6 +53,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
     Field{"hindered", &ActuatorRecord::blocked},
+    Field{"elsewhere", &ActuatorRecord::elsewhere},
 };
 
 template <>

@@ -61,6 +61,7 @@ class RemoteTakeover : public ::testing::Test {
     world.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
     world.save_policy = [](const auto&, const auto& saved) { saved(Ok()); };
     world.save_stop_intent = [](auto, const auto& saved) { saved(Ok()); };
+    world.save_remote_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
     world.output = [](const auto&) { return nullptr; };
     world.wall_ns = [] { return 0; };
     world.host = "second";

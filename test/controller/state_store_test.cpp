@@ -94,6 +94,38 @@ TEST_F(Store, KeepsTheIntentToStopUntilItIsCleared) {
   EXPECT_TRUE(store.SaveStopIntent(false)) << "it is gone already";
 }
 
+TEST_F(Store, KeepsTheActuatorsOfOtherHostsWithTheirHost) {
+  StateStore store = MustOpen();
+  EXPECT_TRUE(store.LoadRemoteActuators("boot-1/10").empty());
+  const std::vector<RemoteActuator> remote = {{"lidar", "other-boot/10"}, {"camera", ""}};
+  ASSERT_TRUE(store.SaveRemoteActuators(remote, "boot-1/10"));
+  EXPECT_EQ(store.LoadRemoteActuators("boot-1/10"), remote);
+  EXPECT_EQ(store.LoadRemoteActuators("boot-2/10"), remote) << "the other host was not booted";
+  ASSERT_TRUE(store.SaveRemoteActuators({}, "boot-1/10"));
+  EXPECT_TRUE(store.LoadRemoteActuators("boot-1/10").empty());
+}
+
+TEST_F(Store, ForgetsTheActuatorsOfAnotherContainerWhenTheirComputerIsBooted) {
+  StateStore store = MustOpen();
+  const std::vector<RemoteActuator> remote = {{"lidar", "boot-1/20"}};
+  ASSERT_TRUE(store.SaveRemoteActuators(remote, "boot-1/10"));
+  EXPECT_EQ(store.LoadRemoteActuators("boot-1/11"), remote);
+  EXPECT_TRUE(store.LoadRemoteActuators("boot-2/10").empty());
+}
+
+TEST_F(Store, OfADamagedListOfRemoteActuatorsOnlyWhatCanBeReadCounts) {
+  const StateStore store = MustOpen();
+  const auto load = [&](const std::string& text) {
+    std::ofstream(dir_ + "/remote_actuators", std::ios::binary) << text;
+    return store.LoadRemoteActuators("boot-1/10");
+  };
+  for (const char* text : {"", "host", "actuator", "\xff\xfe 1 2", "host boot-1/10\nactuator\n"}) {
+    EXPECT_TRUE(load(text).empty()) << text;
+  }
+  const std::vector<RemoteActuator> lidar = {{"lidar", "boot-3/1"}};
+  EXPECT_EQ(load("actuator lidar boot-3/1\nactua"), lidar);
+}
+
 TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
   const StateStore first = MustOpen();
   const auto second = StateStore::Open(dir_, robot_);

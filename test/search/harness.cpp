@@ -282,6 +282,8 @@ void Harness::Apply(const Action& action) {
     Feed(event::SaveEnded{Stored::kEpoch, saved->save, true, {}});
   } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
     Feed(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
+  } else if (const auto* remote = std::get_if<action::SaveRemoteActuators>(&action)) {
+    Feed(event::SaveEnded{Stored::kRemoteActuators, remote->save, true, {}});
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     if (notes_.log) Log("  " + record->message);
   }

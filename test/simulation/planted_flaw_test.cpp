@@ -206,6 +206,27 @@ TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWhileAnActuatorRuns) {
   ExpectFound(Invariant::kTearDownIsComplete, "a still runs in Active");
 }
 
+TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWithoutARemoteActuatorThatAnEarlierOneKnew) {
+  Layout layout = TwoHosts(1);
+  layout.host_of = {1};
+  Make(MachineOf(1), layout);
+  robot_->StartActuator("a");
+  BringUp();
+  robot_->hosts().SetHostBlocked(0, 1, true);
+  robot_->hosts().SetHostBlocked(1, 0, true);
+  robot_->CrashController();
+  ASSERT_FALSE(robot_->disk(0).remote.empty());
+  robot_->disk(0).remote.clear();
+  robot_->StartController();
+  RunFor(std::chrono::seconds(10));
+  const std::uint64_t request = checker_->OnRequest(*robot_->leader(), State(kTearDown));
+  robot_->leader()->shell().SetState(
+      State(kTearDown), std::nullopt,
+      [&](const SwitchResult& result) { checker_->OnReply(request, result); });
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Invariant::kTearDownIsComplete, "a still runs in Active on host dock");
+}
+
 TEST_F(PlantedFlaw, FindsAWaitingCommandThatIsDropped) {
   slow_ = State(kLowPower);
   Make(WithLongTimes(Started(1)));

@@ -185,6 +185,26 @@ TEST(SimRobot, ATearDownRightAfterAStartListsAFoundActuatorWithoutAReport) {
   EXPECT_THAT(result->degraded, ::testing::ElementsAre("a"));
 }
 
+// A regression: TearDown was reported as done while the actuator ran on the other host.
+TEST(SimRobot, ATearDownAfterARebootListsAnActuatorOfAnotherHostThatIsOutOfReach) {
+  simulation::Layout layout = TwoHosts(1);
+  layout.host_of = {1};
+  SimRobot robot(1, MachineOf(1), {}, layout);
+  robot.StartActuator("a");
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.hosts().SetHostBlocked(0, 1, true);
+  robot.hosts().SetHostBlocked(1, 0, true);
+  robot.RebootHost(0);
+  robot.StartController();
+  robot.RunFor(std::chrono::seconds(10));
+  const auto result = robot.Set("TearDown");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result->degraded, ::testing::ElementsAre("a"));
+  EXPECT_THAT(result->reason, ::testing::HasSubstr("another host, dock/1"));
+}
+
 // A regression: a restart by hand started a second process.
 TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithTheHost) {
   SimRobot robot(1, Robot(1), {}, TwoHosts(1));
@@ -238,6 +258,23 @@ TEST(SimRobot, ActuatorsThatShareAProcessAreFrozenAndEndTogether) {
   EXPECT_TRUE(robot.processes().IsFrozen("a"));
   robot.CrashActuator("b");
   EXPECT_FALSE(robot.IsAlive("a"));
+}
+
+// A regression: the first controller was started while the second one of its host was listening,
+// with the lock on their folder.
+TEST(SimRobot, ASecondControllerThatListensKeepsTheFirstOfItsHostFromStarting) {
+  MachineConfig config = Robot(1);
+  config.transport = TransportProfile::kLan;
+  simulation::Layout layout = TwoHosts(1);
+  layout.controllers = {0, 0};
+  SimRobot one(1, config, {}, layout);
+  EXPECT_TRUE(one.MayStartFirst());
+  one.StartRival(false);
+  ASSERT_FALSE(one.has_controller()) << "it listens";
+  EXPECT_FALSE(one.MayStartFirst());
+  SimRobot two(1, config, {}, TwoHosts(1));
+  two.StartRival(false);
+  EXPECT_TRUE(two.MayStartFirst()) << "each has a folder of its own";
 }
 
 TEST(SimRobot, ATakeoverOnTheSameHostEndsTheControllerBeforeIt) {

@@ -233,4 +233,67 @@ TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMach
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
+TEST_F(FoundBySimulation, AnActuatorThatWasInTheTargetAndIsRestartedMeanwhileIsNotReportedAsDone) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "LowPower").takes = std::chrono::seconds(2);  // of 100 ms
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  const RequestId second = t.Ask("LowPower");  // for b; a is there
+  ASSERT_TRUE(t.machine().current);
+  t.Restart("a");
+  t.RunUntil([&] { return t.answers.contains(second); });
+  ASSERT_EQ(t.StateOf("a"), "SetUp");
+  const ActuatorResult& result = Of(t.answers.at(second), "a");
+  EXPECT_EQ(result.outcome, ActuatorOutcome::kLost);
+  EXPECT_THAT(result.message, HasSubstr("has gone to SetUp since, and is being driven back"));
+}
+
+TEST_F(FoundBySimulation,
+       AnActuatorThatReportsTearDownWithoutACommandIsListedUntilItReportsAnother) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "c").critical = true;
+  Harness t(config);
+  t.On("c", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  ActuatorReport report = t.CoreOf("a").report;
+  const State truth = report.state;
+  const auto publish = [&](const State& state) {
+    report.state = state;
+    report.stamp = t.now();
+    t.Tell(event::StatusSeen{0, report});
+    t.RunFor(Milliseconds(1));
+  };
+  publish("TearDown");
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("only a new start brings it back"));
+  t.On("c", "SelfCheck") = {};
+  const SwitchResult check = t.Set("SelfCheck");
+  EXPECT_EQ(check.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(check.degraded, ElementsAre("a"));
+  publish(truth);
+  EXPECT_FALSE(t.RecordOf("a").fault);
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+}
+
+// b never publishes its status, so TearDown does not reach it: it is ended by a signal, later.
+TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasEnded) {
+  Harness t(Ours(2));
+  t.On("b", "SetUp").hangs = true;
+  t.On("b", "TERM").hangs = true;
+  t.Begin();
+  t.RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(t.machine().state, "Active");
+  const RequestId request = t.Ask("TearDown");
+  t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process == 0; });
+  ASSERT_EQ(t.machine().phase, Phase::kStopping) << "a is torn down, b does not end";
+  t.HearRival(99);
+  ASSERT_TRUE(t.answers.contains(request));
+  const SwitchResult& result = t.answers.at(request);
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_THAT(result.reason, HasSubstr("had not ended when another controller, process 1 "
+                                       "elsewhere, took over"));
+}
+
 }  // namespace musher::testing::found_by_simulation_test

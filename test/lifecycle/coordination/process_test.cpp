@@ -190,6 +190,24 @@ TEST_F(Processes, ARestartOfAnUnknownActuatorIsRefusedWithItsNameShortened) {
               HasSubstr("'" + std::string(64, 'x') + "'"));
 }
 
+TEST_F(Processes, ThatAreBeingStartedAtATakeoverAreNotReportedAsTornDown) {
+  StartUpOurs();
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  Pass(Milliseconds(100));
+  ASSERT_TRUE(Of(0).launching);
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  Obey(1);
+  Do(event::ProcessEnded{1, 701, true, "exit code 0"});
+  EXPECT_THAT(Did<action::AnswerSetState>(), IsEmpty());
+  Do(event::RivalHeard{99, "process 1", true});
+  ASSERT_THAT(Did<action::AnswerSetState>(), SizeIs(1));
+  const SwitchResult result = Did<action::AnswerSetState>()[0].result;
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ::testing::ElementsAre("a"));
+  EXPECT_THAT(result.reason,
+              HasSubstr("its process had not ended when another controller, process 1, took over"));
+}
+
 using ForeignProcesses = OneController;
 
 TEST_F(ForeignProcesses, ThatHangAndAreSilentAreLostThoughTheyCannotBeRestarted) {

@@ -1,0 +1,173 @@
+// Actuators that run on other hosts: they are stored for the next controller, whose TearDown lists
+// one that it has not received a status of.
+
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing::remote_actuator_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RemoteActuators : public OneController {
+ protected:
+  static constexpr RequestId kRequest = 71;
+
+  static RemoteActuator On(const std::string& host) { return {"b", host}; }
+  // Actuator a runs on this host, b on `host`.
+  void StartUpWithBOn(const std::string& host) {
+    Begin();
+    Come(0);
+    ComeFrom(host);
+    ObeyBoth(host);
+    ASSERT_EQ(machine_.state, kActive);
+  }
+  ActuatorReport ReportOfB(const std::string& host, const std::string& state = "SetUp") {
+    ActuatorReport report = Report(1, state);
+    report.host = host;
+    return report;
+  }
+  void ComeFrom(const std::string& host) {
+    ActuatorReport report = ReportOfB(host);
+    Say(1, report);
+    report.epoch = machine_.epoch;
+    Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
+  }
+  void ObeyBoth(const std::string& host) {
+    for (int rounds = 0; rounds < 10; ++rounds) {
+      if (Of(0).order) Obey(0);
+      if (!Of(1).order) continue;
+      const Order order = *Of(1).order;
+      ActuatorReport report = ReportOfB(host, order.target);
+      report.epoch = machine_.epoch;
+      report.number = report.outcome_number = order.number;
+      Do(event::Replied{1, order.number, false, Verdict::kDone, kCodeOk, "", report});
+    }
+  }
+  // The next controller of this host, which receives no status of b.
+  void BeginNext(bool finishes = false) {
+    const std::vector<RemoteActuator> stored = Saved();
+    machine_ = MakeMachine(config_);
+    Forget();
+    event::Begin begin;
+    begin.running = {true, false};
+    begin.host = "here";
+    begin.remote = stored;
+    begin.stop_intent = begin.restarted = finishes;
+    Do(begin);
+    Come(0, "Active");
+    Pass(std::chrono::seconds(10));
+  }
+  // What is on disk: the last save.
+  std::vector<RemoteActuator> Saved() const {
+    const auto saves = Did<action::SaveRemoteActuators>();
+    return saves.empty() ? std::vector<RemoteActuator>() : saves.back().actuators;
+  }
+  SwitchResult SetTearDown() {
+    Do(event::SetStateRequested{kRequest, "TearDown", {}});
+    return Finish();
+  }
+  SwitchResult Finish() {
+    if (Of(0).order) Obey(0);
+    Pass(std::chrono::seconds(10));
+    const auto answers = Did<action::AnswerSetState>();
+    if (!answers.empty()) return answers.back().result;
+    EXPECT_TRUE(machine_.stopping && machine_.stopping->result);
+    return machine_.stopping->result.value_or(SwitchResult{});
+  }
+};
+
+TEST_F(RemoteActuators, AreStoredWithTheirHostAndOnlyWhenThatChanges) {
+  StartUpWithBOn("there");
+  ASSERT_THAT(Did<action::SaveRemoteActuators>(), ::testing::SizeIs(1));
+  EXPECT_THAT(Saved(), ElementsAre(On("there")));
+}
+
+TEST_F(RemoteActuators, OfThisHostAreNotStored) {
+  StartUpWithBOn("here");
+  EXPECT_THAT(Did<action::SaveRemoteActuators>(), IsEmpty());
+}
+
+TEST_F(RemoteActuators, WithoutAHostAreStoredWhereThereMayBeOtherHosts) {
+  StartUpWithBOn("");
+  EXPECT_THAT(Did<action::SaveRemoteActuators>(), IsEmpty());
+  config_.transport = TransportProfile::kLan;
+  StartUpWithBOn("");
+  EXPECT_THAT(Saved(), ElementsAre(On("")));
+}
+
+TEST_F(RemoteActuators, ThatAreTornDownAreStoredNoMore) {
+  StartUpWithBOn("there");
+  Do(event::SetStateRequested{kRequest, "TearDown", {}});
+  Do(event::SaveEnded{Stored::kStopIntent, machine_.last_save, true, {}});
+  ObeyBoth("there");
+  EXPECT_THAT(Saved(), IsEmpty());
+  BeginNext();
+  EXPECT_EQ(SetTearDown().outcome, SwitchOutcome::kDone);
+}
+
+TEST_F(RemoteActuators, ThatAreLostStayStored) {
+  StartUpWithBOn("there");
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  EXPECT_THAT(Saved(), ElementsAre(On("there")));
+}
+
+// Found by scenarios: the host of the controller was rebooted while its link to the other host was
+// cut.
+TEST_F(RemoteActuators, OutOfReachOfTheNextControllerAreListedByItsTearDown) {
+  StartUpWithBOn("there");
+  BeginNext();
+  const SwitchResult result = SetTearDown();
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(result.code, kCodeNetError);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_THAT(result.reason, HasSubstr("b: no status received since this controller started; it "
+                                       "may still run on another host, there"));
+}
+
+TEST_F(RemoteActuators, OutOfReachOfAControllerThatFinishesATearDownAreListed) {
+  StartUpWithBOn("there");
+  BeginNext(/*finishes=*/true);
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
+  EXPECT_EQ(Finish().outcome, SwitchOutcome::kDoneDegraded);
+  ASSERT_TRUE(Of(1).fault);
+  EXPECT_THAT(Of(1).fault->message, HasSubstr("may still run on another host, there"));
+}
+
+TEST_F(RemoteActuators, OutOfReachOfEveryControllerSinceStayStored) {
+  StartUpWithBOn("there");
+  BeginNext();
+  EXPECT_THAT(Did<action::SaveRemoteActuators>(), IsEmpty()) << "it is on disk";
+  ASSERT_TRUE(Of(1).elsewhere);
+  SetTearDown();
+  EXPECT_EQ(Of(1).elsewhere, "there");
+}
+
+TEST_F(RemoteActuators, ThatRunOnThisHostAgainAreStoredNoMore) {
+  StartUpWithBOn("there");
+  BeginNext();
+  Come(1);
+  ASSERT_THAT(Did<action::SaveRemoteActuators>(), ::testing::SizeIs(1));
+  EXPECT_THAT(Saved(), IsEmpty());
+}
+
+TEST_F(RemoteActuators, ThatAnotherControllerHasTornDownAreStoredNoMore) {
+  StartUpWithBOn("there");
+  BeginNext();
+  ActuatorReport report = ReportOfB("there", "TearDown");
+  Say(1, report);
+  EXPECT_THAT(Saved(), IsEmpty());
+  EXPECT_EQ(SetTearDown().outcome, SwitchOutcome::kDone);
+}
+
+TEST_F(RemoteActuators, ThatTheConfigDoesNotNameAreIgnored) {
+  machine_ = MakeMachine(config_);
+  event::Begin begin;
+  begin.running = {false, false};
+  begin.host = "here";
+  begin.remote = {{"of an older config", "there"}};
+  Do(begin);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_FALSE(Of(i).elsewhere);
+}
+
+}  // namespace musher::testing::remote_actuator_test
