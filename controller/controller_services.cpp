@@ -151,7 +151,7 @@ void ControllerServices::OnRequestPolicy(
     return answer(Error{kCodeParametersInvalid,
                         "unknown request '" + request.request.substr(0, kLongestName) + "'"});
   }
-  shell_.AskPolicy({0, *what, request.state, request.seconds, request.enable}, answer);
+  shell_.SendPolicyRequest({0, *what, request.state, request.seconds, request.enable}, answer);
 }
 
 msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
@@ -184,7 +184,7 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
     known.state = shell_.machine().state;
     return reply(known);
   }
-  if (!read_history_) return TellInterrupted(std::move(known), reply);
+  if (!read_history_) return ReplyInterrupted(std::move(known), reply);
   read_history_(INT64_MIN, kEntriesOfPredecessor,
                 [this, request, reply, alive = std::weak_ptr<bool>(alive_)](const auto& reading) {
                   if (alive.expired()) return;
@@ -192,13 +192,13 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
                       reading ? reading.value().entries : std::vector<JournalEntry>();
                   auto found = FindSwitch(entries, request.epoch, request.switch_number);
                   if (!found.outcome.empty()) return reply(found);
-                  TellInterrupted(std::move(found), reply);
+                  ReplyInterrupted(std::move(found), reply);
                 });
 }
 
 // Once this controller knows where the machine is: it goes on from where it has met the actuators.
-void ControllerServices::TellInterrupted(msg::GetSwitch::Response response,
-                                         const SwitchReply& reply) {
+void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
+                                          const SwitchReply& reply) {
   shell_.AwaitSetUp(
       [this, response, reply, alive = std::weak_ptr<bool>(alive_)](const Result<>&) mutable {
         if (alive.expired()) return;

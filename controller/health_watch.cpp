@@ -42,7 +42,7 @@ void HealthWatch::OnReport(std::size_t actuator, const ActuatorReport& report) {
   const bool local = !host_.empty() && report.host == host_ && report.pid != 0;
   pids_[actuator] = report.pid;
   monitor_.Watch(actuator, report.incarnation, report.host, local, now);
-  Act(monitor_.Heard(actuator, report.incarnation, now));
+  Act(monitor_.OnSample(actuator, report.incarnation, now));
 }
 
 void HealthWatch::Forget(std::size_t actuator) {
@@ -56,7 +56,7 @@ void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const Heartbeat received{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
                            heartbeat.during, Duration(heartbeat.silent_ns),
                            Duration(heartbeat.waited_ns)};
-  Act(monitor_.Heard(found->second, heartbeat.incarnation, received, node_.loop().Now()));
+  Act(monitor_.OnSample(found->second, heartbeat.incarnation, received, node_.loop().Now()));
 }
 
 void HealthWatch::Act(const std::vector<Finding>& findings) {

@@ -37,7 +37,7 @@ ProcessExit Reap(pid_t pid) {
 
 constexpr std::int64_t kMostWords = 2048;   // bytes of a log's end that are looked at
 constexpr std::size_t kLongestWords = 200;  // bytes that are reported
-constexpr Duration kWordsPatience = Milliseconds(100);
+constexpr Duration kLastOutputTimeout = Milliseconds(100);
 
 // -1: it is no file.
 std::int64_t SizeOf(int fd) {
@@ -241,7 +241,7 @@ void ProcessSupervisor::AwaitLastWords(const ProcessExit& exit, Process process)
   const std::uint64_t id = next_ending_++;
   const auto words = std::make_shared<std::string>();
   endings_[id] = {exit, std::move(process.on_exit),
-                  loop_.At(loop_.Now() + kWordsPatience, [this, id] { Report(id, ""); })};
+                  loop_.At(loop_.Now() + kLastOutputTimeout, [this, id] { Report(id, ""); })};
   // Of one name only the last is read on a disk that stalls: what waits for it is bounded.
   disk_.Do(
       "last words of " + process.name,

@@ -186,9 +186,9 @@ void WriteDigits(char* digits, pid_t number) {
 Spawned::Spawned(const ProcessSpec& spec, pid_t pid, UniqueFd report)
     : pid_(pid), program_(spec.argv.front()), cwd_(spec.cwd), report_(std::move(report)) {}
 
-std::optional<Error> Spawned::Failure(Duration patience) const {
+std::optional<Error> Spawned::Failure(Duration timeout) const {
   pollfd reported{report_.get(), POLLIN, 0};
-  if (poll(&reported, 1, static_cast<int>(ToMilliseconds(patience))) != 1) return std::nullopt;
+  if (poll(&reported, 1, static_cast<int>(ToMilliseconds(timeout))) != 1) return std::nullopt;
   ChildFailure failure{};
   if (read(report_.get(), &failure, sizeof(failure)) != sizeof(failure)) return std::nullopt;
   switch (failure.step) {

@@ -22,9 +22,9 @@ class Spawned {
   Spawned(const ProcessSpec& spec, pid_t pid, transport::UniqueFd report);
 
   pid_t pid() const { return pid_; }
-  // Waits at most `patience` until its program runs or cannot be run; says why it cannot. None as
+  // Waits at most `timeout` until its program runs or cannot be run; says why it cannot. None as
   // well: not known yet.
-  std::optional<Error> Failure(Duration patience) const;
+  std::optional<Error> Failure(Duration timeout) const;
 
  private:
   pid_t pid_ = 0;

@@ -30,7 +30,7 @@ namespace musher {
 struct SwitchEnd {
   enum class Kind {
     kAnswered,  // by the controller that was called
-    kTold,      // by its successor; `result` has no actuators
+    kReported,  // by its successor; `result` has no actuators
     kUnknown,   // no controller reports it; result.reason says why, and what to do
   };
   Kind kind = Kind::kUnknown;

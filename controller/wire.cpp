@@ -107,7 +107,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.protocol = ProtocolName(config.actuators[i].protocol);
     info.health = HealthName(record.health);
     info.restarts = record.restarts;
-    info.restarting = record.restart_at || record.restart_asked ||
+    info.restarting = record.restart_at || record.restart_requested ||
                       (record.restarts > 0 && record.presence == Presence::kStarting);
     status.actuators.push_back(std::move(info));
   }

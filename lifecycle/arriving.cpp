@@ -117,7 +117,7 @@ void Decision::TakeControl(std::size_t i) {
   record.outbid_at.reset();
   record.controlled = record.report.incarnation;
   record.take_control_again = now_ + kTakeControlPeriod;
-  Do(action::SendAsk{i, record.report.number, false});
+  Do(action::SendQuery{i, record.report.number, false});
 }
 
 // An earlier controller was here. The attached actuators get the new epoch at once.
@@ -129,7 +129,7 @@ void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
                              " was controlled by epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendAsk{other, 0, false});  // a waiting command there goes on waiting
+    Do(action::SendQuery{other, 0, false});  // a waiting command there goes on waiting
   }
 }
 
@@ -158,7 +158,8 @@ void Decision::Attach(std::size_t i) {
           (record.report.pid == 0 ? "" : " (pid " + std::to_string(record.report.pid) + ")"),
       record.cause);
   if (machine_.emergency_stop && record.report.emergency_stop == 0) {
-    Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may have missed the stop
+    Do(action::PublishEmergencyStop{*machine_.emergency_stop,
+                                    true});  // it may have missed the stop
   }
   if (record.state() == kTearDown && record.held)
     Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);

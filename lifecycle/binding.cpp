@@ -10,7 +10,7 @@ namespace musher {
 bool Decision::IsUp(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
-         record.health != Health::kHung && !record.restart_asked && record.state() != kTearDown;
+         record.health != Health::kHung && !record.restart_requested && record.state() != kTearDown;
 }
 
 bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const {

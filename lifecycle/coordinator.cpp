@@ -34,8 +34,8 @@ void Decision::Settle() {
 std::uint64_t Decision::Record(action::Record record) {
   record.id = ++machine_.last_record;
   const bool of_machine = record.kind == "machine" || (record.kind == "switch" && !record.actuator);
-  if (of_machine && machine_.state != machine_.told_state) {
-    record.state = machine_.told_state = machine_.state;
+  if (of_machine && machine_.state != machine_.recorded_state) {
+    record.state = machine_.recorded_state = machine_.state;
   }
   Do(record);
   return record.id;

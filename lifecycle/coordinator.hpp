@@ -60,11 +60,11 @@ struct StatusSeen {
   ActuatorReport report;
   friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
 };
-// An actuator replied to command `number`, or to the query about it (`ask`).
+// An actuator replied to command `number`, or to the query about it (`query`).
 struct Replied {
   std::size_t actuator = 0;
   std::uint64_t number = 0;
-  bool ask = false;
+  bool query = false;
   Verdict verdict = Verdict::kDone;
   std::int32_t code = kCodeOk;
   std::string message;
@@ -127,11 +127,11 @@ struct RestartRequested {
   friend bool operator==(const RestartRequested&, const RestartRequested&) = default;
 };
 // A heartbeat of another controller of this machine was received.
-struct RivalHeard {
+struct RivalSeen {
   std::uint64_t epoch = 0;
   std::string who;              // "process 4711 on this host"
   bool has_precedence = false;  // where both have the same epoch
-  friend bool operator==(const RivalHeard&, const RivalHeard&) = default;
+  friend bool operator==(const RivalSeen&, const RivalSeen&) = default;
 };
 // A participant engages an emergency stop, or has released one.
 struct EmergencyStopSeen {
@@ -174,9 +174,9 @@ struct InputSilent {
 };
 // The time of /clock, where the policy follows it: sent when NextPolicyDeadline() is reached, and
 // just before any other event that concerns the policy.
-struct ClockHeard {
+struct ClockReceived {
   Time clock{};
-  friend bool operator==(const ClockHeard&, const ClockHeard&) = default;
+  friend bool operator==(const ClockReceived&, const ClockReceived&) = default;
 };
 struct PolicyRequested {
   RequestId request = 0;
@@ -206,9 +206,9 @@ using Event =
     std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
                  event::ProcessStarted, event::ProcessNotStarted, event::ProcessesFound,
                  event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
-                 event::RestartRequested, event::RivalHeard, event::EmergencyStopSeen,
+                 event::RestartRequested, event::RivalSeen, event::EmergencyStopSeen,
                  event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited,
-                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockHeard,
+                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockReceived,
                  event::PolicyRequested, event::SaveEnded, event::TimePassed>;
 
 namespace action {
@@ -221,11 +221,11 @@ struct SendSwitch {
   bool apart = false;  // for this actuator alone, detached from the machine
   friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
 };
-struct SendAsk {
+struct SendQuery {
   std::size_t actuator = 0;
   std::uint64_t number = 0;
   bool stop = false;
-  friend bool operator==(const SendAsk&, const SendAsk&) = default;
+  friend bool operator==(const SendQuery&, const SendQuery&) = default;
 };
 struct StartProcess {
   std::size_t actuator = 0;
@@ -258,10 +258,10 @@ struct TakeBacktrace {
   friend bool operator==(const TakeBacktrace&, const TakeBacktrace&) = default;
 };
 // Publish the emergency stop to all actuators, also to those that start later.
-struct TellEmergencyStop {
+struct PublishEmergencyStop {
   EmergencyStop stop;
   bool engaged = false;
-  friend bool operator==(const TellEmergencyStop&, const TellEmergencyStop&) = default;
+  friend bool operator==(const PublishEmergencyStop&, const PublishEmergencyStop&) = default;
 };
 // What has to survive this controller. A save is requested and not waited for; its end comes back
 // as SaveEnded with its number. Of each kind only the last save counts.
@@ -331,9 +331,9 @@ struct Stopped {
 
 }  // namespace action
 
-using Action = std::variant<action::SendSwitch, action::SendAsk, action::StartProcess,
+using Action = std::variant<action::SendSwitch, action::SendQuery, action::StartProcess,
                             action::FindProcesses, action::SignalProcess, action::AnswerSetState,
-                            action::AnswerCall, action::TakeBacktrace, action::TellEmergencyStop,
+                            action::AnswerCall, action::TakeBacktrace, action::PublishEmergencyStop,
                             action::SaveEmergencyStops, action::SaveEpoch, action::SavePolicy,
                             action::SaveStopIntent, action::RunPowerCommand, action::Record,
                             action::StartUpEnded, action::Fenced, action::Stopped>;

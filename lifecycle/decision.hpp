@@ -61,7 +61,7 @@ class Decision {
   void On(const event::HealthChanged& changed);
   void On(const event::BacktraceTaken& taken);
   void On(const event::RestartRequested& requested);
-  void On(const event::RivalHeard& rival);
+  void On(const event::RivalSeen& rival);
   void On(const event::EmergencyStopSeen& seen);
   void On(const event::ReleaseRequested& requested);
   void On(const event::SetStateRequested& requested);
@@ -69,7 +69,7 @@ class Decision {
   void On(const event::BatterySeen& seen);
   void On(const event::MotionSeen& seen);
   void On(const event::InputSilent& silent);
-  void On(const event::ClockHeard& heard);
+  void On(const event::ClockReceived& heard);
   void On(const event::PolicyRequested& requested);
   void On(const event::SaveEnded& ended);
   void On(const event::TimePassed&) {}

@@ -71,8 +71,8 @@ void HealthMonitor::Forget(std::size_t actuator) {
   monitored_[actuator] = MonitoredProcess{};
 }
 
-std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t incarnation,
-                                          Time now) {
+std::vector<Finding> HealthMonitor::OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                             Time now) {
   std::vector<Finding> findings;
   MonitoredProcess& process = monitored_[actuator];
   if (process.incarnation != incarnation || incarnation == 0) return findings;
@@ -80,8 +80,8 @@ std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t in
   return findings;
 }
 
-std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t incarnation,
-                                          const Heartbeat& heartbeat, Time now) {
+std::vector<Finding> HealthMonitor::OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                             const Heartbeat& heartbeat, Time now) {
   std::vector<Finding> findings;
   MonitoredProcess& process = monitored_[actuator];
   if (process.incarnation != incarnation || incarnation == 0) return findings;

@@ -82,9 +82,9 @@ class HealthMonitor {
   void Forget(std::size_t actuator);
 
   // A sample came from it: a status, an answer.
-  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, Time now);
-  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation,
-                             const Heartbeat& heartbeat, Time now);
+  std::vector<Finding> OnSample(std::size_t actuator, std::uint64_t incarnation, Time now);
+  std::vector<Finding> OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                const Heartbeat& heartbeat, Time now);
   std::vector<Finding> Examined(std::size_t actuator, const Examination& examination, Time now);
   std::vector<Finding> TimePassed(Time now);
 

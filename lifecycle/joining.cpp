@@ -14,7 +14,7 @@ bool Decision::DriveLateOnes() {
     const ActuatorRecord& record = Of(i);
     const bool free = record.presence == Presence::kPresent && !record.order &&
                       !record.report.busy() && record.health != Health::kHung && !record.given_up &&
-                      !record.restart_asked;
+                      !record.restart_requested;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held) continue;
     if (!record.due && !unchecked) {
@@ -106,7 +106,7 @@ void Decision::Join(std::size_t i) {
 // The end of a command that was not part of a switch.
 void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   ActuatorRecord& record = Of(i);
-  if (record.restart_asked) return EndTornDown(i, end);
+  if (record.restart_requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
     record.due = order.target == kSelfCheck || record.state() != PlaceOf(i);
     return;

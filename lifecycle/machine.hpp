@@ -51,7 +51,7 @@ struct Order {
   State target;
   Time sent{};
   Time deadline{};  // of the reply; once queried, of the answer
-  int asked = 0;    // how often the outcome was queried
+  int queries = 0;  // how often the outcome was queried
 
   friend bool operator==(const Order&, const Order&) = default;
 };
@@ -90,7 +90,7 @@ struct ActuatorRecord {
   std::optional<Time> restart_at;  // the next one
   std::optional<Time> healthy_at;  // present until then: the count is reset
   bool given_up = false;           // restarted too often, or not to be restarted
-  bool restart_asked = false;      // by a person: its process has to exit, then it is restarted
+  bool restart_requested = false;  // by a person: its process has to exit, then it is restarted
   std::vector<std::uint64_t> restart_requests;  // answered when it is back
   std::int32_t terminating = 0;                 // the process that is about to be killed …
   std::optional<Time> terminate_at;             // … after SIGTERM at this time …
@@ -247,7 +247,7 @@ struct Machine {
   std::vector<std::uint64_t> released_stops;   // the stops released last
   std::vector<std::uint64_t> set_up_requests;  // answered when all actuators are set up
   std::uint64_t last_record = 0;               // id of the last record
-  State told_state;                            // the last one that was recorded
+  State recorded_state;                        // the last one that was recorded
   std::uint64_t last_save = 0;                 // number of the last save
   std::vector<Unsaved> unsaved;                // what is not on disk yet
   PolicyState policy;

@@ -58,24 +58,25 @@ void Decision::On(const event::Replied& replied) {
   if (replied.report.incarnation != record.report.incarnation) return;
   if (replied.report.stamp >= record.report.stamp) Accept(replied.actuator, replied.report);
   const bool denied = replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
-  if (replied.ask && denied && replied.report.epoch > machine_.epoch)
+  if (replied.query && denied && replied.report.epoch > machine_.epoch)
     return TakeControl(replied.actuator);
-  if (replied.ask && denied && record.take_control_again) {
+  if (replied.query && denied && record.take_control_again) {
     record.take_control_again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
   }
-  if (replied.ask && replied.verdict == Verdict::kDone && record.take_control_again) {
+  if (replied.query && replied.verdict == Verdict::kDone && record.take_control_again) {
     Attach(replied.actuator);
   }
   if (!record.order || record.order->number != replied.number) return;
-  if (replied.ask && record.order->asked == 0) return;  // it answers TakeControl(), not the query
-  if (replied.ask)
+  if (replied.query && record.order->queries == 0)
+    return;  // it answers TakeControl(), not the query
+  if (replied.query)
     return EndOrder(replied.actuator, EvaluateReport(replied.actuator, *record.order));
   switch (replied.verdict) {
     case Verdict::kDone:
       return EndOrder(replied.actuator, DoneUnlessContradicted(replied.actuator, replied.message));
     case Verdict::kRefused:
-      return EndOrder(replied.actuator, {record.order->asked > 0 ? ActuatorOutcome::kOverdue
-                                                                 : ActuatorOutcome::kRefused,
+      return EndOrder(replied.actuator, {record.order->queries > 0 ? ActuatorOutcome::kOverdue
+                                                                   : ActuatorOutcome::kRefused,
                                          replied.code, replied.message, false});
     case Verdict::kFailed:
       return EndOrder(replied.actuator,
@@ -124,11 +125,11 @@ OrderEnd Decision::EvaluateReport(std::size_t i, const Order& order) const {
 
 void Decision::QueryOrLose(std::size_t i) {
   Order& order = *Of(i).order;
-  if (order.asked >= kQueryAttempts) {
+  if (order.queries >= kQueryAttempts) {
     return LoseConnection(i, "no answer, not even to the query for the outcome of " + order.target,
                           Of(i).cause);
   }
-  if (order.asked == 0) {
+  if (order.queries == 0) {
     const std::string next = ConfigOf(i).protocol == Protocol::kCyberdog
                                  ? "; its protocol has no query for the outcome of " +
                                        order.target + ", so its state is unknown until it answers"
@@ -139,9 +140,9 @@ void Decision::QueryOrLose(std::size_t i) {
                                      " ms" + next,
                                  machine_.current ? machine_.current->cause : Of(i).cause);
   }
-  ++order.asked;
+  ++order.queries;
   order.deadline = now_ + kQueryTimeout;
-  Do(action::SendAsk{i, order.number, true});
+  Do(action::SendQuery{i, order.number, true});
 }
 
 void Decision::CheckOrders() {
@@ -162,7 +163,7 @@ void Decision::EvaluateFoundBusy(std::size_t i) {
   Degrade(i, kCodeTimeout,
           "still busy with " + target + ", which no switch waits for, after " +
               std::to_string(ToMilliseconds(config_.TimeFor(i, target))) + " ms");
-  Do(action::SendAsk{i, record.report.number, true});
+  Do(action::SendQuery{i, record.report.number, true});
   FallBack(i);
 }
 
@@ -170,9 +171,9 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
   const Order order = *Of(i).order;
   const OrderEnd end = Tolerate(i, order, given);
   const std::string took = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
-  const std::uint64_t cause = end.cause != 0                         ? end.cause
-                              : machine_.current && order.asked == 0 ? machine_.current->cause
-                                                                     : Of(i).cause;
+  const std::uint64_t cause = end.cause != 0                           ? end.cause
+                              : machine_.current && order.queries == 0 ? machine_.current->cause
+                                                                       : Of(i).cause;
   const std::uint64_t recorded = RecordActuator(
       i, end.code,
       ConfigOf(i).name + ": " + order.target + " " + std::string(OutcomeName(end.outcome)) +

@@ -152,7 +152,7 @@ class Planning {
     } else if (!actuator.Lists(plan_.target)) {
       RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
                                      List(actuator.states));
-    } else if (record.restart_asked) {
+    } else if (record.restart_requested) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
     } else if (record.report.busy() || record.order) {
       NoteBusy(i, "is busy with " + BusyWith(record));
@@ -203,7 +203,7 @@ class Planning {
     } else if (record.state() == kTearDown && plan_.target != kTearDown) {
       // Its process still runs, with other actuators in it.
       leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
-    } else if (record.restart_asked && plan_.target != kTearDown) {
+    } else if (record.restart_requested && plan_.target != kTearDown) {
       leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {
       leave_out("is still starting", kCodeTargetBusy, false);

@@ -46,7 +46,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
     ActuatorRecord& record = Of(i);
     record.take_control_again.reset();
     record.restart_at.reset();
-    record.restart_asked = false;
+    record.restart_requested = false;
     const bool present = record.presence == Presence::kPresent;
     // A process that has exited cannot be left behind.
     if (!present || record.state() == kTearDown) record.fault.reset();

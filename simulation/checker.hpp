@@ -77,9 +77,9 @@ class Checker {
   struct Seen {  // of a controller
     State state;
     bool stopped = false;
-    bool requested = false;      // an operator or a client requested `asked`
-    std::optional<State> asked;  // the target of the switch under way, if it was requested or is a
-                                 // part of the start
+    bool requested = false;                // an operator or a client requested `requested_state`
+    std::optional<State> requested_state;  // the target of the switch under way, if it was
+                                           // requested or is a part of the start
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
   };
@@ -111,7 +111,7 @@ class Checker {
   void CheckPower();
   void PersonStarts() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
-  bool RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const;
+  bool RunsForAnother(const ControllerProcess& process, std::size_t i, std::size_t host) const;
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);

@@ -116,15 +116,15 @@ void Checker::CheckStaysDown(const ControllerProcess& controller) {
 // Whether the actuator runs for another controller, on the host of that controller, which began
 // while the controller `asked` to tear down was stopped or disconnected; otherwise `asked` would
 // have released the machine.
-bool Checker::RunsForAnother(const ControllerProcess& asked, std::size_t i,
+bool Checker::RunsForAnother(const ControllerProcess& process, std::size_t i,
                              std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);
-    if (other == nullptr || other->serial() == asked.serial() || !other->leads()) continue;
+    if (other == nullptr || other->serial() == process.serial() || !other->leads()) continue;
     const std::int32_t pid = other->shell().machine().actuators[i].process;
     const bool its_own =
         pid != 0 && pid == robot_.processes().PidOf(config_.actuators[i].name, host);
-    if (other->host() == host && host != asked.host() && its_own) return true;
+    if (other->host() == host && host != process.host() && its_own) return true;
   }
   return false;
 }

@@ -56,7 +56,7 @@ class Nested : public State {
   Nested(std::unique_ptr<Machine> inner, std::string start, Options options);
   ~Nested() override;
 
-  void Declare(Ways& ways) override;
+  void Declare(Transitions& transitions) override;
   void OnEnter(const Tick& tick) override;
   void Run(const Tick& tick) override;
   Next CheckTransition(const Tick& tick) final;
@@ -78,7 +78,7 @@ class Nested : public State {
   const std::unique_ptr<Machine> inner_;
   const std::string start_;
   const Options options_;
-  StateId finished_way_ = kNoState;
+  StateId finished_transition_ = kNoState;
   std::vector<EventId> inner_events_;  // by the outer event of the same name
   std::optional<StateId> left_in_;
 };

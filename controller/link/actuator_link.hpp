@@ -4,7 +4,7 @@
 // protocol that cannot tell something (a state, a clock, what became of a command) has a link that
 // says what it knows as an ActuatorReport of its own making.
 //
-// Threads: loop thread only. `emit` may be called at any time but from inside Switch() and Ask().
+// Threads: loop thread only. `emit` may be called at any time but from inside Switch() and Query().
 
 #include <cstdint>
 #include <functional>
@@ -31,7 +31,7 @@ class ActuatorLink {
   // its own deadline.
   virtual void Switch(const SwitchCommand& command) = 0;
   // Asks how a command stands, and fences it where the protocol can.
-  virtual void Ask(const AskCommand& command) = 0;
+  virtual void Query(const QueryCommand& command) = 0;
   // The participant that the actuator's status comes from now.
   virtual void OnPeer(transport::PeerId /*participant*/) {}
   // The controller has started this process for the actuator.

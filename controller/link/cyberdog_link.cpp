@@ -44,7 +44,7 @@ Result<std::unique_ptr<ActuatorLink>> CyberdogLink::Make(transport::Node& node,
 
 void CyberdogLink::OnAppeared() {
   report().state = State(kSetUp);
-  TellStatus();
+  ReportStatus();
 }
 
 void CyberdogLink::OnGone() {
@@ -60,8 +60,8 @@ void CyberdogLink::Drive() {
                 });
 }
 
-void CyberdogLink::Inquire(const AskCommand& ask) {
-  AnswerAsk(ask.number);
+void CyberdogLink::Inquire(const QueryCommand& query) {
+  AnswerQuery(query.number);
 }
 
 void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
@@ -76,7 +76,7 @@ void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
   } else {
     End(Verdict::kFailed, reply.value().code);
   }
-  if (was_lost) TellStatus();
+  if (was_lost) ReportStatus();
 }
 
 void CyberdogLink::OnHeartbeat() {
@@ -84,7 +84,7 @@ void CyberdogLink::OnHeartbeat() {
   const bool was_lost = silent_;
   SignOfLife();
   if (!watch_) Watch(last_sign_ + kSilence);
-  if (was_lost) TellStatus();
+  if (was_lost) ReportStatus();
 }
 
 void CyberdogLink::SignOfLife() {
@@ -103,7 +103,7 @@ void CyberdogLink::OnSilence() {
   if (Now() < until) return Watch(until);
   watch_ = nullptr;
   silent_ = true;
-  TellVanished("its heartbeats have ceased");
+  ReportVanished("its heartbeats have ceased");
 }
 
 }  // namespace musher

@@ -34,7 +34,7 @@ class CyberdogLink : public ForeignLink {
   void OnAppeared() override;
   void OnGone() override;
   void Drive() override;
-  void Inquire(const AskCommand& ask) override;
+  void Inquire(const QueryCommand& query) override;
 
   void OnReply(const Result<msg::FsMachine::Response>& reply);
   void OnHeartbeat();

@@ -22,7 +22,7 @@ void ForeignLink::Switch(const SwitchCommand& command) {
   Post([this, command] { Take(command); });
 }
 
-void ForeignLink::Ask(const AskCommand& command) {
+void ForeignLink::Query(const QueryCommand& command) {
   Post([this, command] { Take(command); });
 }
 
@@ -64,7 +64,7 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
   const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
                                   [&](transport::PeerId s) { return !ended_.contains(s); });
   if (other != servers_.rend()) return Appear(*other);
-  TellVanished("it serves no more");
+  ReportVanished("it serves no more");
   Forget();
 }
 
@@ -102,7 +102,7 @@ void ForeignLink::Take(const SwitchCommand& command) {
   }
 }
 
-void ForeignLink::Take(const AskCommand& command) {
+void ForeignLink::Take(const QueryCommand& command) {
   if (!there()) return;
   report_.epoch = std::max(report_.epoch, command.epoch);
   report_.number = std::max(report_.number, command.number);
@@ -112,7 +112,7 @@ void ForeignLink::Take(const AskCommand& command) {
   }
   if (order_ && command.stop) {
     order_->stopped = true;
-    if (order_->number == command.number) order_->asked = true;
+    if (order_->number == command.number) order_->queried = true;
   }
   Inquire(command);
 }
@@ -144,7 +144,7 @@ void ForeignLink::DropOrder() {
   order_.reset();
   report_.target.clear();
   report_.busy_number = 0;
-  TellStatus();
+  ReportStatus();
   BeginWaiting();
 }
 
@@ -160,7 +160,7 @@ void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& mes
   if (verdict == Verdict::kDone) Arrive(ended.target);
   if (ended.number != 0) Reply(ended.number, false, verdict, code, message);
   // Nobody waits for the reply of an order that took too long; that it is free again counts.
-  if (ended.number == 0 || ended.asked) TellStatus();
+  if (ended.number == 0 || ended.queried) ReportStatus();
   BeginWaiting();
 }
 
@@ -172,16 +172,16 @@ void ForeignLink::Arrive(const State& target) {
   report_.state = target;
 }
 
-void ForeignLink::Reply(std::uint64_t number, bool ask, Verdict verdict, std::int32_t code,
+void ForeignLink::Reply(std::uint64_t number, bool query, Verdict verdict, std::int32_t code,
                         const std::string& message) {
-  emit_(event::Replied{actuator_, number, ask, verdict, code, message, Stamped()});
+  emit_(event::Replied{actuator_, number, query, verdict, code, message, Stamped()});
 }
 
-void ForeignLink::TellStatus() {
+void ForeignLink::ReportStatus() {
   emit_(event::StatusSeen{actuator_, Stamped()});
 }
 
-void ForeignLink::TellVanished(const std::string& how) {
+void ForeignLink::ReportVanished(const std::string& how) {
   emit_(event::Vanished{actuator_, report_.incarnation, false, how});
 }
 

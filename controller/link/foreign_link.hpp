@@ -28,7 +28,7 @@ namespace musher {
 class ForeignLink : public ActuatorLink {
  public:
   void Switch(const SwitchCommand& command) final;
-  void Ask(const AskCommand& command) final;
+  void Query(const QueryCommand& command) final;
   void OnProcess(std::int32_t pid) final;
   void OnProcessFound(std::int32_t pid) final;
   void OnProcessEnded(std::int32_t pid) final;
@@ -39,7 +39,7 @@ class ForeignLink : public ActuatorLink {
     std::uint64_t number = 0;  // 0: SetUp, which nobody commands
     State target;
     Time deadline{};
-    bool asked = false;    // its time is over, somebody wants to know
+    bool queried = false;  // its time is over, somebody wants to know
     bool stopped = false;  // shall end as soon as it can
   };
 
@@ -53,8 +53,8 @@ class ForeignLink : public ActuatorLink {
   virtual void OnGone() = 0;
   // Gets order() done; to end with End().
   virtual void Drive() = 0;
-  // Finds out how things stand; to end with AnswerAsk(), or with silence.
-  virtual void Inquire(const AskCommand& ask) = 0;
+  // Finds out how things stand; to end with AnswerQuery(), or with silence.
+  virtual void Inquire(const QueryCommand& query) = 0;
 
   // For a protocol to call. The participants that serve now, whenever that may have changed.
   void OnServers(std::vector<transport::PeerId> servers);
@@ -63,9 +63,9 @@ class ForeignLink : public ActuatorLink {
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   // The order had not begun and nobody waits for it any more.
   void DropOrder();
-  void AnswerAsk(std::uint64_t number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
-  void TellStatus();
-  void TellVanished(const std::string& how);
+  void AnswerQuery(std::uint64_t number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
+  void ReportStatus();
+  void ReportVanished(const std::string& how);
 
   bool there() const { return server_ != 0; }
   bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
@@ -88,13 +88,13 @@ class ForeignLink : public ActuatorLink {
 
   void Post(std::function<void()> work);
   void Take(const SwitchCommand& command);
-  void Take(const AskCommand& command);
+  void Take(const QueryCommand& command);
   void Begin(const SwitchCommand& command);
   void BeginWaiting();
   void Appear(transport::PeerId server);
   void Forget();
   void Arrive(const State& target);
-  void Reply(std::uint64_t number, bool ask, Verdict verdict, std::int32_t code,
+  void Reply(std::uint64_t number, bool query, Verdict verdict, std::int32_t code,
              const std::string& message);
   void Refuse(std::uint64_t number, std::int32_t code, const std::string& message) {
     Reply(number, false, Verdict::kRefused, code, message);

@@ -24,7 +24,7 @@ class MusherLink : public ActuatorLink {
                                                     std::size_t actuator, Emit emit);
 
   void Switch(const SwitchCommand& command) override;
-  void Ask(const AskCommand& command) override;
+  void Query(const QueryCommand& command) override;
   void OnPeer(transport::PeerId participant) override;
 
  private:

@@ -15,9 +15,9 @@ constexpr Duration kLookTimeout = std::chrono::seconds(10);
 // The event of a transition's end comes before the reply; so long the reply may take to follow.
 constexpr Duration kReplyGrace = Milliseconds(50);
 // A node that says for so long that it is unconfigured has not got the request to configure.
-constexpr Duration kSetUpPatience = std::chrono::seconds(2);
+constexpr Duration kSetUpTimeout = std::chrono::seconds(2);
 // Less than the coordinator waits for the answer to a question.
-constexpr Duration kAskPatience = Milliseconds(200);
+constexpr Duration kStateQueryTimeout = Milliseconds(200);
 
 std::string Is(Ros2State state) {
   return "the node is " + std::string(Ros2StateName(state));
@@ -66,7 +66,7 @@ void Ros2Link::OnMatchChanged() {
 
 void Ros2Link::OnAppeared() {
   report().target = State(kSetUp);
-  TellStatus();
+  ReportStatus();
   Look();
 }
 
@@ -75,7 +75,7 @@ void Ros2Link::OnGone() {
   known_ = Ros2State::kUnknown;
   set_up_ = step_over_ = stray_ = strayed_ = mute_ = false;
   step_.reset();
-  asks_.clear();
+  queries_.clear();
   look_ = nullptr;
 }
 
@@ -86,16 +86,17 @@ void Ros2Link::Drive() {
   Proceed();
 }
 
-void Ros2Link::Inquire(const AskCommand& ask) {
-  asks_.push_back({ask.number, node().loop().At(Now() + kAskPatience, [this, number = ask.number] {
-                     OnAskUnanswered(number);
-                   })});
+void Ros2Link::Inquire(const QueryCommand& query) {
+  queries_.push_back(
+      {query.number, node().loop().At(Now() + kStateQueryTimeout, [this, number = query.number] {
+         OnQueryUnanswered(number);
+       })});
   Look();
 }
 
-void Ros2Link::OnAskUnanswered(std::uint64_t number) {
-  std::erase_if(asks_, [number](const PendingAsk& ask) { return ask.number == number; });
-  if (MayBeInCallback()) return AnswerAsk(number);
+void Ros2Link::OnQueryUnanswered(std::uint64_t number) {
+  std::erase_if(queries_, [number](const PendingQuery& query) { return query.number == number; });
+  if (MayBeInCallback()) return AnswerQuery(number);
   mute_ = true;
 }
 
@@ -108,8 +109,8 @@ bool Ros2Link::MayBeInCallback() const {
   return !checkpoint || !order() || set_up || Now() < order()->deadline + *checkpoint;
 }
 
-void Ros2Link::AnswerAsks() {
-  for (const PendingAsk& ask : std::exchange(asks_, {})) AnswerAsk(ask.number);
+void Ros2Link::AnswerQueries() {
+  for (const PendingQuery& query : std::exchange(queries_, {})) AnswerQuery(query.number);
 }
 
 void Ros2Link::LookAt(Time when) {
@@ -128,29 +129,29 @@ void Ros2Link::OnLooked(Ros2State state) {
   look_ = nullptr;
   if (!IsPrimary(state)) {
     LookAt(Now() + kLookPeriod);
-    if (revived) TellStatus();
-    return AnswerAsks();
+    if (revived) ReportStatus();
+    return AnswerQueries();
   }
   const Ros2State before = std::exchange(known_, state);
   if (order()) {
     OnLookedWhileDriving();
-    if (revived) TellStatus();
+    if (revived) ReportStatus();
   } else if (before == Ros2State::kUnknown) {
     OnFirstLook();
   } else {
     OnLookedWhileFree(before, revived);
   }
-  AnswerAsks();
+  AnswerQueries();
 }
 
 void Ros2Link::OnFirstLook() {
   const bool may_be_adopted = !ours() && known_ != Ros2State::kUnconfigured;
   const auto adopted = may_be_adopted ? AdoptedState(known_) : std::nullopt;
-  if (!adopted) return BeginSetUp(kSetUpPatience);
+  if (!adopted) return BeginSetUp(kSetUpTimeout);
   set_up_ = true;
   report().target.clear();
   report().state = *adopted;
-  TellStatus();
+  ReportStatus();
 }
 
 void Ros2Link::OnLookedWhileDriving() {
@@ -167,9 +168,9 @@ void Ros2Link::OnLookedWhileDriving() {
                   std::string(step.name) + " failed; " + Is(known_) + " now");
   }
   // It may not have begun yet. Nobody asks about an order that was superseded.
-  const bool over = order()->asked || order()->stopped || Now() >= order()->deadline;
+  const bool over = order()->queried || order()->stopped || Now() >= order()->deadline;
   if (!over) return LookAt(Now() + kLookPeriod);
-  if (order()->number == 0) return BeginSetUp(kSetUpPatience);
+  if (order()->number == 0) return BeginSetUp(kSetUpTimeout);
   stray_ = true;
   if (steps_done_ > 0) {
     return Finish(Verdict::kFailed, kCodeTimeout,
@@ -192,15 +193,15 @@ void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
   }
   if (revived && report().state == machine().default_state) {
     set_up_ = false;
-    return BeginSetUp(kSetUpPatience);
+    return BeginSetUp(kSetUpTimeout);
   }
   if (strayed) {
     stray_ = strayed_ = false;
     report().target = report().state;
-    TellStatus();
+    ReportStatus();
     report().target.clear();
   }
-  TellStatus();
+  ReportStatus();
 }
 
 void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::SampleInfo& info) {
@@ -278,9 +279,9 @@ void Ros2Link::Finish(Verdict verdict, std::int32_t code, const std::string& mes
   } else {
     report().state = StateIn(known_);
   }
-  auto asks = std::exchange(asks_, {});
+  auto queries = std::exchange(queries_, {});
   End(verdict, code, message);
-  for (const PendingAsk& ask : asks) AnswerAsk(ask.number);
+  for (const PendingQuery& query : queries) AnswerQuery(query.number);
 }
 
 // The state of the machine that a node in a primary state is in: the one it was in, if that agrees.

@@ -47,7 +47,7 @@ class Ros2Link : public ForeignLink {
   void OnAppeared() override;
   void OnGone() override;
   void Drive() override;
-  void Inquire(const AskCommand& ask) override;
+  void Inquire(const QueryCommand& query) override;
 
   // Looking: get_state, again and again until an answer says that nothing is open.
   void Look();
@@ -63,8 +63,8 @@ class Ros2Link : public ForeignLink {
   void Transit(const Ros2Transition& step);
   void OnChanged(const Result<msg::ChangeState::Response>& reply);
   void Finish(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
-  void AnswerAsks();
-  void OnAskUnanswered(std::uint64_t number);
+  void AnswerQueries();
+  void OnQueryUnanswered(std::uint64_t number);
   bool MayBeInCallback() const;
 
   State StateIn(Ros2State state) const;
@@ -72,9 +72,9 @@ class Ros2Link : public ForeignLink {
   Ros2State GoalNow() const;
   Ros2State GoalOf(const State& state) const { return Ros2GoalOf(actuator().ros2_states, state); }
 
-  struct PendingAsk {
+  struct PendingQuery {
     std::uint64_t number = 0;
-    transport::LoopHandlePtr patience;
+    transport::LoopHandlePtr timeout;
   };
 
   Ros2State known_ = Ros2State::kUnknown;  // the primary state it was last seen in
@@ -87,7 +87,7 @@ class Ros2Link : public ForeignLink {
   bool stray_ = false;     // a request that was given up may still be carried out
   bool strayed_ = false;   // … and has been
   bool mute_ = false;      // it left a question without an answer
-  std::vector<PendingAsk> asks_;
+  std::vector<PendingQuery> queries_;
   transport::LoopHandlePtr look_;
   std::unique_ptr<transport::Client<msg::ChangeState>> change_;
   std::unique_ptr<transport::Client<msg::GetState>> get_;

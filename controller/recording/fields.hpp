@@ -13,7 +13,7 @@ template <>
 inline constexpr std::tuple kFields<Order> = {
     Field{"number", &Order::number}, Field{"target", &Order::target},
     Field{"sent", &Order::sent},     Field{"deadline", &Order::deadline},
-    Field{"asked", &Order::asked},
+    Field{"asked", &Order::queries},
 };
 
 template <>
@@ -43,7 +43,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"restart_at", &ActuatorRecord::restart_at},
     Field{"healthy_at", &ActuatorRecord::healthy_at},
     Field{"given_up", &ActuatorRecord::given_up},
-    Field{"restart_asked", &ActuatorRecord::restart_asked},
+    Field{"restart_asked", &ActuatorRecord::restart_requested},
     Field{"restart_requests", &ActuatorRecord::restart_requests},
     Field{"doomed", &ActuatorRecord::terminating},
     Field{"kill_at", &ActuatorRecord::kill_at},
@@ -142,7 +142,7 @@ inline constexpr std::tuple kFields<PolicyState> = {
     Field{"battery", &PolicyState::battery},
     Field{"charging", &PolicyState::charging},
     Field{"battery_silent", &PolicyState::battery_silent},
-    Field{"invalid_told", &PolicyState::invalid_told},
+    Field{"invalid_told", &PolicyState::invalid_recorded},
     Field{"level", &PolicyState::level},
     Field{"level_cause", &PolicyState::level_cause},
     Field{"stored", &PolicyState::stored},
@@ -189,7 +189,7 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"released_stops", &Machine::released_stops},
     Field{"set_up_requests", &Machine::set_up_requests},
     Field{"last_record", &Machine::last_record},
-    Field{"told_state", &Machine::told_state},
+    Field{"told_state", &Machine::recorded_state},
     Field{"last_save", &Machine::last_save},
     Field{"unsaved", &Machine::unsaved},
     Field{"policy", &Machine::policy},

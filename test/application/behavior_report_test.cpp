@@ -19,10 +19,10 @@ class Waiting : public fsm::State {
  public:
   explicit Waiting(std::string next) : next_name_(std::move(next)) {}
 
-  void Declare(fsm::Ways& ways) override {
-    next_ = ways.To(next_name_, "on command");
-    go_ = ways.On("go");
-    fail_ = ways.On("fail");
+  void Declare(fsm::Transitions& transitions) override {
+    next_ = transitions.To(next_name_, "on command");
+    go_ = transitions.On("go");
+    fail_ = transitions.On("fail");
   }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
     if (tick.command == fail_) throw std::runtime_error("no light");

@@ -173,14 +173,14 @@ class Nest : public FsmActuator {
 
  private:
   class Idle : public fsm::State {
-    void Declare(fsm::Ways& ways) override { ways.To("SHOW", "never"); }
+    void Declare(fsm::Transitions& transitions) override { transitions.To("SHOW", "never"); }
   };
   class Scenes : public fsm::Nested {
    public:
     using Nested::Nested;
-    void Declare(fsm::Ways& ways) override {
-      Nested::Declare(ways);
-      ways.To("IDLE", "never");
+    void Declare(fsm::Transitions& transitions) override {
+      Nested::Declare(transitions);
+      transitions.To("IDLE", "never");
     }
   };
   Result<> BuildMachine(fsm::Machine& machine) override {

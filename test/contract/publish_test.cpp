@@ -105,19 +105,19 @@ TEST_P(Publish, MatchesInPartitionsWhichAReaderOfAllReceives) {
   const auto second = Must(MakePublisher<msg::String>(*here, topic, other));
   ASSERT_TRUE(first->Publish({"1"}));
   ASSERT_TRUE(second->Publish({"2"}));
-  Strings heard, heard_in_one, heard_in_none;
+  Strings heard, received_in_one, received_in_none;
   const auto of_all = Must(MakeSubscription<msg::String>(
       *there, topic,
       [&](const msg::String& message, const SampleInfo& info) {
         heard.push_back(message.data + " in " + std::string(info.partition.value_or("none")));
       },
       all));
-  const auto of_one = Collect(*there, topic, heard_in_one, one);
-  const auto of_none = Collect(*there, topic, heard_in_none, kLatchedQos);
-  ASSERT_TRUE(RunUntil([&] { return heard.size() == 2 && !heard_in_one.empty(); }));
+  const auto of_one = Collect(*there, topic, received_in_one, one);
+  const auto of_none = Collect(*there, topic, received_in_none, kLatchedQos);
+  ASSERT_TRUE(RunUntil([&] { return heard.size() == 2 && !received_in_one.empty(); }));
   EXPECT_THAT(heard, UnorderedElementsAre("1 in one", "2 in other"));
-  EXPECT_THAT(heard_in_one, ElementsAre("1"));
-  EXPECT_THAT(heard_in_none, ElementsAre());
+  EXPECT_THAT(received_in_one, ElementsAre("1"));
+  EXPECT_THAT(received_in_none, ElementsAre());
 }
 
 TEST_P(Publish, KeepsTheOrderOfAWriter) {

@@ -41,8 +41,8 @@ class Harness {
   void Next() {
     switch (input_.Below(8)) {
       case 0: {
-        const event::ControllerHeard heard{AnySender(),
-                                           input_.Number(core_.report.epoch, kLastEpoch)};
+        const event::ControllerHeartbeatReceived heard{
+            AnySender(), input_.Number(core_.report.epoch, kLastEpoch)};
         announced_.insert({heard.sender, heard.epoch});
         return StepWith(heard);
       }
@@ -53,9 +53,9 @@ class Harness {
         return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
-        const AskCommand ask{input_.Number(core_.report.epoch, kLastEpoch),
-                             input_.Number(core_.report.number, kLastNumber), input_.Bool()};
-        const event::AskArrived arrived{++token_, ask, AnySender()};
+        const QueryCommand ask{input_.Number(core_.report.epoch, kLastEpoch),
+                               input_.Number(core_.report.number, kLastNumber), input_.Bool()};
+        const event::QueryArrived arrived{++token_, ask, AnySender()};
         return StepFrom(arrived.sender, ask.epoch, arrived);
       }
       case 4:
@@ -65,8 +65,8 @@ class Harness {
         return StepWith(event::CallbackEnded{input_.Bool() ? input_.Take<std::int32_t>() : kCodeOk,
                                              std::string(input_.Text())});
       case 6:
-        return StepWith(event::EmergencyStopHeard{input_.Number(core_.report.emergency_stop, 1),
-                                                  input_.Bool(), AnySender()});
+        return StepWith(event::EmergencyStopReceived{input_.Number(core_.report.emergency_stop, 1),
+                                                     input_.Bool(), AnySender()});
       default:
         now_ += Milliseconds(input_.Take<std::uint16_t>());
         return StepWith(event::TimePassed{});

@@ -75,7 +75,7 @@ TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
 }
 
 TEST_F(Plans, OfOneThatIsBeingRestartedAreRefused) {
-  machine_.actuators[1].restart_asked = true;
+  machine_.actuators[1].restart_requested = true;
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 

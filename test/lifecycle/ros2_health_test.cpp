@@ -42,7 +42,7 @@ TEST_F(HealthOfARos2Node, IsQueriedTwiceInItsCheckpoint) {
     ASSERT_THAT(findings, SizeIs(2));
     EXPECT_TRUE(std::holds_alternative<finding::Examine>(findings[0]));
     EXPECT_TRUE(std::holds_alternative<finding::Probe>(findings[1]));
-    EXPECT_THAT(monitor_.Heard(0, 7, now_), IsEmpty());
+    EXPECT_THAT(monitor_.OnSample(0, 7, now_), IsEmpty());
   }
 }
 

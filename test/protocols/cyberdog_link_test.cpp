@@ -70,11 +70,11 @@ TEST_F(DrivingACyberdogModule, AskedItIsBusyAsLongAsItOwesAnAnswerAndNothingMore
   module_->script["Active"].takes = std::chrono::seconds(1);
   const std::uint64_t active = Switch("Active");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_EQ(answer_->report.busy_number, active);
   Switch("LowPower");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_EQ(reply_->verdict, Verdict::kRefused) << "fenced before it had begun";
   ASSERT_TRUE(Until([&] { return !status_.busy() && status_.outcome_number == active; }));
   EXPECT_EQ(status_.state, "Active");
@@ -85,7 +85,7 @@ TEST_F(DrivingACyberdogModule, ALateFailureIsToldAsOne) {
   module_->script["Active"] = {std::chrono::seconds(1), 5001};
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   ASSERT_TRUE(Until([&] { return !status_.busy() && status_.outcome_number == number_; }));
   EXPECT_EQ(status_.outcome_code, 5001);
   EXPECT_EQ(status_.state, "SetUp");
@@ -105,7 +105,7 @@ TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgai
   module_->lost_replies = 1;
   Switch("Active");
   network_.RunFor(std::chrono::minutes(1));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_EQ(answer_->report.busy_number, number_);
   const std::uint64_t first = status_.incarnation;
   EndModule();
@@ -128,7 +128,7 @@ TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOve
 
 class Beating : public DrivingACyberdogModule {
  protected:
-  void HearABeat() { network_.RunFor(std::chrono::seconds(1)); }
+  void ReceiveHeartbeat() { network_.RunFor(std::chrono::seconds(1)); }
 };
 
 TEST_F(Beating, OneThatNeverBeatsIsNotMissed) {
@@ -145,13 +145,13 @@ TEST_F(Beating, OneThatBeatsUnderAnotherNameIsHeardUnderIt) {
   EndModule();
   OpenLink();
   StartModule("device");
-  HearABeat();
+  ReceiveHeartbeat();
   module_->beats = false;
   EXPECT_TRUE(Until([&] { return !losses_.empty(); }));
 }
 
 TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilent) {
-  HearABeat();
+  ReceiveHeartbeat();
   module_->beats = false;
   const Time ceased = network_.now();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
@@ -165,7 +165,7 @@ TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilen
 }
 
 TEST_F(Beating, OneThatBeatsAgainIsTheSameAgain) {
-  HearABeat();
+  ReceiveHeartbeat();
   const std::uint64_t incarnation = status_.incarnation;
   module_->beats = false;
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
@@ -178,7 +178,7 @@ TEST_F(Beating, OneThatBeatsAgainIsTheSameAgain) {
 }
 
 TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
-  HearABeat();
+  ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(30));
   EXPECT_EQ(Outcome(std::chrono::seconds(25)).verdict, Verdict::kDone);
@@ -187,7 +187,7 @@ TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
 }
 
 TEST_F(Beating, OneThatIsSilentBeyondItsTimeIsLostAndItsLateAnswerBringsItBack) {
-  HearABeat();
+  ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(10));
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }, std::chrono::seconds(11)));

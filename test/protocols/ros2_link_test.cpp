@@ -80,7 +80,7 @@ TEST_F(DrivingARos2Node, ALostReplyIsNoFailureBecauseTheEventTells) {
 
 TEST_F(DrivingARos2Node, ALostReplyIsNoFailureThoughTheEventIsLostToo) {
   ros_->lost_change_replies = 1;
-  ros_->tells_events = false;
+  ros_->publishes_events = false;
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
 }
 
@@ -127,7 +127,7 @@ TEST_F(DrivingARos2Node, OneWhoseSingleThreadIsInACallbackIsBusyWhenAskedAndItsL
   ros_->script["activate"].takes = std::chrono::seconds(3);
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  const auto answer = Ask();
+  const auto answer = Query();
   ASSERT_TRUE(answer) << "silence of a node that owes a transition means busy";
   EXPECT_EQ(answer->report.busy_number, number_);
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
@@ -140,7 +140,7 @@ TEST_F(DrivingARos2Node, TheLateEndIsNoticedThoughItsReplyIsLost) {
   ros_->lost_change_replies = 1;
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
 }
 
@@ -149,7 +149,7 @@ TEST_F(DrivingARos2Node, AskedOnALongWayItGoesNoFurther) {
   ros_->script["deactivate"].takes = Milliseconds(500);
   Switch("TearDown");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   const event::Replied reply = Outcome();
   EXPECT_EQ(reply.verdict, Verdict::kFailed);
   EXPECT_EQ(reply.report.state, "DeActive") << "not Active any more, not torn down";
@@ -160,7 +160,7 @@ TEST_F(DrivingARos2Node, ARequestThatNeverArrivedHadNotBegunAndWhenItDoesTheNode
   ros_->holds_changes = true;
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  const auto answer = Ask();
+  const auto answer = Query();
   ASSERT_TRUE(answer);
   EXPECT_FALSE(answer->report.busy());
   EXPECT_NE(answer->report.outcome_number, number_);
@@ -193,15 +193,15 @@ TEST_F(DrivingARos2Node, ARequestThatArrivesAfterAPartitionEndsAsItEnds) {
 
 TEST_F(DrivingARos2Node, SilenceOfANodeThatOwesNothingIsSilence) {
   ros_->frozen = true;
-  EXPECT_FALSE(Ask(false));
+  EXPECT_FALSE(Query(false));
   Switch("SelfCheck");
   network_.RunFor(Milliseconds(100));
-  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(Query());
 }
 
 TEST_F(DrivingARos2Node, ANodeThatWasSilentIsHeardOfAgain) {
   network_.Block("robot", "controller");
-  EXPECT_FALSE(Ask(false));
+  EXPECT_FALSE(Query(false));
   const int before = statuses_;
   network_.Free("robot", "controller");
   EXPECT_TRUE(Until([&] { return statuses_ > before; }));
@@ -237,7 +237,7 @@ TEST_F(DrivingARos2Node, ATransitionByAnotherClientIsReportedAndNotCorrectedByTh
 
 TEST_F(DrivingARos2Node, IsNotTakenForActiveBecauseAnEventWasLost) {
   BringUp();
-  ros_->tells_events = false;
+  ros_->publishes_events = false;
   ros_->Change("deactivate");
   network_.RunFor(Milliseconds(50));
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
@@ -247,7 +247,7 @@ TEST_F(DrivingARos2Node, IsNotTakenForActiveBecauseAnEventWasLost) {
 TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter) {
   BringUp();
   ros_->holds_looks = true;
-  link_->Ask({1, number_, false});
+  link_->Query({1, number_, false});
   network_.RunFor(Milliseconds(50));
   ASSERT_EQ(Do("LowPower").verdict, Verdict::kDone);
   statuses_ = 0;
@@ -261,7 +261,7 @@ TEST_F(DrivingARos2Node, NobodyAnswersForAProcessOfOursThatHasEnded) {
   network_.Crash(*process_);
   link_->OnProcessEnded(4711);
   Switch("Active");
-  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(Query());
   EXPECT_FALSE(reply_);
 }
 
@@ -308,9 +308,9 @@ TEST_F(DrivingARos2Node, ANodeWithACheckpointIsSilentWhenItDoesNotAnswerLongAfte
   ros_->script["activate"].takes = std::chrono::seconds(30);
   Switch("Active");
   network_.RunFor(Milliseconds(300));
-  EXPECT_TRUE(Ask()) << "it is busy";
+  EXPECT_TRUE(Query()) << "it is busy";
   network_.RunFor(Milliseconds(500));
-  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(Query());
 }
 
 class FindingARos2Node : public DrivingARos2Node {

@@ -56,7 +56,7 @@ class MixedScenario {
     ASSERT_TRUE(robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; }));
     for (int i = 0; i < 10 && !::testing::Test::HasFailure(); ++i) TakeATurn();
     EndFaults();
-    Judge();
+    CheckResult();
     robot_.Set(State(kTearDown));
     for (const ActuatorConfig& actuator : robot_.config().actuators) {
       if (by_hand_.contains(actuator.name)) continue;
@@ -64,7 +64,7 @@ class MixedScenario {
     }
   }
 
-  void Tell() const {
+  void Print() const {
     for (const std::string& line : robot_.journal()) std::cout << line << "\n";
   }
 
@@ -103,7 +103,7 @@ class MixedScenario {
       }
       ros->lost_change_replies = Draw(0.2) ? 1 : 0;
       ros->lost_get_replies = Draw(0.2) ? 2 : 0;
-      ros->tells_events = !Draw(0.2);
+      ros->publishes_events = !Draw(0.2);
     }
   }
   bool Draw(double chance) { return faulty_ && random_.Chance(chance); }
@@ -155,7 +155,7 @@ class MixedScenario {
     DrawFaults();
   }
 
-  void Judge() {
+  void CheckResult() {
     robot_.Set(State(kSelfCheck));
     robot_.RunFor(std::chrono::seconds(2));
     for (const char* target : {"DeActive", "Active", "LowPower", "DeActive"}) {
@@ -190,7 +190,7 @@ TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
     MixedScenario scenario(seed);
     scenario.Run();
-    if (only != 0 || HasFailure()) scenario.Tell();
+    if (only != 0 || HasFailure()) scenario.Print();
     ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " protocol_test";
   }
 }

@@ -177,10 +177,10 @@ class Making {
              ", " + command->target;
     }
     return "the query to " + harness_.Name(message.to) + " about " +
-           std::to_string(std::get<AskCommand>(message.what).number);
+           std::to_string(std::get<QueryCommand>(message.what).number);
   }
   std::string Text(const event::Replied& reply) const {
-    return name() + "'s reply to " + (reply.ask ? "the query about " : "") +
+    return name() + "'s reply to " + (reply.query ? "the query about " : "") +
            std::to_string(reply.number);
   }
 

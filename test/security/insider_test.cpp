@@ -62,18 +62,18 @@ TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
 // machine must hear what the spy says in its own name, else the test above showed nothing.
 TEST_F(Insiders, AreHeardInTheirOwnName) {
   const auto spy = Liar(keys_, "spy", {"publish:musher/actuator_status:spy"});
-  const auto ear = Peer(keys_, "operator", {"hear:musher/actuator_status:*"});
-  EXPECT_NE(ear->LineWith("heard musher/actuator_status spy"), "");
+  const auto subscriber = Peer(keys_, "operator", {"subscribe:musher/actuator_status:*"});
+  EXPECT_NE(subscriber->LineWith("received musher/actuator_status spy"), "");
 }
 
 TEST_F(Insiders, CannotReadCommandsToAnother) {
-  const auto spy = Liar(keys_, "spy", {"hear:chat"});
+  const auto spy = Liar(keys_, "spy", {"subscribe:chat"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
   const auto reader = Liar(keys_, "spy", {"serve:legs"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*reader));
   ExpectTheMachineIsSound();
   const std::string said = EndOf(*reader);
-  EXPECT_THAT(said, Not(HasSubstr("asked")));
+  EXPECT_THAT(said, Not(HasSubstr("called")));
   EXPECT_THAT(said, Not(HasSubstr("refused")));
 }
 

@@ -45,13 +45,13 @@ TEST_F(SecuredMachine, LetsAnObserverLookAndNothingElse) {
     EXPECT_EQ(look.exit, 0) << look.err;
   }
   EXPECT_EQ(As("visitor", {"plan", "Active"}).exit, 0);
-  for (const std::vector<std::string>& wish : {std::vector<std::string>{"set", "Active"},
-                                               {"estop"},
-                                               {"estop", "--release"},
-                                               {"down"},
-                                               {"restart", "voice"}}) {
-    const Ended refused = As("visitor", wish);
-    EXPECT_EQ(refused.exit, 2) << wish[0] << refused.out;
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"set", "Active"},
+                                                  {"estop"},
+                                                  {"estop", "--release"},
+                                                  {"down"},
+                                                  {"restart", "voice"}}) {
+    const Ended refused = As("visitor", command);
+    EXPECT_EQ(refused.exit, 2) << command[0] << refused.out;
     EXPECT_THAT(refused.err, HasSubstr("visitor may not do that: " + keys_));
   }
   EXPECT_EQ(Status()["state"], "LowPower");

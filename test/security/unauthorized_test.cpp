@@ -16,24 +16,24 @@ class UnauthorizedParticipants : public SecuredMachine {
   // What the participant publishes all the time, and all topics that it subscribes to.
   static std::vector<std::string> EverythingBad() {
     return {"announce", "pose:legs",  "pose:legs:legs", "command:legs",  "serve:voice",
-            "stop",     "set:Active", "hear:chat",      "publish:gossip"};
+            "stop",     "set:Active", "subscribe:chat", "publish:gossip"};
   }
   // Ends the participant; it has matched no other.
   static void ExpectWasAlone(Process& participant) {
     participant.Signal(SIGTERM);
     const std::string said = participant.Wait().out;
     EXPECT_THAT(said, HasSubstr("ready"));
-    for (const char* word : {"machine ", "beats ", "heard ", "answered", "asked", "refused"}) {
+    for (const char* word : {"machine ", "beats ", "received ", "answered", "called", "refused"}) {
       EXPECT_THAT(said, Not(HasSubstr(word)));
     }
   }
   // A permitted process has received many samples of a friend, and none of the participant.
   void AwaitMuchTalk() const {
     const auto talker = Peer(keys_, "voice", {"publish:chat"});
-    const auto ear = Peer(keys_, "operator", {"hear:chat", "hear:gossip"});
-    for (int i = 0; i < 200; ++i) ASSERT_NE(ear->LineWith("heard chat"), "");
-    ear->Signal(SIGTERM);
-    EXPECT_THAT(ear->Wait().out, Not(HasSubstr("heard gossip")));
+    const auto subscriber = Peer(keys_, "operator", {"subscribe:chat", "subscribe:gossip"});
+    for (int i = 0; i < 200; ++i) ASSERT_NE(subscriber->LineWith("received chat"), "");
+    subscriber->Signal(SIGTERM);
+    EXPECT_THAT(subscriber->Wait().out, Not(HasSubstr("received gossip")));
   }
 };
 

@@ -174,17 +174,17 @@ TEST(NameLock, ProvesAProcessOnlyByTheNameThatItHolds) {
 
 TEST(NameLock, DoesNotProveAProcessOfAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
-  constexpr uid_t kNobody = 65534;
+  constexpr uid_t kOtherUid = 65534;
   const std::string name = UniqueName("motion");
   Child holder([&] {
-    const bool other_user = setresuid(kNobody, kNobody, kNobody) == 0;
+    const bool other_user = setresuid(kOtherUid, kOtherUid, kOtherUid) == 0;
     return std::make_unique<Result<NameLock>>(
         NameLock::Acquire(other_user ? name : "could not become another user"));
   });
   ASSERT_TRUE(holder.ready());
   const NameLock::Holder found = NameLock::HolderOf(name);
   EXPECT_EQ(found.pid, holder.pid());
-  EXPECT_EQ(found.uid, kNobody);
+  EXPECT_EQ(found.uid, kOtherUid);
   EXPECT_FALSE(found.trusted);
   const auto proven = NameLock::CheckHolder(name, holder.pid());
   ASSERT_FALSE(proven);
@@ -194,10 +194,10 @@ TEST(NameLock, DoesNotProveAProcessOfAnotherUser) {
 // The lock is another user's, even where one of ours has got hold of its descriptor.
 TEST(NameLock, DoesNotProveAProcessThatHoldsTheNameOfAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
-  constexpr uid_t kNobody = 65534;
+  constexpr uid_t kOtherUid = 65534;
   const std::string name = UniqueName("motion");
   Child holder([&] {
-    const bool other_user = seteuid(kNobody) == 0;
+    const bool other_user = seteuid(kOtherUid) == 0;
     auto lock = std::make_unique<Result<NameLock>>(
         NameLock::Acquire(other_user ? name : "could not become another user"));
     return seteuid(0) == 0 ? std::move(lock) : nullptr;

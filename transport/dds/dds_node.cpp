@@ -184,10 +184,11 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
     const keys::KeyFolder folder(options.credentials->keys);
     if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
   }
-  const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
+  const bool fast_discovery =
+      options.fast_discovery || std::getenv("MUSHER_FAST_DISCOVERY") != nullptr;
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, fast_discovery, unicast),
       options.credentials, ChosenDistro(options.ros_distro));
   if (!participant) return participant.error();
   if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();

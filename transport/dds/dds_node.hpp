@@ -30,9 +30,9 @@ struct DdsOptions {
   std::optional<Duration> lease = std::nullopt;
   // Repeats at once what a process that it has just met may have missed. For those of which a robot
   // has few, controllers and command lines; a hundred actuators that start together settle sooner
-  // when they are patient. MUSHER_IMPATIENT in the environment says the same: a controller sets it
-  // for a process that it starts again while the others stay.
-  bool impatient = false;
+  // when they are patient. MUSHER_FAST_DISCOVERY in the environment says the same: a controller
+  // sets it for a process that it starts again while the others stay.
+  bool fast_discovery = false;
   // Gets the samples that it reads sent to itself alone. By default a sample that several processes
   // read goes out once, by multicast, and the kernel copies it to every process of the domain,
   // whether it reads that topic or not: right for what is small, dear for pictures. For programs

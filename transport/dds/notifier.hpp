@@ -18,10 +18,10 @@ class Notifier : public std::enable_shared_from_this<Notifier> {
 
   // Asks for a visit unless one is under way. From any thread while the listener is set.
   void Notify() {
-    if (asked_.exchange(true)) return;
+    if (requested_.exchange(true)) return;
     loop_.Post([weak = weak_from_this()] {
       if (const auto self = weak.lock()) {
-        self->asked_ = false;
+        self->requested_ = false;
         self->Visit();
       }
     });
@@ -33,7 +33,7 @@ class Notifier : public std::enable_shared_from_this<Notifier> {
 
  private:
   EventLoop& loop_;
-  std::atomic<bool> asked_ = false;
+  std::atomic<bool> requested_ = false;
 };
 
 }  // namespace musher::transport::dds

@@ -89,7 +89,7 @@ Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture
 
 Result<Participant*> Join(int domain_id, const std::string& settings,
                           const std::optional<Credentials>& credentials, RosDistro distro) {
-  LogCapture log(credentials ? TellOnceAMinute : nullptr);
+  LogCapture log(credentials ? LogOnceAMinute : nullptr);
   auto domain = OpenDomain(domain_id, settings, log);
   if (!domain) return domain.error();
   const QosPtr qos(dds_create_qos());

@@ -13,7 +13,7 @@
 
 namespace musher::transport::dds {
 
-void TellOnceAMinute(void*, const dds_log_data_t* data) {
+void LogOnceAMinute(void*, const dds_log_data_t* data) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::minutes kPause(1);
   constexpr std::size_t kMostLines = 256;  // remembered

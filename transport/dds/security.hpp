@@ -13,6 +13,6 @@ void SetCredentials(dds_qos_t* qos, const Credentials& credentials);
 
 // A log sink of Cyclone that writes each line once a minute: an unauthenticated participant retries
 // for ever, with a line for each attempt. From any thread.
-void TellOnceAMinute(void* unused, const dds_log_data_t* data);
+void LogOnceAMinute(void* unused, const dds_log_data_t* data);
 
 }  // namespace musher::transport::dds

@@ -36,13 +36,13 @@ std::string Buffers(const std::string& linger) {
 // again, soon: a ROS 2 client's first request is often lost like that, and its own next heartbeat
 // is 100 ms away. What a new process has announced is asked for after 13 ms: it hears of us within
 // some 12, and does not answer one that it does not know.
-constexpr const char* kPatientTiming =
+constexpr const char* kDefaultDiscoveryTiming =
     "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">400ms</HeartbeatInterval>"
     "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"
     "<NackDelay>10ms</NackDelay><AutoReschedNackDelay>10ms</AutoReschedNackDelay>"
     "<AckDelay>100ms</AckDelay>";
 // Of a few processes that must not wait for a repetition.
-constexpr const char* kImpatientTiming =
+constexpr const char* kFastDiscoveryTiming =
     "<HeartbeatInterval min=\"0ms\" minsched=\"5ms\" max=\"8s\">10ms</HeartbeatInterval>"
     "<NackDelay>5ms</NackDelay><AutoReschedNackDelay>10ms</AutoReschedNackDelay>"
     "<AckDelay>0ms</AckDelay>";
@@ -52,13 +52,14 @@ std::string Multicast(bool unicast) {
   return unicast ? Element("AllowMulticast", "spdp") : "";
 }
 
-std::string LocalXml(Duration lease, bool impatient, bool unicast) {
+std::string LocalXml(Duration lease, bool fast_discovery, bool unicast) {
   return Element("General",
                  Multicast(unicast) +
                      Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
                      Element("MaxMessageSize", "65500B")) +
          Discovery(lease) +
-         Element("Internal", (impatient ? kImpatientTiming : kPatientTiming) + Buffers("20ms"));
+         Element("Internal", (fast_discovery ? kFastDiscoveryTiming : kDefaultDiscoveryTiming) +
+                                 Buffers("20ms"));
 }
 
 // Links that lose packets: losses are noticed and repaired within tens of milliseconds.
@@ -83,11 +84,11 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured) {
                "MUSHER_TRANSPORT is \"" + profile + "\": expected \"local\" or \"lan\""};
 }
 
-std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease, bool impatient,
-                        bool unicast) {
+std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
+                        bool fast_discovery, bool unicast) {
   const std::string domain =
       profile == TransportProfile::kLocal
-          ? LocalXml(lease.value_or(std::chrono::seconds(10)), impatient, unicast)
+          ? LocalXml(lease.value_or(std::chrono::seconds(10)), fast_discovery, unicast)
           : LanXml(lease.value_or(std::chrono::seconds(2)), unicast);
   return Element("CycloneDDS", Element("Domain", domain));
 }

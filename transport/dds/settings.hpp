@@ -13,8 +13,8 @@ namespace musher::transport::dds {
 Result<TransportProfile> ChosenProfile(TransportProfile configured);
 
 // The XML for a profile. `lease` is how long a silent process lives; none: 10 s local, 2 s lan. For
-// `impatient` and `unicast` see DdsOptions.
+// `fast_discovery` and `unicast` see DdsOptions.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
-                        bool impatient = false, bool unicast = false);
+                        bool fast_discovery = false, bool unicast = false);
 
 }  // namespace musher::transport::dds

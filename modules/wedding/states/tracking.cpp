@@ -2,10 +2,10 @@
 
 namespace musher::wedding {
 
-void Tracking::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  photo_ = ways.To(state::kPhotoPosing, "a heart or a V");
-  farewell_ = ways.To(state::kFarewell, "the face is lost");
+void Tracking::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  photo_ = transitions.To(state::kPhotoPosing, "a heart or a V");
+  farewell_ = transitions.To(state::kFarewell, "the face is lost");
 }
 
 void Tracking::OnEnter(const fsm::Tick& /*tick*/) {

@@ -42,10 +42,10 @@ class PlainEnd {
   dds_entity_t reader() const { return reader_; }
   // Asks with sequence number 0 until there is an answer. Being matched would not be enough: the
   // server may not know of our reader yet, and its reply be lost.
-  void AskUntil(const std::function<bool()>& answered) const;
+  void CallUntil(const std::function<bool()>& answered) const;
 
   // A command with the sequence number as the client sends it, and the reply to it.
-  void Ask(std::int64_t sequence) const;
+  void Call(std::int64_t sequence) const;
   void Answer(std::int64_t sequence) const;
 
   // The sequence number of the next sample; -1 when there is none.

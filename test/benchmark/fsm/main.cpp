@@ -124,14 +124,14 @@ void MeasureTicks(int turns) {
   for (std::vector<double>* values : {&plain_ns, &bare_ns, &watched_ns, &checked_ns}) {
     values->reserve(static_cast<std::size_t>(turns));
   }
-  const std::size_t before = testing::AskedOfNew().times;
+  const std::size_t before = testing::AllocationsOfNew().times;
   for (int i = 0; i < turns; ++i) {
     plain_ns.push_back(TurnOf(plain, plain_now));
     bare_ns.push_back(TurnOf(bare, bare_now));
     watched_ns.push_back(TurnOf(watched, watched_now));
     checked_ns.push_back(TurnOf(checked, checked_now));
   }
-  const std::size_t asked = testing::AskedOfNew().times - before;
+  const std::size_t allocations = testing::AllocationsOfNew().times - before;
   const Table table("A tick, with a change of state in 100, beside a plain virtual-call loop");
   table.Row("plain loop", plain_ns, "ns");
   table.Row("machine", bare_ns, "ns");
@@ -141,14 +141,14 @@ void MeasureTicks(int turns) {
   table.Row("machine with history and a listener / plain loop", Ratios(watched_ns, plain_ns), "x",
             4);
   table.Row("the same with two safety checks / plain loop", Ratios(checked_ns, plain_ns), "x");
-  table.Row("allocations in all these ticks", {static_cast<double>(asked)}, "");
+  table.Row("allocations in all these ticks", {static_cast<double>(allocations)}, "");
 }
 
 void MeasureMemory() {
   const auto bytes_of = [](std::size_t history) {
-    const std::size_t before = testing::AskedOfNew().bytes;
+    const std::size_t before = testing::AllocationsOfNew().bytes;
     const Walker walker({.history = history});
-    return static_cast<double>(testing::AskedOfNew().bytes - before);
+    return static_cast<double>(testing::AllocationsOfNew().bytes - before);
   };
   const Table table("Memory asked for by a machine of five states, states and all");
   table.Row("without history", {bytes_of(0)}, "");

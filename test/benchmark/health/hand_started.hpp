@@ -42,6 +42,7 @@ class HandStarted {
 };
 
 // For actuators that are killed again and again: nobody is given up.
-inline constexpr const char* kPatientKeys = "restart_limit = 10000\nrestart_reset_ms = 1\n";
+inline constexpr const char* kUnlimitedRestartKeys =
+    "restart_limit = 10000\nrestart_reset_ms = 1\n";
 
 }  // namespace musher::benchmark

@@ -127,7 +127,7 @@ void PrintEnd(const Table& table, const Times& times) {
 void Recovery(int rounds) {
   const Fleet fleet(
       [](const Fleet& self, const std::string& name) {
-        return CommandKey(self.Module(name, kRecoveryHz)) + kPatientKeys +
+        return CommandKey(self.Module(name, kRecoveryHz)) + kUnlimitedRestartKeys +
                "restart_delay_ms = 0\ncheckpoint_ms = 200\n";
       },
       kRecoveryActuators);

@@ -117,8 +117,8 @@ void Remote(int rounds) {
     return;
   }
   // The last one survives.
-  const Fleet fleet([](const Fleet&, const std::string&) { return kPatientKeys; }, kVictims + 1,
-                    "[transport]\nprofile = \"lan\"\n");
+  const Fleet fleet([](const Fleet&, const std::string&) { return kUnlimitedRestartKeys; },
+                    kVictims + 1, "[transport]\nprofile = \"lan\"\n");
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i <= kVictims; ++i) all.push_back(i);
   ObservedController controller(fleet.config_file());

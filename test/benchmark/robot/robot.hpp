@@ -34,7 +34,7 @@ class Robot {
   Robot& operator=(const Robot&) = delete;
 
   // What has been heard last, and when.
-  struct Heard {
+  struct Received {
     std::optional<msg::MachineStatus> machine;
     std::vector<State> states;  // of the machine, each change
     std::optional<msg::BodyState> body;
@@ -48,11 +48,11 @@ class Robot {
     Time clock_first_at{};
   };
   // Waits until it is so, and gives when that was heard.
-  Time Await(const std::string& what, const std::function<bool(const Heard&)>& is_so);
+  Time Await(const std::string& what, const std::function<bool(const Received&)>& is_so);
   // Waits for a timer of the loop: the pace of a stream, and how long is measured. Not for anything
   // that the robot does.
   Time AwaitUntil(Time when);
-  Heard Now();
+  Received Now();
   // Forgets the states and the beginning of the clock.
   void Forget();
 
@@ -66,7 +66,7 @@ class Robot {
 
  private:
   void Run(const std::vector<std::string>& arguments) const;
-  void Hear(const std::function<void(Heard&)>& change);
+  void Change(const std::function<void(Received&)>& change);
   void Listen();
   Time OnLoop(const std::function<Result<>()>& work);
 
@@ -75,7 +75,7 @@ class Robot {
   std::shared_ptr<transport::NodeThread> node_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  Heard heard_;
+  Received received_;
   std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> servo_;
   std::unique_ptr<transport::Publisher<msg::Float32>> battery_;
   std::unique_ptr<transport::Publisher<msg::Float32>> speed_;

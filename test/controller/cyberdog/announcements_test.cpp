@@ -9,7 +9,7 @@ class CyberdogAnnouncements : public ManagedRobot {
   explicit CyberdogAnnouncements(MachineConfig config = ManagedMachine(),
                                  simulation::Script script = {})
       : ManagedRobot(std::move(config), std::move(script)) {
-    Hear<msg::Bool>("ready_notify", [this](const msg::Bool& ready) {
+    Subscribe<msg::Bool>("ready_notify", [this](const msg::Bool& ready) {
       EXPECT_TRUE(ready.data);
       ++times_ready_;
     });

@@ -107,7 +107,7 @@ TEST_F(PowerSavingTest, DoesNotHoldUpATearDown) {
   Take("LowPower");
   Calls();
   refusals_ = 100;
-  const auto tell = Tell<msg::UInt8>("machine_state_switch");
+  const auto tell = PublishFunction<msg::UInt8>("machine_state_switch");
   Settle();
   tell({4});  // CyberDog's number of TearDown
   robot_.RunFor(Milliseconds(500));

@@ -18,9 +18,9 @@ class ASpeakingRobot : public ManagedRobot {
  protected:
   explicit ASpeakingRobot(MachineConfig config = WithAudio(), simulation::Script script = {})
       : ManagedRobot(std::move(config), std::move(script)),
-        tap_(Tell<msg::TouchStatus>("touch_status")),
-        app_connects_(Tell<msg::Bool>("app_connection_state")),
-        wake_word_(Tell<msg::Bool>("dog_wakeup")) {}
+        tap_(PublishFunction<msg::TouchStatus>("touch_status")),
+        app_connects_(PublishFunction<msg::Bool>("app_connection_state")),
+        wake_word_(PublishFunction<msg::Bool>("dog_wakeup")) {}
 
   static MachineConfig WithAudio() {
     MachineConfig config = ManagedMachine();

@@ -50,12 +50,12 @@ class Life {
   }
 
   void CutHere(const std::string& what) {
-    Judge(what, Lost::kAll, 0);
-    Judge(what, Lost::kNothing, 0);
-    for (int i = 0; i < seeds_; ++i) Judge(what, Lost::kSome, seed_++);
+    CheckAfterCut(what, Lost::kAll, 0);
+    CheckAfterCut(what, Lost::kNothing, 0);
+    for (int i = 0; i < seeds_; ++i) CheckAfterCut(what, Lost::kSome, seed_++);
   }
 
-  void Judge(const std::string& what, Lost lost, std::uint64_t seed) {
+  void CheckAfterCut(const std::string& what, Lost lost, std::uint64_t seed) {
     ++cuts_;
     const auto disk = disk_->AfterPowerCut(lost, seed);
     const std::string fault = FaultOf(*disk);

@@ -18,7 +18,7 @@
 namespace musher::testing {
 namespace {
 
-constexpr int kPatienceMs = 30'000;  // between two pieces of output
+constexpr int kWaitLimitMs = 30'000;  // between two pieces of output
 
 // Its offset is the child's too, and stays where it is.
 std::string Content(int file) {
@@ -72,7 +72,7 @@ void Process::CloseOutput() {
 bool Process::ReadMore() {
   if (out_ < 0) return false;
   pollfd readable{out_, POLLIN, 0};
-  if (poll(&readable, 1, kPatienceMs) != 1) return false;
+  if (poll(&readable, 1, kWaitLimitMs) != 1) return false;
   std::array<char, 4096> part{};
   const ssize_t size = read(out_, part.data(), part.size());
   if (size <= 0) return false;
@@ -94,7 +94,7 @@ std::string Process::LineWith(const std::string& text) {
 }
 
 bool Process::AwaitError(const std::string& text) const {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatienceMs);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kWaitLimitMs);
   while (Content(err_).find(text) == std::string::npos) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::yield();

@@ -203,7 +203,7 @@ TEST_F(Binding, AnActuatorThatIsSlowToGoDownIsSuspendedAnyway) {
 TEST_F(Binding, WaitsForASwitchUnderWay) {
   Harness& t = In("Active", Bound());
   t.On("c", "Protected").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Protected");
+  const RequestId request = t.RequestSwitch("Protected");
   t.RunFor(Milliseconds(30));
   t.Crash("a");
   t.Rest();

@@ -76,7 +76,7 @@ TEST_F(ExitCode, OtherCodesAndSignalsAreRestarted) {
 // So that a recording from before the field exit_code existed is replayed unchanged.
 TEST_F(ExitCode, ThatIsUnknownIsNotReadFromTheText) {
   Harness& t = In("Active", Ours(2));
-  t.Tell(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
+  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
   EXPECT_TRUE(t.RecordOf("b").restart_at);
 }
 
@@ -146,7 +146,7 @@ TEST_F(ExitCode, InACrashLoopEndsIt) {
 TEST_F(ExitCode, InASwitchUpUndoesIt) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   t.Exit("b", 2, kWords);
   t.Rest();

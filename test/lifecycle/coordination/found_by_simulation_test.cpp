@@ -89,7 +89,7 @@ TEST_F(FoundBySimulation, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
   t.On("a", "SetUp").takes = Milliseconds(80);
   t.Begin();
   t.RunUntil([&] { return t.RecordOf("b").presence == Presence::kPresent; });
-  const RequestId request = t.Ask("TearDown", "b");
+  const RequestId request = t.RequestSwitch("TearDown", "b");
   t.Rest();
   ASSERT_EQ(t.answers.count(request), 1U);
   EXPECT_EQ(t.answers[request].outcome, SwitchOutcome::kRefused);
@@ -120,9 +120,9 @@ TEST_F(FoundBySimulation, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   t.On("a", "SelfCheck") = {};
   t.On("a", "SelfCheck").takes = Milliseconds(60);
   t.Mute("a", false, true);  // the report that it is busy with its check is lost
-  t.Ask("SelfCheck");
+  t.RequestSwitch("SelfCheck");
   t.RunFor(Milliseconds(20));
-  const RequestId error = t.Ask("Error");
+  const RequestId error = t.RequestSwitch("Error");
   t.RunFor(Milliseconds(20));
   t.Mute("a", false, false);
   t.Rest();
@@ -156,9 +156,9 @@ TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsRecorded) 
   ASSERT_EQ(t.machine().phase, Phase::kFailed);
   t.On("a", "SelfCheck") = {};
   t.On("a", "SelfCheck").hangs = true;
-  t.Ask("SelfCheck");
+  t.RequestSwitch("SelfCheck");
   t.RunFor(Milliseconds(5));
-  t.Ask("Error");
+  t.RequestSwitch("Error");
   t.Rest();
   ASSERT_TRUE(t.RecordOf("a").fault);
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with SelfCheck"));
@@ -189,7 +189,7 @@ TEST_F(FoundBySimulation, AControllerThatLeadsIgnoresReleasesOfOtherParticipants
   Harness& t = In("Active");
   t.StopAll(7);
   t.Rest();
-  t.Tell(event::EmergencyStopSeen{{7, "", ""}, false});
+  t.Feed(event::EmergencyStopSeen{{7, "", ""}, false});
   EXPECT_TRUE(t.machine().emergency_stop);
 }
 

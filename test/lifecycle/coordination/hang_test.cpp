@@ -31,7 +31,7 @@ TEST_F(Hang, LeavesABacktraceThenTheProcessIsKilledRestartedAndDrivenAgain) {
 TEST_F(Hang, IsKilledThoughThereIsNoBacktrace) {
   Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung, true);
-  t.Tell(event::BacktraceTaken{1, 1, "of some other process"});
+  t.Feed(event::BacktraceTaken{1, 1, "of some other process"});
   EXPECT_THAT(t.signals, ElementsAre());
   t.RunFor(std::chrono::seconds(6));
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
@@ -124,7 +124,7 @@ TEST_F(Hang, OfAProcessThatSigkillDoesNotEndIsAssumedToHaveExitedAfterAWhile) {
 TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").hangs = true;
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   t.Find("b", Health::kHung);
   t.Rest();
@@ -177,7 +177,7 @@ TEST_F(Hang, VerdictsOfAProcessThatHasExitedChangeNothing) {
   t.Crash("b");
   t.Rest();
   t.signals.clear();
-  t.Tell(event::HealthChanged{1, gone, Health::kHung, true, "late"});
+  t.Feed(event::HealthChanged{1, gone, Health::kHung, true, "late"});
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre());
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("after its deadline"))));

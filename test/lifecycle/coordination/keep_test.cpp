@@ -130,14 +130,14 @@ TEST_F(KeepRule, WakeUpOtaAndPowerOffAreRefusedMeanwhile) {
   EXPECT_EQ(KeepAndWait("LowPower", 60), "ok");
   for (const auto what : {PolicyRequest::kWakeUp, PolicyRequest::kOta, PolicyRequest::kPowerOff,
                           PolicyRequest::kReboot}) {
-    EXPECT_THAT(AskAndWait(what, true), StartsWith("103: the machine is kept in LowPower"));
+    EXPECT_THAT(RequestAndWait(what, true), StartsWith("103: the machine is kept in LowPower"));
   }
   EXPECT_EQ(state(), "LowPower");
 }
 
 TEST_F(KeepRule, LyingStillDoesNotCountMeanwhile) {
   Robot();
-  Ask(PolicyRequest::kLowPowerSwitch, true);
+  RequestPolicy(PolicyRequest::kLowPowerSwitch, true);
   KeepAndWait("Active", 60);
   Motion(101);
   robot().RunFor(std::chrono::seconds(59));

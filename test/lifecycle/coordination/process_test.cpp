@@ -233,7 +233,7 @@ TEST_F(ForeignProcesses, ThatWereTornDownAloneAreDegradedByThatAndNotByTheirEnd)
 TEST_F(ForeignProcesses, ARivalOfALowerEpochHasNoPrecedence) {
   StartUp();
   machine_.epoch = 7;
-  Do(event::RivalHeard{6, "process 1", true});
+  Do(event::RivalSeen{6, "process 1", true});
   EXPECT_THAT(Did<action::Fenced>(), IsEmpty());
 }
 

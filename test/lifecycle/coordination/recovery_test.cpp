@@ -174,7 +174,7 @@ TEST_F(Recovery, OnFailureLeavesOneThatEndedWellButAlwaysDoesNot) {
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
   Harness& t = In("Active", config);
   for (const char* name : {"a", "b"}) {
-    t.Tell(
+    t.Feed(
         event::ProcessEnded{*config.IndexOf(name), t.RecordOf(name).process, true, "exit code 0"});
   }
   t.RunFor(Milliseconds(50));
@@ -265,7 +265,7 @@ TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
     return t.RecordOf("b").process != 0 && t.IsAlive("b") &&
            t.RecordOf("b").presence == Presence::kStarting;
   }));
-  t.Tell(event::Vanished{1, dead, false, "connection lost"});
+  t.Feed(event::Vanished{1, dead, false, "connection lost"});
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -273,7 +273,7 @@ TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
 
 TEST_F(Recovery, AnExitThatFollowsALostConnectionDoesNotTakeTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
-  t.Tell(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "connection lost"});
+  t.Feed(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "connection lost"});
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
@@ -286,11 +286,11 @@ TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
   report.incarnation += 1'000'000;  // the command is a script; this is its child
   report.pid += 1'000'000;
   report.stamp = t.now();
-  t.Tell(event::StatusSeen{1, report});
+  t.Feed(event::StatusSeen{1, report});
   const std::int32_t wrapper = t.RecordOf("b").process;
   ASSERT_NE(wrapper, 0);
-  t.Tell(event::Vanished{1, report.incarnation, true, "its process ended"});
-  t.Tell(event::ProcessEnded{1, wrapper, false, "exit code 1"});
+  t.Feed(event::Vanished{1, report.incarnation, true, "its process ended"});
+  t.Feed(event::ProcessEnded{1, wrapper, false, "exit code 1"});
   EXPECT_EQ(t.RecordOf("b").restarts, 1);
 }
 

@@ -95,7 +95,7 @@ class RestartAcross : public Switching {};
 TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   t.Crash("b");
   t.Rest();
@@ -106,7 +106,7 @@ TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
 TEST_F(RestartAcross, ASwitchDownGoesOnAndTheRestartedOneFollows) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
-  const RequestId request = t.Ask("LowPower");
+  const RequestId request = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(30));
   t.Crash("b");
   t.Rest();
@@ -121,7 +121,7 @@ TEST_F(RestartAcross, AnActuatorRestartedBeforeItsTurnIsNotActivatedUnchecked) {
   ActuatorNamed(config, "b").restart.delay = {};
   Harness& t = In("Protected", config);
   t.On("a", "Active").takes = Milliseconds(90);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(10));
   t.Crash("b");
   t.RunUntil([&] { return t.answers.count(request) > 0; });
@@ -136,7 +136,7 @@ TEST_F(RestartAcross, NoActuatorIsRestartedWhileTheMachineEnds) {
   t.On("a", "TearDown").takes = Milliseconds(90);
   t.Crash("c");
   t.RunFor(Milliseconds(50));
-  const RequestId request = t.Ask("TearDown");
+  const RequestId request = t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(20));
   t.Crash("b");
   t.Rest();

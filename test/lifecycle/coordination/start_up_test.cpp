@@ -299,7 +299,7 @@ TEST(Adoption, AfterADeathInTheMiddleOfASwitchGoesToTheLeastActiveState) {
   t.Rest();
   ASSERT_TRUE(t.Set("Protected").done());
   t.On("b", "Active").takes = Milliseconds(90);
-  t.Ask("Active");
+  t.RequestSwitch("Active");
   t.RunUntil([&] { return t.StateOf("a") == "Active"; });
   t.RestartController();
   t.Rest();

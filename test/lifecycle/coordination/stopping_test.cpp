@@ -38,7 +38,7 @@ TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
 TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
   t.Crash("c");
   t.RunUntil([&] { return t.RecordOf("c").presence == Presence::kLost; });
-  const auto asked = t.Ask("TearDown");
+  const auto asked = t.RequestSwitch("TearDown");
   t.Mute("c", true, true);
   t.StartActuator("c");  // nothing is received from it
   t.Rest();
@@ -90,15 +90,15 @@ TEST_F(Stopping, TheBudgetIsNeverExceededThoughEveryActuatorHangs) {
 
 TEST_F(Stopping, SupersedesASwitchUnderWay) {
   t.On("b", "LowPower").takes = Milliseconds(80);
-  const RequestId first = t.Ask("LowPower");
+  const RequestId first = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(30));
   EXPECT_TRUE(t.Set("TearDown").done());
   EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
 }
 
 TEST_F(Stopping, RequestedTwiceIsOneStop) {
-  const RequestId first = t.Ask("TearDown");
-  const RequestId second = t.Ask("TearDown");
+  const RequestId first = t.RequestSwitch("TearDown");
+  const RequestId second = t.RequestSwitch("TearDown");
   t.Rest();
   EXPECT_TRUE(t.answers.at(first).done());
   EXPECT_TRUE(t.answers.at(second).done());
@@ -139,7 +139,7 @@ TEST(StoppingByStages, TheLastStageIsTornDownBeforeTheFirst) {
   ASSERT_EQ(t.StateOf("c"), "Active");
   t.On("c", "TearDown").takes = Milliseconds(80);
   t.ClearLog();
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(60));
   EXPECT_THAT(t.log(), ElementsAre("c:TearDown")) << "stage 1 is what stage 2 stands on";
   t.Rest();
@@ -227,7 +227,7 @@ TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownD
 
 TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   t.disk_takes = Milliseconds(40);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(30));
   EXPECT_THAT(t.log(), ElementsAre());
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
@@ -246,7 +246,7 @@ TEST_F(Stopping, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
 
 TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt) {
   t.On("b", "TearDown").takes = Milliseconds(60);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   EXPECT_TRUE(t.RunUntil([&] { return t.log().size() == 2; }));  // a is down, b is switching
   t.RestartController(/*lost_disk=*/false, /*restarted=*/true);
   t.Rest();
@@ -282,17 +282,17 @@ TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
 }
 
 TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAPersonWantsItDown) {
-  t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
+  t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
   t.RunFor(Milliseconds(1));
   EXPECT_FALSE(t.stop_intent_on_disk);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.Rest();
   EXPECT_TRUE(t.stop_intent_on_disk);
 }
 
 // `systemctl restart`: the supervisor that ends it starts it again.
 TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
-  t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
+  t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
   EXPECT_TRUE(t.stop_intent_on_disk);
   t.Rest();

@@ -14,16 +14,16 @@ using TakeControl = OneController;
 TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndRaisesNoEpoch) {
   Begin();
   Say(0, Report(0));
-  ASSERT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  ASSERT_THAT(Did<action::SendQuery>(), SizeIs(1));
   now_ += Milliseconds(1);
   ActuatorReport report = Report(0);  // it has received the query; its answer is lost
   report.epoch = machine_.epoch;
   Say(0, report);
   Forget();
   Pass(Milliseconds(498));
-  EXPECT_THAT(Did<action::SendAsk>(), IsEmpty());
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
   Pass(Milliseconds(1));
-  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
   EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
 }
 
@@ -35,9 +35,9 @@ TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartb
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(1700)) << "it is not given up meanwhile";
   Forget();
   Pass(Milliseconds(1199));
-  EXPECT_THAT(Did<action::SendAsk>(), IsEmpty());
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
   Pass(Milliseconds(1));
-  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
   EXPECT_EQ(machine_.epoch, report.epoch + 1);
 }
 
@@ -170,7 +170,7 @@ TEST_F(Orders, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
   EXPECT_EQ(Of(0).presence, Presence::kPresent);
   Pass(Milliseconds(1));
   EXPECT_EQ(Of(0).presence, Presence::kLost);
-  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(6));  // three each
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(6));  // three each
 }
 
 TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {

@@ -189,7 +189,7 @@ class AlsaFile : public Outputs {
  protected:
   AlsaFile() { Make({OutputKind::kAlsa, "file:'" + file_ + "',raw", ""}); }
 
-  std::vector<std::int16_t> Heard() const {
+  std::vector<std::int16_t> PlayedSamples() const {
     std::ifstream stream(file_, std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(stream), {});
     std::vector<std::int16_t> samples(bytes.size() / sizeof(std::int16_t));
@@ -208,7 +208,7 @@ TEST_F(AlsaFile, HasTheWholeSoundAtItsVolume) {
   EXPECT_TRUE(Ended());
   std::vector<std::int16_t> expected = Tone(Milliseconds(500)).samples;
   for (std::int16_t& sample : expected) sample = Scaled(sample, 25);
-  EXPECT_EQ(Heard(), expected);
+  EXPECT_EQ(PlayedSamples(), expected);
 }
 
 TEST_F(AlsaFile, IsAvailableAgainAfterItWasLost) {

@@ -90,7 +90,7 @@ TEST(MotionProcess, StopsTheBodyWhenTheStreamerDies) {
 TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
-  robot.HearFrames();
+  robot.SubscribeToFrames();
   const pid_t streamer =
       StartProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "600"});
   EXPECT_TRUE(robot.AwaitFrame(msg::MotionServoCmd::kData));

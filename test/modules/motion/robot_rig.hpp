@@ -49,7 +49,7 @@ class RobotRig {
   bool Await(const std::function<bool(const TopicBoard&)>& holds);
 
   // From now on the frames of streamers are received.
-  void HearFrames();
+  void SubscribeToFrames();
   // Waits for a frame of this cmd_type.
   bool AwaitFrame(std::int32_t type);
   // Waits until the motion manager has printed this.
@@ -64,7 +64,7 @@ class RobotRig {
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<TopicBoard> board_;
   std::unique_ptr<transport::Subscription> frames_;
-  std::set<std::int32_t> heard_frames_;  // their cmd_types
+  std::set<std::int32_t> received_frames_;  // their cmd_types
   MachineController controller_;
 };
 
