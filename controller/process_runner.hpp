@@ -31,12 +31,12 @@ struct ProcessExit {
     kExited,   // number = its exit code
     kKilled,   // number = the signal
     kUnknown,  // not our child: only its exit is known
-    kNotRun    // its program could not be executed; `last_words` says why
+    kNotRun    // its program could not be executed; `last_output` says why
   };
 
   Kind kind = Kind::kUnknown;
   int number = 0;
-  std::string last_words = {};  // last output of a process that exited with an error; may be empty
+  std::string last_output = {};  // last output of a process that exited with an error; may be empty
 
   // Whether the process exited by itself with code 0.
   bool clean() const { return kind == Kind::kExited && number == 0; }

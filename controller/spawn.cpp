@@ -60,8 +60,8 @@ std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   return result;
 }
 
-// What systemd gave to us alone. An actuator that has it would speak for the whole robot, and one
-// that knows systemd does so unasked.
+// What systemd gave to this process alone. An actuator that inherits it would notify systemd in the
+// name of the whole robot; a program with systemd support does so on its own.
 bool IsForUsOnly(std::string_view variable) {
   return variable == "NOTIFY_SOCKET" || variable == "WATCHDOG_USEC" || variable == "WATCHDOG_PID";
 }
@@ -125,7 +125,7 @@ Result<SpawnPlan> Prepare(const ProcessSpec& spec) {
 
 [[noreturn]] void GiveUp(int report_fd, ChildFailure::Step step) {
   const ChildFailure failure{step, errno};
-  // Nobody is left to tell if this fails; the parent then sees the exit code.
+  // If this fails, there is no way to report it; the parent then sees the exit code.
   [[maybe_unused]] const ssize_t written = write(report_fd, &failure, sizeof(failure));
   _exit(127);
 }

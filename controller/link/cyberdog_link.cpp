@@ -8,11 +8,11 @@
 namespace musher {
 namespace {
 
-// CyberDog's own figures: a beat every 500 ms, lost after 5 without.
+// CyberDog's own figures: a heartbeat every 500 ms, lost after 5 missing ones.
 constexpr Duration kSilence = 5 * Milliseconds(500);
-// What a module says to a state it does not have: the key alone, without its module's code.
+// The reply of a module to a state it does not have: the key alone, without its module's code.
 constexpr auto kNoSuchState = static_cast<std::int32_t>(KeyCode::kUnSupport);
-// Matches writers of either reliability. One history for all who beat, so it must not be short.
+// Matches writers of either reliability. All modules share one history, so it must not be short.
 constexpr transport::Qos kHeartbeatsQos{transport::Qos::Reliability::kBestEffort,
                                         transport::Qos::Durability::kVolatile, 0};
 
@@ -47,7 +47,7 @@ void CyberdogLink::OnAppeared() {
   ReportStatus();
 }
 
-void CyberdogLink::OnGone() {
+void CyberdogLink::OnLost() {
   ++call_;
   silent_ = false;
   watch_ = nullptr;
@@ -96,14 +96,14 @@ void CyberdogLink::Watch(Time until) {
   watch_ = node().loop().At(until, [this] { OnSilence(); });
 }
 
-// By the clock, not by counting: beats only note the time, so that the watch looks again once.
+// By the clock, not by counting: a heartbeat only stores the time, and the watch checks it once.
 void CyberdogLink::OnSilence() {
   Time until = last_sign_ + kSilence;
   if (order()) until = std::max(until, order()->deadline);
   if (Now() < until) return Watch(until);
   watch_ = nullptr;
   silent_ = true;
-  ReportVanished("its heartbeats have ceased");
+  ReportVanished("its heartbeats have stopped");
 }
 
 }  // namespace musher

@@ -64,7 +64,7 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
   const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
                                   [&](transport::PeerId s) { return !ended_.contains(s); });
   if (other != servers_.rend()) return Appear(*other);
-  ReportVanished("it serves no more");
+  ReportVanished("it offers no service any more");
   Forget();
 }
 
@@ -84,7 +84,7 @@ void ForeignLink::Forget() {
   server_ = 0;
   order_.reset();
   waiting_.reset();
-  OnGone();
+  OnLost();
 }
 
 void ForeignLink::Take(const SwitchCommand& command) {
@@ -159,13 +159,13 @@ void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& mes
   }
   if (verdict == Verdict::kDone) Arrive(ended.target);
   if (ended.number != 0) Reply(ended.number, false, verdict, code, message);
-  // Nobody waits for the reply of an order that took too long; that it is free again counts.
+  // The coordinator does not wait for the reply of an overdue command; it needs the free status.
   if (ended.number == 0 || ended.queried) ReportStatus();
   BeginWaiting();
 }
 
-// As an actuator of Musher's own counts it: in the run phase a check changes nothing, on the way up
-// it is a step.
+// As in an actuator of Musher's own: in the run phase a SelfCheck changes no state, during the
+// start it is a step.
 void ForeignLink::Arrive(const State& target) {
   const State& at = report_.state;
   if (target == kSelfCheck && at != kSetUp && at != kSelfCheck && at != kError) return;
@@ -185,7 +185,7 @@ void ForeignLink::ReportVanished(const std::string& how) {
   emit_(event::Vanished{actuator_, report_.incarnation, false, how});
 }
 
-// Stamps only grow: of two reports of the same moment the later one counts.
+// Stamps are strictly increasing: of two reports at the same time the later one counts.
 ActuatorReport ForeignLink::Stamped() {
   report_.stamp = std::max(Now(), report_.stamp + Duration(1));
   return report_;

@@ -46,12 +46,12 @@ void MusherLink::Query(const QueryCommand& command) {
 void MusherLink::OnPeer(transport::PeerId participant) {
   if (participant == peer_) return;
   peer_ = participant;
-  held_.clear();  // it was meant for the one before
+  held_.clear();  // they were for the previous process
 }
 
 void MusherLink::SendOrHold(const msg::ActuatorCommand::Request& request) {
   if (PeerIsMatched()) return Call(request);
-  // The newest of a kind says all that the older ones did.
+  // The newest request of a kind supersedes the older ones.
   std::erase_if(held_, [&](const auto& held) { return held.kind == request.kind; });
   held_.push_back(request);
 }
@@ -72,7 +72,7 @@ void MusherLink::Call(const msg::ActuatorCommand::Request& request) {
   client_->Call(
       request, kCallTimeout,
       [this, number = request.number, query](const Result<msg::ActuatorCommand::Response>& reply) {
-        // Without a reply the decision code goes by its own deadline.
+        // Without a reply the decision code applies its own deadline.
         if (!reply || reply.value().status.name != name_) return;
         const msg::ActuatorCommand::Response& response = reply.value();
         emit_(event::Replied{actuator_, number, query, transport::VerdictFrom(response.verdict),

@@ -8,15 +8,14 @@
 namespace musher {
 namespace {
 
-// How often a node is looked at until it says how it is, and when such an answer is of no use any
-// more.
+// The period of get_state until the node replies, and the timeout of each call.
 constexpr Duration kLookPeriod = Milliseconds(500);
 constexpr Duration kLookTimeout = std::chrono::seconds(10);
-// The event of a transition's end comes before the reply; so long the reply may take to follow.
+// A node publishes the event of a transition's end before the reply; the time the reply may take.
 constexpr Duration kReplyGrace = Milliseconds(50);
-// A node that says for so long that it is unconfigured has not got the request to configure.
+// A node that is unconfigured for so long has not received the request to configure.
 constexpr Duration kSetUpTimeout = std::chrono::seconds(2);
-// Less than the coordinator waits for the answer to a question.
+// Less than the coordinator's timeout of a query.
 constexpr Duration kStateQueryTimeout = Milliseconds(200);
 
 std::string Is(Ros2State state) {
@@ -53,7 +52,7 @@ Result<> Ros2Link::Open() {
   return Ok();
 }
 
-// There is a node where both services are.
+// A node is available when both services are matched.
 void Ros2Link::OnMatchChanged() {
   if (!change_ || !get_) return;
   std::vector<transport::PeerId> servers = change_->Servers();
@@ -70,7 +69,7 @@ void Ros2Link::OnAppeared() {
   Look();
 }
 
-void Ros2Link::OnGone() {
+void Ros2Link::OnLost() {
   ++era_;
   known_ = Ros2State::kUnknown;
   set_up_ = step_over_ = stray_ = strayed_ = mute_ = false;
@@ -81,7 +80,7 @@ void Ros2Link::OnGone() {
 
 void Ros2Link::Drive() {
   steps_done_ = 0;
-  // What nobody has to move for is not believed without looking.
+  // A command that needs no transition is not done before get_state confirms the state.
   if (order()->target == kSelfCheck || known_ == GoalOf(order()->target)) return Look();
   Proceed();
 }
@@ -100,8 +99,8 @@ void Ros2Link::OnQueryUnanswered(std::uint64_t number) {
   mute_ = true;
 }
 
-// In a callback its only thread answers no query. After the deadline of the command it must answer
-// within its checkpoint, if it has one.
+// During a callback the node's only thread replies to no query. After the deadline of the command
+// it must answer within its checkpoint, if it has one.
 bool Ros2Link::MayBeInCallback() const {
   if (!step_) return false;
   const auto checkpoint = actuator().checkpoint;
@@ -167,7 +166,7 @@ void Ros2Link::OnLookedWhileDriving() {
     return Finish(Verdict::kFailed, kCodeFailed,
                   std::string(step.name) + " failed; " + Is(known_) + " now");
   }
-  // It may not have begun yet. Nobody asks about an order that was superseded.
+  // It may not have begun yet. The coordinator does not query a superseded command.
   const bool over = order()->queried || order()->stopped || Now() >= order()->deadline;
   if (!over) return LookAt(Now() + kLookPeriod);
   if (order()->number == 0) return BeginSetUp(kSetUpTimeout);
@@ -185,7 +184,7 @@ void Ros2Link::OnLookedWhileDriving() {
 void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
   const bool strayed = stray_ && (known_ != before || strayed_);
   if (known_ == before && !strayed && !revived) return;
-  if (!set_up_ && known_ == Ros2State::kInactive) {  // somebody else has configured it
+  if (!set_up_ && known_ == Ros2State::kInactive) {  // another client has configured it
     set_up_ = true;
     report().state = State(kSetUp);
   } else {
@@ -209,7 +208,8 @@ void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::Sampl
   const auto to = static_cast<Ros2State>(event.goal_state.id);
   if (!there() || info.participant != server() || !IsPrimary(to)) return;
   if (step_) {
-    if (from != step_->by && from != Ros2State::kErrorProcessing) return;  // of an earlier step
+    if (from != step_->by && from != Ros2State::kErrorProcessing)
+      return;  // event of an earlier step
     step_over_ = true;
     LookAt(Now() + kReplyGrace);
   } else if (!order() && known_ != Ros2State::kUnknown && to != known_) {
@@ -231,7 +231,8 @@ void Ros2Link::Proceed() {
   Transit(*step);
 }
 
-// Of the order. A check leaves the node where it is, unless it has fallen out of its configuration.
+// For the command under way. A SelfCheck keeps the primary state, unless the node has left its
+// configuration.
 Ros2State Ros2Link::GoalNow() const {
   if (order()->target != kSelfCheck) return GoalOf(order()->target);
   const State& at = report().state;
@@ -263,7 +264,7 @@ void Ros2Link::OnChanged(const Result<msg::ChangeState::Response>& reply) {
     look_ = nullptr;
     return Proceed();
   }
-  // It may have failed, or have been there already; the node knows.
+  // It may have failed, or the node was already in that state: get_state shows it.
   step_over_ = true;
   Look();
 }
@@ -284,7 +285,7 @@ void Ros2Link::Finish(Verdict verdict, std::int32_t code, const std::string& mes
   for (const PendingQuery& query : queries) AnswerQuery(query.number);
 }
 
-// The state of the machine that a node in a primary state is in: the one it was in, if that agrees.
+// The machine's state for a primary state: the node's last one, if both agree.
 State Ros2Link::StateIn(Ros2State state) const {
   if (state == Ros2State::kFinalized) return State(kTearDown);
   const State& last = report().state;
@@ -294,8 +295,7 @@ State Ros2Link::StateIn(Ros2State state) const {
 }
 
 // Of the states that a primary state may stand for: DeActive, else the least active, so that
-// nothing becomes more active because it was found and not led there. Not Error, which is nobody's
-// guess.
+// adoption activates nothing. Never Error.
 std::optional<State> Ros2Link::AdoptedState(Ros2State state) const {
   std::optional<State> least;
   for (const State& candidate : actuator().states) {

@@ -71,8 +71,8 @@ TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {
 TEST_F(Supervisor, CutsLongLastWordsBetweenCharacters) {
   MustStart(Script("for i in $(seq 300); do printf ä; done; exit 1"));
   ASSERT_TRUE(WaitForExit());
-  EXPECT_EQ(exit_->last_words.size(), 200 + std::string("…").size());
-  EXPECT_TRUE(exit_->last_words.ends_with("ä…"));
+  EXPECT_EQ(exit_->last_output.size(), 200 + std::string("…").size());
+  EXPECT_TRUE(exit_->last_output.ends_with("ä…"));
 }
 
 TEST_F(Supervisor, LeavesNoZombie) {

@@ -155,7 +155,7 @@ TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilen
   module_->beats = false;
   const Time ceased = network_.now();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
-  EXPECT_THAT(losses_, ElementsAre("its heartbeats have ceased"));
+  EXPECT_THAT(losses_, ElementsAre("its heartbeats have stopped"));
   EXPECT_LE(network_.now() - ceased, Milliseconds(2600));
   EXPECT_GE(network_.now() - ceased, Milliseconds(1900));
   const int before = statuses_;

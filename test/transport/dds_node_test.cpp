@@ -153,13 +153,13 @@ TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
   const auto there = MakeDdsNode(loop_, test_domain_);
   ASSERT_TRUE(there);
   const auto subscription = MakeSubscription<msg::String>(
-      *there.value(), "last_words",
+      *there.value(), "last_output",
       [&](const msg::String& message, const SampleInfo&) { heard = message.data; });
   ASSERT_TRUE(subscription);
   {
     auto here = MakeDdsNode(loop_, test_domain_);
     ASSERT_TRUE(here);
-    const auto publisher = MakePublisher<msg::String>(*here.value(), "last_words");
+    const auto publisher = MakePublisher<msg::String>(*here.value(), "last_output");
     ASSERT_TRUE(publisher);
     const auto deadline = loop_.Now() + std::chrono::seconds(10);
     ASSERT_TRUE(loop_.RunUntil([&] { return publisher.value()->MatchedReaders() == 1; }, deadline));

@@ -64,7 +64,7 @@ void NodeGraph::Remove(Nodes::iterator node, Kind kind, const msg::Gid& endpoint
   std::erase(EndpointsOf(*node, kind), endpoint);
 }
 
-// A participant whose last node goes says nothing: it goes, too.
+// When its last node is destroyed, nothing is published: the participant is destroyed, too.
 void NodeGraph::Publish() {
   const std::lock_guard lock(mutex_);
   if (!std::exchange(changed_, false) || writer_.get() <= 0 || nodes_.empty()) return;
