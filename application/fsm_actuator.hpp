@@ -14,7 +14,7 @@
 //       return machine.Build("IDLE");
 //     }
 //     void OpenTopics(transport::Endpoints& topics) override {
-//       topics.Hear<msg::String>("show/command", [this](const msg::String& word) { ... });
+//       topics.Subscribe<msg::String>("show/command", [this](const msg::String& word) { ... });
 //     }
 //     void AfterTick(Time now) override { ... publish what the states have put into data_ ... }
 //     void OnPause() override { ... bring the outputs to neutral ... }

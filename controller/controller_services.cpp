@@ -14,7 +14,8 @@ namespace {
 // Longer than any name in a valid config; a request with a longer one is refused unread.
 constexpr std::size_t kLongestName = 256;
 constexpr std::uint32_t kMostEntries = 1000;
-// The end of a controller is asked about soon after it; what came since is a fraction of these.
+// Clients query the outcome soon after the end of a controller; later entries are a fraction of
+// these.
 constexpr std::size_t kEntriesOfPredecessor = 5000;
 
 template <class S>
@@ -146,7 +147,7 @@ void ControllerServices::OnRequestPolicy(
     reply({end.code, end.message, shell_.machine().state});
   };
   const auto what = RequestOf(request.request);
-  // A direct switch has a service of its own, which tells more.
+  // A direct switch has a service of its own, whose reply has more detail.
   if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
     return answer(Error{kCodeParametersInvalid,
                         "unknown request '" + request.request.substr(0, kLongestName) + "'"});

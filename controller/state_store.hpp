@@ -86,7 +86,7 @@ class StateStore {
   Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
   static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
 
-  // The process that says it holds the lock of a folder; 0 when nobody says so.
+  // The process that is recorded as the holder of a folder's lock; 0 if none is.
   static pid_t OwnerOf(const std::string& dir);
   // Whether that process does hold it, as far as we may look into it.
   static bool IsOwner(const std::string& dir, pid_t pid);

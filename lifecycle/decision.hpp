@@ -69,7 +69,7 @@ class Decision {
   void On(const event::BatterySeen& seen);
   void On(const event::MotionSeen& seen);
   void On(const event::InputSilent& silent);
-  void On(const event::ClockReceived& heard);
+  void On(const event::ClockReceived& received);
   void On(const event::PolicyRequested& requested);
   void On(const event::SaveEnded& ended);
   void On(const event::TimePassed&) {}

@@ -110,7 +110,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
   LockstepWorker& operator=(const LockstepWorker&) = delete;
 
   void Run(Work work, Done done) override {
-    static_cast<void>(work());  // tells the module the state
+    static_cast<void>(work());  // passes the state to the module
     const ModuleUnderTest::Setup& setup = module_.setup_;
     const Error& injected = module_.act_.error;
     const State& state = module_.state_;

@@ -19,7 +19,7 @@
 
 namespace musher::simulation {
 
-// Tells a fake of the hardware when to fail. Called in callbacks, on their thread.
+// Makes a fake of the hardware fail. Called in callbacks, on their thread.
 class Faults {
  public:
   explicit Faults(std::uint64_t seed) : random_(seed) {}

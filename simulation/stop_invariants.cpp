@@ -114,8 +114,8 @@ void Checker::CheckStaysDown(const ControllerProcess& controller) {
 }
 
 // Whether the actuator runs for another controller, on the host of that controller, which began
-// while the controller `asked` to tear down was stopped or disconnected; otherwise `asked` would
-// have released the machine.
+// while the controller `process`, which is to tear down, was stopped or disconnected; otherwise
+// `process` would have released the machine.
 bool Checker::RunsForAnother(const ControllerProcess& process, std::size_t i,
                              std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {

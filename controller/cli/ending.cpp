@@ -66,7 +66,7 @@ Result<> Ending::Open() {
       target.here = process && proven;
       if (target.here) target.process = std::move(process).value();
     }
-    if (!actuator.heard) {
+    if (!actuator.has_status) {
       target.outcome.trouble = "its process publishes no status";
       continue;
     }
@@ -113,7 +113,7 @@ void Ending::Check(Target& target, const Actuators& running) {
 
 void Ending::CommandTearDown(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
-  if (target.commanded || found == running.end() || !found->second.heard) return;
+  if (target.commanded || found == running.end() || !found->second.has_status) return;
   if (!target.commands->Ready()) return;
   const msg::ActuatorStatus& status = found->second.status;
   const Time now = node_.loop().Now();

@@ -19,7 +19,7 @@ struct AudioPlay {
   static constexpr std::uint16_t kBattery20 = 10020;
   static constexpr std::uint16_t kBattery30 = 10030;
 
-  std::string module_name;  // who asks
+  std::string module_name;  // the caller
   std::uint16_t play_id = 0;
 
   template <class Self>

@@ -252,7 +252,7 @@ Light3 Tracer::FarGround(float far_m) const {
   return far_ground_ + haze * (horizon_ - far_ground_);
 }
 
-// Planks, as long as they can be told apart.
+// Planks, as long as they can be distinguished.
 void Tracer::ColorFence(const Paths& paths, std::uint16_t surface, Sights& sights) const {
   constexpr float kPlankM = 0.14F;
   const bool by_x = surface < kFence + 2;

@@ -48,13 +48,13 @@ class BatteryGate : public ::testing::Test {
   bool Becomes(bool allowed, std::uint8_t percent) {
     std::promise<void> promise;
     std::future<void> done = promise.get_future();
-    bool told = false;
+    bool reported = false;
     node_->RunOnLoop([&] {
       heartbeat_ = node_->node().loop().Every(Milliseconds(5), [&, percent, allowed] {
         msg::BmsStatus status;
         status.batt_soc = percent;
         EXPECT_TRUE(publisher_->Publish(status).ok());
-        if (legs_.Allowed("jump").ok() != allowed || std::exchange(told, true)) return;
+        if (legs_.Allowed("jump").ok() != allowed || std::exchange(reported, true)) return;
         promise.set_value();
       });
     });

@@ -176,8 +176,8 @@ TEST_F(ManagerOfPlainPeers, IsSwitchedByATopicAndTellsOfIt) {
   const std_msgs_msg_dds__UInt8_ low_power{2};
   ASSERT_EQ(dds_write(wanted, &low_power), DDS_RETCODE_OK);
   EXPECT_TRUE(Eventually([&] {
-    const auto told = Take<protocol_msg_dds__StateSwitchStatus_>(states);
-    return told && told->state == 2 && told->code == 0;
+    const auto published = Take<protocol_msg_dds__StateSwitchStatus_>(states);
+    return published && published->state == 2 && published->code == 0;
   }));
   EXPECT_TRUE(Eventually([&] { return controller_.GetMachineState() == "LowPower"; }));
 }

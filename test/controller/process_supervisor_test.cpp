@@ -294,28 +294,30 @@ TEST_F(Supervisor, WatchesAndSignalsAProcessOfTheControllerBeforeIt) {
 TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
-  std::vector<std::string> told;
-  const auto tell = [&](const std::string& name) {
-    return [&told, name](const ProcessExit& exit) { told.push_back(name + " " + exit.Text()); };
+  std::vector<std::string> reported;
+  const auto report = [&](const std::string& name) {
+    return [&reported, name](const ProcessExit& exit) {
+      reported.push_back(name + " " + exit.Text());
+    };
   };
-  ASSERT_TRUE(supervisor_->Watch(pid, tell("arm")));
-  ASSERT_TRUE(supervisor_->Watch(pid, tell("leg")));
+  ASSERT_TRUE(supervisor_->Watch(pid, report("arm")));
+  ASSERT_TRUE(supervisor_->Watch(pid, report("leg")));
   ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
   ASSERT_TRUE(WaitForExit());
   EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
-  EXPECT_THAT(told, ::testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
+  EXPECT_THAT(reported, ::testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
 }
 
 TEST_F(Supervisor, TellsAllThatWatchAProcessOfTheControllerBeforeItOfItsEnd) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);
-  int told = 0;
+  int reported = 0;
   for (int i = 0; i < 3; ++i) {
-    ASSERT_TRUE(supervisor_->Watch(pid, [&](const ProcessExit&) { ++told; }));
+    ASSERT_TRUE(supervisor_->Watch(pid, [&](const ProcessExit&) { ++reported; }));
   }
   ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
-  EXPECT_TRUE(loop_.RunUntil([&] { return told == 3; }, Deadline()));
+  EXPECT_TRUE(loop_.RunUntil([&] { return reported == 3; }, Deadline()));
 }
 
 TEST_F(Supervisor, DoesNotWatchAProcessThatIsGone) {

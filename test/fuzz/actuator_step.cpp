@@ -41,10 +41,10 @@ class Harness {
   void Next() {
     switch (input_.Below(8)) {
       case 0: {
-        const event::ControllerHeartbeatReceived heard{
+        const event::ControllerHeartbeatReceived heartbeat{
             AnySender(), input_.Number(core_.report.epoch, kLastEpoch)};
-        announced_.insert({heard.sender, heard.epoch});
-        return StepWith(heard);
+        announced_.insert({heartbeat.sender, heartbeat.epoch});
+        return StepWith(heartbeat);
       }
       case 1:
       case 2: {

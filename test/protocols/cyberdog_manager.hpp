@@ -36,7 +36,7 @@ class CyberdogManager {
     heartbeats_ = transport::MakeSubscription<msg::Heartbeats>(
                       node, transport::ResolveName(name_space, "manager_heartbeats"),
                       [this](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
-                        ++heard[heartbeat.name];
+                        ++heartbeat_counts[heartbeat.name];
                       },
                       transport::kDefaultQos)
                       .value();
@@ -52,7 +52,7 @@ class CyberdogManager {
 
   void SetState(const std::string& state, Done done) { Next(0, state, {}, std::move(done)); }
 
-  std::map<std::string, int> heard;  // beats by name
+  std::map<std::string, int> heartbeat_counts;  // beats by name
 
  private:
   void Next(std::size_t i, const std::string& state, std::vector<Result> results, Done done) {

@@ -64,8 +64,8 @@ class Mixer {
   void One(const Leg& l) {
     Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);
   }
-  void One(const actuator_event::ControllerHeartbeatReceived& heard) {
-    Add(heard.sender, heard.epoch);
+  void One(const actuator_event::ControllerHeartbeatReceived& heartbeat) {
+    Add(heartbeat.sender, heartbeat.epoch);
   }
   void One(const SwitchCommand& c) {
     // Its age by the actuator's clock.

@@ -266,8 +266,8 @@ void Harness::Apply(const Action& action) {
     ++w.requests[answer->request - 1].replies;
     Log("  request " + std::to_string(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
-  } else if (const auto* tell = std::get_if<action::PublishEmergencyStop>(&action)) {
-    for (std::size_t i = 0; i < kActuators && tell->engaged; ++i) {
+  } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
+    for (std::size_t i = 0; i < kActuators && publish->engaged; ++i) {
       // An actuator that receives the stop late receives all of it late.
       const auto& late = w.actuators[i].late;
       const bool later = std::any_of(late.begin(), late.end(), [](const Late& l) {

@@ -1,23 +1,22 @@
-// A process with an identity, or without one, that a test makes speak and listen:
+// A process with an identity, or without one, that publishes, subscribes and calls for a test:
 //
 //   security_peer <domain> <keys or -> <identity> ACTION...
 //
-//   publish:<topic>[:<partition>]   "hello" every 10 ms, as long as it lives
-//   subscribe:<topic>[:<partition>]      says "received <topic> <partition>" for each sample
-//   command:<actuator>              asks the actuator to go to Error, as a controller would
-//   serve:<actuator>                says "called" for each command to the actuator, and answers it
-//   set:<state>                     asks the controller to switch the machine
-//   trigger:<service>               asks CyberDog's manager for something without parameters
-//   stop                            engages the emergency stop
-//   announce                        says that it is a controller, of a very high epoch
-//   watch                           says "machine <state>" for each status of the machine
-//   beats                           says "beats <actuator>" for each of CyberDog's heartbeats,
-//   which
-//                                   every actuator sends
-//   pose:<actuator>[:<partition>]   tells a status and signs of life of that actuator
+//   publish:<topic>[:<partition>]    "hello" every 10 ms, as long as it runs
+//   subscribe:<topic>[:<partition>]  prints "received <topic> <partition>" for each sample
+//   command:<actuator>               commands the actuator to Error, like a controller
+//   serve:<actuator>                 prints "called" for each command to the actuator, and replies
+//   set:<state>                      requests the controller to switch the machine
+//   trigger:<service>                calls a service of CyberDog's manager without parameters
+//   stop                             engages the emergency stop
+//   announce                         announces itself as a controller of a very high epoch
+//   watch                            prints "machine <state>" for each status of the machine
+//   beats                            prints "beats <actuator>" for each of CyberDog's heartbeats,
+//                                    which every actuator publishes
+//   pose:<actuator>[:<partition>]    publishes a status and heartbeats of that actuator
 //
-// Says "ready" once all is made. What is refused is said as "refused <action>: <reason>"; the rest
-// goes on.
+// Prints "ready" when all actions have begun, and "refused <action>: <reason>" for each action that
+// is refused; the others continue.
 
 #include <unistd.h>
 

@@ -119,7 +119,7 @@ TEST_F(DdsNodes, UseTheUsersConfigurationInsteadOfTheProfile) {
 TEST_F(DdsNodes, OfOneProcessAreOneParticipant) {
   const auto here = MakeDdsNode(loop_, test_domain_);
   std::vector<PeerId> from;
-  const auto heard = MakeSubscription<msg::String>(
+  const auto subscription = MakeSubscription<msg::String>(
       *here.value(), "chat",
       [&](const msg::String&, const SampleInfo& info) { from.push_back(info.participant); });
   for (int i = 0; i < 2; ++i) {
@@ -149,12 +149,12 @@ TEST_F(DdsNodes, RefuseASampleWithoutItsHeader) {
 
 // A program that told something and ended was not heard by a reader that knew it for too short.
 TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
-  std::string heard;
+  std::string received;
   const auto there = MakeDdsNode(loop_, test_domain_);
   ASSERT_TRUE(there);
   const auto subscription = MakeSubscription<msg::String>(
       *there.value(), "last_output",
-      [&](const msg::String& message, const SampleInfo&) { heard = message.data; });
+      [&](const msg::String& message, const SampleInfo&) { received = message.data; });
   ASSERT_TRUE(subscription);
   {
     auto here = MakeDdsNode(loop_, test_domain_);
@@ -166,8 +166,8 @@ TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
     ASSERT_TRUE(publisher.value()->Publish({"farewell"}));
     ASSERT_TRUE(publisher.value()->Flush(std::chrono::seconds(10)));
   }
-  loop_.RunUntil([&] { return !heard.empty(); }, loop_.Now() + std::chrono::seconds(10));
-  EXPECT_EQ(heard, "farewell");
+  loop_.RunUntil([&] { return !received.empty(); }, loop_.Now() + std::chrono::seconds(10));
+  EXPECT_EQ(received, "farewell");
 }
 
 // As a client that was stopped with Ctrl-Z, and a reply of a thousand entries: the loop of the

@@ -73,7 +73,8 @@ bool UserHasSettings() {
 }
 
 std::string NameOf(const std::optional<Credentials>& credentials) {
-  return credentials ? credentials->identity + " of " + credentials->keys : "none";
+  return credentials ? credentials->identity + " of " + credentials->keys
+                     : "a participant without credentials";
 }
 
 Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture& log) {

@@ -86,10 +86,10 @@ class Voice {
     bool over = false;
     text_->Call({"benchmark", true, {}, text}, kWaitLimit, [&](const auto&) { over = true; });
     Await("the first sound", [this] { return sounds_; });
-    const Time heard = sounds_since_;
+    const Time first_sound = sounds_since_;
     stop_->Call({}, kWaitLimit, [](const auto&) {});
     Await("silence", [&] { return over && !sounds_; });
-    return heard - begun;
+    return first_sound - begun;
   }
   Duration QueryVolume() {
     const Time begun = loop_.Now();

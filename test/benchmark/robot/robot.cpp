@@ -81,8 +81,8 @@ void Robot::Listen() {
   speed_ = Must(transport::MakePublisher<msg::Float32>(node, "world/speed"));
   result_ = Must(transport::MakeClient<msg::MotionResultCmd>(node, "motion_result_cmd"));
   const auto now = [this] { return node_->loop().Now(); };
-  const auto hear = [&]<class M>(const std::string& topic, const transport::Qos& qos,
-                                 std::function<void(Received&, const M&)> take) {
+  const auto subscribe = [&]<class M>(const std::string& topic, const transport::Qos& qos,
+                                      std::function<void(Received&, const M&)> take) {
     ears_.push_back(Must(transport::MakeSubscription<M>(
         node, topic,
         [this, take = std::move(take)](const M& message, const transport::SampleInfo&) {
@@ -90,7 +90,7 @@ void Robot::Listen() {
         },
         qos)));
   };
-  hear.operator()<msg::MachineStatus>(
+  subscribe.operator()<msg::MachineStatus>(
       transport::MachineStatusTopic(""), transport::kLatchedQos,
       [](Received& received, const msg::MachineStatus& status) {
         if (!received.machine || received.machine->state != status.state) {
@@ -98,28 +98,29 @@ void Robot::Listen() {
         }
         received.machine = status;
       });
-  hear.operator()<msg::BodyState>("world/body_state", transport::kDefaultQos,
-                                  [now](Received& received, const msg::BodyState& body) {
-                                    received.body = body;
-                                    const bool moves = std::abs(body.twist.linear.x) > kMoving_m_s;
-                                    if (moves != received.moves) received.moves_since = now();
-                                    received.moves = moves;
-                                  });
-  hear.operator()<msg::MotionCustomCommand>(
+  subscribe.operator()<msg::BodyState>("world/body_state", transport::kDefaultQos,
+                                       [now](Received& received, const msg::BodyState& body) {
+                                         received.body = body;
+                                         const bool moves =
+                                             std::abs(body.twist.linear.x) > kMoving_m_s;
+                                         if (moves != received.moves) received.moves_since = now();
+                                         received.moves = moves;
+                                       });
+  subscribe.operator()<msg::MotionCustomCommand>(
       "world/body_command", transport::kDefaultQos,
       [now](Received& received, const msg::MotionCustomCommand& command) {
         received.command = command;
         received.command_at = now();
       });
-  hear.operator()<msg::Clock>("clock", transport::kHeartbeatQos,
-                              [now](Received& received, const msg::Clock& clock) {
-                                received.clock = msg::FromStamp(clock.clock);
-                                received.clock_at = now();
-                                if (received.clock_first_at == Time{}) {
-                                  received.clock_first = *received.clock;
-                                  received.clock_first_at = received.clock_at;
-                                }
-                              });
+  subscribe.operator()<msg::Clock>("clock", transport::kHeartbeatQos,
+                                   [now](Received& received, const msg::Clock& clock) {
+                                     received.clock = msg::FromStamp(clock.clock);
+                                     received.clock_at = now();
+                                     if (received.clock_first_at == Time{}) {
+                                       received.clock_first = *received.clock;
+                                       received.clock_first_at = received.clock_at;
+                                     }
+                                   });
 }
 
 void Robot::Change(const std::function<void(Received&)>& change) {

@@ -143,9 +143,9 @@ TEST_F(Service, DoesNothingWithoutAServiceManager) {
 
 // What has come, without signs of life.
 std::vector<std::string> TakeReceived(NotifySocket& socket) {
-  std::vector<std::string> told = socket.Take();
-  std::erase(told, "WATCHDOG=1");
-  return told;
+  std::vector<std::string> messages = socket.Take();
+  std::erase(messages, "WATCHDOG=1");
+  return messages;
 }
 
 // It used to stand still until systemd had read something, and the machine with it.

@@ -43,14 +43,15 @@ class EmergencyStop : public MachineByCli {
   bool AwaitReport(const std::function<bool(const msg::ActuatorStatus&)>& is_so) const {
     transport::LinuxEventLoop loop;
     const auto node = transport::MakeDdsNode(loop, {}).value();
-    bool told = false;
-    const auto reports =
-        transport::MakeSubscription<msg::ActuatorStatus>(
-            *node, transport::ActuatorStatusTopic(name_space_),
-            [&](const msg::ActuatorStatus& report, const auto&) { told = told || is_so(report); },
-            transport::kLatchedFromManyQos)
-            .value();
-    return loop.RunUntil([&] { return told; }, loop.Now() + std::chrono::seconds(30));
+    bool reported = false;
+    const auto reports = transport::MakeSubscription<msg::ActuatorStatus>(
+                             *node, transport::ActuatorStatusTopic(name_space_),
+                             [&](const msg::ActuatorStatus& report, const auto&) {
+                               reported = reported || is_so(report);
+                             },
+                             transport::kLatchedFromManyQos)
+                             .value();
+    return loop.RunUntil([&] { return reported; }, loop.Now() + std::chrono::seconds(30));
   }
 
   // Until the controller has recorded it, half a minute at most.

@@ -83,9 +83,9 @@ TEST_F(Restart, OfAnActuatorWithAConfigurationErrorWorksOnceItIsFixed) {
   Does("voice", "[state.Activ]\nrun = [\"true\"]\n");
   kill(voice_, SIGKILL);
   ASSERT_NE(up_->LineWith("voice: restarting in 100 ms"), "");
-  const std::string told = up_->LineWith("voice is degraded: exit code 2: ");
-  EXPECT_THAT(told, HasSubstr("voice.toml:1:8: error: "));
-  EXPECT_THAT(told, HasSubstr("not restarted automatically, because exit code 2 means a "
+  const std::string line = up_->LineWith("voice is degraded: exit code 2: ");
+  EXPECT_THAT(line, HasSubstr("voice.toml:1:8: error: "));
+  EXPECT_THAT(line, HasSubstr("not restarted automatically, because exit code 2 means a "
                               "configuration error; restart it with `musher restart voice`"));
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("exit code 2: "));
   const Ended in_vain = Musher({"restart", "voice"});

@@ -44,10 +44,10 @@ TEST_F(UpAsAService, IsNotReadyWhenTheStartFails) {
   Does("legs", "[state.SelfCheck]\nrun = [\"false\"]\n");
   const Ended up = RunToEnd(Unit());
   EXPECT_EQ(up.exit, 1);
-  std::string told;
-  for (const std::string& message : systemd_.Take()) told += message + "\n";
-  EXPECT_THAT(told, HasSubstr("STATUS=start-up failed, the machine stays in SelfCheck"));
-  EXPECT_THAT(told, Not(HasSubstr("READY=1")));
+  std::string messages;
+  for (const std::string& message : systemd_.Take()) messages += message + "\n";
+  EXPECT_THAT(messages, HasSubstr("STATUS=start-up failed, the machine stays in SelfCheck"));
+  EXPECT_THAT(messages, Not(HasSubstr("READY=1")));
 }
 
 TEST_F(UpAsAService, HidesTheNotifySocketFromActuators) {

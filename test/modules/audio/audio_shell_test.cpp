@@ -130,7 +130,7 @@ TEST_F(ListeningOnANetwork, PublishesRecognisedTextsAndTheWakeWord) {
 
 TEST_F(ListeningOnANetwork, PublishesWhenItSpeaksWhenItEndsAndWhenATextWasRecognised) {
   std::vector<int> states;
-  const auto hears =
+  const auto subscription =
       transport::MakeSubscription<msg::UInt8>(
           *desk_, "dog1/audio_board_state",
           [&](const msg::UInt8& state, const auto&) { states.push_back(state.data); })
