@@ -1,5 +1,5 @@
-// An actuator on the real middleware hears the robot's battery where one of its functions needs to
-// know it.
+// An actuator on the real middleware subscribes to the robot's battery if one of its functions
+// needs it.
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ class BatteryGate : public ::testing::Test {
     });
   }
 
-  // Tells of such a battery until jumping is (not) allowed.
+  // Publishes such a battery until jumping is (not) allowed.
   bool Becomes(bool allowed, std::uint8_t percent) {
     std::promise<void> promise;
     std::future<void> done = promise.get_future();

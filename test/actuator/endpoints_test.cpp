@@ -17,7 +17,7 @@ namespace musher::endpoints_test {
 using testing::kAllStates;
 using testing::RobotFile;
 
-// Counts how often it was asked, and says whether it ticks.
+// Counts its calls, and says whether it ticks.
 class Counter : public MachineActuator {
  public:
   explicit Counter(std::string service = "count") : MachineActuator("counter") {

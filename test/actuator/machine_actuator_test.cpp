@@ -31,7 +31,7 @@ TEST(MachineActuator, IsInSetUpOnceItHasStarted) {
   EXPECT_EQ(arm.CurrentState(), "SetUp");
 }
 
-// A module with a topic of its own, as the header tells to write one.
+// A module with a topic of its own, as the header describes.
 class Singer : public MachineActuator {
  public:
   Singer() : MachineActuator("singer") {

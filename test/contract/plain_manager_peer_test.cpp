@@ -138,7 +138,7 @@ class ManagerOfPlainPeers : public ::testing::Test {
   MachineController controller_;
 };
 
-TEST_F(ManagerOfPlainPeers, TellsItsStateAndKeepsIt) {
+TEST_F(ManagerOfPlainPeers, PublishesItsStateAndKeepsIt) {
   ASSERT_NO_FATAL_FAILURE(BringUp());
   auto answer = Call("machine_state_valget");
   ASSERT_TRUE(answer);
@@ -161,7 +161,7 @@ TEST_F(ManagerOfPlainPeers, TellsItsStateAndKeepsIt) {
   EXPECT_EQ(controller_.GetMachineState(), "Protected");
 }
 
-TEST_F(ManagerOfPlainPeers, IsSwitchedByATopicAndTellsOfIt) {
+TEST_F(ManagerOfPlainPeers, IsSwitchedByATopicAndPublishesIt) {
   const std::string ns = "rt/" + RobotFile::name_space() + "/";
   const dds_entity_t states =
       peer_.Reader(protocol_msg_dds__StateSwitchStatus__desc, ns + "state_switch_status");

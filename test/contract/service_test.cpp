@@ -18,7 +18,7 @@ using Answer = std::optional<Result<SetState::Response>>;
 
 constexpr Duration kLong = std::chrono::seconds(15);
 
-// Tells the target of the request back as the outcome.
+// Returns the target of the request as the outcome.
 SetState::Response Echo(const SetState::Request& request) {
   SetState::Response response;
   response.outcome = request.target;

@@ -112,7 +112,7 @@ TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
   peer.Kill();
   ASSERT_TRUE(RunUntil([&] { return lost != 0 && !client->Ready(); }));
   EXPECT_EQ(lost, writer);
-  // By the lease that was asked for: where nobody asks, "local" has one of ten seconds.
+  // By the configured lease: without it, "local" has one of ten seconds.
   EXPECT_LT(loop().Now() - killed, Milliseconds(8 * kLeaseMs));
 }
 

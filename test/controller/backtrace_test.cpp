@@ -108,7 +108,7 @@ class Backtrace : public ::testing::Test {
     Begin(pid, timeout);
     EXPECT_FALSE(result_) << "called inside Take()";
     EXPECT_TRUE(Eventually([this] { return result_.has_value(); }));
-    return result_.value_or(Error{kCodeFailed, "nothing was told"});
+    return result_.value_or(Error{kCodeFailed, "nothing was reported"});
   }
   Error TakeFails(pid_t pid, Duration timeout = std::chrono::seconds(30)) {
     const auto result = Take(pid, timeout);
@@ -229,7 +229,7 @@ TEST_F(Backtrace, IsForgottenWithItsTaker) {
   WriteToolThatHangs();
   Begin(hung_.pid());
   ASSERT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kStopped; }));
-  Begin(hung_.pid());  // refused, but not told any more
+  Begin(hung_.pid());  // refused, but not reported any more
   taker_ = nullptr;
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kRunning; }));
   EXPECT_EQ(RunStateOf(ToolPid()), ProcessRunState::kGone);

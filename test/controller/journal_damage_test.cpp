@@ -1,5 +1,5 @@
-// A journal that is cut short or has wrong bytes in it is read as far as it goes, and says so:
-// whatever is not told is told to be missing.
+// A journal that is cut short or has wrong bytes is read as far as possible: whatever is not read
+// is reported as missing.
 
 #include <gmock/gmock.h>
 
@@ -137,7 +137,7 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
 
 TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {
   std::string other_database = whole_;
-  other_database[68] = 'X';  // of the number that tells a journal from other databases
+  other_database[68] = 'X';  // of the number that identifies a journal among databases
   for (const std::string& bytes : {std::string(), std::string("Dear diary"), other_database}) {
     Put(bytes);
     EXPECT_FALSE(ReadJournal(path_, 0, kAll));

@@ -44,7 +44,7 @@ class Inputs : public ::testing::Test {
     Pass(motions_->Publish(status));
   }
   void Clock(Duration time) { Pass(clocks_->Publish({msg::ToStamp(time)})); }
-  // What was heard since the last call.
+  // The events since the last call.
   std::vector<Event> TakeReceived() { return std::exchange(received_, {}); }
 
   MachineConfig config_;

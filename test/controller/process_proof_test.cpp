@@ -177,7 +177,7 @@ TEST_F(ProcessProof, TheEndOfTheProcessThatHoldsTheNameIsSeenAtOnce) {
   EXPECT_TRUE(RunUntil([&] { return Arm().dead == 77; }));
 }
 
-TEST_F(ProcessProof, AnotherProcessIsNotBelievedBesideTheOneThatHoldsTheName) {
+TEST_F(ProcessProof, OnlyTheProcessThatHoldsTheNameIsAccepted) {
   Bystander arm(NameOfArm());
   Bystander bystander;
   Say(bystander.pid());

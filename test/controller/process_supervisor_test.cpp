@@ -1,4 +1,4 @@
-// Real processes. A child tells that it runs by writing into a named pipe, so no test waits for a
+// Real processes. A child reports that it runs by writing into a named pipe, so no test waits for a
 // time.
 
 #include "musher/controller/process_supervisor.hpp"
@@ -34,7 +34,7 @@ namespace musher::process_supervisor_test {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-TEST_F(Supervisor, TellsTheExitCode) {
+TEST_F(Supervisor, ReportsTheExitCode) {
   MustStart(Script("exit 3"));
   EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3, ""}));
   EXPECT_EQ(exit_->Text(), "exit code 3");
@@ -48,7 +48,7 @@ TEST_F(Supervisor, CallsExitCodeZeroClean) {
   EXPECT_TRUE(exit_->clean());
 }
 
-TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
+TEST_F(Supervisor, ReportsTheSignalThatKilledAProcess) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   kill(pid, SIGKILL);
@@ -57,7 +57,7 @@ TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
   EXPECT_EQ(exit_->code(), 0) << "a signal's number is no exit code";
 }
 
-TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {
+TEST_F(Supervisor, ReportsTheLastOutputOfAProcessThatExitsWithAnError) {
   std::ofstream(log_) << "of the one before\n";
   MustStart(Script("echo one; printf '  no\\033[1m such port\\n\\n \\n' >&2; exit 2"));
   ASSERT_TRUE(WaitForExit());
@@ -68,7 +68,7 @@ TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {
   EXPECT_EQ(exit_->Text(), "exit code 2") << "the words are another one's";
 }
 
-TEST_F(Supervisor, CutsLongLastWordsBetweenCharacters) {
+TEST_F(Supervisor, CutsLongLastOutputBetweenCharacters) {
   MustStart(Script("for i in $(seq 300); do printf ä; done; exit 1"));
   ASSERT_TRUE(WaitForExit());
   EXPECT_EQ(exit_->last_output.size(), 200 + std::string("…").size());
@@ -229,7 +229,7 @@ TEST_F(Supervisor, WaitsForLastWordsOnADiskThatStallsForAMomentOnly) {
   });
   MustStart(Script("echo no such port; exit 2"));
   ASSERT_TRUE(WaitForExit());
-  EXPECT_EQ(exit_->Text(), "exit code 2") << "its last words are on a disk that does not answer";
+  EXPECT_EQ(exit_->Text(), "exit code 2") << "its last output is on a disk that does not answer";
   disk_works.set_value();
 }
 
@@ -291,7 +291,7 @@ TEST_F(Supervisor, WatchesAndSignalsAProcessOfTheControllerBeforeIt) {
 }
 
 // Several actuators in one process: the second watch was refused, and its end was seen by silence.
-TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
+TEST_F(Supervisor, ReportsAnExitToAllWatchers) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   std::vector<std::string> reported;
@@ -308,7 +308,7 @@ TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
   EXPECT_THAT(reported, ::testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
 }
 
-TEST_F(Supervisor, TellsAllThatWatchAProcessOfTheControllerBeforeItOfItsEnd) {
+TEST_F(Supervisor, ReportsTheExitOfAProcessOfAnEarlierControllerToAllWatchers) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);

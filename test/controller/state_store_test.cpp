@@ -76,7 +76,7 @@ TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
   EXPECT_EQ(loaded, stops);
 }
 
-TEST_F(Store, TakesADamagedOrShortenedFileOfEmergencyStopsForOneThatIsEngaged) {
+TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   StateStore store = MustOpen();
   for (const char* text : {"", "engaged 7\n", "released x\nend\n", "4711 \n", "by me\nend\n"}) {
     std::ofstream(dir_ + "/emergency_stop") << text;

@@ -1,5 +1,5 @@
 #pragma once
-// Processes that a test starts through a supervisor. A child tells that it runs by writing into a
+// Processes that a test starts through a supervisor. A child reports that it runs by writing into a
 // named pipe, so no test waits for a time.
 
 #include <gtest/gtest.h>

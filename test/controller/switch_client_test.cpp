@@ -1,6 +1,6 @@
-// A client whose controller ends during the switch that it requested: it is told within a second,
-// and hears from the successor what became of the switch. It waited for 60 s and blamed the
-// successor.
+// A client whose controller ends during the switch that it requested: it detects that within a
+// second, and gets the outcome of the switch from the successor. It waited for 60 s and reported an
+// error of the successor.
 
 #include "musher/controller/switch_client.hpp"
 
@@ -158,7 +158,7 @@ TEST_F(SwitchClients, GetTheOutcomeOfASwitchWhenOnlyItsReplyWasLost) {
   EXPECT_EQ(end_->result.state, "LowPower");
 }
 
-TEST_F(SwitchClients, AreToldWhatToDoWithoutASuccessor) {
+TEST_F(SwitchClients, GetAdviceWithoutASuccessor) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   KillFirst();

@@ -24,7 +24,7 @@ const std::vector<SourceFile>& Tree() {
 using Rule = std::function<std::vector<std::string>(const SourceFile&)>;
 using Filter = std::function<bool(const SourceFile&)>;
 
-// All complaints of `rule`, one on each line; fails when the rule had nothing to judge.
+// All violations of `rule`, one on each line; fails when the rule had nothing to check.
 std::string ViolationsOf(const Filter& concerned, const Rule& rule) {
   std::string text;
   bool checked = false;

@@ -13,7 +13,7 @@ SourceFile Including(const std::string& path, const std::string& header) {
   return {path, "#pragma once\n#include " + header + "\n"};
 }
 
-TEST(IncludeRules, ComplainWithFileAndLineWhenAFolderReachesUp) {
+TEST(IncludeRules, ReportFileAndLineWhenAFolderReachesUp) {
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/a.cpp", "\"musher/transport/node.hpp\"")),
               ElementsAre("lifecycle/a.cpp:2: lifecycle may not include transport"));
 }

@@ -183,7 +183,7 @@ TEST_F(Monitor, AHungProcessThatSendsAgainIsWell) {
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
-TEST_F(Monitor, OnAnotherHostOneSilentAmongOthersIsCrashed) {
+TEST_F(Monitor, OnAnotherHostAnActuatorThatIsSilentAmongOthersIsCrashed) {
   Watch(0, false, "there");
   Watch(1, false, "there");
   heartbeats_[0] = false;

@@ -52,7 +52,7 @@ TEST_F(Plans, HaveFromStateToStateAndDeadline) {
   EXPECT_EQ(plan.steps[2].wave, 1);
 }
 
-TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenOneOnceAlsoInADiamond) {
+TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenActuatorOnceAlsoInADiamond) {
   config_.actuators[0].after = {"b", "c"};
   config_.actuators[1].after = {"d"};
   config_.actuators[2].after = {"d"};
@@ -74,12 +74,12 @@ TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 
-TEST_F(Plans, OfOneThatIsBeingRestartedAreRefused) {
+TEST_F(Plans, OfAnActuatorThatIsBeingRestartedAreRefused) {
   machine_.actuators[1].restart_requested = true;
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 
-TEST_F(Plans, OfOneThatHasNotPassedItsCheckGoDownButNotUp) {
+TEST_F(Plans, OfAnActuatorThatHasNotPassedItsCheckGoDownButNotUp) {
   machine_.actuators[1].checked = false;
   machine_.actuators[1].report.state = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeSelfCheckFailed);

@@ -43,7 +43,7 @@ TEST_F(DrivingACyberdogModule, AServiceThatIsVisibleIsAModuleThatIsSetUp) {
   EXPECT_TRUE(Until([&] { return status_.incarnation != first && IsIn("SetUp"); }));
 }
 
-TEST_F(DrivingACyberdogModule, TheCodeTellsTheOutcomeAndCurrentStateIsNotBelieved) {
+TEST_F(DrivingACyberdogModule, TheCodeIsTheOutcomeAndCurrentStateIsIgnored) {
   EXPECT_EQ(Do("SelfCheck").report.state, "SelfCheck");
   EXPECT_EQ(Do("Active").report.state, "Active");
   EXPECT_EQ(Do("LowPower").report.state, "LowPower");
@@ -66,7 +66,7 @@ TEST_F(DrivingACyberdogModule, ANakedEightIsARefusal) {
   EXPECT_NE(reply.report.outcome_number, number_) << "nothing ran";
 }
 
-TEST_F(DrivingACyberdogModule, AskedItIsBusyAsLongAsItOwesAnAnswerAndNothingMoreIsSent) {
+TEST_F(DrivingACyberdogModule, WhenQueriedItIsBusyUntilItsReplyAndNothingMoreIsSent) {
   module_->script["Active"].takes = std::chrono::seconds(1);
   const std::uint64_t active = Switch("Active");
   network_.RunFor(Milliseconds(100));
@@ -81,7 +81,7 @@ TEST_F(DrivingACyberdogModule, AskedItIsBusyAsLongAsItOwesAnAnswerAndNothingMore
   EXPECT_THAT(module_->log(), ElementsAre("Active"));
 }
 
-TEST_F(DrivingACyberdogModule, ALateFailureIsToldAsOne) {
+TEST_F(DrivingACyberdogModule, ALateFailureIsReportedAsAFailure) {
   module_->script["Active"] = {std::chrono::seconds(1), 5001};
   Switch("Active");
   network_.RunFor(Milliseconds(100));
@@ -91,7 +91,7 @@ TEST_F(DrivingACyberdogModule, ALateFailureIsToldAsOne) {
   EXPECT_EQ(status_.state, "SetUp");
 }
 
-TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheOneThatRuns) {
+TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheRunningCommand) {
   module_->script["Active"].takes = Milliseconds(50);
   Switch("Active");
   Switch("LowPower");
@@ -114,7 +114,7 @@ TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgai
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
 }
 
-TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
+TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExpires) {
   const std::uint64_t first = status_.incarnation;
   network_.Crash(*process_);
   EndModule();
@@ -131,7 +131,7 @@ class Beating : public DrivingACyberdogModule {
   void ReceiveHeartbeat() { network_.RunFor(std::chrono::seconds(1)); }
 };
 
-TEST_F(Beating, OneThatNeverBeatsIsNotMissed) {
+TEST_F(Beating, AModuleWithoutHeartbeatsIsNotLost) {
   EndModule();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   losses_.clear();
@@ -140,7 +140,7 @@ TEST_F(Beating, OneThatNeverBeatsIsNotMissed) {
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-TEST_F(Beating, OneThatBeatsUnderAnotherNameIsHeardUnderIt) {
+TEST_F(Beating, HeartbeatsUnderAnotherNameAreReceivedUnderIt) {
   config_.actuators[0].heartbeat_name = "device";
   EndModule();
   OpenLink();
@@ -150,7 +150,7 @@ TEST_F(Beating, OneThatBeatsUnderAnotherNameIsHeardUnderIt) {
   EXPECT_TRUE(Until([&] { return !losses_.empty(); }));
 }
 
-TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilent) {
+TEST_F(Beating, AModuleWhoseHeartbeatsStopIsLostAfterFivePeriodsOnceUntilTheNextHeartbeat) {
   ReceiveHeartbeat();
   module_->beats = false;
   const Time ceased = network_.now();
@@ -164,7 +164,7 @@ TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilen
   EXPECT_EQ(statuses_, before) << "a dead module does not read alive now and then";
 }
 
-TEST_F(Beating, OneThatBeatsAgainIsTheSameAgain) {
+TEST_F(Beating, AModuleWhoseHeartbeatsResumeIsTheSameIncarnation) {
   ReceiveHeartbeat();
   const std::uint64_t incarnation = status_.incarnation;
   module_->beats = false;
@@ -177,7 +177,7 @@ TEST_F(Beating, OneThatBeatsAgainIsTheSameAgain) {
   EXPECT_TRUE(Until([&] { return losses_.size() == 2; })) << "it is watched again";
 }
 
-TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
+TEST_F(Beating, AModuleNeedsNoHeartbeatWhileACommandRunsWithinItsTimeLimit) {
   ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(30));
@@ -186,7 +186,7 @@ TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-TEST_F(Beating, OneThatIsSilentBeyondItsTimeIsLostAndItsLateAnswerBringsItBack) {
+TEST_F(Beating, AModuleThatIsSilentBeyondItsTimeLimitIsLostUntilItsLateReply) {
   ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(10));

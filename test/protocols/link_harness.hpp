@@ -42,7 +42,7 @@ class LinkStage : public ::testing::Test {
     Switch(target, budget);
     return Outcome();
   }
-  // Asks how the last command stands, as when its time is over; nothing when there is no answer.
+  // Queries the last command, as after its deadline; nothing if there is no answer.
   std::optional<event::Replied> Query(bool stop = true) {
     answer_.reset();
     link_->Query({1, number_, stop});

@@ -96,7 +96,7 @@ TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(robot_.IsAlive(name)) << name;
 }
 
-TEST_F(AMixedRobot, IsBroughtBackAsOneWhenOneCannotGoUp) {
+TEST_F(AMixedRobot, IsUndoneAsAWholeWhenAnActuatorCannotGoUp) {
   BringUp();
   ASSERT_TRUE(Set("LowPower").done());
   ros_->script["activate"].outcome = RosManagedNode::Outcome::kError;
@@ -155,7 +155,8 @@ TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesGoOnWithoutIt) {
     const Time begun = robot_.network().now();
     const SwitchResult result = Set(target);
     EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << result.reason;
-    EXPECT_LT(robot_.network().now() - begun, Milliseconds(50)) << "nobody waits for it";
+    EXPECT_LT(robot_.network().now() - begun, Milliseconds(50))
+        << "the switch does not wait for it";
     EXPECT_EQ(robot_.machine().actuators[2].state(), target);
   }
   EXPECT_THAT(module_->log(), ElementsAre("SelfCheck", "Active", "LowPower"))

@@ -104,7 +104,7 @@ TEST_P(ARealPeer, IsMissedWhenItIsKilledAndItsSuccessorIsDriven) {
   EXPECT_EQ(Do("Active"), Verdict::kDone);
 }
 
-TEST_P(ARealPeer, HasASuccessorThatIsDrivenBeforeTheDeadOneIsMissed) {
+TEST_P(ARealPeer, HasASuccessorThatIsDrivenBeforeThePreviousProcessIsLost) {
   ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
   const std::uint64_t first = status_.incarnation;
   peer_.reset();

@@ -71,7 +71,7 @@ TEST_F(DrivingARos2Node, TakesItElsewhereWhereTheConfigSaysSo) {
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
 }
 
-TEST_F(DrivingARos2Node, ALostReplyIsNoFailureBecauseTheEventTells) {
+TEST_F(DrivingARos2Node, ALostReplyIsNoFailureBecauseTheEventHasTheOutcome) {
   ros_->lost_change_replies = 1;
   const Time begun = network_.now();
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
@@ -123,7 +123,8 @@ TEST_F(DrivingARos2Node, AFinalizedNodeIsTornDownAndComesBackByANewStartOnly) {
   EXPECT_THAT(Do("DeActive").message, HasSubstr("only a new start"));
 }
 
-TEST_F(DrivingARos2Node, OneWhoseSingleThreadIsInACallbackIsBusyWhenAskedAndItsLateEndIsTold) {
+TEST_F(DrivingARos2Node,
+       ANodeWhoseOnlyThreadIsInACallbackIsBusyWhenQueriedAndItsLateEndIsReported) {
   ros_->script["activate"].takes = std::chrono::seconds(3);
   Switch("Active");
   network_.RunFor(Milliseconds(100));
@@ -144,7 +145,7 @@ TEST_F(DrivingARos2Node, TheLateEndIsNoticedThoughItsReplyIsLost) {
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
 }
 
-TEST_F(DrivingARos2Node, AskedOnALongWayItGoesNoFurther) {
+TEST_F(DrivingARos2Node, AQueryEndsACommandOfSeveralTransitionsAfterTheRunningOne) {
   BringUp();
   ros_->script["deactivate"].takes = Milliseconds(500);
   Switch("TearDown");
@@ -170,7 +171,7 @@ TEST_F(DrivingARos2Node, ARequestThatNeverArrivedHadNotBegunAndWhenItDoesTheNode
   EXPECT_GE(statuses_, before + 2) << "busy and free once, so that the coordinator takes note";
 }
 
-TEST_F(DrivingARos2Node, AnOrderThatNobodyAsksAboutEndsAsWell) {
+TEST_F(DrivingARos2Node, ACommandThatIsNotQueriedEndsToo) {
   ros_->holds_changes = true;
   Switch("Active");
   const std::uint64_t next = Switch("Error");
@@ -199,7 +200,7 @@ TEST_F(DrivingARos2Node, SilenceOfANodeThatOwesNothingIsSilence) {
   EXPECT_FALSE(Query());
 }
 
-TEST_F(DrivingARos2Node, ANodeThatWasSilentIsHeardOfAgain) {
+TEST_F(DrivingARos2Node, ANodeThatWasSilentIsReportedAgain) {
   network_.Block("robot", "controller");
   EXPECT_FALSE(Query(false));
   const int before = statuses_;
@@ -208,7 +209,7 @@ TEST_F(DrivingARos2Node, ANodeThatWasSilentIsHeardOfAgain) {
   EXPECT_TRUE(IsIn("SetUp"));
 }
 
-TEST_F(DrivingARos2Node, ASelfCheckAsksWhetherItIsThereAndMovesNothing) {
+TEST_F(DrivingARos2Node, ASelfCheckQueriesTheNodeAndRequestsNoTransition) {
   BringUp();
   EXPECT_EQ(Do("SelfCheck").verdict, Verdict::kDone);
   EXPECT_EQ(reply_->report.state, "Active");
@@ -256,7 +257,7 @@ TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter)
   EXPECT_EQ(statuses_, 0) << "it has not become active again";
 }
 
-TEST_F(DrivingARos2Node, NobodyAnswersForAProcessOfOursThatHasEnded) {
+TEST_F(DrivingARos2Node, AQueryGetsNoAnswerAfterTheExitOfAProcessOfTheController) {
   link_->OnProcess(4711);
   network_.Crash(*process_);
   link_->OnProcessEnded(4711);
@@ -275,7 +276,7 @@ TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAgain) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure"));
 }
 
-TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
+TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExpires) {
   const std::uint64_t first = status_.incarnation;
   network_.Crash(*process_);
   EndNode();
@@ -327,24 +328,24 @@ class FindingARos2Node : public DrivingARos2Node {
   }
 };
 
-TEST_F(FindingARos2Node, AnActiveOneIsAdoptedAsActive) {
+TEST_F(FindingARos2Node, AnActiveNodeIsAdoptedAsActive) {
   Prepare({"configure", "activate"});
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
   EXPECT_THAT(ros_->log(), ElementsAre("configure", "activate"));
 }
 
-TEST_F(FindingARos2Node, AnInactiveOneIsAdoptedAsDeActiveWhateverItWas) {
+TEST_F(FindingARos2Node, AnInactiveNodeIsAdoptedAsDeActiveWhateverItWas) {
   Prepare({"configure"});
   EXPECT_TRUE(Until([&] { return IsIn("DeActive"); }));
 }
 
-TEST_F(FindingARos2Node, AnActiveOneThatMayBeProtectedIsTakenForProtected) {
+TEST_F(FindingARos2Node, AnActiveNodeThatMayBeProtectedIsAdoptedAsProtected) {
   config_.actuators[0].ros2_states = {{"Protected", Ros2State::kActive}};
   Prepare({"configure", "activate"});
   EXPECT_TRUE(Until([&] { return IsIn("Protected"); }));
 }
 
-TEST_F(FindingARos2Node, OneOfOursThatActivatedItselfIsBroughtBackToBeSetUp) {
+TEST_F(FindingARos2Node, ANodeOfTheControllerThatActivatedItselfIsDrivenBackToItsSetUp) {
   link_ = nullptr;
   ros_->Change("configure");
   ros_->Change("activate");
@@ -364,7 +365,7 @@ TEST_F(FindingARos2Node, ANodeStartedByAnEarlierControllerIsAdoptedInItsState) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure", "activate"));
 }
 
-TEST_F(FindingARos2Node, OneThatCannotBeConfiguredHasAFailedSetUpUntilSomebodyDoesIt) {
+TEST_F(FindingARos2Node, ANodeThatCannotBeConfiguredHasAFailedSetUpUntilAnotherClientConfiguresIt) {
   ros_->script["configure"].outcome = Outcome::kFailure;
   ASSERT_TRUE(Until([&] { return status_.outcome_code != kCodeOk; }));
   EXPECT_FALSE(status_.busy());
@@ -375,7 +376,7 @@ TEST_F(FindingARos2Node, OneThatCannotBeConfiguredHasAFailedSetUpUntilSomebodyDo
   EXPECT_TRUE(Until([&] { return IsIn("SetUp"); }));
 }
 
-TEST_F(FindingARos2Node, OneThatDidNotGetTheRequestToConfigureGetsAnother) {
+TEST_F(FindingARos2Node, ANodeThatMissedTheRequestToConfigureGetsAnother) {
   ros_->holds_changes = true;
   ASSERT_TRUE(Until([&] { return status_.target == "SetUp"; }));
   network_.RunFor(std::chrono::seconds(1));
@@ -384,7 +385,7 @@ TEST_F(FindingARos2Node, OneThatDidNotGetTheRequestToConfigureGetsAnother) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure"));
 }
 
-TEST_F(FindingARos2Node, OneThatLoadsForLongIsBusyInSetUpMeanwhile) {
+TEST_F(FindingARos2Node, ANodeThatConfiguresForLongIsBusyInSetUpMeanwhile) {
   ros_->script["configure"].takes = std::chrono::seconds(22);
   ASSERT_TRUE(Until([&] { return status_.target == "SetUp"; }));
   network_.RunFor(std::chrono::seconds(21));

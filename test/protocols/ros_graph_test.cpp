@@ -98,7 +98,7 @@ TEST_F(NodesBesideRos2, HaveTheNameOfTheirProgramWithoutAnother) {
   })) << ros.text();
 }
 
-TEST_F(NodesBesideRos2, AreHiddenWhereTheyOnlyAsk) {
+TEST_F(NodesBesideRos2, AreHiddenWhereTheyOnlyCall) {
   const auto thread = Must(transport::NodeThread::Start({.hidden = true}));
   RosGraphPeer ros;
   EXPECT_TRUE(ros.Sees([](const RosGraph& graph) {

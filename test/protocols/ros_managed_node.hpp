@@ -42,7 +42,7 @@ class RosManagedNode {
   Ros2State state() const { return state_; }
   const std::vector<std::string>& log() const { return log_; }  // the callbacks that were begun
 
-  // Somebody else moves it, or it does so itself.
+  // Another client switches it, or it does so itself.
   void Change(const std::string& transition);
   // The requests and answers that were on their way arrive.
   void Release();

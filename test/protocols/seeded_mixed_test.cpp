@@ -1,6 +1,6 @@
 // Schedules of faults drawn from seeds against a machine of three CyberDog modules and three ROS 2
 // nodes beside one actuator of ours; then quiet, and all of them are in one state. MUSHER_SEED=n
-// runs one seed and tells its scenario; MUSHER_SEEDS=n runs that many.
+// runs one seed and prints its scenario; MUSHER_SEEDS=n runs that many.
 
 #include <gmock/gmock.h>
 
@@ -132,7 +132,7 @@ class MixedScenario {
     }
   }
 
-  // What nobody can repair from afar is started again: a node that is finalized or could not be
+  // What cannot be repaired remotely is restarted: a node that is finalized or could not be
   // configured.
   void EndFaults() {
     faulty_ = false;

@@ -1,4 +1,4 @@
-// Where an application's state machine is, asked of a machine with [security].
+// The state of an application's state machine, queried in a machine with [security].
 
 #include <filesystem>
 
@@ -24,7 +24,7 @@ class SecuredApplication : public SecuredMachine {
   }
 };
 
-TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
+TEST_F(SecuredApplication, ShowsItsStateToParticipantsWithKeysAlsoToObservers) {
   const Ended up = UpDetached();
   ASSERT_EQ(up.exit, 0) << up.out << up.err;
   Identity("visitor", "observer");

@@ -126,7 +126,7 @@ TEST_F(WrongKeys, ThatDoNotBelongToTheirCertificate) {
   ExpectRefusal("voice.key is not the key of " + keys_ + "/voice.cert");
 }
 
-TEST_F(WrongKeys, WithThePermissionsOfSomebodyElse) {
+TEST_F(WrongKeys, WithThePermissionsOfAnotherIdentity) {
   fs::copy_file(keys_ + "/controller.permissions", keys_ + "/voice.permissions",
                 fs::copy_options::overwrite_existing);
   ExpectRefusal("voice.permissions is for serialNumber=");

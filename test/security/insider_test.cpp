@@ -26,7 +26,7 @@ class Insiders : public SecuredMachine {
   }
 };
 
-TEST_F(Insiders, AreToldByTheirOwnSideWhatTheyMayNot) {
+TEST_F(Insiders, GetALocalErrorForWhatTheirPermissionsForbid) {
   const auto spy = Peer(keys_, "spy",
                         {"announce", "command:legs", "pose:legs:legs", "pose:spy:spy",
                          "publish:chat", "publish:musher/machine_status"});
@@ -50,7 +50,7 @@ TEST_F(Insiders, CannotAnnounceThemselvesAsControllerNorCommandAnActuator) {
   EXPECT_THAT(said, Not(HasSubstr("refused")));  // on its own side all was allowed
 }
 
-TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
+TEST_F(Insiders, CannotPublishTheStatusOfAnotherActuator) {
   const auto spy =
       Liar(keys_, "spy", {"pose:legs:legs", "pose:legs", "pose:legs:*", "pose:legs:spy"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
@@ -58,9 +58,10 @@ TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
   EXPECT_THAT(EndOf(*spy), Not(HasSubstr("refused")));
 }
 
-// The last of those above is allowed as far as DDS goes: its own partition, another's name. So the
-// machine must hear what the spy says in its own name, else the test above showed nothing.
-TEST_F(Insiders, AreHeardInTheirOwnName) {
+// The last action above is permitted as far as DDS goes: its own partition, another's name. So the
+// machine must receive what the spy publishes under its own name, else the test above shows
+// nothing.
+TEST_F(Insiders, CanPublishUnderTheirOwnName) {
   const auto spy = Liar(keys_, "spy", {"publish:musher/actuator_status:spy"});
   const auto subscriber = Peer(keys_, "operator", {"subscribe:musher/actuator_status:*"});
   EXPECT_NE(subscriber->LineWith("received musher/actuator_status spy"), "");
@@ -77,7 +78,7 @@ TEST_F(Insiders, CannotReadCommandsToAnother) {
   EXPECT_THAT(said, Not(HasSubstr("refused")));
 }
 
-TEST_F(Insiders, WhoMayOnlyLookCannotStopOrSwitchTheMachine) {
+TEST_F(Insiders, AsObserversCannotStopOrSwitchTheMachine) {
   Identity("visitor", "observer");
   const auto visitor = Liar(keys_, "visitor", {"stop", "set:Active"});
   ASSERT_NE(visitor->LineWith("machine LowPower"), "");
@@ -86,14 +87,14 @@ TEST_F(Insiders, WhoMayOnlyLookCannotStopOrSwitchTheMachine) {
   EXPECT_THAT(EndOf(*visitor), Not(HasSubstr("answered")));
 }
 
-TEST_F(Insiders, WhoOperateAskTheControllerAndCommandNobody) {
+TEST_F(Insiders, AsOperatorsCallTheControllerAndCommandNoActuator) {
   const auto operating = Liar(keys_, "operator", {"command:legs", "announce"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*operating));
   ExpectTheMachineIsSound();
   EXPECT_THAT(EndOf(*operating), Not(HasSubstr("answered")));
 }
 
-TEST_F(Insiders, WhoAreActuatorsMayStopEverything) {
+TEST_F(Insiders, AsActuatorsMayEngageTheEmergencyStop) {
   const auto spy = Peer(keys_, "spy", {"stop"});
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (Status()["emergency_stop"]["engaged"] != true) {

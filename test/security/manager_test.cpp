@@ -1,4 +1,4 @@
-// Who may ask CyberDog's manager for what, where it has keys.
+// Which identity may call which services of CyberDog's manager, if it has keys.
 
 #include "musher/test/security/secured_machine.hpp"
 

@@ -1,4 +1,4 @@
-// A machine with [security] does all that one without does, for those who may ask for it.
+// A machine with [security] has all functions of a machine without, for permitted callers.
 
 #include "musher/test/security/secured_machine.hpp"
 

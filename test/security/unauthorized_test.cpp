@@ -37,7 +37,7 @@ class UnauthorizedParticipants : public SecuredMachine {
   }
 };
 
-TEST_F(UnauthorizedParticipants, WithoutKeysHearNothingAndChangeNothing) {
+TEST_F(UnauthorizedParticipants, WithoutKeysReceiveNothingAndChangeNothing) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto participant = Liar("-", "-", EverythingBad());
   ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
@@ -45,7 +45,7 @@ TEST_F(UnauthorizedParticipants, WithoutKeysHearNothingAndChangeNothing) {
   ExpectWasAlone(*participant);
 }
 
-TEST_F(UnauthorizedParticipants, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
+TEST_F(UnauthorizedParticipants, WithoutKeysGetTheMissingKeyFromTheCommandLine) {
   ASSERT_NO_FATAL_FAILURE(Start());
   unsetenv("MUSHER_KEYS");
   const Ended status = Musher({"status"});

@@ -65,7 +65,7 @@ TEST(SimRobot, IsTheSameTwiceFromTheSameSeed) {
   EXPECT_EQ(run(7), run(7));
 }
 
-TEST(SimRobot, AControllerThatSucceedsOneKilledInASwitchBringsAllActuatorsToOneState) {
+TEST(SimRobot, ASuccessorOfAControllerKilledInASwitchBringsAllActuatorsToOneState) {
   SimRobot robot(3, Robot(5));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));

@@ -147,7 +147,7 @@ TEST_F(DdsNodes, RefuseASampleWithoutItsHeader) {
   EXPECT_FALSE(writer.value()->Write(bytes));
 }
 
-// A program that told something and ended was not heard by a reader that knew it for too short.
+// The last sample of a program that exited was lost to a reader that had just discovered it.
 TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
   std::string received;
   const auto there = MakeDdsNode(loop_, test_domain_);

@@ -24,7 +24,7 @@ std::string UniqueName(const std::string& name) {
   return NameLock::NameOf(0, "host_test_" + std::to_string(getpid()), name);
 }
 
-// A child that runs `work`, tells that it is done with it, and stays until it is killed.
+// A child that runs `work`, reports its end, and stays until it is killed.
 class Child {
  public:
   template <typename Work>

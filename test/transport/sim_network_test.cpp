@@ -301,7 +301,7 @@ TEST(SimService, LosesNoReplyWhileDiscoveryIsHalfDone) {
   }
 }
 
-// Found by a simulated client that asked for two switches: the reader of the first was taken for
+// Found by a simulated client that requested two switches: the reader of the first was taken for
 // that of the second.
 TEST(SimService, LosesNoReplyWhenAnotherClientOfTheSameProcessEndsMeanwhile) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {

@@ -50,7 +50,7 @@ TEST(Check, FindsNothingInAShowThatAlwaysReturnsToItsStart) {
       IsEmpty());
 }
 
-TEST(Check, FindsNothingInOneThatEnds) {
+TEST(Check, FindsNothingInAMachineThatEnds) {
   EXPECT_THAT(ProblemsOf(Drawn({"A", "B", "END!"}, {"A>B", "B>END"})), IsEmpty());
 }
 

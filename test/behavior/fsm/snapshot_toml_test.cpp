@@ -33,7 +33,7 @@ class Photo : public State {
 class GoesTo : public State {
  public:
   explicit GoesTo(std::string to) : to_(std::move(to)) {}
-  void Declare(Transitions& transitions) override { target_ = transitions.To(to_, "asked"); }
+  void Declare(Transitions& transitions) override { target_ = transitions.To(to_, "requested"); }
   Next CheckTransition(const Tick& tick) override {
     return tick.command != kNoEvent ? Next::To(target_) : Next::Stay();
   }

@@ -1,6 +1,6 @@
-// From a text to its first sound: musher-audio-manager as a process, asked over DDS, its sound not
-// heard but timed (output "silent"), so that the sound device's own delay is not in it. Beside it
-// the same way for a service that says nothing.
+// From a text to its first sound: musher-audio-manager as a process, called over DDS, its sound
+// timed and not played (output "silent"), so that the sound device's own delay is not in it. Beside
+// it the same for a service that plays nothing.
 //
 //   benchmark_audio [ROUNDS]
 
@@ -153,7 +153,7 @@ void Main(int rounds) {
   }
   const Table table("From a text to its first sound");
   for (std::size_t i = 0; i < texts.size(); ++i) table.Row(texts[i].what, times[i], "ms");
-  table.Row("the volume is asked for and told", plain, "ms");
+  table.Row("the volume is queried and returned", plain, "ms");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace musher::benchmark {
 
 class ObservedController {
  public:
-  // Asked at each record; the machine is as it is after the whole decision.
+  // Evaluated at each record; the machine is as it is after the whole decision.
   using Condition = std::function<bool(const action::Record& record, const Machine& machine)>;
 
   explicit ObservedController(const std::string& config_file);
@@ -28,7 +28,7 @@ class ObservedController {
   ObservedController(const ObservedController&) = delete;
   ObservedController& operator=(const ObservedController&) = delete;
 
-  // When the first record from now on that meets the condition was made. Ask before the fault.
+  // When the first record from now on that meets the condition was made. Call it before the fault.
   std::future<Time> Next(Condition condition);
   // The same, for each record until the controller's end, which the watcher must outlive.
   void Watch(std::function<void(const action::Record& record, const Machine& machine)> watcher);

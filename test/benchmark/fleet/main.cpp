@@ -24,7 +24,7 @@ double Milliseconds(Clock::time_point since) {
   return Microseconds(Clock::now() - since) / 1000;
 }
 
-// As many servers, each a process, and a client that asks them all at once.
+// As many servers, each a process, and a client that calls them all at once.
 class PlainFleet {
  public:
   PlainFleet(int domain, const std::vector<std::string>& names)

@@ -28,7 +28,7 @@ using fsm::Machine;
 constexpr Duration kStep = Milliseconds(20);
 constexpr int kStates = 5;
 
-// Such a loop as written by hand: it asks the present state, with the time since it
+// Such a loop as written by hand: it checks the present state, with the time since it
 // was entered, and runs it or takes another. It has no commands, safety checks, faults, listeners
 // or transitions that take time. That it stands in this file is in its favour: the compiler puts it
 // into the loop that measures, which it cannot do with a machine.
@@ -150,7 +150,7 @@ void MeasureMemory() {
     const Walker walker({.history = history});
     return static_cast<double>(testing::AllocationsOfNew().bytes - before);
   };
-  const Table table("Memory asked for by a machine of five states, states and all");
+  const Table table("Memory allocated by a machine of five states, states and all");
   table.Row("without history", {bytes_of(0)}, "");
   table.Row("with a history of 64 changes", {bytes_of(64)}, "");
 }

@@ -41,7 +41,7 @@ class HandStarted {
   std::vector<std::unique_ptr<Child>> children_;
 };
 
-// For actuators that are killed again and again: nobody is given up.
+// For actuators that are killed repeatedly: none is given up.
 inline constexpr const char* kUnlimitedRestartKeys =
     "restart_limit = 10000\nrestart_reset_ms = 1\n";
 

@@ -25,8 +25,8 @@ using transport::NameLock;
 
 constexpr int kVictims = 8;
 
-// A pid namespace counts as a host of its own: pids of one mean nothing in the other, so nothing
-// but messages tells of an end. Its init is the program that is given.
+// A pid namespace counts as a host of its own: pids of one mean nothing in the other, so only
+// messages report an exit. Its init is the given program.
 std::vector<std::string> OnOtherHost(std::vector<std::string> argv) {
   std::vector<std::string> whole = {"/usr/bin/unshare", "--pid", "--fork", "--mount-proc",
                                     "--kill-child"};

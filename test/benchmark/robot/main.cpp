@@ -1,6 +1,6 @@
-// The robot of config/robot.toml with real processes: how soon the body does what it is told, how
-// soon it stops when nobody tells it any more, how fast its world can go, what the robot costs at
-// rest, and which states a falling battery leads through.
+// The robot of config/robot.toml with real processes: how soon the body executes a command, how
+// soon it stops when commands cease, how fast its world can run, what the robot costs at rest, and
+// which states a falling battery leads through.
 //
 //   benchmark_robot [ROUNDS [IDLE SECONDS [--smoke]]]
 
@@ -59,7 +59,7 @@ void Streams(Robot& robot, int rounds, const Table& table) {
   }
   table.Row("a servo frame → the board has it", to_board, "ms");
   table.Row("the first servo frame → the body moves", to_body, "ms");
-  table.Row("the last servo frame → the board is told to stop", stop_sent, "ms");
+  table.Row("the last servo frame → the board receives a stop", stop_sent, "ms");
   table.Row("the last servo frame → the body stands", stopped, "ms");
 }
 
@@ -113,7 +113,7 @@ void Speeds(Robot& robot, bool smoke, const Table& table) {
              received.clock_at - received.clock_first_at >= measured;
     });
     const Robot::Received received = robot.Now();
-    table.Row("world speed asked for: " + std::to_string(factor) + "; reached",
+    table.Row("requested world speed: " + std::to_string(factor) + "; reached",
               {Seconds(*received.clock - received.clock_first) /
                Seconds(received.clock_at - received.clock_first_at)},
               "×");

@@ -1,7 +1,7 @@
 #pragma once
-// The robot of config/robot.toml as real processes, with a hand and an ear in its domain.
+// The robot of config/robot.toml as real processes, with a publisher and subscribers in its domain.
 //
-// Threads: calls from the benchmark's thread; what is heard comes on the loop and is kept behind a
+// Threads: calls from the benchmark's thread; samples arrive on the loop and are kept behind a
 // mutex. Errors: what does not come in time ends the benchmark with a message.
 
 #include <condition_variable>
@@ -33,7 +33,7 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  // What has been heard last, and when.
+  // The last samples, and when they were received.
   struct Received {
     std::optional<msg::MachineStatus> machine;
     std::vector<State> states;  // of the machine, each change
@@ -47,7 +47,7 @@ class Robot {
     Duration clock_first{};
     Time clock_first_at{};
   };
-  // Waits until it is so, and gives when that was heard.
+  // Waits until it is so, and returns when that was received.
   Time Await(const std::string& what, const std::function<bool(const Received&)>& is_so);
   // Waits for a timer of the loop: the pace of a stream, and how long is measured. Not for anything
   // that the robot does.

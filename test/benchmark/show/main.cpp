@@ -163,8 +163,8 @@ class Show {
     AwaitState("IDLE");
     return took;
   }
-  // From the word that somebody is too close. Without pictures: vision would say at once that
-  // nobody is.
+  // From the sample that a guest is too close. Without pictures: vision would publish at once that
+  // no guest is.
   Duration ByDanger() {
     frames_.reset();
     loop_.RunUntil([] { return false; }, loop_.Now() + kQuiet);

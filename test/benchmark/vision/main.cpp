@@ -1,11 +1,11 @@
 // The face detector over the frames of the wedding scene: how much of a CPU a picture takes it,
-// which of the guests who look at the robot it finds, what it finds where nobody is, and how far
-// off its distances are.
+// which of the guests who look at the robot it finds, what it finds where no guest is, and the
+// error of its distances.
 //
 //   benchmark_vision [SECONDS [MODEL]]
 //
 // The robot stands and looks ahead, a picture each 200 ms of the world's time. Guests whose face is
-// hidden, by the edge of the picture or by another one, are not asked for.
+// hidden, by the edge of the picture or by another one, are not counted.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr double kFaceM = 0.2;  // distances are told as shares of those with the fitting one
+constexpr double kFaceM = 0.2;  // distances are given as shares of those with the fitting one
 
 struct Truth {
   Eigen::Vector2d at{0, 0};  // in the picture, shares of it

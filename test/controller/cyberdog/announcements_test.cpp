@@ -1,4 +1,4 @@
-// What CyberDog's manager tells by itself.
+// What CyberDog's manager publishes by itself.
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
@@ -39,7 +39,7 @@ class ARobotThatFails : public CyberdogAnnouncements {
   ARobotThatFails()
       : CyberdogAnnouncements(Critical(), [this](const std::string& name, const State& state) {
           simulation::Act act;
-          if (name == "b" && state == fails_in_) act.error = {5001, "told to"};
+          if (name == "b" && state == fails_in_) act.error = {5001, "by the test"};
           return act;
         }) {}
   static MachineConfig Critical() {
@@ -65,7 +65,7 @@ TEST_F(ARobotThatFails, PublishesTheCodeOfADegradedSwitch) {
   EXPECT_EQ(States(), "2 2(5001)");
 }
 
-TEST_F(ARobotThatFails, SaysThatACriticalOneKeepsItFromStarting) {
+TEST_F(ARobotThatFails, SaysThatACriticalActuatorPreventsItsStart) {
   fails_in_ = kSelfCheck;
   robot_.StartController();
   robot_.RunFor(std::chrono::seconds(5));

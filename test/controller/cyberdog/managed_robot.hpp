@@ -73,7 +73,7 @@ class ManagedRobot : public ::testing::Test {
   msg::SetBool::Response SetBool(const std::string& name, bool data) {
     return Call<msg::SetBool>(name, {data});
   }
-  // Asks for a state by its number, to be kept for so many seconds.
+  // Requests a state by its number, to be kept for so many seconds.
   msg::MachineState::Response Keep(std::uint8_t number, std::uint16_t ticks = 0) {
     return Call<msg::MachineState>("machine_state_switch_keep", {number, ticks});
   }

@@ -1,4 +1,4 @@
-// What the dog's app asks its manager for, and the answers by CyberDog's tables.
+// The requests of the dog's app to its manager, and the replies by CyberDog's tables.
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 

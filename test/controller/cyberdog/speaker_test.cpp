@@ -1,5 +1,5 @@
-// The manager's voice on the wire: a simulated robot with an audio module that writes down what it
-// is asked to play.
+// The manager's voice on the wire: a simulated robot with an audio module that records its play
+// requests.
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
@@ -95,7 +95,7 @@ TEST_F(ASpeakingRobot, SaysTheLevelsOfItsBatteryAndThatItIsTornDown) {
   EXPECT_THAT(Said(), ElementsAre("10030", "10020", "10005"));
   SetBattery(0);
   EXPECT_THAT(Said(seconds(0)), ElementsAre("10000"));
-  EXPECT_EQ(state(), kLowPower) << "the word is heard before the voice is torn down";
+  EXPECT_EQ(state(), kLowPower) << "the word is played before the voice is torn down";
   EXPECT_TRUE(robot_.RunUntil([&] { return state() == kTearDown; }, seconds(3)));
 }
 

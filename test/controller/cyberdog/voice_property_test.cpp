@@ -62,7 +62,7 @@ VoiceEvent Anything(const VoiceState& voice) {
   }
 }
 
-// Lives on: something is heard after up to three seconds, deadlines come in between.
+// Advances the time: an event arrives after up to three seconds, deadlines pass in between.
 class Life {
  public:
   void Live(int steps) {

@@ -39,7 +39,7 @@ class EmergencyStop : public MachineByCli {
     EXPECT_THAT(set.err, HasSubstr("an emergency stop is engaged"));
   }
 
-  // Until an actuator tells something that is so, half a minute at most; whether one has.
+  // Waits until the status of an actuator is so, half a minute at most; returns whether one was.
   bool AwaitReport(const std::function<bool(const msg::ActuatorStatus&)>& is_so) const {
     transport::LinuxEventLoop loop;
     const auto node = transport::MakeDdsNode(loop, {}).value();
@@ -177,7 +177,7 @@ TEST_F(EmergencyStop, IsLatchedByAnActuatorThatIsRestartedMeanwhile) {
   ASSERT_NE(up_->LineWith("voice: SelfCheck done"), "");
   ASSERT_TRUE(AwaitReport([voice](const msg::ActuatorStatus& report) {
     return report.name == "voice" && report.pid != voice && report.emergency_stop != 0;
-  })) << "it has not latched the stop that it was told of as it came";
+  })) << "it has not latched the stop that was engaged when it was matched";
   const auto second = Estop();
   EXPECT_EQ(second["actuators"]["voice"]["before"], true) << second;
   EXPECT_EQ(Status()["actuators"]["voice"]["state"], "SelfCheck");  // it does not come up

@@ -92,7 +92,7 @@ TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce
 // setsid makes it a session, and so a process group, of its own. tail would end by itself when the
 // pipe that a command of musher-exec writes to has no reader any more.
 TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
-  const std::string fifo = folder_ / "told";
+  const std::string fifo = folder_ / "fifo";
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
   Does("voice", "[state.SetUp]\nshell = \"setsid -f sh -c 'echo $$ > " + fifo +
                     "; exec tail -f /dev/null > /dev/null 2>&1'; cat " + fifo + " > " +

@@ -47,7 +47,7 @@ TEST_F(Restart, ByHandEndsWhenTheActuatorIsBack) {
   EXPECT_EQ(Voice()["restarts"], 0);  // those by hand do not count
 }
 
-TEST_F(Restart, ByHandEndsWithOneAndTheReasonWhenItDoesNotComeBack) {
+TEST_F(Restart, ByHandExitsWithOneAndTheReasonWhenTheActuatorStaysLost) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Does("voice", "[state.SelfCheck]\nshell = \"echo no sound; exit 7\"\n");
   const Ended restart = Musher({"restart", "voice", "--json"});
@@ -109,7 +109,7 @@ TEST_F(Restart, FollowsAHangOnceItIsKnownWhatTheProcessWasDoing) {
   ASSERT_NE(up_->LineWith("voice: Active done"), "");
   ExpectVoiceIsBack();
   if (std::system("command -v eu-stack >/dev/null || command -v gdb >/dev/null") != 0)
-    GTEST_SKIP() << "nobody to ask";
+    GTEST_SKIP() << "no debugger";
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("epoll_wait"));
 }
 

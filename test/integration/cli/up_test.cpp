@@ -196,7 +196,7 @@ TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
-TEST_F(Up, EndsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
+TEST_F(Up, ExitsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
   Does("legs", "[state.SetUp]\nshell = \"sleep 5\"\n");
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("legs started (pid"), "");

@@ -1,5 +1,5 @@
-// The guide's first module, as a reader has it: its folder, its config, its processes. What the
-// guide promises is tried here.
+// The guide's first module, as a reader has it: its folder, its config, its processes. The
+// commands of the guide are tested here.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -68,7 +68,7 @@ TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
-TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneFromTheVersionBefore) {
+TEST_F(Killed, ControllerInTheTrialBootIsFollowedByAControllerOfThePreviousVersion) {
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(UpDetached().exit, 0);
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));

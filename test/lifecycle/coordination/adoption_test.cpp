@@ -188,7 +188,7 @@ TEST_F(Adopting, DetectsThatACallbackOfThePreviousControllerNeverEnds) {
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
 }
 
-TEST_F(Adopting, ListsAllActuatorsAfterOneThatDoesNotStart) {
+TEST_F(Adopting, ListsAllActuatorsAfterAnActuatorThatDoesNotStart) {
   Harness& t = In("Error", Chain());
   ASSERT_TRUE(t.Set("SelfCheck").done());
   t.On("c", "DeActive").hangs = true;

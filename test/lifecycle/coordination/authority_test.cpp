@@ -174,7 +174,7 @@ TEST_F(Authority, AnActuatorOfTheSameNameOnAnotherHostIsIgnoredWhileTheFirstAnsw
 
 // Its status is latched: it was published once, while the process from before the reboot still
 // counted.
-TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenTheOneFromBeforeIsLost) {
+TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenItsPreviousProcessIsLost) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "the host's next boot";

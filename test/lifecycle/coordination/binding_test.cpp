@@ -130,7 +130,7 @@ TEST_F(Binding, OfTwoToEachOtherKeepsNeitherDownForEver) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
 }
 
-TEST_F(Binding, AHungOneTakesItsDependentsDownToo) {
+TEST_F(Binding, AHungActuatorTakesItsDependentsDownToo) {
   MachineConfig config = MachineOf(2);  // not ours to restart
   ActuatorNamed(config, "b").binds_to = {"a"};
   Harness& t = In("Active", config);

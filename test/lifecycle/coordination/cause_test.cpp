@@ -55,7 +55,7 @@ TEST_F(Causes, AStartIsExplainedFromItsBeginning) {
                           "3 actuators are set up", StartsWith("controller started: epoch 1")));
 }
 
-TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
+TEST_F(Causes, AnUndoneSwitchIsCausedByTheFailedActuator) {
   Harness& t = In("Protected");
   t.On("b", "Active").code = 3009;
   t.Set("Active");
@@ -143,7 +143,7 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
                                  StartsWith("a's process ")));
 }
 
-TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedOneNamesItsCause) {
+TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
   Harness t(Config());
   t.On("a", "SetUp").code = 3001;
   t.Begin();

@@ -226,7 +226,7 @@ TEST_F(Switching, TheSameRequestTwiceIsOneSwitch) {
   EXPECT_THAT(t.log(), ElementsAre("a:LowPower", "b:LowPower", "c:LowPower"));
 }
 
-TEST_F(Switching, AMoreUrgentOneSupersedesAtOnceAndTheNewestCommandWaits) {
+TEST_F(Switching, AMoreUrgentSwitchSupersedesAtOnceAndTheNewestCommandWaits) {
   Harness& t = In("Protected");
   t.On("b", "Active").takes = Milliseconds(50);
   const RequestId first = t.RequestSwitch("Active");

@@ -203,7 +203,7 @@ TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
 
 TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndReportsWhatToDo) {
   Harness t(Ours(2));
-  t.stops_on_disk.engaged = {{kStop, "somebody", "smoke"}};
+  t.stops_on_disk.engaged = {{kStop, "operator", "smoke"}};
   t.Begin();
   t.Rest();
   EXPECT_EQ(t.machine().phase, Phase::kFailed);

@@ -112,7 +112,7 @@ TEST_F(ExitCode, CountsForAlwaysToo) {
   EXPECT_FALSE(t.IsAlive("b"));
 }
 
-TEST_F(ExitCode, OfACriticalOneTakesTheMachineToItsOnLostAtOnce) {
+TEST_F(ExitCode, OfACriticalActuatorTakesTheMachineToItsOnLostAtOnce) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Exit("b", 2, kWords);
   t.RunFor(Milliseconds(50));
@@ -204,7 +204,7 @@ TEST_F(ExitCode, IsRetriedByTheNextController) {
 
 // While the machine starts
 
-TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
+TEST_F(ExitCode, AtTheStartOfACriticalActuatorFailsTheStartUpAtOnce) {
   Harness t(OursWithCriticalB());
   Misconfigure(t);
   t.Begin();
@@ -221,7 +221,7 @@ TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
 }
 
-TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
+TEST_F(ExitCode, AtTheStartOfANonCriticalActuatorLeavesTheMachineWithoutIt) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "c").after = {"b"};
   Harness t(config);
@@ -239,7 +239,7 @@ TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
-TEST_F(ExitCode, OfOneThatComesInALaterStageLeavesTheFirstAsItIs) {
+TEST_F(ExitCode, OfAnActuatorOfALaterStageLeavesTheFirstStageAsItIs) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").stage = 2;
   Harness t(config);

@@ -38,7 +38,7 @@ TEST_F(FoundBySimulation, ARollbackTakesNoActuatorAboveTheMachine) {
   EXPECT_EQ(t.StateOf("a"), "Protected");
 }
 
-TEST_F(FoundBySimulation, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLost) {
+TEST_F(FoundBySimulation, ACriticalActuatorOfALaterStageThatIsNeverStartedCountsAsLost) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").stage = 2;
   ActuatorNamed(config, "b").after = {"a"};
@@ -53,7 +53,7 @@ TEST_F(FoundBySimulation, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLos
   EXPECT_NE(t.machine().state, "Active");
 }
 
-TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatOneIsPresent) {
+TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatActuatorIsPresent) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").command.clear();  // started by hand, and late
   ActuatorNamed(config, "b").after = {"a"};
@@ -70,7 +70,7 @@ TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatOneIsPresen
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedOneReportsThat) {
+TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedActuatorReportsThat) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").binds_to = {"a"};
   ActuatorNamed(config, "c").after = {"b"};
@@ -84,7 +84,7 @@ TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedOneReportsThat) {
   EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which is suspended"));
 }
 
-TEST_F(FoundBySimulation, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
+TEST_F(FoundBySimulation, TearDownOfAnActuatorBeforeTheMachineIsSetUpIsRefused) {
   Harness t(Ours(2));
   t.On("a", "SetUp").takes = Milliseconds(80);
   t.Begin();
@@ -210,7 +210,7 @@ TEST_F(FoundBySimulation, AnActuatorTornDownAloneInASharedProcessUndoesNoSwitchU
   EXPECT_TRUE(t.Set("TearDown").done()) << "it is where the machine goes";
 }
 
-TEST_F(FoundBySimulation, AnActuatorBoundToATornDownOneInASharedProcessIsSuspended) {
+TEST_F(FoundBySimulation, AnActuatorBoundToATornDownActuatorInASharedProcessIsSuspended) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").binds_to = {"b"};
   Harness& t = In("Active", config);
@@ -220,7 +220,8 @@ TEST_F(FoundBySimulation, AnActuatorBoundToATornDownOneInASharedProcessIsSuspend
   EXPECT_EQ(t.StateOf("a"), "DeActive");
 }
 
-TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMachineFromGoingUp) {
+TEST_F(FoundBySimulation,
+       ACriticalActuatorThatIsTornDownInASharedProcessKeepsTheMachineFromGoingUp) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;
   Harness& t = In("Protected", config);

@@ -121,7 +121,7 @@ TEST_F(Hang, OfAProcessThatSigkillDoesNotEndIsAssumedToHaveExitedAfterAWhile) {
   EXPECT_EQ(t.machine().state, "Protected") << "and not: waited for in Active for ever";
 }
 
-TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
+TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedActuatorFollows) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").hangs = true;
   const RequestId request = t.RequestSwitch("Active");
@@ -156,7 +156,8 @@ TEST_F(Hang, AStarvedProcessIsRecordedAndNotKilled) {
   EXPECT_TRUE(t.Set("LowPower").done());
 }
 
-TEST_F(Hang, OneOfAnotherHostThatIsCutOffTakesACriticalMachineDownAndJoinsWhenItIsBack) {
+TEST_F(Hang,
+       ADisconnectedCriticalActuatorOfAnotherHostTakesTheMachineDownAndJoinsAfterReconnection) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;
   ActuatorNamed(config, "b").on_lost = "Protected";

@@ -37,7 +37,7 @@ class Outcomes : public OneController {
   RequestId request_ = 0;
 };
 
-TEST_F(Outcomes, NameTheOneThatFailedAndNotOneThatWasSkippedForIt) {
+TEST_F(Outcomes, NameTheFailedActuatorAndNotTheActuatorsSkippedBecauseOfIt) {
   config_.actuators[0].after = {"b"};
   In("LowPower");
   RequestSwitch("Active");
@@ -133,7 +133,7 @@ TEST_F(Outcomes, OfASupersededSwitchNameTheActuatorsUnderWayAndNotCommanded) {
   EXPECT_EQ(Of(1).order->target, "Error");
 }
 
-TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingOneSkipped) {
+TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingActuatorSkipped) {
   config_ = MachineOf(3);
   config_.actuators[2].stage = 2;
   StartUp();
@@ -170,7 +170,7 @@ TEST_F(Outcomes, KeepAnActuatorDetachedUntilASwitchIsDoneNotUndone) {
   EXPECT_FALSE(Of(0).held);
 }
 
-TEST_F(Outcomes, ACheckOfOneThatFailsIsDoneDegradedAndNotUndone) {
+TEST_F(Outcomes, AFailedCheckOfOneActuatorIsDoneDegradedAndNotUndone) {
   StartUp();
   RequestSwitch("SelfCheck", "a");
   Fail(0, 5009);

@@ -146,7 +146,7 @@ TEST_F(Processes, TheirBacktraceIsARecordOfTheProcess) {
   EXPECT_EQ(RecordWith("gets SIGKILL").code, kCodeTimeout);
 }
 
-TEST_F(Processes, VerdictsOfAnotherProcessOrOneThatHasEndedChangeNothing) {
+TEST_F(Processes, VerdictsOfAnotherProcessOrAnExitedProcessChangeNothing) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst - 1, Health::kHung, true, "it is silent"});
   EXPECT_EQ(Of(0).health, Health::kWell);
@@ -239,11 +239,11 @@ TEST_F(ForeignProcesses, ARivalOfALowerEpochHasNoPrecedence) {
 
 TEST_F(ForeignProcesses, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
   StartUp();
-  Do(event::EmergencyStopSeen{{0, "somebody", ""}});
+  Do(event::EmergencyStopSeen{{0, "operator", ""}});
   EXPECT_FALSE(machine_.emergency_stop);
-  Do(event::EmergencyStopSeen{{1, "somebody", ""}});
+  Do(event::EmergencyStopSeen{{1, "operator", ""}});
   EXPECT_TRUE(machine_.emergency_stop);
-  EXPECT_EQ(RecordWith("emergency stop engaged by somebody").code, kCodeProtectedError);
+  EXPECT_EQ(RecordWith("emergency stop engaged by operator").code, kCodeProtectedError);
 }
 
 }  // namespace musher::testing::process_test

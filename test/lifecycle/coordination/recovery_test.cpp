@@ -95,7 +95,7 @@ TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
   EXPECT_EQ(t.machine().state, "Active");
 }
 
-TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore) {
+TEST_F(Recovery, ACriticalActuatorOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Crash("b");
@@ -107,7 +107,7 @@ TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore
   EXPECT_THAT(t.Set("Active").reason, HasSubstr("critical b"));
 }
 
-TEST_F(Recovery, ACriticalOneThatCrashesWhileItJoinsIsOnlyRestarted) {
+TEST_F(Recovery, ACriticalActuatorThatCrashesWhileItJoinsIsOnlyRestarted) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").order.has_value(); }));
@@ -117,7 +117,7 @@ TEST_F(Recovery, ACriticalOneThatCrashesWhileItJoinsIsOnlyRestarted) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDown) {
+TEST_F(Recovery, ACriticalActuatorThatFailsItsSelfCheckAfterARestartTakesTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SelfCheck").code = 3009;
   t.Crash("b");
@@ -126,7 +126,7 @@ TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDo
   EXPECT_EQ(t.RecordOf("b").fault->code, 3009);
 }
 
-TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
+TEST_F(Recovery, ACriticalActuatorWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").hangs = true;
   t.Crash("b");
@@ -134,7 +134,7 @@ TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
-TEST_F(Recovery, AnExplicitOnLostCountsForOneThatIsNotCritical) {
+TEST_F(Recovery, AnExplicitOnLostAppliesToANonCriticalActuator) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].on_lost = "LowPower";
   Harness& t = In("Active", config);
@@ -150,7 +150,7 @@ TEST_F(Recovery, TheFlowOfTheConfigForbidsNoFallback) {
   std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
   Harness& t = In("Active", config);
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kRefused)
-      << "what a person asks for, it does";
+      << "an operator's request is executed";
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "LowPower");
@@ -169,7 +169,7 @@ TEST_F(Recovery, OfSeveralLostOnesTheLeastActiveOnLostCounts) {
 
 // Policies
 
-TEST_F(Recovery, OnFailureLeavesOneThatEndedWellButAlwaysDoesNot) {
+TEST_F(Recovery, OnFailureDoesNotRestartAfterExitCodeZeroButAlwaysDoes) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
   Harness& t = In("Active", config);

@@ -37,7 +37,7 @@ TEST(RestartWhileStarting, TheActuatorsAfterItWaitToo) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
-TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
+TEST(RestartWhileStarting, ACriticalActuatorOutOfRestartsFailsTheStart) {
   Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
@@ -48,7 +48,7 @@ TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
   EXPECT_THAT(t.start_up()->message, HasSubstr("given up after 3 restarts"));
 }
 
-TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsRestarted) {
+TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalActuatorIsRestarted) {
   Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
@@ -63,7 +63,7 @@ TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsResta
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
 }
 
-TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
+TEST(RestartWhileStarting, AnActuatorThatCrashesAfterItsCheckIsCheckedAgain) {
   Harness t(Ours(3));
   t.On("a", "SelfCheck").takes = Milliseconds(90);
   t.Begin();
@@ -75,7 +75,7 @@ TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
   EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "b:SelfCheck"), 2);
 }
 
-TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMachineDown) {
+TEST(RestartWhileStarting, ACriticalActuatorThatIsGivenUpAfterItsActivationTakesTheMachineDown) {
   MachineConfig config = OursWithCriticalB();
   ActuatorNamed(config, "b").restart.limit = 0;
   Harness t(config);
@@ -92,7 +92,7 @@ TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMa
 
 class RestartAcross : public Switching {};
 
-TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
+TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedActuatorFollows) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
   const RequestId request = t.RequestSwitch("Active");
@@ -103,7 +103,7 @@ TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
 }
 
-TEST_F(RestartAcross, ASwitchDownGoesOnAndTheRestartedOneFollows) {
+TEST_F(RestartAcross, ASwitchDownContinuesAndTheRestartedActuatorFollows) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
   const RequestId request = t.RequestSwitch("LowPower");
@@ -226,7 +226,7 @@ TEST_F(RestartByHand, BringsBackAnActuatorThatWasGivenUp) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(RestartByHand, OfAHungOneDoesNotWaitForItsTearDown) {
+TEST_F(RestartByHand, OfAHungActuatorDoesNotWaitForItsTearDown) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
   Harness& t = In("Active", config);

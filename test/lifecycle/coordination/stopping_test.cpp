@@ -57,7 +57,7 @@ TEST_F(Stopping, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
 }
 
-TEST_F(Stopping, OneThatFailsToTearDownGetsSigtermAndDoesNotKeepTheOthers) {
+TEST_F(Stopping, AnActuatorThatFailsToTearDownGetsSigtermAndDoesNotDelayTheOthers) {
   t.On("b", "TearDown").code = 5001;
   const SwitchResult result = t.Set("TearDown");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
@@ -66,7 +66,7 @@ TEST_F(Stopping, OneThatFailsToTearDownGetsSigtermAndDoesNotKeepTheOthers) {
   EXPECT_TRUE(t.stopped());
 }
 
-TEST_F(Stopping, OneThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
+TEST_F(Stopping, AnActuatorThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
   const Time begun = t.now();
@@ -178,7 +178,7 @@ TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
   EXPECT_TRUE(robot.stopped());
 }
 
-TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
+TEST_F(Stopping, AnActuatorThatIsLostDuringTearDownIsListed) {
   MachineConfig config = MachineOf(2);
   Harness robot(config);
   robot.Begin();
@@ -190,7 +190,7 @@ TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
   EXPECT_THAT(result.degraded, ElementsAre("b"));
 }
 
-TEST_F(Stopping, OneThatIsKnownToHaveEndedIsNotListed) {
+TEST_F(Stopping, AnActuatorThatIsKnownToHaveExitedIsNotListed) {
   Harness robot(MachineOf(2));
   robot.Begin();
   robot.Rest();
@@ -209,7 +209,7 @@ TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
   EXPECT_THAT(t.RecordOf("b").fault->message, ::testing::HasSubstr("has not ended"));
 }
 
-TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownDegraded) {
+TEST(StoppingWithAFault, AnOldFaultOfATornDownActuatorDoesNotMakeTheTearDownDegraded) {
   MachineConfig config = MachineOf(3);
   for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
   Harness t(config);

@@ -104,7 +104,7 @@ TEST_F(Reports, OnlyACheckThatWasSeenToRunCountsAsPassed) {
   EXPECT_FALSE(Of(0).checked) << "what came free was no check";
 }
 
-TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndOneThatHasNotBegunIsNotAFailure) {
+TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndASetUpThatHasNotBegunIsNotAFailure) {
   Begin();
   Say(0, Report(0, "Uninitialized"));
   EXPECT_FALSE(Of(0).fault);

@@ -75,7 +75,7 @@ TEST_F(CueDecision, DropsTheWaitingCuesOfItsTopicWhenOneInterrupts) {
   Cue(kWaitingCues, "fire");
   EXPECT_EQ(player().current->what.text, "fire");
   Made(), Ended();
-  EXPECT_EQ(player().current->what.text, "a request") << "what others ask for goes on waiting";
+  EXPECT_EQ(player().current->what.text, "a request") << "the requests of others keep waiting";
   Made(), Ended();
   EXPECT_EQ(player().current->what.text, "by the way");
   Made(), Ended();

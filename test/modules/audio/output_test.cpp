@@ -198,7 +198,7 @@ class AlsaFile : public Outputs {
     return samples;
   }
 
-  const std::string file_ = folder_ / "heard";
+  const std::string file_ = folder_ / "played";
 };
 
 TEST_F(AlsaFile, HasTheWholeSoundAtItsVolume) {

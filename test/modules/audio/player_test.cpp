@@ -60,7 +60,7 @@ TEST_F(PlayerDecision, LetsASecondRequestWaitForTheEndOfTheFirst) {
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{2, {"second", Language::kEnglish, {}}}));
 }
 
-TEST_F(PlayerDecision, CountsTheTenSecondsOfOneThatWaitsFromItsRequest) {
+TEST_F(PlayerDecision, CountsTheTenSecondsOfAWaitingRequestFromItsArrival) {
   Say(1, "first");
   Made();
   Pass(Milliseconds(2'000));

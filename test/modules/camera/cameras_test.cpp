@@ -106,7 +106,7 @@ TEST_F(CamerasTest, LogOnceThatTheWorldIsSilentAndThatItIsBack) {
   EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4407"), "0 front: receiving pictures again"));
 }
 
-TEST_F(CamerasTest, LoseOneThatIsUnpluggedAndGoOnWithTheOthersUntilItIsBack) {
+TEST_F(CamerasTest, LoseAnUnpluggedCameraAndContinueWithTheOthersUntilItIsBack) {
   MakeWorld();
   config_.retry = Milliseconds(700);
   Start();

@@ -86,7 +86,7 @@ TEST(LedArbiter, LetsSystemAlwaysOccupy) {
 
 TEST(LedArbiter, ChecksTargetClientModeAndEffectInThisOrder) {
   LedArbiter arbiter;
-  Request request = {true, "nobody", 9, 9, 0xFF, 0, 0, 0};
+  Request request = {true, "unknown", 9, 9, 0xFF, 0, 0, 0};
   EXPECT_EQ(CodeOf(arbiter.Execute(request)), 1121);
   request.target = LedExecute::kMini;
   EXPECT_EQ(CodeOf(arbiter.Execute(request)), 1122);
@@ -102,7 +102,7 @@ TEST(LedArbiter, NeedsNoModeAndNoEffectForARelease) {
   LedArbiter arbiter;
   EXPECT_TRUE(arbiter.Execute(EffectRequest("vp", 1)));
   EXPECT_EQ(CodeOf(arbiter.Execute({false, "vp", LedExecute::kHead, 77, 77, 0, 0, 0})), 0);
-  EXPECT_EQ(CodeOf(arbiter.Execute({false, "nobody", LedExecute::kHead, 0, 0, 0, 0, 0})), 1122);
+  EXPECT_EQ(CodeOf(arbiter.Execute({false, "unknown", LedExecute::kHead, 0, 0, 0, 0, 0})), 1122);
   EXPECT_EQ(CodeOf(arbiter.Execute({false, "vp", 0, 0, 0, 0, 0, 0})), 1121);
 }
 
@@ -140,7 +140,7 @@ Request AnyRequest() {
   request.client = *rc::gen::weightedOneOf<std::string>(
       {{15,
         rc::gen::map(rc::gen::elementOf(kLedClients), [](auto name) { return std::string(name); })},
-       {1, rc::gen::just(std::string("nobody"))}});
+       {1, rc::gen::just(std::string("unknown"))}});
   request.target = *rc::gen::inRange<std::uint8_t>(0, 5);
   request.mode = *rc::gen::inRange<std::uint8_t>(0, 4);
   request.effect = *rc::gen::element<std::uint8_t>(0x00, 0x01, 0x09, 0x30, 0x31, 0x32, 0xA0, 0xB5);

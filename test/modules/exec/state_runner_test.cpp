@@ -82,12 +82,12 @@ TEST_F(StateRunnerTest, CallsACrashFailed) {
 
 TEST_F(StateRunnerTest, PassesStateActuatorAndProgramToACommand) {
   Start("exec sleep infinity");
-  On("Active",
-     "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "told" + "; kill -0 $MUSHER_PROGRAM_PID");
+  On("Active", "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "called" +
+                   "; kill -0 $MUSHER_PROGRAM_PID");
   StateRunner runner("motion", config_, reaper_.value());
   ASSERT_TRUE(Run(runner, "SetUp"));
   EXPECT_TRUE(Run(runner, "Active"));
-  EXPECT_EQ(Content("told"), "Active motion\n");
+  EXPECT_EQ(Content("called"), "Active motion\n");
 }
 
 TEST_F(StateRunnerTest, StopsACommandWhoseResultIsNoLongerNeeded) {

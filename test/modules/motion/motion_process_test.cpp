@@ -117,7 +117,7 @@ TEST(MotionTool, ReportsACommandLineError) {
                                                 {"walk", "--square", "nan"},
                                                 {"servo", "--seconds", "-1"},
                                                 {"servo", "--vx", "inf"},
-                                                {"result", "111", "--source", "nobody"},
+                                                {"result", "111", "--source", "unknown"},
                                                 {"status", "--clock", "sun"}}) {
     const Ran ran = RunProgram("musher-motion", wrong);
     EXPECT_EQ(ran.exit, 2) << ran.output;
