@@ -148,7 +148,7 @@ void Decision::Attach(std::size_t i) {
   record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
   record.held = record.report.apart;
-  record.parked = false;
+  record.suspended = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;
   if (record.report.busy()) record.free_by = now_ + config_.TimeFor(i, record.report.target);

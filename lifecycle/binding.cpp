@@ -28,7 +28,7 @@ bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& se
 bool Decision::Suffices(std::size_t needed, std::size_t i) const {
   if (!IsUp(needed)) return false;
   std::vector<bool> seen(machine_.actuators.size(), false);
-  if (!Of(i).parked || IsBoundTo(needed, i, seen)) return true;
+  if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
   return !Of(needed).order && Of(needed).state() == machine_.state;
 }
 
@@ -57,11 +57,11 @@ bool Decision::SuspendAndResume() {
     std::vector<bool> seen(machine_.actuators.size(), false);
     seen[i] = true;
     const std::string* missing = MissingFor(i, i, seen);
-    if (missing != nullptr && !record.parked && !record.held) {
+    if (missing != nullptr && !record.suspended && !record.held) {
       Suspend(i, *missing);
       changed = true;
-    } else if (missing == nullptr && record.parked) {
-      record.parked = false;
+    } else if (missing == nullptr && record.suspended) {
+      record.suspended = false;
       record.due = true;
       changed = true;
     }
@@ -71,7 +71,7 @@ bool Decision::SuspendAndResume() {
 
 void Decision::Suspend(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
-  record.parked = true;
+  record.suspended = true;
   record.due = true;
   Degrade(i, kCodeStatusError, "suspended: " + missing + ", in its binds_to, is not up",
           Of(*config_.IndexOf(missing)).cause);
@@ -81,7 +81,7 @@ void Decision::Suspend(std::size_t i, const std::string& missing) {
 // than its present state.
 State Decision::PlaceOf(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  if (!record.parked) return machine_.state;
+  if (!record.suspended) return machine_.state;
   const auto own = config_.RankOf(record.state());
   const auto machine = config_.RankOf(machine_.state);
   for (const std::string_view rest : {kDeActive, kLowPower}) {

@@ -80,7 +80,7 @@ bool Decision::MayJoin(std::size_t i, std::string& blocker) const {
 // The suspended actuator in its `after` that it waits for; empty: none.
 std::string Decision::WaitsForSuspended(std::size_t i) const {
   for (const std::string& name : ConfigOf(i).after) {
-    if (Of(*config_.IndexOf(name)).parked) return "waits for " + name + ", which is suspended";
+    if (Of(*config_.IndexOf(name)).suspended) return "waits for " + name + ", which is suspended";
   }
   return {};
 }
@@ -93,7 +93,7 @@ void Decision::Join(std::size_t i) {
   record.due = false;
   const State place = PlaceOf(i);
   if (record.state() == place) {
-    if (record.checked && !record.parked) record.fault.reset();
+    if (record.checked && !record.suspended) record.fault.reset();
   } else if (!config_.RankOf(place)) {
     return;  // the machine is between states; the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {

@@ -96,7 +96,7 @@ struct ActuatorRecord {
   std::optional<Time> terminate_at;             // … after SIGTERM at this time …
   std::optional<Time> kill_at;                  // … at the latest then
   bool killed = false;                          // SIGKILL was sent; its exit is due by kill_at
-  bool parked = false;  // suspended: an actuator that it is bound to is not up
+  bool suspended = false;                       // an actuator that it is bound to is not up
   // It has a higher epoch: take control at this time, if no controller leads with that epoch.
   std::optional<Time> outbid_at;
 

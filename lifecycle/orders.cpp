@@ -188,7 +188,7 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
     if (order.target == kSelfCheck || configured) Of(i).checked = true;
     // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
     // fault.
-    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).parked;
+    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
     if (well || order.target == kTearDown) Of(i).fault.reset();
   }
   // Driven on once it is free, unless a check is still running.

@@ -162,7 +162,7 @@ class Planning {
                                         machine_.state);
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
       RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
-    } else if (plan_.direction == Direction::kUp && record.parked) {
+    } else if (plan_.direction == Direction::kUp && record.suspended) {
       RefuseWith(kCodeStatusError, actuator.name +
                                        " is suspended until the "
                                        "actuators in its binds_to are up");
@@ -216,7 +216,7 @@ class Planning {
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i)) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
-    } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
+    } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
     } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;

@@ -101,7 +101,7 @@ bool Decision::NeedsMet(std::size_t i, std::string& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
-    if (needed.fault && !needed.parked && !Coming(*config_.IndexOf(name)))
+    if (needed.fault && !needed.suspended && !Coming(*config_.IndexOf(name)))
       blocker = "needs " + name + ", which is degraded: " + needed.fault->message;
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }

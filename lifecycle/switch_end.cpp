@@ -164,7 +164,7 @@ bool Decision::IsAway(std::size_t i, const State& target) const {
 // and may have been restarted. Empty: it is in the target, or was not expected.
 std::string Decision::LeftSince(const Switch& s, std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  if (record.fault || record.held || record.parked || s.target == kTearDown) return {};
+  if (record.fault || record.held || record.suspended || s.target == kTearDown) return {};
   const bool had_done = std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
     return leg.actuator == i && leg.outcome == ActuatorOutcome::kDone;
   });

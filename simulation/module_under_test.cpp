@@ -123,7 +123,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
     callback_->ended = false;
     callback_->polls = 0;
     const bool repeat =
-        module_.random_.Chance(0.125) && !fails && state != kSetUp && state != kTearDown;
+        module_.random_.Bernoulli(0.125) && !fails && state != kSetUp && state != kTearDown;
     if (repeat) ++setup.counts->repeated;
     thread_ = std::thread(
         [callback = callback_, state, repeat] { callback->RunCallback(state, repeat); });
@@ -146,7 +146,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
   // Half of the callbacks wait for their thread, so that an emergency stop can be engaged before
   // their first instruction.
   void Begin() {
-    module_.waits_ = module_.random_.Chance(0.5);
+    module_.waits_ = module_.random_.Bernoulli(0.5);
     if (!module_.waits_) return GoOn();
     const Duration wait = module_.random_.Between(Duration::zero(), rest_ / 2);
     rest_ -= wait;

@@ -25,7 +25,7 @@ class Faults {
   explicit Faults(std::uint64_t seed) : random_(seed) {}
 
   // Whether the current step fails: at random while callback failures are injected, else never.
-  bool ShouldFail() { return under_way_ && random_.Chance(0.5); }
+  bool ShouldFail() { return under_way_ && random_.Bernoulli(0.5); }
   // A random number, for whatever else a fake varies.
   std::uint64_t Random() { return random_.Next(); }
 

@@ -180,16 +180,16 @@ std::optional<ProcessRunState> RunStateOf(pid_t pid) {
     if (kill(pid, 0) != 0 && errno == ESRCH) return ProcessRunState::kGone;
     return std::nullopt;
   }
-  bool lives = false;
+  bool alive = false;
   bool traced = false;
   while (const pid_t tid = NextTask(tasks.get())) {
     const char state = ReadState(dirfd(tasks.get()), tid);
     if (HasEnded(state)) continue;
     if (state != 'T' && state != 't') return ProcessRunState::kRunning;
-    lives = true;
+    alive = true;
     traced = traced || state == 't';
   }
-  if (!lives) return ProcessRunState::kGone;
+  if (!alive) return ProcessRunState::kGone;
   return traced ? ProcessRunState::kTraced : ProcessRunState::kStopped;
 }
 

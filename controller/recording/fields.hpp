@@ -49,7 +49,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"kill_at", &ActuatorRecord::kill_at},
     Field{"terminate_at", &ActuatorRecord::terminate_at},
     Field{"killed", &ActuatorRecord::killed},
-    Field{"parked", &ActuatorRecord::parked},
+    Field{"parked", &ActuatorRecord::suspended},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
     Field{"hindered", &ActuatorRecord::blocked},

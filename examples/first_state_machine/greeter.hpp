@@ -32,8 +32,8 @@ class Idle : public fsm::State {
   }
   void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
-    const bool shall_greet = robot_.sees_person || tick.command == greet_;
-    return shall_greet ? fsm::Next::To(greeting_) : fsm::Next::Stay();
+    const bool greets = robot_.sees_person || tick.command == greet_;
+    return greets ? fsm::Next::To(greeting_) : fsm::Next::Stay();
   }
 
  private:

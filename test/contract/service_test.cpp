@@ -156,13 +156,13 @@ TEST_P(Service, EndsACallInTimeWhenTheServerCrashes) {
   const auto here = MakeNode();
   auto there = MakeNode();
   const std::string name = Unique("set_state");
-  bool asked = false;
+  bool called = false;
   auto server = Must(MakeServer<SetState>(
-      *there, name, [&](const SetState::Request&, const auto&) { asked = true; }));
+      *there, name, [&](const SetState::Request&, const auto&) { called = true; }));
   const auto client = Must(MakeClient<SetState>(*here, name));
   Answer answer;
   Call(*client, "Active", answer, Milliseconds(2000));
-  ASSERT_TRUE(RunUntil([&] { return asked; }));
+  ASSERT_TRUE(RunUntil([&] { return called; }));
   server.reset();
   there.reset();
   ASSERT_TRUE(RunUntil([&] { return !client->Ready(); }));

@@ -234,10 +234,10 @@ TEST_F(SwitchClients, EndInTimeWhereNoControllerIs) {
 // The controller ends with its machine, and its last answer was lost on the way.
 TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
   const auto node = network_.MakeNode("first");
-  bool asked = false;
+  bool called = false;
   const auto server = transport::MakeServer<msg::SetState>(
       *node, transport::MachineService("", "set_state"),
-      [&asked](const auto&, const auto&) { asked = true; });  // never answers
+      [&called](const auto&, const auto&) { called = true; });  // never answers
   const auto statuses = transport::MakePublisher<msg::MachineStatus>(
       *node, transport::MachineStatusTopic(""), transport::kLatchedQos);
   msg::MachineStatus status;
@@ -248,7 +248,7 @@ TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
   status.state = "SelfCheck";
   ASSERT_TRUE(statuses.value()->Publish(status));
   Request("TearDown");
-  ASSERT_TRUE(RunUntil([&] { return asked; }));
+  ASSERT_TRUE(RunUntil([&] { return called; }));
   status.phase = "stopped";
   status.state = "TearDown";
   status.switch_number = 5;

@@ -53,10 +53,10 @@ class Harness {
         return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
-        const QueryCommand ask{input_.Number(core_.report.epoch, kLastEpoch),
-                               input_.Number(core_.report.number, kLastNumber), input_.Bool()};
-        const event::QueryArrived arrived{++token_, ask, AnySender()};
-        return StepFrom(arrived.sender, ask.epoch, arrived);
+        const QueryCommand query{input_.Number(core_.report.epoch, kLastEpoch),
+                                 input_.Number(core_.report.number, kLastNumber), input_.Bool()};
+        const event::QueryArrived arrived{++token_, query, AnySender()};
+        return StepFrom(arrived.sender, query.epoch, arrived);
       }
       case 4:
         return StepWith(event::ManagerCommand{++token_, AnyState(input_)});

@@ -81,7 +81,7 @@ std::vector<std::string> Oversize(const SourceFile& file) {
   const std::size_t lines = Lines(file.text).size();
   if (lines <= kMostLines) return {};
   return {file.path + ": " + std::to_string(lines) + " lines; more than " +
-          std::to_string(kMostLines) + " ask to be split"};
+          std::to_string(kMostLines) + "; split it"};
 }
 
 std::vector<std::string> MissingPragmaOnce(const SourceFile& file) {

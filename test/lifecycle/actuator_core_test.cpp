@@ -170,8 +170,8 @@ TEST_F(Actuator, AWaitingCommandThatIsQueriedNeverBegins) {
   SetUpIt();
   Do(Command(1, "Active"));
   Do(Command(2, "LowPower"));
-  const Actions asked = Do(QueryArrived{9, {1, 2, false}, 1});
-  EXPECT_EQ(AnswerIn(asked).verdict, Verdict::kRefused);  // of the waiting one
+  const Actions queried = Do(QueryArrived{9, {1, 2, false}, 1});
+  EXPECT_EQ(AnswerIn(queried).verdict, Verdict::kRefused);  // of the waiting one
   EXPECT_THAT(Do(CallbackEnded{}),
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
 }

@@ -87,7 +87,7 @@ TEST_F(Plans, OfAnActuatorThatHasNotPassedItsCheckGoDownButNotUp) {
 }
 
 TEST_F(Plans, OfASuspendedActuatorDoNotGoUp) {
-  machine_.actuators[1].parked = true;
+  machine_.actuators[1].suspended = true;
   machine_.actuators[1].report.state = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeStatusError);
   EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);

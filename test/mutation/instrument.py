@@ -288,8 +288,8 @@ def main():
             number += 1
             m.number = number
             chosen.append({"number": number, "file": "lifecycle/" + name, "line": m.line,
-                         "function": m.function, "kind": m.kind, "original": m.original,
-                         "mutated": m.mutated})
+                           "function": m.function, "kind": m.kind, "original": m.original,
+                           "mutated": m.mutated})
         text = b'#include "musher/test/mutation/mutants.hpp"\n#line 1 "' + \
             source.path.encode() + b'"\n' + source.instrumented(source.chosen)
         with open(os.path.join(options.out, name), "wb") as file:

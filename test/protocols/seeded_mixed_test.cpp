@@ -83,47 +83,47 @@ class MixedScenario {
     return config;
   }
 
-  void DrawFaults() {
+  void SampleFaults() {
     for (const auto& [name, module] : modules_) {
       if (!robot_.IsAlive(name)) continue;
       for (const char* state : {"Active", "LowPower", "Protected", "DeActive", "OTA"}) {
         CyberdogModule::Callback& callback = module->script[state];
-        callback.takes = Draw(0.1) ? Milliseconds(300) : Milliseconds(5);
-        callback.code = Draw(0.1) ? 5001 : 0;
+        callback.takes = Sample(0.1) ? Milliseconds(300) : Milliseconds(5);
+        callback.code = Sample(0.1) ? 5001 : 0;
       }
     }
     for (const auto& [name, ros] : nodes_) {
       if (!robot_.IsAlive(name)) continue;
       for (const char* transition : {"configure", "activate", "deactivate", "cleanup"}) {
         RosManagedNode::Callback& callback = ros->script[transition];
-        callback.takes = Draw(0.1) ? Milliseconds(700) : Milliseconds(5);
-        callback.outcome = Draw(0.1)   ? Outcome::kError
-                           : Draw(0.1) ? Outcome::kFailure
-                                       : Outcome::kSuccess;
+        callback.takes = Sample(0.1) ? Milliseconds(700) : Milliseconds(5);
+        callback.outcome = Sample(0.1)   ? Outcome::kError
+                           : Sample(0.1) ? Outcome::kFailure
+                                         : Outcome::kSuccess;
       }
-      ros->lost_change_replies = Draw(0.2) ? 1 : 0;
-      ros->lost_get_replies = Draw(0.2) ? 2 : 0;
-      ros->publishes_events = !Draw(0.2);
+      ros->lost_change_replies = Sample(0.2) ? 1 : 0;
+      ros->lost_get_replies = Sample(0.2) ? 2 : 0;
+      ros->publishes_events = !Sample(0.2);
     }
   }
-  bool Draw(double chance) { return faulty_ && random_.Chance(chance); }
+  bool Sample(double probability) { return faulty_ && random_.Bernoulli(probability); }
 
   void TakeATurn() {
-    DrawFaults();
+    SampleFaults();
     static const std::vector<State> kTargets = {"Active", "Protected", "LowPower", "DeActive",
                                                 "OTA"};
     const State target = kTargets[random_.Next() % kTargets.size()];
     const std::string& victim = robot_.config().actuators[random_.Next() % 7].name;
-    if (random_.Chance(0.1)) robot_.network().Partition("controller", victim);
-    if (random_.Chance(0.15)) robot_.CrashActuator(victim);
-    if (random_.Chance(0.1)) {
+    if (random_.Bernoulli(0.1)) robot_.network().Partition("controller", victim);
+    if (random_.Bernoulli(0.15)) robot_.CrashActuator(victim);
+    if (random_.Bernoulli(0.1)) {
       robot_.CrashController();
       robot_.RunFor(Milliseconds(50));
       robot_.StartController();
       robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; });
     }
     ASSERT_TRUE(robot_.Set(target)) << "every switch has an end";
-    if (random_.Chance(0.5)) HealAll();
+    if (random_.Bernoulli(0.5)) HealAll();
   }
 
   void HealAll() {
@@ -139,7 +139,7 @@ class MixedScenario {
     HealAll();
     robot_.network().SetFaults(LinkFaults{});
     robot_.RunFor(std::chrono::seconds(15));  // past every lease
-    DrawFaults();
+    SampleFaults();
     for (const auto& [name, ros] : nodes_) {
       if (!robot_.IsAlive(name)) continue;
       const bool not_set_up =
@@ -152,7 +152,7 @@ class MixedScenario {
       by_hand_.insert(actuator.name);
     }
     robot_.RunFor(std::chrono::seconds(20));
-    DrawFaults();
+    SampleFaults();
   }
 
   void CheckResult() {

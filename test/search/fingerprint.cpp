@@ -122,7 +122,7 @@ void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
             r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due,
             r.fault.has_value(), r.tolerated.has_value(), r.order, r.health, r.restarts,
             r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.terminating,
-            r.terminate_at, r.kill_at, r.killed, r.parked, r.outbid_at, r.blocked, r.free_by);
+            r.terminate_at, r.kill_at, r.killed, r.suspended, r.outbid_at, r.blocked, r.free_by);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 

@@ -14,8 +14,8 @@ constexpr Duration kClockAhead = Milliseconds(1);
 constexpr std::uint64_t kStopId = 5;
 
 // The token of a request holds its number, its kind and its sender.
-RequestToken TokenOf(std::uint64_t number, bool ask, Sender sender) {
-  return number << 8 | static_cast<RequestToken>(ask) << 7 | sender;
+RequestToken TokenOf(std::uint64_t number, bool query, Sender sender) {
+  return number << 8 | static_cast<RequestToken>(query) << 7 | sender;
 }
 Sender SenderOf(RequestToken token) {
   return token & 127;
@@ -137,9 +137,9 @@ void Harness::Deliver(const Message& message, bool held_back, bool introduced) {
     StepActuator(message.to, actuator_event::SwitchArrived{token, *command, message.sender},
                  held_back);
   } else {
-    const QueryCommand& ask = std::get<QueryCommand>(message.what);
-    const RequestToken token = TokenOf(ask.number, true, message.sender);
-    StepActuator(message.to, actuator_event::QueryArrived{token, ask, message.sender});
+    const QueryCommand& query = std::get<QueryCommand>(message.what);
+    const RequestToken token = TokenOf(query.number, true, message.sender);
+    StepActuator(message.to, actuator_event::QueryArrived{token, query, message.sender});
   }
 }
 
@@ -202,10 +202,10 @@ void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_
     }
     if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
       if (answer->code != kCodePermissionDenied) actuator.epoch = std::max(actuator.epoch, epoch);
-      const auto* ask = std::get_if<actuator_event::QueryArrived>(&event);
-      if (ask != nullptr && answer->verdict == Verdict::kDone) {
-        actuator.epoch = std::max(actuator.epoch, ask->command.epoch);
-        actuator.queried = std::max(actuator.queried, ask->command.number);
+      const auto* query = std::get_if<actuator_event::QueryArrived>(&event);
+      if (query != nullptr && answer->verdict == Verdict::kDone) {
+        actuator.epoch = std::max(actuator.epoch, query->command.epoch);
+        actuator.queried = std::max(actuator.queried, query->command.number);
       }
     }
     Apply(i, action);
@@ -246,8 +246,8 @@ void Harness::Apply(const Action& action) {
     Send(send->actuator, SwitchCommand{w.machine.epoch, send->number, send->target, send->budget,
                                        record.clock_theirs, w.now - record.clock_ours,
                                        record.report.incarnation, send->apart});
-  } else if (const auto* ask = std::get_if<action::SendQuery>(&action)) {
-    Send(ask->actuator, QueryCommand{w.machine.epoch, ask->number, ask->stop});
+  } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
+    Send(query->actuator, QueryCommand{w.machine.epoch, query->number, query->stop});
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(start->actuator);
     Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].core.report.pid});

@@ -208,13 +208,14 @@ class Making {
 
   void End() {
     const bool failed = choice_.kind == ChoiceKind::kEndFailed;
-    const bool asked = choice_.kind == ChoiceKind::kEndOnRequest;
+    const bool requested = choice_.kind == ChoiceKind::kEndOnRequest;
     const bool overtaken = !actuator().replies.empty();
     harness_.Log((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
-                 (failed  ? " fails"
-                  : asked ? " ends because it was requested to stop"
-                          : " ends"));
-    harness_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "requested to stop" : "");
+                 (failed      ? " fails"
+                  : requested ? " ends because it was requested to stop"
+                              : " ends"));
+    harness_.EndCallback(i_, failed || requested ? kFailure : 0,
+                         requested ? "requested to stop" : "");
     if (choice_.kind == ChoiceKind::kEndCrash) {
       harness_.Log("FAULT: and its process, which is detected before its reply");
       Move(true);

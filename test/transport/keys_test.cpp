@@ -63,11 +63,11 @@ TEST_F(Keys, NeverOutliveTheirCa) {
 TEST_F(Keys, AreRevokedWhenTheyAreReplaced) {
   ASSERT_TRUE(Add("legs"));
   const std::string before = Text(folder_.Certificate("legs"));
-  const std::string rights = Text(folder_.Permissions("legs"));
+  const std::string permissions = Text(folder_.Permissions("legs"));
   EXPECT_FALSE(Add("legs"));
   ASSERT_TRUE(Add("legs", Role::kObserver, 30, true));
   EXPECT_EQ(ErrorOf("legs"), "");
-  std::ofstream(folder_.Permissions("legs")) << rights;  // those of more power
+  std::ofstream(folder_.Permissions("legs")) << permissions;  // those of more power
   EXPECT_THAT(ErrorOf("legs"), HasSubstr("legs.permissions is for "));
   std::ofstream(folder_.Certificate("legs")) << before;
   EXPECT_THAT(ErrorOf("legs"), HasSubstr("is not the key of"));

@@ -65,7 +65,7 @@ Robot::Robot(const std::filesystem::path& configs) {
 Robot::~Robot() {
   TakeDown();
   node_->RunOnLoop([this] {
-    ears_.clear();
+    subscriptions_.clear();
     result_.reset();
     speed_.reset();
     battery_.reset();
@@ -83,7 +83,7 @@ void Robot::Listen() {
   const auto now = [this] { return node_->loop().Now(); };
   const auto subscribe = [&]<class M>(const std::string& topic, const transport::Qos& qos,
                                       std::function<void(Received&, const M&)> take) {
-    ears_.push_back(Must(transport::MakeSubscription<M>(
+    subscriptions_.push_back(Must(transport::MakeSubscription<M>(
         node, topic,
         [this, take = std::move(take)](const M& message, const transport::SampleInfo&) {
           Change([&](Received& received) { take(received, message); });

@@ -80,7 +80,7 @@ class Robot {
   std::unique_ptr<transport::Publisher<msg::Float32>> battery_;
   std::unique_ptr<transport::Publisher<msg::Float32>> speed_;
   std::unique_ptr<transport::Client<msg::MotionResultCmd>> result_;
-  std::vector<std::unique_ptr<transport::Subscription>> ears_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
 }  // namespace musher::benchmark

@@ -231,8 +231,8 @@ TEST_F(BoundPair, NoActuatorIsSuspendedBecauseOfItself) {
   StartUp();
   Of(0).given_up = true;
   Do(event::TimePassed{});
-  EXPECT_FALSE(Of(0).parked);
-  EXPECT_TRUE(Of(1).parked);
+  EXPECT_FALSE(Of(0).suspended);
+  EXPECT_TRUE(Of(1).suspended);
 }
 
 }  // namespace musher::testing::binding_test

@@ -25,7 +25,7 @@ class ExitCode : public Switching {
     t.On("b", "exec").exit_code = kUsageExitCode;
     t.On("b", "exec").message = kWords;
   }
-  static void Mend(Harness& t) { t.On("b", "exec").exit_code = 0; }
+  static void Fix(Harness& t) { t.On("b", "exec").exit_code = 0; }
 
   static std::ptrdiff_t StartsOf(const Harness& t, const std::string& name) {
     return std::count_if(t.records.begin(), t.records.end(), [&](const std::string& record) {
@@ -174,7 +174,7 @@ TEST_F(ExitCode, IsClearedByARestartRequest) {
   ASSERT_FALSE(in_vain);
   EXPECT_THAT(in_vain.error().message, HasSubstr(kWords));
   EXPECT_EQ(StartsOf(t, "b"), 2) << "once for each request";
-  Mend(t);
+  Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   EXPECT_FALSE(t.RecordOf("b").given_up);
   EXPECT_EQ(t.StateOf("b"), "Protected") << "where the machine is";
@@ -214,7 +214,7 @@ TEST_F(ExitCode, AtTheStartOfACriticalActuatorFailsTheStartUpAtOnce) {
   EXPECT_THAT(t.start_up()->message, HasSubstr(std::string("critical b: 101 (Robot: Failed), ") +
                                                "exit code 2: " + kWords));
   EXPECT_EQ(StartsOf(t, "b"), 1);
-  Mend(t);
+  Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Active").done());
@@ -232,7 +232,7 @@ TEST_F(ExitCode, AtTheStartOfANonCriticalActuatorLeavesTheMachineWithoutIt) {
   EXPECT_EQ(t.StateOf("a"), "Active");
   EXPECT_FALSE(t.IsAlive("c"));
   EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("needs b, which is degraded: exit code 2"));
-  Mend(t);
+  Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   t.Rest();
   EXPECT_EQ(t.StateOf("c"), "Active") << "what was missing is there";

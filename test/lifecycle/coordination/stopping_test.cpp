@@ -38,12 +38,12 @@ TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
 TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
   t.Crash("c");
   t.RunUntil([&] { return t.RecordOf("c").presence == Presence::kLost; });
-  const auto asked = t.RequestSwitch("TearDown");
+  const auto request = t.RequestSwitch("TearDown");
   t.Mute("c", true, true);
   t.StartActuator("c");  // nothing is received from it
   t.Rest();
   EXPECT_TRUE(t.stopped());
-  EXPECT_TRUE(t.answers.contains(asked));
+  EXPECT_TRUE(t.answers.contains(request));
   EXPECT_FALSE(t.IsAlive("c"));
   EXPECT_THAT(t.signals, ElementsAre("c:TERM"));
 }
