@@ -1,4 +1,4 @@
-// Whose process a pid is: a status can be published by anybody, with any pid of the controller's
+// Whose process a pid is: any process can publish a status, with any pid of the controller's
 // host. A pid that is not proven is never watched, traced or signalled.
 
 #include <gmock/gmock.h>

@@ -123,7 +123,7 @@ inline std::unique_ptr<Machine> RandomMachine(std::uint64_t seed, Facts& facts, 
     }
   }
   machine->AddSafetyCheck("number", [&facts](const Tick&) {
-    if (facts.number == 13) throw std::runtime_error("unlucky");
+    if (facts.number == 13) throw std::runtime_error("thirteen");
     return facts.number % 11 != 5;
   });
   machine->AddData("facts", [&facts](Archive& archive) { archive.Field("number", facts.number); });

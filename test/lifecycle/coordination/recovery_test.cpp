@@ -234,7 +234,7 @@ TEST_F(Recovery, AnActuatorThatAnotherPartyRestartsInALoopIsNotDrivenForAWhile) 
   EXPECT_THAT(t.log(), ElementsAre()) << "it is not driven";
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("5 times in a row"));
   t.RunFor(std::chrono::seconds(2));
-  EXPECT_EQ(t.StateOf("b"), "Active") << "it has lived for long enough";
+  EXPECT_EQ(t.StateOf("b"), "Active") << "it has run for long enough";
 }
 
 TEST_F(Recovery, AReconnectionIsNotCountedAsARestart) {

@@ -22,7 +22,7 @@ TEST(RestartWhileStarting, TheStageWaitsForARestart) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_EQ(t.StateOf("b"), "Active");
-  EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has lived for long enough since";
+  EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has run for long enough since";
 }
 
 TEST(RestartWhileStarting, TheActuatorsAfterItWaitToo) {
