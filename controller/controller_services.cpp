@@ -197,7 +197,7 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
                 });
 }
 
-// Once this controller knows where the machine is: it goes on from where it has met the actuators.
+// Once this controller knows the machine's state: it continues from the actuators' states.
 void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
                                           const SwitchReply& reply) {
   shell_.AwaitSetUp(

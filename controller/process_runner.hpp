@@ -17,10 +17,11 @@
 namespace musher {
 
 struct ProcessSpec {
-  std::string name;                        // of the actuator
-  std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
-  std::string cwd;                         // empty = ours
-  std::map<std::string, std::string> env;  // added to ours, from which systemd's are removed
+  std::string name;               // of the actuator
+  std::vector<std::string> argv;  // without '/': looked up in PATH; relative: from cwd
+  std::string cwd;                // empty: that of this process
+  std::map<std::string, std::string>
+      env;                // added to that of this process, without systemd's variables
   int output = -1;        // for stdout and stderr; the caller keeps it; -1 = our own
   std::string mark = {};  // by which a later controller finds it (child_processes.hpp); empty: none
 };
@@ -70,7 +71,7 @@ class ProcessRunner {
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
   // Watches a process that an earlier controller has started as its child. When it exits, the rest
-  // of its session is killed, as for a child of ours.
+  // of its session is killed, as for a child.
   virtual Result<> Adopt(pid_t pid, OnExit on_exit) { return Watch(pid, std::move(on_exit)); }
 
   // Sends a signal to a started or watched process: to its whole group if it leads one. Fails if

@@ -170,7 +170,7 @@ void WriteDigits(char* digits, pid_t number) {
   }
   ResetSignals();
   // The next controller finds this process only after execve, by the mark in its environment; if
-  // our controller has died meanwhile, the process exits.
+  // this controller has exited meanwhile, the process exits.
   if (getppid() != plan.parent) _exit(127);
   int reason = ENOENT;
   for (const auto& program : plan.programs) {

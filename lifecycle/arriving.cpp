@@ -21,7 +21,7 @@ void Decision::On(const event::StatusSeen& seen) {
     return;
   }
   if (same && record.terminating != 0) return;  // its termination was decided
-  // The status of a dead process can arrive after the status of its successor.
+  // The status of an exited process can arrive after the status of its successor.
   // Incarnations are compared within a boot of a host only, which an empty host does not name.
   const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
                            report.incarnation < record.report.incarnation;
@@ -129,7 +129,7 @@ void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
                              " was controlled by epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendQuery{other, 0, false});  // a waiting command there goes on waiting
+    Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting
   }
 }
 

@@ -34,8 +34,8 @@ bool Decision::DriveLateOnes() {
   return changed;
 }
 
-// Whether it may be in the state of the machine: it has passed its check, or is there without one,
-// in Error.
+// Whether it may be in the state of the machine: it has passed its check, or is present without
+// one, in Error.
 bool Decision::Fits(std::size_t i) const {
   return Of(i).checked || Of(i).state() == machine_.state;
 }

@@ -241,8 +241,8 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
-// The connection to it is lost. The state of a process of ours will be found out: if it has exited
-// or hangs, it is restarted.
+// The connection to it is lost. The state of a process that this controller has started is
+// determined: if it has exited or hangs, it is restarted.
 void Decision::LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause) {
   Lose(i, how, cause);
   if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
@@ -252,7 +252,7 @@ void Decision::LoseConnection(std::size_t i, const std::string& how, std::uint64
 void Decision::AssumeTornDown(std::size_t i) {
   if (!Of(i).order || Of(i).order->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
-  Of(i).report.apart = true;  // while the machine goes on, it was commanded alone
+  Of(i).report.apart = true;  // it was commanded alone, the machine continues
   EndOrder(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
 }
 

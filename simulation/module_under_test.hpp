@@ -2,9 +2,9 @@
 // A user's actuator class behind an actuator of a simulated robot.
 //
 // Threads: the network's, and one for the running callback; only one of the two runs at a time.
-// StopRequested() hands over to the network's: virtual time goes on while the callback waits there.
-// So an event during a callback (an emergency stop, a request to stop, its end by SIGKILL) happens
-// between two of its polls. Real time matters only for a callback that never hands over.
+// StopRequested() hands over to the network's: virtual time advances while the callback waits
+// there. So an event during a callback (an emergency stop, a request to stop, its end by SIGKILL)
+// happens between two of its polls. Real time matters only for a callback that never hands over.
 
 #include <chrono>
 #include <cstdint>

@@ -31,7 +31,7 @@ bool Checker::ReleasedElsewhere() const {
          });
 }
 
-// Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is gone if no
+// Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is lost if no
 // controller had received it, or if it was stored on a disk that is lost.
 bool Checker::StopIsOpen() const {
   return std::any_of(engaged_.begin(), engaged_.end(), [&](const auto& stop) {

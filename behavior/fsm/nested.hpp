@@ -46,7 +46,7 @@ class Nested : public State {
  public:
   struct Options {
     std::string finished{};  // the outer state after a final inner one; empty: Decide() decides
-    // When re-entered, the inner machine goes on in the state in which it was left, and re-enters
+    // When re-entered, the inner machine continues in the state in which it was left, and re-enters
     // it. After a final or a safe state it starts from its start state anyway.
     bool resumes = false;
   };

@@ -18,8 +18,8 @@
 //   OnEnter                              the tick in which the last state was left
 //   CheckTransition: stay, Run           each tick from then on
 //   CheckTransition: to another          decided; in the same tick:
-//     Transition -> not done             a gradual one goes on in the next tick; Run is not called
-//     Transition -> done, OnExit         and the next state's OnEnter
+//     Transition -> not done             a gradual one continues in the next tick; Run is not
+//     called Transition -> done, OnExit         and the next state's OnEnter
 //
 // All of them return at once: they do not sleep, wait, read a clock or lock. The tick has the time.
 // An exception leads to the safe state and is reported with the state and the function.
@@ -126,7 +126,7 @@ class State {
   // Also when the machine is forced, made safe or stopped; not when OnEnter failed.
   virtual void OnExit(const Tick& tick);
 
-  // Saves and restores what another process needs to go on from here. See archive.hpp.
+  // Saves and restores what another process needs to continue from here. See archive.hpp.
   virtual void Persist(Archive& archive);
 
   // The machine inside, of a state that holds one. See nested.hpp.

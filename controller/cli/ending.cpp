@@ -27,7 +27,7 @@ bool HasEnded(const transport::UniqueFd& process) {
   return poll(&ended, 1, 0) == 1;
 }
 
-// Signals its whole process group if it leads one other than ours.
+// Signals its whole process group if it leads one other than that of this process.
 void Send(const transport::UniqueFd& process, pid_t pid, int signal) {
   if (syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0) != 0) return;
   if (getpgid(pid) == pid && pid != getpgrp()) kill(-pid, signal);

@@ -157,7 +157,7 @@ struct AudioExecute {
   };
 };
 
-// protocol/srv/SdcardPlayIdQuery: service `sdcard_playid_query`, whether a phrase is there.
+// protocol/srv/SdcardPlayIdQuery: service `sdcard_playid_query`, whether a phrase exists.
 struct SdcardPlayIdQuery {
   static constexpr std::string_view kTypeName = "protocol::srv::dds_::SdcardPlayIdQuery_";
   struct Request {
