@@ -143,7 +143,7 @@ TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
     ASSERT_TRUE(controller.AwaitSetUp().ok());
     ASSERT_TRUE(controller.SetState("SelfCheck"));
     ASSERT_TRUE(controller.SetState("Active"));
-  }  // it is gone without a word
+  }  // it exits without a message
   EXPECT_EQ(arm.CurrentState(), "Active");
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.state == "Protected"; }));
 }

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Goes on by its command, and throws by another.
+// Continues on its command, and throws on another.
 class Waiting : public fsm::State {
  public:
   explicit Waiting(std::string next) : next_name_(std::move(next)) {}

@@ -1,4 +1,4 @@
-// What the decoder makes of bytes that are not ours: other byte orders, truncated and hostile
+// How the decoder handles bytes of other encoders: other byte orders, truncated and hostile
 // samples.
 
 #include <gtest/gtest.h>

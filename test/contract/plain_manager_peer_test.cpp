@@ -1,5 +1,5 @@
 // CyberDog's manager as a plain C program meets it: idlc's types over real DDS, ROS 2's topic
-// names, and nothing of ours.
+// names, and no code of Musher.
 
 #include <dds/dds.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The hashes by which ROS 2 compares types: ours are rosidl's.
+// The hashes by which ROS 2 compares types: Musher's are rosidl's.
 
 #include "musher/messages/type_hash.hpp"
 

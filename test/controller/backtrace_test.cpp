@@ -82,7 +82,7 @@ class Backtrace : public ::testing::Test {
     std::ofstream(folder_ / name) << "#!/bin/sh\n" << script << "\n";
     chmod((folder_ / name).c_str(), 0700);
   }
-  // One that stops what it looks at and does not end; killed then, it leaves it stopped.
+  // A tool that stops the process and hangs; when it is killed, the process stays stopped.
   void WriteToolThatHangs() {
     WriteTool("eu-stack",
               "echo $$ > " + (folder_ / "tool") + "; kill -STOP $2; exec /bin/sleep 1000");

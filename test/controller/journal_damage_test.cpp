@@ -37,7 +37,7 @@ class JournalDamage : public JournalTest {
     std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
   }
 
-  // Reads what is there both ways.
+  // Reads the remaining entries in both directions.
   void ExpectReportedOrMissing(const std::string& what) {
     const auto history = ReadJournal(path_, 0, kAll);
     if (history) {

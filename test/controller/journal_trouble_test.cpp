@@ -20,8 +20,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-// While it lives no file of this process can grow beyond a few pages: writing fails as on a full
-// disk.
+// During its lifetime no file of this process can grow beyond a few pages: writing fails as on a
+// full disk.
 class FullDisk {
  public:
   FullDisk() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

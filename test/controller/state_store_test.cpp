@@ -91,7 +91,7 @@ TEST_F(Store, KeepsTheIntentToStopUntilItIsCleared) {
   EXPECT_TRUE(store.LoadStopIntent());
   ASSERT_TRUE(store.SaveStopIntent(false));
   EXPECT_FALSE(store.LoadStopIntent());
-  EXPECT_TRUE(store.SaveStopIntent(false)) << "it is gone already";
+  EXPECT_TRUE(store.SaveStopIntent(false)) << "it is removed already";
 }
 
 TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {

@@ -52,7 +52,7 @@ bool IsDocument(const SourceFile& file) {
 bool IsGuide(const SourceFile& file) {
   return file.path == "README.md" || (file.In("docs/") && file.Is(".md"));
 }
-// By people who learn the project.
+// By readers who are new to the project.
 bool IsRead(const SourceFile& file) {
   return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/");
 }

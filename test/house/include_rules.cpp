@@ -53,7 +53,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
   return table;
 }
 
-// Headers that would burden everybody who includes ours.
+// Headers that would burden all code that includes Musher's.
 bool IsHeavy(const std::string& library) {
   static const std::set<std::string> heavy = {"toml++/",   "CLI/", "SQLiteCpp/", "sqlite3.h",
                                               "nlohmann/", "fmt/", "opencv2/"};

@@ -1,7 +1,7 @@
 #pragma once
 // A client as CyberDog's manager is one: switches its modules one after the other in the order of
 // its list, each with a timeout that counts as -1, and stops at the first that gives no 0; only a
-// self-check goes on. It receives their heartbeats.
+// self-check continues. It receives their heartbeats.
 
 #include <functional>
 #include <map>

@@ -1,4 +1,4 @@
-// What ROS 2 processes see of ours: `ros2 node list`, `ros2 node info`, and what they log.
+// What ROS 2 processes see of Musher's: `ros2 node list`, `ros2 node info`, and what they log.
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // Schedules of faults drawn from seeds against a machine of three CyberDog modules and three ROS 2
-// nodes beside one actuator of ours; then quiet, and all of them are in one state. MUSHER_SEED=n
-// runs one seed and prints its scenario; MUSHER_SEEDS=n runs that many.
+// nodes beside one actuator of Musher; then no faults, and all of them are in one state.
+// MUSHER_SEED=n runs one seed and prints its scenario; MUSHER_SEEDS=n runs that many.
 
 #include <gmock/gmock.h>
 

@@ -37,7 +37,7 @@ TEST_F(SecuredApplication, ShowsItsStateToParticipantsWithKeysAlsoToObservers) {
   EXPECT_EQ(sent.exit, 0) << sent.err;
   EXPECT_EQ(sent.out, "sent go to show\n");
   const Ended looker = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
-  EXPECT_NE(looker.exit, 0) << "who may only look commands nothing";
+  EXPECT_NE(looker.exit, 0) << "an observer commands nothing";
   EXPECT_THAT(looker.err, HasSubstr("visitor may not do that"));
   const Ended unknown = As("operator", {"behavior", "shwo"});
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'show'?"));

@@ -1,6 +1,6 @@
-// Those who are of the machine, and want more than they may: an actuator of it, "spy". What its own
-// process would keep it from is switched off by a plugin that lies (lying_plugin.c): here it is the
-// others who do not listen.
+// Insiders: an actuator of the machine, "spy", that exceeds its permissions. A modified plugin
+// (lying_plugin.c) switches off the checks in its own process: here the other participants have to
+// reject it.
 
 #include "musher/test/security/secured_machine.hpp"
 

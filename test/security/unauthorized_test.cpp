@@ -1,4 +1,4 @@
-// Those who are not of the machine: without keys, with keys of another robot, with revoked ones.
+// Participants without permission: without keys, with keys of another robot, with revoked keys.
 //
 // That an unauthorized participant receives nothing is evidence only while others receive: each
 // test waits until a permitted process has received many of the samples that the unauthorized one

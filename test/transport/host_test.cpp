@@ -84,7 +84,7 @@ TEST(Pidfd, BecomesReadableWhenTheProcessEnds) {
   const auto fd = OpenPidfd(child.pid());
   ASSERT_TRUE(fd);
   pollfd watched{fd.value().get(), POLLIN, 0};
-  EXPECT_EQ(poll(&watched, 1, 0), 0) << "it lives still";
+  EXPECT_EQ(poll(&watched, 1, 0), 0) << "it still runs";
   child.Kill();
   EXPECT_EQ(poll(&watched, 1, 20000), 1);
 }
@@ -191,7 +191,7 @@ TEST(NameLock, DoesNotProveAProcessOfAnotherUser) {
   EXPECT_THAT(proven.error().message, HasSubstr("of user 65534"));
 }
 
-// The lock is another user's, even where one of ours has got hold of its descriptor.
+// The lock is another user's, even if a process of this user has its descriptor.
 TEST(NameLock, DoesNotProveAProcessThatHoldsTheNameOfAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
   constexpr uid_t kOtherUid = 65534;

@@ -16,8 +16,8 @@ class Child {
 
   enum class Output { kOurs, kNowhere, kPiped };  // kNowhere: errors too
 
-  // Starts the program argv[0] with `env` on top of ours. Ends the benchmark with a message when
-  // that fails.
+  // Starts the program argv[0] with `env` added to this environment. Ends the benchmark with a
+  // message when that fails.
   explicit Child(const std::vector<std::string>& argv, const Environment& env = {},
                  Output output = Output::kOurs);
   // SIGKILL, and waits for its end.

@@ -47,7 +47,7 @@ class ObservedController {
   MachineConfig config_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<Controller> controller_;
-  std::list<Condition> waiting_;  // on the loop; one that is true is done
+  std::list<Condition> waiting_;  // on the loop; a true condition is removed
 };
 
 // Waits for what Next() gave.

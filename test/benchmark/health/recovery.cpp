@@ -100,7 +100,7 @@ Times OfHangs(ObservedController& controller, const std::vector<Board*>& boards,
     const Time silent = FromBoard(board.checkpoint_at);
     const Time traced = comeback.backtrace();
     const Time ended = comeback.ended();
-    board.silent = false;  // not before: one that comes to itself lives on
+    board.silent = false;  // not before: an actuator that recovers is not killed
     const Time started = comeback.started();
     const Time back = comeback.back();
     const Time set_up = FromBoard(board.set_up_at);

@@ -53,7 +53,7 @@ std::map<std::string, pid_t> FindModules() {
   return found;
 }
 
-// Actuators of the fleet on a host of their own, for as long as this lives.
+// Actuators of the fleet on a host of their own, for as long as this object exists.
 class Host {
  public:
   Host(const Fleet& fleet, const std::vector<std::size_t>& actuators) {
@@ -67,8 +67,8 @@ class Host {
     child_ = std::make_unique<Child>(OnOtherHost({"/bin/sh", "-c", script + "wait"}),
                                      Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}});
   }
-  // Waits until the names of all are free. (One that is dying has no command line any more, and may
-  // still hold its name.)
+  // Waits until the names of all are free. (A process that is exiting has no command line any more,
+  // and may still hold its name.)
   ~Host() {
     child_ = nullptr;
     while (std::any_of(locks_.begin(), locks_.end(), NameLock::IsHeld)) {

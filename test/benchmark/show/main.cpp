@@ -152,7 +152,7 @@ class Show {
     AwaitState("IDLE");
     return took;
   }
-  // From the word that a face is there.
+  // From the sample with a face.
   Duration ByTarget() {
     msg::PointStamped target;
     target.header.frame_id = "camera";

@@ -49,7 +49,7 @@ msg::Image Message(world::Image image) {
   return picture;
 }
 
-// Those who are in the picture, or partly.
+// The guests in the picture, or partly in it.
 std::vector<Truth> GuestsIn(const world::World& world, const world::Camera& camera) {
   const auto from_place = world.CameraPose(0).inverse();
   const auto& lens = camera.intrinsics();
@@ -129,7 +129,7 @@ bool IsAt(const Truth& guest, const vision::FaceBox& face) {
 struct Score {
   int counted = 0;
   int found = 0;
-  int turned = 0;        // who do not look at the robot
+  int turned = 0;        // guests that do not look at the robot
   int found_turned = 0;  // and are found
   int false_finds = 0;
   std::vector<double> ratios;  // of a distance to the true one, by kFaceM

@@ -141,7 +141,7 @@ TEST_F(Service, DoesNothingWithoutAServiceManager) {
   EXPECT_THAT(socket_->Take(), IsEmpty());
 }
 
-// What has come, without signs of life.
+// The received messages, without heartbeats.
 std::vector<std::string> TakeReceived(NotifySocket& socket) {
   std::vector<std::string> messages = socket.Take();
   std::erase(messages, "WATCHDOG=1");
@@ -153,7 +153,7 @@ TEST_F(Service, DoesNotWaitForAServiceManagerThatReadsNothing) {
   Listen();
   setenv("WATCHDOG_USEC", "3000", 1);
   ServiceManager manager(loop_, config_);
-  network_.RunFor(std::chrono::seconds(5));  // far more signs of life than a socket takes
+  network_.RunFor(std::chrono::seconds(5));  // far more heartbeats than a socket accepts
   manager.Update(machine_);
   manager.StartUpEnded({true, "the machine is Active"});
   machine_.state = kLowPower;

@@ -91,7 +91,7 @@ TEST_F(CyberdogAnnouncements, TheSelfCheckIsPublishedEverySecond) {
   EXPECT_EQ(self_checks_.back().code, msg::SelfCheckStatus::kAllFine);
 }
 
-// One that takes two seconds to check itself, and one of the second stage that takes as long.
+// An actuator whose self-check takes two seconds, and one of the second stage that takes as long.
 class ASlowRobot : public CyberdogAnnouncements {
  protected:
   ASlowRobot()

@@ -8,7 +8,7 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// --- who touches it ---
+// --- touches ---
 
 TEST_F(Voices, ADoubleTapIsAnsweredWithTheChargeAtMostEveryTwoSeconds) {
   BringUp();

@@ -22,7 +22,7 @@ class EmergencyStop : public MachineByCli {
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");
     ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
   }
-  // The controller dies, its actuators go on.
+  // The controller exits, its actuators continue.
   void LoseController() {
     kill(Status()["pid"].get<pid_t>(), SIGKILL);
     EXPECT_EQ(up_->Wait().exit, 1);
@@ -83,7 +83,7 @@ TEST_F(EmergencyStop, IsLatchedByEveryActuatorAndLetsNothingGoUp) {
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("EMERGENCY STOP by "));
 }
 
-// Two panels on the wall, which go on saying "engaged", and a controller that is started again.
+// Two panels on the wall, which continue to publish "engaged", and a restarted controller.
 TEST_F(EmergencyStop, AReleasedStopStaysReleasedForTheNextControllerThoughItsPanelsLiveOn) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto panels = transport::NodeThread::Start({}).value();

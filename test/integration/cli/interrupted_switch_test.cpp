@@ -1,4 +1,4 @@
-// The controller dies in the middle of a switch that a person waits for: `musher set` waited for
+// The controller crashes in the middle of a switch that a person waits for: `musher set` waited for
 // 60 s and then blamed the next controller for not answering.
 
 #include <signal.h>

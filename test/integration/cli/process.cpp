@@ -135,7 +135,7 @@ bool AwaitNoChildren() {
   for (auto children = Children(); !children.empty(); children = Children()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     for (const pid_t child : children)
-      waitpid(child, nullptr, WNOHANG);  // orphans that are ours now
+      waitpid(child, nullptr, WNOHANG);  // orphans that are children of the test now
     std::this_thread::yield();
   }
   return true;
@@ -145,7 +145,7 @@ bool AwaitEnd(pid_t pid) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (kill(pid, 0) == 0) {
     if (std::chrono::steady_clock::now() > deadline) return false;
-    waitpid(pid, nullptr, WNOHANG);  // one that is ours now
+    waitpid(pid, nullptr, WNOHANG);  // a child of the test now
     std::this_thread::yield();
   }
   return true;

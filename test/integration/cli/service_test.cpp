@@ -16,7 +16,7 @@ class UpAsAService : public MachineByCli {
  protected:
   UpAsAService() { setenv("WATCHDOG_USEC", "300000", 1); }
 
-  // The front is the main process, so it is the one that systemd names.
+  // The launcher is the main process, so systemd names it.
   std::vector<std::string> Unit(const std::string& options = "") const {
     return {"sh", "-c",
             "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + options + config_};
@@ -94,8 +94,8 @@ TEST_F(UpAsAService, IsReadyBeforeItStopsWhereItOnlyFinishesATearDown) {
   unsetenv("RUNTIME_DIRECTORY");
 }
 
-// The watchdog sends SIGABRT to the main process, the front. What follows is as after any death of
-// the controller: systemd starts `musher up` again.
+// The watchdog sends SIGABRT to the main process, the launcher. What follows is as after any crash
+// of the controller: systemd starts `musher up` again.
 TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNext) {
   pid_t legs = 0;
   {

@@ -10,7 +10,7 @@ using ::testing::HasSubstr;
 
 class Set : public MachineByCli {
  protected:
-  // Starts the machine and waits until its second stage is there, too.
+  // Starts the machine and waits until its second stage is started, too.
   void Start() {
     up_ = std::make_unique<Process>(Command({"up", config_}));
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");

@@ -54,7 +54,7 @@ TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));
   ASSERT_NE(installer.LineWith("enter OTA"), "");
   installer.Signal(SIGINT);
-  state.reset();  // it goes on, and sees with the first bytes that it is to end
+  state.reset();  // it continues, and detects with the first bytes that it is to end
   const Ended ended = installer.Wait();
   EXPECT_EQ(ended.exit, 130) << ended.err;
   EXPECT_EQ(Where(), "Active from a");

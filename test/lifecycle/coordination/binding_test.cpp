@@ -1,4 +1,4 @@
-// binds_to: an actuator is suspended while one that it needs is not up.
+// binds_to: an actuator is suspended while an actuator that it needs is not up.
 
 #include <gmock/gmock.h>
 
@@ -131,7 +131,7 @@ TEST_F(Binding, OfTwoToEachOtherKeepsNeitherDownForEver) {
 }
 
 TEST_F(Binding, AHungActuatorTakesItsDependentsDownToo) {
-  MachineConfig config = MachineOf(2);  // not ours to restart
+  MachineConfig config = MachineOf(2);  // without a command: the controller cannot restart them
   ActuatorNamed(config, "b").binds_to = {"a"};
   Harness& t = In("Active", config);
   t.Find("a", Health::kHung);

@@ -1,5 +1,5 @@
-// A hung process gets a backtrace, is killed and restarted where it is ours, and is listed where
-// not.
+// A hung process gets a backtrace, is killed and restarted if this controller has started it, and
+// is listed where not.
 
 #include <gmock/gmock.h>
 

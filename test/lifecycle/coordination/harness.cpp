@@ -108,7 +108,7 @@ void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
                     restarted});
 }
 
-// A disk thread that died with the controller's process does not answer the next one.
+// A disk thread that ended with the controller's process does not answer the next one.
 template <class T>
 void Harness::Save(Stored what, std::uint64_t save, T& stored, T value) {
   const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {

@@ -141,7 +141,7 @@ TEST_F(Recovery, AnExplicitOnLostAppliesToANonCriticalActuator) {
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "LowPower");
-  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "a person may go on";
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "an operator may continue";
 }
 
 TEST_F(Recovery, TheFlowOfTheConfigForbidsNoFallback) {

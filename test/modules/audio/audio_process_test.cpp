@@ -186,7 +186,7 @@ TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
 TEST_F(AudioManagerProcess, UsesTheWorldsClockAndAnswersAfterTenSecondsOfIt) {
   StartInAWorld("output = \"silent\"\n" + kPhrases);
   world_step_ = Milliseconds(10);
-  EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world goes on";
+  EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world's time advances";
   world_step_ = Duration::zero();
   std::string text;
   for (int i = 0; i < 150; ++i) text += "word ";

@@ -128,7 +128,8 @@ TEST_F(CamerasTest, LoseAnUnpluggedCameraAndContinueWithTheOthersUntilItIsBack) 
   Run(Milliseconds(100));
   EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4412"), "0 left: receiving pictures again"));
   ASSERT_THAT(left, SizeIs(1));
-  EXPECT_NE(left[0].header.stamp, msg::Stamp{}) << "a device's pictures get ours";
+  EXPECT_NE(left[0].header.stamp, msg::Stamp{})
+      << "a device's pictures get the stamp of this process";
 }
 
 TEST_F(CamerasTest, LogAVideoThatEnds) {

@@ -54,7 +54,7 @@ TEST(Reaper, KillsChildrenAndGrandchildrenWhenTheParentIsKilled) {
 enum class Moment { kForked, kExecuted };
 
 // Runs a process that has a reaper and starts a program, kills it by SIGKILL at that point of the
-// start, and lets the program go on. Returns the program's pid; 0: processes cannot be traced
+// start, and lets the program continue. Returns the program's pid; 0: processes cannot be traced
 // here.
 pid_t KillTheParentAt(Moment moment) {
   const pid_t parent = fork();

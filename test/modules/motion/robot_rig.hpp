@@ -29,7 +29,7 @@ struct Ran {
 // Runs a program of this build with these arguments, to its end.
 Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments);
 
-// Starts it and goes on.
+// Starts it and does not wait.
 pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments);
 // Ends it by this signal; its exit code, or minus the signal.
 int End(pid_t pid, int signal);

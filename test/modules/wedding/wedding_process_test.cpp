@@ -102,7 +102,7 @@ TEST_F(WeddingProcess, StaysStoppedForOneCameraThoughAnotherReportsNoGuestTooClo
   const std::size_t states = states_.size();
   ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 5; })) << "1 s";
   EXPECT_EQ(states_.back(), "SAFE_STOP");
-  too_close_.reset();  // this camera goes; one that comes after it takes its place
+  too_close_.reset();  // this camera exits; its successor replaces it
   side.reset();
   side = Publisher<msg::Bool>("wedding/perception/too_close");
   ASSERT_TRUE(peer_.Until([&] { return side->MatchedReaders() == 1; }));
@@ -207,7 +207,7 @@ TEST_F(WeddingProcess, SurvivesTenThousandCommandsAtOnce) {
     Face();
     ASSERT_TRUE(gesture_->Publish({"v"}));
   });
-  ASSERT_TRUE(AwaitPose("v_sign")) << "it goes on as before";
+  ASSERT_TRUE(AwaitPose("v_sign")) << "it continues as before";
   EXPECT_LT(peer_.Output().size(), 20'000) << "and has not filled the disk";
 }
 
