@@ -86,7 +86,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     msg::ActuatorInfo info;
     info.name = config.actuators[i].name;
     info.state = record.state();
-    info.target = record.order ? record.order->target : record.report.target;
+    info.target = record.command ? record.command->target : record.report.target;
     info.presence = PresenceName(record.presence);
     info.pid = record.process != 0 ? record.process
                : record.presence == Presence::kPresent || record.presence == Presence::kStarting

@@ -15,8 +15,8 @@ void Decision::On(const event::StatusSeen& seen) {
     if (report.stamp < record.report.stamp) return;
     Accept(seen.actuator, report);
     // The latched status carries the outcome like the reply, and remains when the reply is lost.
-    if (record.order && report.outcome_number == record.order->number) {
-      EndOrder(seen.actuator, EvaluateReport(seen.actuator, *record.order));
+    if (record.command && report.outcome_number == record.command->number) {
+      EndCommand(seen.actuator, EvaluateReport(seen.actuator, *record.command));
     }
     return;
   }

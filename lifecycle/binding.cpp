@@ -29,7 +29,7 @@ bool Decision::Suffices(std::size_t needed, std::size_t i) const {
   if (!IsUp(needed)) return false;
   std::vector<bool> seen(machine_.actuators.size(), false);
   if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
-  return !Of(needed).order && Of(needed).state() == machine_.state;
+  return !Of(needed).command && Of(needed).state() == machine_.state;
 }
 
 // An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
@@ -52,7 +52,7 @@ bool Decision::SuspendAndResume() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     const bool free =
-        record.presence == Presence::kPresent && !record.order && !record.report.busy();
+        record.presence == Presence::kPresent && !record.command && !record.report.busy();
     if (!free || !record.checked) continue;
     std::vector<bool> seen(machine_.actuators.size(), false);
     seen[i] = true;

@@ -5,7 +5,7 @@
 //
 // In layers, each in its own file:
 //   arriving.cpp   an actuator publishes its status, and this controller takes control of it
-//   orders.cpp     one command to one actuator, with a definite outcome
+//   commands.cpp   one command to one actuator, with a definite outcome
 //   switching.cpp  a switch: legs in the order of the plan, rollback
 //   switch_end.cpp the effects of a switch that has ended, and its result
 //   waiting.cpp    a request that waits until a late actuator is free

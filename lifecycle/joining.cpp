@@ -12,7 +12,7 @@ bool Decision::DriveLateOnes() {
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
-    const bool free = record.presence == Presence::kPresent && !record.order &&
+    const bool free = record.presence == Presence::kPresent && !record.command &&
                       !record.report.busy() && record.health != Health::kHung && !record.given_up &&
                       !record.restart_requested;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
@@ -104,23 +104,23 @@ void Decision::Join(std::size_t i) {
 }
 
 // The end of a command that was not part of a switch.
-void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
+void Decision::EndJoin(std::size_t i, const PendingCommand& command, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
   if (record.restart_requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
-    record.due = order.target == kSelfCheck || record.state() != PlaceOf(i);
+    record.due = command.target == kSelfCheck || record.state() != PlaceOf(i);
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
   Degrade(i, end.code,
-          order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
+          command.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
           record.cause);
   FallBack(i);
 }
 
 // Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
 // that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
-void Decision::EndTornDown(std::size_t i, const OrderEnd& end) {
+void Decision::EndTornDown(std::size_t i, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
   const bool ends_itself =
       end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;

@@ -46,14 +46,14 @@ std::string_view PresenceName(Presence presence);
 
 // One command under way to one actuator. It ends with a definite outcome: a reply, or, past the
 // deadline, the answer to the query for its outcome, or no answer at all (lost).
-struct Order {
+struct PendingCommand {
   std::uint64_t number = 0;
   State target;
   Time sent{};
   Time deadline{};  // of the reply; once queried, of the answer
   int queries = 0;  // how often the outcome was queried
 
-  friend bool operator==(const Order&, const Order&) = default;
+  friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
 };
 
 struct ActuatorRecord {
@@ -81,9 +81,9 @@ struct ActuatorRecord {
   bool held = false;                       // detached by SetState(actuator, state)
   bool due = false;            // to be driven to the state of the machine, as soon as it is free
   std::optional<Error> fault;  // why it is degraded
-  std::optional<Error> tolerated;  // a failure of its last self-check that is not critical
-  std::optional<Order> order;      // the command under way
-  std::uint64_t cause = 0;         // the record that says why it is degraded, lost or back
+  std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
+  std::optional<PendingCommand> command;  // the command under way
+  std::uint64_t cause = 0;                // the record that says why it is degraded, lost or back
 
   Health health = Health::kWell;
   int restarts = 0;                // of its process, in a row

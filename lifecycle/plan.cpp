@@ -80,7 +80,7 @@ class Planning {
     }
     // An actuator that is switching is checked again from the state it reaches.
     const bool on_its_way =
-        plan_.only && machine_.actuators[*plan_.only].order && !machine_.current;
+        plan_.only && machine_.actuators[*plan_.only].command && !machine_.current;
     const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
       return Error{kCodeStateInvalid, subject + " cannot go from " + plan_.from + " to " + target +
@@ -127,7 +127,7 @@ class Planning {
   void NoteBusy(std::size_t i, const std::string& how) {
     const ActuatorRecord& record = machine_.actuators[i];
     if (busy_.empty()) busy_ = config_.actuators[i].name + " " + how;
-    const auto end = record.order ? record.order->deadline : record.free_by;
+    const auto end = record.command ? record.command->deadline : record.free_by;
     busy_ends_ = busy_ends_ && end.has_value() && !machine_.current;
     free_by_ = std::max(free_by_, end.value_or(free_by_));
   }
@@ -154,7 +154,7 @@ class Planning {
                                      List(actuator.states));
     } else if (record.restart_requested) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
-    } else if (record.report.busy() || record.order) {
+    } else if (record.report.busy() || record.command) {
       NoteBusy(i, "is busy with " + BusyWith(record));
     } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
       RefuseWith(kCodeStateInvalid, actuator.name +
@@ -182,7 +182,7 @@ class Planning {
   }
 
   static State BusyWith(const ActuatorRecord& record) {
-    return record.order ? record.order->target : record.report.target;
+    return record.command ? record.command->target : record.report.target;
   }
 
   void AddStep(std::size_t i) {
@@ -218,12 +218,12 @@ class Planning {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
     } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
-    } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
+    } else if (!checking && IsThere(record) && !record.report.busy() && !record.command) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
     } else if (!checking && Unknown(actuator, record)) {
       leave_out("has not answered " + record.report.target + " and cannot be queried",
                 kCodeTargetBusy, true);
-    } else if (up && !machine_.current && (record.report.busy() || record.order)) {
+    } else if (up && !machine_.current && (record.report.busy() || record.command)) {
       step.note = "is still busy with " + BusyWith(record);
       NoteBusy(i, step.note);
     }
@@ -232,7 +232,7 @@ class Planning {
 
   // A late actuator in its first self-check is left out, unless the machine is ended.
   bool Joining(const ActuatorRecord& record) const {
-    return record.order && record.order->target == kSelfCheck && !machine_.current &&
+    return record.command && record.command->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
   }
 
@@ -258,7 +258,7 @@ class Planning {
   // Overdue, with a protocol that has no query: nothing more is sent to it until it answers.
   static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
     return actuator.protocol == Protocol::kCyberdog && record.fault && record.report.busy() &&
-           !record.order;
+           !record.command;
   }
 
   // In a state with a rank, not in a step of a start or in Error.

@@ -311,7 +311,7 @@ void Decision::EndForRestart(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0) return Recover(i);
-  const bool can_be_commanded = record.presence == Presence::kPresent && !record.order &&
+  const bool can_be_commanded = record.presence == Presence::kPresent && !record.command &&
                                 !record.report.busy() && !machine_.current &&
                                 record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
                                 record.state() != kTearDown;
@@ -330,7 +330,7 @@ void Decision::AnswerRestarts(std::size_t i) {
   const bool may_go_on = record.due && !machine_.emergency_stop;
   const bool driven =
       ((Fits(i) || record.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
-  const bool there = record.presence == Presence::kPresent && !record.order && driven;
+  const bool there = record.presence == Presence::kPresent && !record.command && driven;
   if (!ended && !there && !record.fault) return;
   Result<> answer;
   if (record.fault) {

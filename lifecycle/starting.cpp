@@ -255,7 +255,7 @@ bool Decision::StageSettled(int stage) const {
     const ActuatorRecord& record = Of(i);
     if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
     const bool joined =
-        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.order;
+        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.command;
     if (!joined) return false;
   }
   return true;

@@ -219,8 +219,8 @@ SwitchResult Decision::StopResult() {
 // The budget is used up while an actuator has not answered TearDown.
 void Decision::EndUnfinished() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    if (Of(i).order)
-      EndOrder(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
+    if (Of(i).command)
+      EndCommand(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
   }
   for (Leg& leg : machine_.current->legs) {
     if (leg.progress != Leg::Progress::kWaiting) continue;

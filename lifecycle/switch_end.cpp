@@ -20,8 +20,9 @@ int Badness(const Leg& leg, bool critical) {
 
 // A self-check that fails with a code that is not critical counts as passed, and the actuator is
 // degraded.
-OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& end) {
-  if (order.target != kSelfCheck) return end;
+CommandResult Decision::Tolerate(std::size_t i, const PendingCommand& command,
+                                 const CommandResult& end) {
+  if (command.target != kSelfCheck) return end;
   Of(i).tolerated.reset();
   const auto& critical = ConfigOf(i).critical_codes;
   const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&

@@ -247,8 +247,9 @@ std::string Checker::PendingActivity(const Machine& machine, std::size_t i) cons
   const ActuatorRecord& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
-  if (r.fault && !r.order && !r.restart_at && r.terminating == 0 && !r.restart_requested) return {};
-  if (r.order) return "has a command to " + r.order->target;
+  if (r.fault && !r.command && !r.restart_at && r.terminating == 0 && !r.restart_requested)
+    return {};
+  if (r.command) return "has a command to " + r.command->target;
   if (r.restart_at || r.restart_requested) return "is to be restarted";
   if (r.terminating != 0 || r.kill_at) return "is to be killed";
   if (r.free_by) return "is busy with the callback that it was found in";

@@ -54,7 +54,7 @@ void CyberdogLink::OnLost() {
 }
 
 void CyberdogLink::Drive() {
-  client_->Call({order()->target}, kCallTimeout,
+  client_->Call({pending()->target}, kCallTimeout,
                 [this, call = ++call_](const Result<msg::FsMachine::Response>& reply) {
                   if (call == call_) OnReply(reply);
                 });
@@ -99,7 +99,7 @@ void CyberdogLink::Watch(Time until) {
 // By the clock, not by counting: a heartbeat only stores the time, and the watch checks it once.
 void CyberdogLink::OnSilence() {
   Time until = last_sign_ + kSilence;
-  if (order()) until = std::max(until, order()->deadline);
+  if (pending()) until = std::max(until, pending()->deadline);
   if (Now() < until) return Watch(until);
   watch_ = nullptr;
   silent_ = true;

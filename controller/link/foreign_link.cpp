@@ -82,7 +82,7 @@ void ForeignLink::Appear(transport::PeerId server) {
 
 void ForeignLink::Forget() {
   server_ = 0;
-  order_.reset();
+  pending_.reset();
   waiting_.reset();
   OnLost();
 }
@@ -95,7 +95,7 @@ void ForeignLink::Take(const SwitchCommand& command) {
     return Refuse(command.number, kCodeUnSupport,
                   actuator().name + " has no state '" + command.target + "' to be switched to");
   }
-  if (!order_) return Begin(command);
+  if (!pending_) return Begin(command);
   if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
     Refuse(older->command.number, kCodeTargetBusy,
            "replaced by command " + std::to_string(command.number));
@@ -110,22 +110,22 @@ void ForeignLink::Take(const QueryCommand& command) {
     const auto fenced = *std::exchange(waiting_, std::nullopt);
     Refuse(fenced.command.number, kCodeTimeout, "not started by its deadline; cancelled");
   }
-  if (order_ && command.stop) {
-    order_->stopped = true;
-    if (order_->number == command.number) order_->queried = true;
+  if (pending_ && command.stop) {
+    pending_->stopped = true;
+    if (pending_->number == command.number) pending_->queried = true;
   }
   Inquire(command);
 }
 
 void ForeignLink::Begin(const SwitchCommand& command) {
-  order_ = Order{command.number, command.target, Now() + command.budget, false, false};
+  pending_ = PendingCommand{command.number, command.target, Now() + command.budget, false, false};
   report_.target = command.target;
   report_.busy_number = command.number;
   Drive();
 }
 
 void ForeignLink::BeginSetUp(Duration budget) {
-  order_ = Order{0, State(kSetUp), Now() + budget, false, false};
+  pending_ = PendingCommand{0, State(kSetUp), Now() + budget, false, false};
   report_.target = State(kSetUp);
   report_.busy_number = 0;
   Drive();
@@ -140,8 +140,8 @@ void ForeignLink::BeginWaiting() {
   Begin(next->command);
 }
 
-void ForeignLink::DropOrder() {
-  order_.reset();
+void ForeignLink::DropPending() {
+  pending_.reset();
   report_.target.clear();
   report_.busy_number = 0;
   ReportStatus();
@@ -149,7 +149,7 @@ void ForeignLink::DropOrder() {
 }
 
 void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& message) {
-  const Order ended = *std::exchange(order_, std::nullopt);
+  const PendingCommand ended = *std::exchange(pending_, std::nullopt);
   report_.target.clear();
   report_.busy_number = 0;
   if (verdict != Verdict::kRefused) {

@@ -35,7 +35,7 @@ class ForeignLink : public ActuatorLink {
 
  protected:
   // The command that is under way.
-  struct Order {
+  struct PendingCommand {
     std::uint64_t number = 0;  // 0: SetUp, which is not commanded
     State target;
     Time deadline{};
@@ -51,7 +51,7 @@ class ForeignLink : public ActuatorLink {
   virtual void OnAppeared() = 0;
   // The process is lost, and with it the command under way.
   virtual void OnLost() = 0;
-  // Executes order(); to end with End().
+  // Executes pending(); to end with End().
   virtual void Drive() = 0;
   // Queries the state of the process; to end with AnswerQuery(), or without an answer.
   virtual void Inquire(const QueryCommand& query) = 0;
@@ -63,7 +63,7 @@ class ForeignLink : public ActuatorLink {
   // The command has ended. Begins the waiting command.
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   // The command had not begun, and the coordinator does not wait for it any more.
-  void DropOrder();
+  void DropPending();
   void AnswerQuery(std::uint64_t number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
   void ReportStatus();
   void ReportVanished(const std::string& how);
@@ -71,8 +71,8 @@ class ForeignLink : public ActuatorLink {
   bool there() const { return server_ != 0; }
   bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
   transport::PeerId server() const { return server_; }
-  std::optional<Order>& order() { return order_; }
-  const std::optional<Order>& order() const { return order_; }
+  std::optional<PendingCommand>& pending() { return pending_; }
+  const std::optional<PendingCommand>& pending() const { return pending_; }
   bool has_waiting() const { return waiting_.has_value(); }
   ActuatorReport& report() { return report_; }
   const ActuatorReport& report() const { return report_; }
@@ -112,7 +112,7 @@ class ForeignLink : public ActuatorLink {
   transport::PeerId server_ = 0;            // the current process; 0: none
   std::vector<transport::PeerId> servers_;  // all that offer the service
   std::set<transport::PeerId> ended_;       // the servers whose process has exited
-  std::optional<Order> order_;
+  std::optional<PendingCommand> pending_;
   std::optional<Waiting> waiting_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for work that is posted
 };

@@ -81,7 +81,7 @@ void Ros2Link::OnLost() {
 void Ros2Link::Drive() {
   steps_done_ = 0;
   // A command that needs no transition is not done before get_state confirms the state.
-  if (order()->target == kSelfCheck || known_ == GoalOf(order()->target)) return Look();
+  if (pending()->target == kSelfCheck || known_ == GoalOf(pending()->target)) return Look();
   Proceed();
 }
 
@@ -104,8 +104,8 @@ void Ros2Link::OnQueryUnanswered(std::uint64_t number) {
 bool Ros2Link::MayBeInCallback() const {
   if (!step_) return false;
   const auto checkpoint = actuator().checkpoint;
-  const bool set_up = order() && order()->number == 0;  // the coordinator limits its time
-  return !checkpoint || !order() || set_up || Now() < order()->deadline + *checkpoint;
+  const bool set_up = pending() && pending()->number == 0;  // the coordinator limits its time
+  return !checkpoint || !pending() || set_up || Now() < pending()->deadline + *checkpoint;
 }
 
 void Ros2Link::AnswerQueries() {
@@ -132,7 +132,7 @@ void Ros2Link::OnLooked(Ros2State state) {
     return AnswerQueries();
   }
   const Ros2State before = std::exchange(known_, state);
-  if (order()) {
+  if (pending()) {
     OnLookedWhileDriving();
     if (revived) ReportStatus();
   } else if (before == Ros2State::kUnknown) {
@@ -167,9 +167,9 @@ void Ros2Link::OnLookedWhileDriving() {
                   std::string(step.name) + " failed; " + Is(known_) + " now");
   }
   // It may not have begun yet. The coordinator does not query a superseded command.
-  const bool over = order()->queried || order()->stopped || Now() >= order()->deadline;
+  const bool over = pending()->queried || pending()->stopped || Now() >= pending()->deadline;
   if (!over) return LookAt(Now() + kLookPeriod);
-  if (order()->number == 0) return BeginSetUp(kSetUpTimeout);
+  if (pending()->number == 0) return BeginSetUp(kSetUpTimeout);
   stray_ = true;
   if (steps_done_ > 0) {
     return Finish(Verdict::kFailed, kCodeTimeout,
@@ -178,7 +178,7 @@ void Ros2Link::OnLookedWhileDriving() {
   step_.reset();
   ++era_;
   look_ = nullptr;
-  DropOrder();
+  DropPending();
 }
 
 void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
@@ -212,7 +212,7 @@ void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::Sampl
       return;  // event of an earlier step
     step_over_ = true;
     LookAt(Now() + kReplyGrace);
-  } else if (!order() && known_ != Ros2State::kUnknown && to != known_) {
+  } else if (!pending() && known_ != Ros2State::kUnknown && to != known_) {
     Look();
   }
 }
@@ -220,7 +220,7 @@ void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::Sampl
 void Ros2Link::Proceed() {
   const Ros2State goal = GoalNow();
   if (known_ == goal) return Finish(Verdict::kDone);
-  if (order()->stopped || has_waiting()) {
+  if (pending()->stopped || has_waiting()) {
     return Finish(Verdict::kFailed, kCodeTimeout, "stopped on its way; " + Is(known_));
   }
   const auto step = NextTransition(known_, goal);
@@ -234,7 +234,7 @@ void Ros2Link::Proceed() {
 // For the command under way. A SelfCheck keeps the primary state, unless the node has left its
 // configuration.
 Ros2State Ros2Link::GoalNow() const {
-  if (order()->target != kSelfCheck) return GoalOf(order()->target);
+  if (pending()->target != kSelfCheck) return GoalOf(pending()->target);
   const State& at = report().state;
   const bool may_stay = known_ == Ros2State::kInactive || known_ == Ros2State::kActive ||
                         (at != machine().default_state && known_ == GoalOf(at));
@@ -251,7 +251,7 @@ void Ros2Link::Transit(const Ros2Transition& step) {
                   if (era == era_) return OnChanged(reply);
                   if (!stray_) return;
                   strayed_ = true;
-                  if (!order()) Look();
+                  if (!pending()) Look();
                 });
 }
 

@@ -10,10 +10,10 @@
 namespace musher::recording {
 
 template <>
-inline constexpr std::tuple kFields<Order> = {
-    Field{"number", &Order::number}, Field{"target", &Order::target},
-    Field{"sent", &Order::sent},     Field{"deadline", &Order::deadline},
-    Field{"asked", &Order::queries},
+inline constexpr std::tuple kFields<PendingCommand> = {
+    Field{"number", &PendingCommand::number}, Field{"target", &PendingCommand::target},
+    Field{"sent", &PendingCommand::sent},     Field{"deadline", &PendingCommand::deadline},
+    Field{"asked", &PendingCommand::queries},
 };
 
 template <>
@@ -36,7 +36,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"due", &ActuatorRecord::due},
     Field{"fault", &ActuatorRecord::fault},
     Field{"tolerated", &ActuatorRecord::tolerated},
-    Field{"order", &ActuatorRecord::order},
+    Field{"order", &ActuatorRecord::command},
     Field{"cause", &ActuatorRecord::cause},
     Field{"health", &ActuatorRecord::health},
     Field{"restarts", &ActuatorRecord::restarts},

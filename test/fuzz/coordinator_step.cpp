@@ -60,7 +60,7 @@ class Harness {
         return harness_.Feed(
             event::StatusSeen{i, AnyReport(input_, record.report, harness_.now())});
       case 3: {
-        const std::uint64_t number = record.order ? record.order->number : record.report.number;
+        const std::uint64_t number = record.command ? record.command->number : record.report.number;
         const auto verdict = transport::VerdictFrom(input_.Byte());
         return harness_.Feed(
             event::Replied{i, input_.Bool() ? number : input_.Take<std::uint64_t>(), input_.Bool(),

@@ -70,7 +70,7 @@ TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
   machine_.actuators[1].report.target.clear();
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeOk);
-  machine_.actuators[1].order = Order{};
+  machine_.actuators[1].command = PendingCommand{};
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 
@@ -151,7 +151,7 @@ TEST_F(Plans, UpAreRefusedForALostCriticalActuatorButNotForAStartingOne) {
 }
 
 TEST_F(Plans, LeaveOutALateActuatorInItsFirstCheckUnlessTheMachineEnds) {
-  machine_.actuators[0].order = Order{1, State(kSelfCheck), {}, {}, 0};
+  machine_.actuators[0].command = PendingCommand{1, State(kSelfCheck), {}, {}, 0};
   EXPECT_EQ(To(kLowPower).steps[0].note, "is still starting");
   EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
   EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);

@@ -60,7 +60,7 @@ class Mixer {
     Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
   }
   void One(const EmergencyStop& stop) { Add(stop.id); }
-  void One(const Order& o) { Add(o.number, o.target, o.deadline, o.queries); }
+  void One(const PendingCommand& o) { Add(o.number, o.target, o.deadline, o.queries); }
   void One(const Leg& l) {
     Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);
   }
@@ -120,7 +120,7 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
             r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due,
-            r.fault.has_value(), r.tolerated.has_value(), r.order, r.health, r.restarts,
+            r.fault.has_value(), r.tolerated.has_value(), r.command, r.health, r.restarts,
             r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.terminating,
             r.terminate_at, r.kill_at, r.killed, r.suspended, r.outbid_at, r.blocked, r.free_by);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));

@@ -32,8 +32,9 @@ bool IsKnown(const World& world, const ActuatorRecord& record, const ActuatorRep
 // Whether the controller awaits the end of the command in the report, which brings a newer report,
 // and nothing else can happen before.
 bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  return world.faults_left == 0 && record.presence == Presence::kPresent && record.order &&
-         record.order->number == report.number && record.order->number != report.outcome_number &&
+  return world.faults_left == 0 && record.presence == Presence::kPresent && record.command &&
+         record.command->number == report.number &&
+         record.command->number != report.outcome_number &&
          record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
          StopIsKnown(world, report);
 }
@@ -42,7 +43,7 @@ bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorR
 bool IsOver(const World& world, const SimActuator& actuator, const ActuatorRecord& record,
             const event::Replied& reply) {
   const bool waited =
-      (record.order && record.order->number == reply.number) || record.take_control_again;
+      (record.command && record.command->number == reply.number) || record.take_control_again;
   const bool published = actuator.status_due &&
                          HasSameContent(actuator.core.report, reply.report) &&
                          actuator.core.report.emergency_stop == reply.report.emergency_stop;

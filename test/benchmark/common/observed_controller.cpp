@@ -133,7 +133,7 @@ bool IsThere(const Machine& machine, std::size_t actuator) {
   const ActuatorRecord& record = machine.actuators[actuator];
   return machine.phase == Phase::kRunning && !machine.current &&
          record.presence == Presence::kPresent && record.state() == machine.state &&
-         record.health == Health::kWell && record.checked && !record.due && !record.order;
+         record.health == Health::kWell && record.checked && !record.due && !record.command;
 }
 
 ObservedController::Condition IsOnRecord(std::size_t actuator, Health health) {

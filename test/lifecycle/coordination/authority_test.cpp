@@ -124,7 +124,7 @@ TEST_F(Authority, AReplyThatContradictsTheReportedStateIsAFailure) {
   const RequestId request = t.RequestSwitch("Active");
   ActuatorReport report = t.CoreOf("b").report;
   report.stamp = t.now();
-  t.Feed(event::Replied{1, t.RecordOf("b").order->number, false, Verdict::kDone, 0, "", report});
+  t.Feed(event::Replied{1, t.RecordOf("b").command->number, false, Verdict::kDone, 0, "", report});
   t.Rest();
   const SwitchResult& result = t.answers.at(request);
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
@@ -136,7 +136,7 @@ TEST_F(Authority, AStatusThatContradictsItsOutcomeIsAFailure) {
   Harness& t = In("Protected");
   const RequestId request = t.RequestSwitch("Active");
   Say(t, "b", [&](ActuatorReport& report) {
-    report.outcome_number = t.RecordOf("b").order->number;
+    report.outcome_number = t.RecordOf("b").command->number;
     report.outcome_code = kCodeOk;
   });
   t.Rest();
@@ -218,7 +218,8 @@ TEST_F(Authority, AnAnswerOfAnotherProcessIsIgnored) {
   ActuatorReport report = t.CoreOf("b").report;
   report.incarnation += 1;
   report.state = "LowPower";
-  t.Feed(event::Replied{1, t.RecordOf("b").order->number, false, Verdict::kFailed, 5, "", report});
+  t.Feed(
+      event::Replied{1, t.RecordOf("b").command->number, false, Verdict::kFailed, 5, "", report});
   t.Rest();
   EXPECT_TRUE(t.answers.at(request).done());
 }

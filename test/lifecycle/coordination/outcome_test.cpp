@@ -14,11 +14,11 @@ class Outcomes : public OneController {
     Do(event::SetStateRequested{++request_, target, std::move(actuator)});
   }
   void Fail(std::size_t i, std::int32_t code) {
-    const Order order = Of(i).order.value();
+    const PendingCommand command = Of(i).command.value();
     ActuatorReport report = Report(i, Of(i).state());
-    report.number = report.outcome_number = order.number;
+    report.number = report.outcome_number = command.number;
     report.outcome_code = code;
-    Do(event::Replied{i, order.number, false, Verdict::kFailed, code, "it stumbled", report});
+    Do(event::Replied{i, command.number, false, Verdict::kFailed, code, "it stumbled", report});
   }
   SwitchResult Result() {
     for (const auto& answer : Did<action::AnswerSetState>()) {
@@ -55,7 +55,7 @@ TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayGoOn) {
   Of(0).fault = Of(1).fault = Error{kCodeFailed, "it was degraded before"};
   RequestSwitch("Active");
   Fail(1, 5001);
-  EXPECT_TRUE(Of(2).order);
+  EXPECT_TRUE(Of(2).command);
   Obey(2);
   EXPECT_EQ(Result().actuators[0].message, "needs b, which failed");
   EXPECT_EQ(machine_.state, kActive);
@@ -128,9 +128,9 @@ TEST_F(Outcomes, OfASupersededSwitchNameTheActuatorsUnderWayAndNotCommanded) {
   EXPECT_EQ(result.code, kCodeTargetBusy);
   EXPECT_EQ(result.actuators[0].message, "was under way");
   EXPECT_EQ(result.actuators[1].message, "nothing was sent");
-  EXPECT_FALSE(Of(0).order) << "it comes after b on the way down";
-  ASSERT_TRUE(Of(1).order);
-  EXPECT_EQ(Of(1).order->target, "Error");
+  EXPECT_FALSE(Of(0).command) << "it comes after b on the way down";
+  ASSERT_TRUE(Of(1).command);
+  EXPECT_EQ(Of(1).command->target, "Error");
 }
 
 TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingActuatorSkipped) {
@@ -191,7 +191,7 @@ TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {
   RequestSwitch("Active");
   Obey(0);
   Fail(1, 5001);
-  ASSERT_TRUE(Of(1).order) << "the reverse order";
+  ASSERT_TRUE(Of(1).command) << "the reverse order";
   ActuatorReport report = Report(0);
   report.incarnation += 100;
   report.epoch = 0;
@@ -199,7 +199,7 @@ TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {
   report.epoch = machine_.epoch;
   Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
   Obey(1);
-  EXPECT_EQ(Of(0).order.value().target, "SelfCheck");
+  EXPECT_EQ(Of(0).command.value().target, "SelfCheck");
   ObeyAll();
   EXPECT_FALSE(Of(0).fault);
   EXPECT_EQ(Of(0).state(), "LowPower");
@@ -227,8 +227,8 @@ TEST_F(Outcomes, TheNameOfAnUnknownActuatorIsShortened) {
 TEST_F(Outcomes, AContradictingStateIsShortened) {
   StartUp();
   RequestSwitch("LowPower");
-  const Order order = Of(0).order.value();
-  Do(event::Replied{0, order.number, false, Verdict::kDone, kCodeOk, "",
+  const PendingCommand command = Of(0).command.value();
+  Do(event::Replied{0, command.number, false, Verdict::kDone, kCodeOk, "",
                     Report(0, std::string(100, 'x'))});
   EXPECT_NE(RecordWith("a: LowPower failed").message.find(" " + std::string(64, 'x')),
             std::string::npos);

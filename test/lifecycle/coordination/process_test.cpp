@@ -207,9 +207,9 @@ TEST_F(ForeignProcesses, ThatHangAreNotDrivenAfterTheMachine) {
   Of(0).report.state = State(kLowPower);
   Of(0).due = true;
   Do(event::TimePassed{});
-  EXPECT_FALSE(Of(0).order);
+  EXPECT_FALSE(Of(0).command);
   Do(event::HealthChanged{0, kFirst, Health::kWell, false, "its work goes on"});
-  EXPECT_EQ(Of(0).order.value().target, kActive);
+  EXPECT_EQ(Of(0).command.value().target, kActive);
 }
 
 TEST_F(ForeignProcesses, ThatAreHeldAreNoLongerWhenTheyAreLost) {

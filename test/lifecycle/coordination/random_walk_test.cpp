@@ -200,7 +200,7 @@ class Walk {
     for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
       const ActuatorRecord& record = machine.actuators[i];
       const std::string& name = t_.config().actuators[i].name;
-      EXPECT_FALSE(record.order) << name;
+      EXPECT_FALSE(record.command) << name;
       EXPECT_FALSE(record.restart_requested) << name;
       EXPECT_FALSE(record.kill_at) << name;
       EXPECT_EQ(record.terminating, 0) << name;

@@ -110,7 +110,7 @@ TEST_F(Recovery, ACriticalActuatorOutOfRestartsTakesTheMachineToItsOnLostAndNotB
 TEST_F(Recovery, ACriticalActuatorThatCrashesWhileItJoinsIsOnlyRestarted) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Crash("b");
-  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").order.has_value(); }));
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").command.has_value(); }));
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");

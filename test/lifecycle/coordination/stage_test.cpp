@@ -76,7 +76,7 @@ TEST_F(Stages, ACriticalActuatorOfTheFirstStageThatFailsItsCheckEndsTheStart) {
   Begin();
   Come(0);
   Come(1);
-  Do(event::Replied{0, Of(0).order->number, false, Verdict::kFailed, 5009, "no", Report(0)});
+  Do(event::Replied{0, Of(0).command->number, false, Verdict::kFailed, 5009, "no", Report(0)});
   Obey(1);
   EXPECT_EQ(machine_.phase, Phase::kFailed);
 }
@@ -87,7 +87,7 @@ TEST_F(Stages, ANonCriticalActuatorThatFailsOnItsWayToActiveDoesNotUndoTheStart)
   Come(1);
   Obey(0);
   Obey(1);
-  Do(event::Replied{0, Of(0).order->number, false, Verdict::kFailed, 5001, "no",
+  Do(event::Replied{0, Of(0).command->number, false, Verdict::kFailed, 5001, "no",
                     Report(0, "SelfCheck")});
   Obey(1);
   EXPECT_EQ(machine_.state, kActive);
@@ -114,7 +114,7 @@ TEST_F(Stages, APresentActuatorThatFailedItsCheckDoesNotTakeTheMachineDown) {
   Come(0);
   Come(1);
   Obey(0);
-  Do(event::Replied{1, Of(1).order->number, false, Verdict::kFailed, 5009, "no", Report(1)});
+  Do(event::Replied{1, Of(1).command->number, false, Verdict::kFailed, 5009, "no", Report(1)});
   Obey(0);
   EXPECT_EQ(machine_.state, kActive);
   EXPECT_TRUE(Of(1).fault);

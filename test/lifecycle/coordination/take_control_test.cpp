@@ -120,13 +120,13 @@ TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndASetUpThatHasNotBegunIsNotAF
 TEST_F(Reports, OfANewProcessEndTheCommandOfTheOldOne) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
-  ASSERT_TRUE(Of(0).order);
+  ASSERT_TRUE(Of(0).command);
   ActuatorReport report = Report(0);
   report.incarnation += 100;
   report.pid += 100;
   report.epoch = 0;
   Say(0, report);
-  EXPECT_FALSE(Of(0).order);
+  EXPECT_FALSE(Of(0).command);
   EXPECT_FALSE(Of(0).checked);
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
   EXPECT_TRUE(IsRecorded("it was restarted"));
@@ -183,8 +183,8 @@ TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {
   Say(0, report);
   report.epoch = machine_.epoch;
   Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
-  ASSERT_TRUE(Of(0).order) << "it joins";
-  EXPECT_EQ(Of(0).order->number, before + 1);
+  ASSERT_TRUE(Of(0).command) << "it joins";
+  EXPECT_EQ(Of(0).command->number, before + 1);
 }
 
 TEST_F(Orders, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {

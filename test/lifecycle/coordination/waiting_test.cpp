@@ -27,8 +27,8 @@ class WaitingSwitches : public Switching {
     t.RunFor(Milliseconds(1));
     t.StartActuator(name);
     ASSERT_TRUE(t.RunUntil([&] {
-      const auto& order = t.RecordOf(name).order;
-      return order && order->target == state;
+      const auto& command = t.RecordOf(name).command;
+      return command && command->target == state;
     }));
     t.ClearLog();
   }
