@@ -59,25 +59,25 @@ void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   Act(monitor_.OnSample(found->second, heartbeat.incarnation, received, node_.loop().Now()));
 }
 
-void HealthWatch::Act(const std::vector<Finding>& findings) {
-  for (const Finding& f : findings) {
+void HealthWatch::Act(const std::vector<HealthEvent>& events) {
+  for (const HealthEvent& f : events) {
     std::visit([this](const auto& one) { Do(one); }, f);
   }
   ArmTimer();
 }
 
-void HealthWatch::Do(const finding::Probe& f) {
+void HealthWatch::Do(const health_event::Probe& f) {
   query_(f.actuator);
 }
 
-void HealthWatch::Do(const finding::Examine& f) {
+void HealthWatch::Do(const health_event::Examine& f) {
   const pid_t pid = pids_[f.actuator];
   const Time now = node_.loop().Now();
   if (f.mark) return process_probe_.Mark(f.actuator, pid, now);
   Act(monitor_.Examined(f.actuator, process_probe_.Examine(f.actuator, pid, now), now));
 }
 
-void HealthWatch::Do(const finding::Changed& f) {
+void HealthWatch::Do(const health_event::Changed& f) {
   emit_(event::HealthChanged{f.actuator, f.incarnation, f.health, f.silent, f.how});
 }
 

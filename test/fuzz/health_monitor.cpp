@@ -52,8 +52,8 @@ class Harness {
     }
   }
 
-  void Count(const std::vector<Finding>& findings) const {
-    Require(findings.size() <= 2 * config_.actuators.size(),
+  void Count(const std::vector<HealthEvent>& events) const {
+    Require(events.size() <= 2 * config_.actuators.size(),
             "at most two health events for each actuator");
   }
 

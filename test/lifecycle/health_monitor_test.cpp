@@ -54,15 +54,15 @@ class Monitor : public ::testing::Test {
     next_heartbeat_ = now_ + kHeartbeat;
   }
 
-  void Take(const std::vector<Finding>& findings) {
-    for (const Finding& finding : findings) {
-      if (const auto* probe = std::get_if<finding::Probe>(&finding)) {
+  void Take(const std::vector<HealthEvent>& events) {
+    for (const HealthEvent& event : events) {
+      if (const auto* probe = std::get_if<health_event::Probe>(&event)) {
         found_.push_back("probe " + Name(probe->actuator));
         if (answers_[probe->actuator]) Take(monitor_.OnSample(probe->actuator, kFirst, now_));
-      } else if (const auto* look = std::get_if<finding::Examine>(&finding)) {
+      } else if (const auto* look = std::get_if<health_event::Examine>(&event)) {
         found_.push_back((look->mark ? "mark " : "examine ") + Name(look->actuator));
         if (!look->mark) Take(monitor_.Examined(look->actuator, kernel_, now_));
-      } else if (const auto* changed = std::get_if<finding::Changed>(&finding)) {
+      } else if (const auto* changed = std::get_if<health_event::Changed>(&event)) {
         EXPECT_EQ(changed->incarnation, kFirst);
         found_.push_back(Name(changed->actuator) + " " + std::string(HealthName(changed->health)) +
                          (changed->silent ? ", silent" : ""));
