@@ -213,12 +213,12 @@ void ControllerProcess::OnTrouble(const std::string& message) {
 
 void ControllerProcess::OnSignal() {
   const int signal = NextSignal(signals_);
-  if (signal == SIGHUP) return GoOnWithoutTerminal();
+  if (signal == SIGHUP) return ContinueWithoutTerminal();
   if (signal != 0) TakeDown();
 }
 
 // The launcher has lost its terminal. It exits once this process reports that it has detached.
-void ControllerProcess::GoOnWithoutTerminal() {
+void ControllerProcess::ContinueWithoutTerminal() {
   if (launcher_ != 0) {
     DetachLauncher();
     controller_->shell().Remark(

@@ -171,7 +171,7 @@ TEST_P(Service, EndsACallInTimeWhenTheServerCrashes) {
   EXPECT_EQ(answer->error().code, kCodeTimeout);
 }
 
-TEST_P(Service, FindsTheServerThatReplacesADeadOne) {
+TEST_P(Service, FindsTheServerThatReplacesACrashedServer) {
   const auto here = MakeNode();
   auto there = MakeNode();
   const std::string name = Unique("set_state");

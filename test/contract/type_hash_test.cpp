@@ -47,7 +47,7 @@ TEST(TypeHashes, DifferFromATableWithAWrongRow) {
   EXPECT_THAT(Differences(table), ElementsAre(HasSubstr("std_msgs/msg/Header: RIHS01_")));
 }
 
-TEST(TypeHashes, DifferFromATableWithoutARowOfOurs) {
+TEST(TypeHashes, DifferFromATableWithoutARowOfMusher) {
   HashTable table = JazzyTypeHashes();
   table.erase("std_srvs/srv/Trigger_Request");
   EXPECT_THAT(Differences(table),

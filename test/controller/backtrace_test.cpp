@@ -188,7 +188,7 @@ TEST_F(Backtrace, ReportsThatTheProcessDoesNotExist) {
   EXPECT_EQ(TakeFails(pid).message, "there is no process " + std::to_string(pid));
 }
 
-TEST_F(Backtrace, IsNotTakenOfOurselves) {
+TEST_F(Backtrace, IsNotTakenOfThisProcess) {
   WriteTool("eu-stack", "echo '#0'");
   EXPECT_EQ(TakeFails(getpid()).code, kCodeParametersInvalid);
 }

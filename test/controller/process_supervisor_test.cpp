@@ -109,7 +109,7 @@ TEST_F(Supervisor, AppendsOutputAndErrorsToTheLogFile) {
   EXPECT_EQ(ReadFile(log_), "before\nout\nerr\n");
 }
 
-TEST_F(Supervisor, GivesTheProcessItsFolderAndEnvironmentOnTopOfOurs) {
+TEST_F(Supervisor, GivesTheProcessItsFolderAndItsEnvironmentAddedToThatOfTheController) {
   setenv("MUSHER_TEST_OURS", "kept", 1);
   setenv("MUSHER_TEST_BOTH", "ours", 1);
   ProcessSpec spec = Script("pwd; echo $MUSHER_TEST_OURS $MUSHER_TEST_BOTH");
@@ -249,7 +249,7 @@ TEST_F(Supervisor, SignalsTheWholeGroup) {
   EXPECT_EQ(WaitForLine(), "helper got it");
 }
 
-TEST_F(Supervisor, KillsWhatIsLeftOfTheGroupWhenItsLeaderHasEnded) {
+TEST_F(Supervisor, KillsTheRestOfTheGroupWhenItsLeaderHasExited) {
   const pid_t leader = MustStart(
       Script("sh -c 'trap \"\" TERM HUP; echo $$ > $PIPE; while :; do sleep 1000; done' & wait"));
   const pid_t helper = std::stoi(WaitForLine());
@@ -320,7 +320,7 @@ TEST_F(Supervisor, ReportsTheExitOfAProcessOfAnEarlierControllerToAllWatchers) {
   EXPECT_TRUE(loop_.RunUntil([&] { return reported == 3; }, Deadline()));
 }
 
-TEST_F(Supervisor, DoesNotWatchAProcessThatIsGone) {
+TEST_F(Supervisor, DoesNotWatchAProcessThatHasExited) {
   const pid_t pid = MustStart(Script("exit 0"));
   ASSERT_TRUE(WaitForExit());
   const auto watched = supervisor_->Watch(pid, nullptr);

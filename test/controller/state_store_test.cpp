@@ -102,7 +102,7 @@ TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
   EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(getpid()) + " robot"));
 }
 
-TEST_F(Store, IsFreeAgainWhenItsOwnerIsGone) {
+TEST_F(Store, IsFreeAgainWhenItsOwnerHasExited) {
   { const StateStore first = MustOpen(); }
   EXPECT_TRUE(StateStore::Open(dir_, robot_));
 }

@@ -50,7 +50,7 @@ TEST(IncludeRules, KeepHeavyLibrariesOutOfHeaders) {
               IsEmpty());
 }
 
-TEST(IncludeRules, LetTestsIncludeEverythingOfOurs) {
+TEST(IncludeRules, LetTestsIncludeAllHeadersOfMusher) {
   const std::string header = "\"musher/controller/journal.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("test/lifecycle/a.cpp", header)), IsEmpty());
 }

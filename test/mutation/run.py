@@ -18,7 +18,7 @@ from collections import Counter
 HERE = os.path.dirname(os.path.abspath(__file__))
 WALK = "RandomWalk.LeavesEveryActuatorInItsStateAndAnswersEveryRequest"
 FAULTS = "*/Scenarios.HoldEveryInvariant/*"
-MIXED = "SeededFaultsAmongProtocols.LeaveTheMachineInOneStateOnceTheyHaveCeased"
+MIXED = "SeededFaultsAmongProtocols.LeaveTheMachineInOneStateAfterTheFaultsEnd"
 MEMORY = 2 << 30  # bytes, of one run; a mutant may want more and more
 
 

@@ -145,7 +145,7 @@ TEST_F(AMixedRobot, ANodesLostReplyIsNoFailure) {
   EXPECT_TRUE(Set("LowPower").done());
 }
 
-TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesGoOnWithoutIt) {
+TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesContinueWithoutIt) {
   BringUp();
   module_->lost_replies = 1;
   EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
@@ -325,7 +325,7 @@ TEST_F(AMixedRobot, IsAdoptedInTheStateOfItsMusherActuatorsThoughANodeMayBeLessA
   ExpectAllIn("Protected");
 }
 
-TEST_F(AMixedRobot, FinishesItsStartWhenTheControllerDiesDuringIt) {
+TEST_F(AMixedRobot, FinishesItsStartWhenTheControllerCrashesDuringIt) {
   robot_.StartController();
   ASSERT_TRUE(robot_.RunUntil([&] { return ros_ && ros_->state() == Ros2State::kInactive; }));
   ASSERT_EQ(robot_.machine().phase, Phase::kStarting);

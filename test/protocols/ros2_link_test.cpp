@@ -60,7 +60,7 @@ TEST_F(DrivingARos2Node, TearsItDownByCleanupAndShutdown) {
               ElementsAre("configure", "activate", "deactivate", "cleanup", "shutdown"));
 }
 
-TEST_F(DrivingARos2Node, TakesItElsewhereWhereTheConfigSaysSo) {
+TEST_F(DrivingARos2Node, ReachesOtherStatesIfTheConfigMapsThem) {
   config_.actuators[0].ros2_states = {{"LowPower", Ros2State::kUnconfigured},
                                       {"Protected", Ros2State::kActive}};
   EXPECT_EQ(Do("Protected").verdict, Verdict::kDone);
@@ -192,7 +192,7 @@ TEST_F(DrivingARos2Node, ARequestThatArrivesAfterAPartitionEndsAsItEnds) {
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
 }
 
-TEST_F(DrivingARos2Node, SilenceOfANodeThatOwesNothingIsSilence) {
+TEST_F(DrivingARos2Node, AFrozenNodeWithoutACommandAnswersNoQuery) {
   ros_->frozen = true;
   EXPECT_FALSE(Query(false));
   Switch("SelfCheck");
@@ -266,7 +266,7 @@ TEST_F(DrivingARos2Node, AQueryGetsNoAnswerAfterTheExitOfAProcessOfTheController
   EXPECT_FALSE(reply_);
 }
 
-TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAgain) {
+TEST_F(DrivingARos2Node, AnExitIsDetectedAndTheSuccessorIsSetUpAgain) {
   const std::uint64_t first = status_.incarnation;
   EndNode();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
@@ -289,7 +289,7 @@ TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExp
 }
 
 // A killed process stays matched for 10 s; meanwhile its successor exits with code 0.
-TEST_F(DrivingARos2Node, ADeadPredecessorIsNotTakenForTheNodeWhenItsSuccessorEnds) {
+TEST_F(DrivingARos2Node, AnExitedPredecessorIsNotTakenForTheNodeWhenItsSuccessorExits) {
   link_->OnProcess(4711);
   network_.Crash(*process_);
   EndNode();

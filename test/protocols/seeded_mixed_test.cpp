@@ -184,7 +184,7 @@ std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
   return value == nullptr ? otherwise : std::strtoull(value, nullptr, 10);
 }
 
-TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
+TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateAfterTheFaultsEnd) {
   const std::uint64_t only = Environment("MUSHER_SEED", 0);
   const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 500);
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {

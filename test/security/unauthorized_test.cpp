@@ -71,7 +71,7 @@ TEST_F(UnauthorizedParticipants, OfAnotherRobotAreUnauthorizedHere) {
 }
 
 // The revoked one keeps the folder as it was, so that nothing on its own side stops it.
-TEST_F(UnauthorizedParticipants, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain) {
+TEST_F(UnauthorizedParticipants, AreThoseWithARevokedCertificateOnceTheMachineIsRestarted) {
   Identity("fired", "operator");
   const std::string kept = folder_ / "kept";
   std::filesystem::copy(keys_, kept, std::filesystem::copy_options::recursive);

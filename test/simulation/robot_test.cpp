@@ -155,7 +155,7 @@ TEST(SimRobot, TwoReportsOfOneInstantHaveDifferentStamps) {
   EXPECT_LT(stamps[0], stamps[1]);
 }
 
-TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotAffectItsSuccessor) {
+TEST(SimRobot, AStaleStatusOfAnExitedProcessDoesNotAffectItsSuccessor) {
   SimRobot robot(5, MachineOf(1));
   robot.StartActuator("a");
   robot.StartController();

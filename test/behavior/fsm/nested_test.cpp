@@ -187,7 +187,7 @@ TEST_F(NestedTest, CountsACommandAsUnhandledWhereItEndsUp) {
   EXPECT_EQ(inner_->counts().unhandled, 1U);
 }
 
-TEST_F(NestedTest, GoesOnOnceTheInnerMachineHasFinishedAndKeepsTheCommandOfThatTick) {
+TEST_F(NestedTest, ContinuesOnceTheInnerMachineHasFinishedAndKeepsTheCommandOfThatTick) {
   Make({.finished = "IDLE"});
   Enter();
   confirm_->Go("TAKE");

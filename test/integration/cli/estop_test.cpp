@@ -158,7 +158,7 @@ TEST_F(EmergencyStop, HoldsAnActiveRobotUntilItsStateIsSetAgainAfterTheRelease) 
   EXPECT_EQ(Status()["held_by_stop"], nlohmann::json::array());
 }
 
-TEST_F(EmergencyStop, SurvivesTheDeathOfTheController) {
+TEST_F(EmergencyStop, SurvivesACrashOfTheController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto report = Estop();
   LoseController();

@@ -67,7 +67,7 @@ TEST_F(Restart, ByHandSaysWhichNameWasMeant) {
   EXPECT_EQ(Voice()["pid"], voice_);
 }
 
-TEST_F(Restart, FollowsTheDeathOfAProcess) {
+TEST_F(Restart, FollowsACrashOfAProcess) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(voice_, SIGKILL);
   ASSERT_NE(up_->LineWith("voice is degraded: crashed: "), "");

@@ -157,7 +157,7 @@ TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentSuspended) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Binding, ASuspendedActuatorIsLeftOutOfASwitchUpAndTheResultSaysSo) {
+TEST_F(Binding, ASuspendedActuatorIsLeftOutOfASwitchUpAndListedInTheResult) {
   Harness& t = In("Protected", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");

@@ -80,7 +80,7 @@ TEST_F(Switching, AHungActuatorDelaysTheSwitchNoLongerThanItsTimeAndTheQuery) {
   EXPECT_LT(t.now() - begun, Milliseconds(110));
 }
 
-TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
+TEST_F(Switching, AnActuatorThatCrashesDuringTheSwitchIsDetectedAtOnce) {
   Harness& t = In("Protected");
   t.On("b", "Active").hangs = true;
   const RequestId request = t.RequestSwitch("Active");
@@ -94,7 +94,7 @@ TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
 }
 
 // A switch is not "done" when an actuator has exited after its part, while others switch.
-TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
+TEST_F(Switching, AnActuatorThatCrashesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
   for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
     for (const bool ours : {false, true}) {
       Harness& t = In("Protected", ours ? Ours(3) : MachineOf(3));
@@ -138,7 +138,7 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
   }
 }
 
-TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachineDown) {
+TEST_F(Switching, ACriticalActuatorThatCrashesAfterItsPartIsMissingAndTakesTheMachineDown) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").critical = true;
   ActuatorNamed(config, "a").on_lost = "Protected";

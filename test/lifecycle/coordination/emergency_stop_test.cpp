@@ -92,7 +92,7 @@ TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAnyway) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
 }
 
-TEST_F(EmergencyStopped, LetsASwitchDownGoOn) {
+TEST_F(EmergencyStopped, LetsASwitchDownContinue) {
   Harness& t = In("Active", Chain());
   const RequestId request = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(15));

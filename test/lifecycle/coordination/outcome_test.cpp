@@ -48,7 +48,7 @@ TEST_F(Outcomes, NameTheFailedActuatorAndNotTheActuatorsSkippedBecauseOfIt) {
   EXPECT_EQ(Result().actuators[0].code, kCodeStatusError);
 }
 
-TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayGoOn) {
+TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   config_ = MachineOf(3);
   config_.actuators[0].after = {"b"};
   In("LowPower");

@@ -71,14 +71,14 @@ TEST_F(Processes, WithoutAHostAreNotSignalledEither) {
   EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
 }
 
-TEST_F(Processes, OfOursThatExitWhileAnotherOfThisHostIsPresentAreNotLosses) {
+TEST_F(Processes, OfTheControllerThatExitWhileAnotherOfThisHostIsPresentAreNotLosses) {
   StartUpOurs();
   Of(0).report.pid = 900;  // 700 was only its launcher
   Do(event::ProcessEnded{0, 700, true, "exit code 0"});
   EXPECT_EQ(Of(0).presence, Presence::kPresent);
 }
 
-TEST_F(Processes, OfOursThatEndAreLossesWhereTheOtherIsElsewhereOrUnknown) {
+TEST_F(Processes, OfTheControllerThatExitAreLossesIfTheOtherIsOnAnotherHostOrUnknown) {
   for (const char* host : {"there", ""}) {
     StartUpOurs();
     Of(0).report.pid = 900;
@@ -173,7 +173,7 @@ TEST_F(Processes, OfACriticalActuatorWithoutConnectionTakeTheMachineDownThoughIt
   EXPECT_EQ(RecordWith("falling back to LowPower").code, kCodeOk);
 }
 
-TEST_F(Processes, OfOursWithoutConnectionAreWaitedForBeforeTheFallback) {
+TEST_F(Processes, OfTheControllerWithoutConnectionAreAwaitedBeforeTheFallback) {
   config_.actuators[0].critical = true;
   config_.actuators[0].on_lost = "LowPower";
   StartUpOurs();

@@ -56,7 +56,7 @@ TEST(StartUp, TakesTheCriticalPathAndNotTheSum) {
   EXPECT_LT(t.now() - begun, Milliseconds(65));
 }
 
-TEST(StartUp, GoesOnDegradedWhenAnActuatorThatIsNotCriticalFailsItsSelfCheck) {
+TEST(StartUp, ContinuesDegradedWhenAnActuatorThatIsNotCriticalFailsItsSelfCheck) {
   Harness t(Started(2));
   t.On("b", "SelfCheck").code = 2109;
   t.On("b", "SelfCheck").message = "no lidar";
@@ -293,7 +293,7 @@ TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
   EXPECT_TRUE(t.Set("Protected").done());
 }
 
-TEST(Adoption, AfterADeathInTheMiddleOfASwitchGoesToTheLeastActiveState) {
+TEST(Adoption, AfterACrashDuringASwitchGoesToTheLeastActiveState) {
   Harness t(MachineOf(2));
   t.Begin();
   t.Rest();

@@ -117,7 +117,7 @@ TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndASetUpThatHasNotBegunIsNotAF
   EXPECT_THAT(Of(1).fault->message, HasSubstr("no microphone"));
 }
 
-TEST_F(Reports, OfANewProcessEndTheCommandOfTheOldOne) {
+TEST_F(Reports, OfANewProcessEndTheCommandOfItsPredecessor) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
   ASSERT_TRUE(Of(0).command);

@@ -93,7 +93,7 @@ TEST_F(WaitingSwitches, ASwitchThatWaitsForAHungActuatorIsRefusedWithinItsTime) 
   EXPECT_LE(t.now() - begun, Milliseconds(100 + 3 * 300 + 100));
 }
 
-TEST_F(WaitingSwitches, ASwitchThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
+TEST_F(WaitingSwitches, ASwitchThatWaitsForAnActuatorThatCrashesContinuesWithoutIt) {
   Harness& t = WithALateOne("LowPower");
   const RequestId request = t.RequestSwitch("Active");
   t.Crash("c");

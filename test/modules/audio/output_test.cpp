@@ -133,7 +133,7 @@ TEST_F(WavFiles, EndWhereTheSoundWasStopped) {
   EXPECT_FALSE(ended_);
 }
 
-TEST_F(WavFiles, GoOnWithTheirNumbersAfterARestart) {
+TEST_F(WavFiles, ContinueWithTheirNumbersAfterARestart) {
   std::ofstream(folder_ / "0041.wav") << "old";
   std::ofstream(folder_ / "notes.txt") << "99";
   Make({OutputKind::kWav, "", folder_.path()});

@@ -305,7 +305,7 @@ TEST_F(PlayerDecision, SwitchesVoiceControlOffForAnUpgradeAndKeepsItOff) {
   EXPECT_TRUE(player().voice_control);
 }
 
-TEST_F(PlayerDecision, GoesOnSpeakingInEveryStateButTearDown) {
+TEST_F(PlayerDecision, ContinuesSpeakingInEveryStateButTearDown) {
   Say(1, "plays");
   Made();
   for (const auto state : {kSelfCheck, kActive, kDeActive, kProtected, kLowPower, kOta, kError}) {

@@ -142,7 +142,7 @@ TEST_F(CamerasTest, LogAVideoThatEnds) {
   EXPECT_THAT(Lines(), ::testing::Contains("0 left: 0 has ended"));
 }
 
-TEST_F(CamerasTest, RefuseAnInvalidPictureAndGoOn) {
+TEST_F(CamerasTest, RefuseAnInvalidPictureAndContinue) {
   MakeWorld();
   shot_.encoding = "yuv422";
   Start();

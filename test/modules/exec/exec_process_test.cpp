@@ -145,7 +145,7 @@ TEST(MusherExec, EndsOnSigtermWhileItIsBeingSetUp) {
   EXPECT_TRUE(Gone(program));
 }
 
-TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramIsGone) {
+TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramHasExited) {
   ExecPeer peer;
   peer.Start(std::string(kProgram) +
              "[state.TearDown]\nshell = \"kill -TERM $MUSHER_PROGRAM_PID; echo stuck; exit 5\"\n");

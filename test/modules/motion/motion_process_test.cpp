@@ -76,7 +76,7 @@ TEST(MotionProcess, FailsItsSelfCheckWith3009WhenAMotorHasAnError) {
   EXPECT_EQ(check.actuators[0].code, 3009);
 }
 
-TEST(MotionProcess, StopsTheBodyWhenTheStreamerDies) {
+TEST(MotionProcess, StopsTheBodyWhenTheStreamerCrashes) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
   const pid_t streamer =

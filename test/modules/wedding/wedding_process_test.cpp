@@ -83,7 +83,7 @@ TEST_F(WeddingProcess, IsDrivenByTheCommandsOfItsManual) {
   EXPECT_THAT(poses_, Contains("thumbs_up"));
 }
 
-TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndGoesOn) {
+TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndContinues) {
   StartActive();
   ASSERT_TRUE(too_close_->Publish({true}));
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
@@ -155,7 +155,7 @@ TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
   EXPECT_THAT(peer_.Output(), HasSubstr("photo 1: /photos/1.jpg"));
 }
 
-TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
+TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndContinuesFromIdle) {
   StartActive(LongPose());
   for (const char* rest : {"LowPower", "DeActive", "Protected", "OTA", "Error"}) {
     Command("photo");
