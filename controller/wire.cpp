@@ -56,7 +56,7 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
   response.state = plan.from;
   for (const PlanStep& step : plan.steps) {
     const bool there =
-        step.part == PlanStep::Part::kThere || step.part == PlanStep::Part::kHeldThere;
+        step.part == PlanStep::Part::kInTarget || step.part == PlanStep::Part::kHeldInTarget;
     response.steps.push_back({config.actuators[step.actuator].name, step.wave, step.from, step.to,
                               step.driven() ? ToMilliseconds(step.deadline) : 0,
                               there ? "is there already" : step.note});

@@ -165,7 +165,7 @@ std::vector<HealthEvent> HealthMonitor::Examined(std::size_t actuator,
   std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
   const Duration silent = now - process.last_received;
-  if (process.incarnation == 0 || examination.process == Process::kGone || !process.probed ||
+  if (process.incarnation == 0 || examination.process == Process::kExited || !process.probed ||
       silent < process.limit) {
     return events;
   }

@@ -44,7 +44,7 @@ struct Heartbeat {
 
 // What the kernel reports about a process of this host.
 struct Examination {
-  enum class Process { kRunning, kStopped, kTraced, kGone };
+  enum class Process { kRunning, kStopped, kTraced, kExited };
 
   Process process = Process::kRunning;
   Duration waited{};  // its longest wait for a CPU since the mark, or our own

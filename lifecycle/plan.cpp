@@ -168,15 +168,15 @@ class Planning {
                                        "actuators in its binds_to are up");
     }
     PlanStep step = Blank(i);
-    if (plan_.target != kSelfCheck && IsThere(record)) {
-      step.part = PlanStep::Part::kThere;
+    if (plan_.target != kSelfCheck && IsInTarget(record)) {
+      step.part = PlanStep::Part::kInTarget;
     }
     plan_.steps.push_back(step);
   }
 
   // Whether it is in the target without running its callback. An actuator that is held by an
   // emergency stop reports that state, and what the state had switched on is off.
-  bool IsThere(const ActuatorRecord& record) const {
+  bool IsInTarget(const ActuatorRecord& record) const {
     if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the last state
     return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
   }
@@ -218,8 +218,8 @@ class Planning {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
     } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
-    } else if (!checking && IsThere(record) && !record.report.busy() && !record.command) {
-      step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
+    } else if (!checking && IsInTarget(record) && !record.report.busy() && !record.command) {
+      step.part = record.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
     } else if (!checking && Unknown(actuator, record)) {
       leave_out("has not answered " + record.report.target + " and cannot be queried",
                 kCodeTargetBusy, true);

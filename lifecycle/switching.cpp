@@ -150,8 +150,8 @@ void Decision::AddLeg(Switch& s, const PlanStep& step) {
                                                                     : ActuatorOutcome::kSkipped;
       if (Of(step.actuator).fault) other.code = Of(step.actuator).fault->code;
       break;
-    case PlanStep::Part::kHeldThere:
-    case PlanStep::Part::kThere:
+    case PlanStep::Part::kHeldInTarget:
+    case PlanStep::Part::kInTarget:
     case PlanStep::Part::kDriven:
       other.message = "was already in that state";
       break;

@@ -147,13 +147,13 @@ class ModuleUnderTest::LockstepWorker : public Worker {
   // their first instruction.
   void Begin() {
     module_.waits_ = module_.random_.Bernoulli(0.5);
-    if (!module_.waits_) return GoOn();
+    if (!module_.waits_) return Continue();
     const Duration wait = module_.random_.Between(Duration::zero(), rest_ / 2);
     rest_ -= wait;
-    step_ = loop_.At(loop_.Now() + wait, [this] { GoOn(); });
+    step_ = loop_.At(loop_.Now() + wait, [this] { Continue(); });
   }
 
-  void GoOn() {
+  void Continue() {
     module_.waits_ = false;
     const CallbackThread::Turn turn = Resume();
     if (turn == CallbackThread::Turn::kStuck) return;
@@ -161,7 +161,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
       Duration share = module_.random_.Between(Duration::zero(), rest_ / 4);
       rest_ -= share;
       if (callback_->polls > kEachPollHandsOver) share += callback_->polls * kLaterPoll;
-      step_ = loop_.At(loop_.Now() + share, [this] { GoOn(); });
+      step_ = loop_.At(loop_.Now() + share, [this] { Continue(); });
       return;
     }
     const auto& again = callback_->repeat_error;

@@ -177,7 +177,7 @@ Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {
 std::optional<ProcessRunState> RunStateOf(pid_t pid) {
   const Folder tasks = TasksOf(pid);
   if (!tasks) {
-    if (kill(pid, 0) != 0 && errno == ESRCH) return ProcessRunState::kGone;
+    if (kill(pid, 0) != 0 && errno == ESRCH) return ProcessRunState::kExited;
     return std::nullopt;
   }
   bool alive = false;
@@ -189,7 +189,7 @@ std::optional<ProcessRunState> RunStateOf(pid_t pid) {
     alive = true;
     traced = traced || state == 't';
   }
-  if (!alive) return ProcessRunState::kGone;
+  if (!alive) return ProcessRunState::kExited;
   return traced ? ProcessRunState::kTraced : ProcessRunState::kStopped;
 }
 

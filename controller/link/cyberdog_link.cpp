@@ -80,7 +80,7 @@ void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
 }
 
 void CyberdogLink::OnHeartbeat() {
-  if (!there()) return;
+  if (!available()) return;
   const bool was_lost = silent_;
   SignOfLife();
   if (!watch_) Watch(last_sign_ + kSilence);

@@ -41,7 +41,7 @@ void ForeignLink::OnProcess(std::int32_t pid) {
 void ForeignLink::OnProcessFound(std::int32_t pid) {
   process_ = pid;
   found_ = true;
-  if (there()) report_.pid = pid;
+  if (available()) report_.pid = pid;
 }
 
 // The exit of a process on this host is reported before its server is lost: the server stays
@@ -49,7 +49,7 @@ void ForeignLink::OnProcessFound(std::int32_t pid) {
 void ForeignLink::OnProcessEnded(std::int32_t pid) {
   if (pid != process_) return;
   process_ = 0;
-  if (!there()) return;
+  if (!available()) return;
   ended_.insert(server_);
   Forget();
 }
@@ -60,7 +60,7 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
                                      [&](transport::PeerId s) { return !Contains(before, s); });
   if (newcomer != servers_.end()) return Appear(*newcomer);
   std::erase_if(ended_, [&](transport::PeerId s) { return !Contains(servers_, s); });
-  if (!there() || Contains(servers_, server_)) return;
+  if (!available() || Contains(servers_, server_)) return;
   const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
                                   [&](transport::PeerId s) { return !ended_.contains(s); });
   if (other != servers_.rend()) return Appear(*other);
@@ -69,7 +69,7 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
 }
 
 void ForeignLink::Appear(transport::PeerId server) {
-  if (there()) Forget();
+  if (available()) Forget();
   server_ = server;
   const auto now = static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count());
   const std::uint64_t incarnation = std::max(report_.incarnation + 1, now);
@@ -88,7 +88,7 @@ void ForeignLink::Forget() {
 }
 
 void ForeignLink::Take(const SwitchCommand& command) {
-  if (!there() || command.incarnation != report_.incarnation) return;  // it was lost meanwhile
+  if (!available() || command.incarnation != report_.incarnation) return;  // it was lost meanwhile
   report_.epoch = std::max(report_.epoch, command.epoch);
   report_.number = std::max(report_.number, command.number);
   if (!actuator().Lists(command.target) || command.target == kSetUp) {
@@ -103,7 +103,7 @@ void ForeignLink::Take(const SwitchCommand& command) {
 }
 
 void ForeignLink::Take(const QueryCommand& command) {
-  if (!there()) return;
+  if (!available()) return;
   report_.epoch = std::max(report_.epoch, command.epoch);
   report_.number = std::max(report_.number, command.number);
   if (waiting_ && waiting_->command.number <= command.number) {

@@ -68,7 +68,7 @@ class ForeignLink : public ActuatorLink {
   void ReportStatus();
   void ReportVanished(const std::string& how);
 
-  bool there() const { return server_ != 0; }
+  bool available() const { return server_ != 0; }
   bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
   transport::PeerId server() const { return server_; }
   std::optional<PendingCommand>& pending() { return pending_; }

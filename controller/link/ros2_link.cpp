@@ -206,7 +206,7 @@ void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
 void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::SampleInfo& info) {
   const auto from = static_cast<Ros2State>(event.start_state.id);
   const auto to = static_cast<Ros2State>(event.goal_state.id);
-  if (!there() || info.participant != server() || !IsPrimary(to)) return;
+  if (!available() || info.participant != server() || !IsPrimary(to)) return;
   if (step_) {
     if (from != step_->by && from != Ros2State::kErrorProcessing)
       return;  // event of an earlier step

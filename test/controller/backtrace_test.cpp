@@ -220,7 +220,7 @@ TEST_F(Backtrace, KillsASlowToolAndContinuesTheProcess) {
   const Error error = TakeFails(hung_.pid(), Milliseconds(1000));
   EXPECT_EQ(error.code, kCodeTimeout);
   EXPECT_EQ(error.message, "eu-stack did not exit within 1000 ms");
-  EXPECT_TRUE(Eventually([this] { return RunStateOf(ToolPid()) == ProcessRunState::kGone; }));
+  EXPECT_TRUE(Eventually([this] { return RunStateOf(ToolPid()) == ProcessRunState::kExited; }));
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kRunning; }));
   EXPECT_EQ(calls_, 1);
 }
@@ -232,7 +232,7 @@ TEST_F(Backtrace, IsForgottenWithItsTaker) {
   Begin(hung_.pid());  // refused, but not reported any more
   taker_ = nullptr;
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kRunning; }));
-  EXPECT_EQ(RunStateOf(ToolPid()), ProcessRunState::kGone);
+  EXPECT_EQ(RunStateOf(ToolPid()), ProcessRunState::kExited);
   EXPECT_EQ(calls_, 0);
 }
 

@@ -168,7 +168,7 @@ TEST_F(Monitor, AProcessHeldByADebuggerIsNotReportedAsHung) {
 TEST_F(Monitor, TheExitOfAProcessIsNotReported) {
   Watch(0, true);
   heartbeats_[0] = false;
-  kernel_.process = Process::kGone;
+  kernel_.process = Process::kExited;
   RunFor(std::chrono::minutes(1));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a"));
 }

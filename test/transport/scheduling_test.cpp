@@ -113,10 +113,10 @@ TEST_F(Scheduling, ReportsAnExitedProcessBeforeAndAfterItIsReaped) {
     const Child child([] {});
     pid = child.pid();
     child.Kill();
-    EXPECT_TRUE(BecomesState(pid, ProcessRunState::kGone));
+    EXPECT_TRUE(BecomesState(pid, ProcessRunState::kExited));
     EXPECT_EQ(SampleProcess(pid, loop_.Now()), std::nullopt);
   }
-  EXPECT_EQ(RunStateOf(pid), ProcessRunState::kGone);
+  EXPECT_EQ(RunStateOf(pid), ProcessRunState::kExited);
   EXPECT_EQ(SampleProcess(pid, loop_.Now()), std::nullopt);
   EXPECT_EQ(ThreadCpuTime(pid, pid), std::nullopt);
 }

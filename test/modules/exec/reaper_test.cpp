@@ -46,8 +46,8 @@ TEST(Reaper, KillsChildrenAndGrandchildrenWhenTheParentIsKilled) {
   ASSERT_EQ(ReadPid(folder / "parent"), parent) << "the reaper knows of the child from here on";
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
-  EXPECT_TRUE(Gone(child));
-  EXPECT_TRUE(Gone(grandchild));
+  EXPECT_TRUE(HasExited(child));
+  EXPECT_TRUE(HasExited(grandchild));
 }
 
 // A point in the start of a program.
@@ -95,7 +95,7 @@ class ReaperInTheMiddleOfAStart : public ::testing::TestWithParam<Moment> {};
 TEST_P(ReaperInTheMiddleOfAStart, KillsTheProgramWhenTheParentIsKilledRightAfterTheFork) {
   const pid_t program = KillTheParentAt(GetParam());
   if (program == 0) GTEST_SKIP() << "processes cannot be traced here";
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(program));
   kill(program, SIGKILL);
 }
 
