@@ -58,7 +58,7 @@ TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenActuatorOnceAlsoInADiamond) {
   config_.actuators[2].after = {"d"};
   for (const std::size_t there : {1, 2}) machine_.actuators[there].report.state = State(kActive);
   const Plan plan = To(kActive);
-  EXPECT_EQ(plan.steps[1].part, Part::kThere);
+  EXPECT_EQ(plan.steps[1].part, Part::kInTarget);
   EXPECT_THAT(plan.steps[0].needs, ElementsAre(3U));
   EXPECT_EQ(plan.steps[0].wave, 2);
   EXPECT_THAT(plan.steps[3].needs, IsEmpty());
@@ -125,7 +125,7 @@ TEST_F(Plans, DistinguishActuatorsInTheTargetFromDetachedOnesInTheTarget) {
   machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
   machine_.actuators[1].held = true;
   const Plan plan = To(kLowPower);
-  EXPECT_EQ(plan.steps[0].part, Part::kThere);
+  EXPECT_EQ(plan.steps[0].part, Part::kInTarget);
   EXPECT_EQ(plan.steps[1].part, Part::kHeldThere);
   EXPECT_EQ(plan.steps[2].part, Part::kDriven);
 }
