@@ -30,15 +30,15 @@ Result<std::unique_ptr<ActuatorLink>> CyberdogLink::Make(transport::Node& node,
       });
   if (!client) return client.error();
   link->client_ = std::move(client).value();
-  auto beats = transport::MakeSubscription<msg::Heartbeats>(
+  auto subscription = transport::MakeSubscription<msg::Heartbeats>(
       node, transport::ResolveName(config.name_space, "manager_heartbeats"),
       [self, name = own.heartbeat_name](const msg::Heartbeats& heartbeat,
                                         const transport::SampleInfo&) {
         if (heartbeat.name == name) self->OnHeartbeat();
       },
       kHeartbeatsQos);
-  if (!beats) return beats.error();
-  link->heartbeats_ = std::move(beats).value();
+  if (!subscription) return subscription.error();
+  link->heartbeats_ = std::move(subscription).value();
   return std::unique_ptr<ActuatorLink>(std::move(link));
 }
 

@@ -42,7 +42,7 @@ class Arm : public MachineActuator {
   std::promise<void> stopped_;
 };
 
-// Waits for beats and statuses of the robot.
+// Waits for heartbeats and statuses of the robot.
 class Listener {
  public:
   Listener() : node_(transport::NodeThread::Start().value()) {

@@ -126,12 +126,12 @@ TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProc
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-class Beating : public DrivingACyberdogModule {
+class CyberdogHeartbeats : public DrivingACyberdogModule {
  protected:
   void ReceiveHeartbeat() { network_.RunFor(std::chrono::seconds(1)); }
 };
 
-TEST_F(Beating, AModuleWithoutHeartbeatsIsNotLost) {
+TEST_F(CyberdogHeartbeats, AModuleWithoutHeartbeatsIsNotLost) {
   EndModule();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   losses_.clear();
@@ -140,19 +140,20 @@ TEST_F(Beating, AModuleWithoutHeartbeatsIsNotLost) {
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-TEST_F(Beating, HeartbeatsUnderAnotherNameAreReceivedUnderIt) {
+TEST_F(CyberdogHeartbeats, HeartbeatsUnderAnotherNameAreReceivedUnderIt) {
   config_.actuators[0].heartbeat_name = "device";
   EndModule();
   OpenLink();
   StartModule("device");
   ReceiveHeartbeat();
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   EXPECT_TRUE(Until([&] { return !losses_.empty(); }));
 }
 
-TEST_F(Beating, AModuleWhoseHeartbeatsStopIsLostAfterFivePeriodsOnceUntilTheNextHeartbeat) {
+TEST_F(CyberdogHeartbeats,
+       AModuleWhoseHeartbeatsStopIsLostAfterFivePeriodsOnceUntilTheNextHeartbeat) {
   ReceiveHeartbeat();
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   const Time ceased = network_.now();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   EXPECT_THAT(losses_, ElementsAre("its heartbeats have stopped"));
@@ -164,20 +165,20 @@ TEST_F(Beating, AModuleWhoseHeartbeatsStopIsLostAfterFivePeriodsOnceUntilTheNext
   EXPECT_EQ(statuses_, before) << "a dead module does not read alive now and then";
 }
 
-TEST_F(Beating, AModuleWhoseHeartbeatsResumeIsTheSameIncarnation) {
+TEST_F(CyberdogHeartbeats, AModuleWhoseHeartbeatsResumeIsTheSameIncarnation) {
   ReceiveHeartbeat();
   const std::uint64_t incarnation = status_.incarnation;
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   const int before = statuses_;
-  module_->beats = true;
+  module_->sends_heartbeats = true;
   ASSERT_TRUE(Until([&] { return statuses_ > before; }));
   EXPECT_EQ(status_.incarnation, incarnation);
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   EXPECT_TRUE(Until([&] { return losses_.size() == 2; })) << "it is watched again";
 }
 
-TEST_F(Beating, AModuleNeedsNoHeartbeatWhileACommandRunsWithinItsTimeLimit) {
+TEST_F(CyberdogHeartbeats, AModuleNeedsNoHeartbeatWhileACommandRunsWithinItsTimeLimit) {
   ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(30));
@@ -186,7 +187,7 @@ TEST_F(Beating, AModuleNeedsNoHeartbeatWhileACommandRunsWithinItsTimeLimit) {
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-TEST_F(Beating, AModuleThatIsSilentBeyondItsTimeLimitIsLostUntilItsLateReply) {
+TEST_F(CyberdogHeartbeats, AModuleThatIsSilentBeyondItsTimeLimitIsLostUntilItsLateReply) {
   ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(10));

@@ -51,7 +51,7 @@ class AMixedRobot : public ::testing::Test {
     ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
     ASSERT_EQ(robot_.machine().state, "Active");
     ASSERT_THAT(robot_.Degraded(), IsEmpty());
-    robot_.RunFor(std::chrono::seconds(1));  // the first beats
+    robot_.RunFor(std::chrono::seconds(1));  // the first heartbeats
   }
   std::vector<std::int32_t> Pids() {
     std::vector<std::int32_t> pids;
@@ -197,12 +197,12 @@ TEST_F(AMixedRobot, NoticesTheEndOfAProcessAtOnceAndDrivesTheNextOne) {
 
 TEST_F(AMixedRobot, AModuleThatBeatsNoMoreIsLostUntilItBeatsAgain) {
   BringUp();
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   ASSERT_TRUE(
       robot_.RunUntil([&] { return robot_.machine().actuators[1].presence == Presence::kLost; },
                       Milliseconds(3000)));
   EXPECT_THAT(robot_.Degraded(), ElementsAre("b"));
-  module_->beats = true;
+  module_->sends_heartbeats = true;
   robot_.RunFor(std::chrono::seconds(2));
   ExpectAllIn("Active");
 }

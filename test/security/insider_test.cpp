@@ -13,7 +13,7 @@ class Insiders : public SecuredMachine {
  protected:
   static void AwaitItHasMetTheMachine(Process& liar) {
     ASSERT_NE(liar.LineWith("machine LowPower"), "");
-    ASSERT_NE(liar.LineWith("beats legs"), "");
+    ASSERT_NE(liar.LineWith("heartbeat legs"), "");
   }
   static std::string EndOf(Process& liar) {
     liar.Signal(SIGTERM);

@@ -11,7 +11,7 @@
 //   stop                             engages the emergency stop
 //   announce                         announces itself as a controller of a very high epoch
 //   watch                            prints "machine <state>" for each status of the machine
-//   beats                            prints "beats <actuator>" for each of CyberDog's heartbeats,
+//   heartbeats                       prints "heartbeat <actuator>" for each CyberDog heartbeat,
 //                                    which every actuator publishes
 //   pose:<actuator>[:<partition>]    publishes a status and heartbeats of that actuator
 //
@@ -90,10 +90,10 @@ class Peer {
           MachineStatusTopic(name_space_), kLatchedQos,
           [](const msg::MachineStatus& m) { return "machine " + m.state; });
     }
-    if (words[0] == "beats") {
+    if (words[0] == "heartbeats") {
       return Watch<msg::Heartbeats>(ResolveName(name_space_, "manager_heartbeats"),
                                     kSystemDefaultQos,
-                                    [](const msg::Heartbeats& m) { return "beats " + m.name; });
+                                    [](const msg::Heartbeats& m) { return "heartbeat " + m.name; });
     }
     if (words[0] == "pose") return Pose(words[1], words[2]);
     return Error{kCodeParametersInvalid, "no such action"};

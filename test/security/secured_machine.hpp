@@ -46,7 +46,7 @@ class SecuredMachine : public MachineByCli {
   // A process that ignores its permissions, and receives what it can.
   static std::unique_ptr<Process> Liar(const std::string& keys, const std::string& identity,
                                        std::vector<std::string> actions) {
-    actions.insert(actions.end(), {"watch", "beats"});
+    actions.insert(actions.end(), {"watch", "heartbeats"});
     setenv("LD_LIBRARY_PATH", LYING_PLUGIN_DIR, 1);
     auto liar = Peer(keys, identity, actions);
     unsetenv("LD_LIBRARY_PATH");

@@ -23,7 +23,8 @@ class UnauthorizedParticipants : public SecuredMachine {
     participant.Signal(SIGTERM);
     const std::string said = participant.Wait().out;
     EXPECT_THAT(said, HasSubstr("ready"));
-    for (const char* word : {"machine ", "beats ", "received ", "answered", "called", "refused"}) {
+    for (const char* word :
+         {"machine ", "heartbeat ", "received ", "answered", "called", "refused"}) {
       EXPECT_THAT(said, Not(HasSubstr(word)));
     }
   }

@@ -213,10 +213,10 @@ TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
   ASSERT_TRUE(peer_.Until([&] {
     return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
   })) << (heartbeat
-              ? "the last beat: work " + std::to_string(heartbeat->work) + " during '" +
+              ? "the last heartbeat: work " + std::to_string(heartbeat->work) + " during '" +
                     heartbeat->during + "', silent for " + std::to_string(heartbeat->silent_ns) +
                     " ns, waited for " + std::to_string(heartbeat->waited_ns) + " ns; "
-              : "no beat; ")
+              : "no heartbeat; ")
       << peer_.Output();
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
