@@ -29,7 +29,7 @@ std::optional<Error> CheckLengths(const msg::SetState::Request& request) {
     return std::nullopt;
   }
   return Error{kCodeParametersInvalid,
-               "a name of more than " + std::to_string(kLongestName) + " bytes is not one of ours"};
+               "a name of more than " + std::to_string(kLongestName) + " bytes is invalid"};
 }
 
 msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
@@ -211,7 +211,7 @@ void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
         response.reason = (begun ? before + " ended during it"
                                  : "no such switch of " + before + " is recorded here") +
                           "; the controller of epoch " + std::to_string(shell_.machine().epoch) +
-                          " goes on with the machine in " + response.state;
+                          " continues with the machine in " + response.state;
         reply(response);
       });
 }

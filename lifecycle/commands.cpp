@@ -47,9 +47,10 @@ void Decision::Drifted(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (!record.checked) record.join_tried = false;  // it may have been configured by hand
   const bool succeeded = record.report.outcome_code == kCodeOk;
-  record.cause = RecordActuator(i, kCodeStatusError,
-                                ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
-                                    (succeeded ? "" : ": " + record.report.outcome_message));
+  record.cause =
+      RecordActuator(i, kCodeStatusError,
+                     ConfigOf(i).name + " has switched to " + record.state() + " by itself" +
+                         (succeeded ? "" : ": " + record.report.outcome_message));
   if (!record.held && MayFollow(i)) record.due = true;
 }
 

@@ -175,7 +175,7 @@ std::string Decision::LeftSince(const Switch& s, std::size_t i) const {
   if (!had_done && !was_there) return {};
   if (record.presence != Presence::kPresent) return "its process has exited since; it is starting";
   const bool there = s.direction == Direction::kCheck ? record.checked : record.state() == s.target;
-  return there ? "" : "it has gone to " + record.state() + " since, and is being driven back";
+  return there ? "" : "it has switched to " + record.state() + " since, and is being driven back";
 }
 
 // The reason why it is not in the target of the switch; nullopt: it is, or was not expected.

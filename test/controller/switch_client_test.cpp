@@ -130,7 +130,7 @@ TEST_F(SwitchClients, AreNotifiedAtOnceOfAnExitedControllerOfTheirHostAndThenOfT
   EXPECT_EQ(end_->result.state, "LowPower") << "the successor ends it on the way down";
   EXPECT_THAT(end_->result.reason,
               AllOf(HasSubstr("controller of epoch 1 ended during it"),
-                    HasSubstr("epoch 2 goes on with the machine in LowPower")));
+                    HasSubstr("epoch 2 continues with the machine in LowPower")));
   EXPECT_EQ(ends_, 1);
 }
 

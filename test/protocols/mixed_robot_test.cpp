@@ -289,7 +289,7 @@ TEST_F(AMixedRobot, DrivesANodeBackAfterATransitionByAnotherClient) {
   robot_.RunFor(std::chrono::seconds(1));
   ExpectAllIn("Active");
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
-  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("c has gone to DeActive by itself")));
+  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("c has switched to DeActive by itself")));
   ASSERT_TRUE(Set("LowPower").done());
   ros_->Change("activate");
   robot_.RunFor(std::chrono::seconds(1));

@@ -41,7 +41,7 @@ CallEnd<typename S::Response> Call(program::ToolLink& link, const std::string& s
   const auto over = link.clock().At(deadline, [&] { late = true; });
   link.RunUntil([&] { return reply || late; }, kForever);
   if (link.interrupted()) {
-    return {{}, ExitCode::kInterrupted, {kCodeFailed, "interrupted; the sound goes on"}};
+    return {{}, ExitCode::kInterrupted, {kCodeFailed, "interrupted; the sound continues"}};
   }
   if (!reply) return {{}, ExitCode::kNotDone, {kCodeTimeout, "the audio module does not answer"}};
   if (!*reply) return {{}, ExitCode::kNotDone, reply->error()};

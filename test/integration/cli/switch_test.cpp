@@ -52,7 +52,7 @@ TEST_F(Set, IsNotDoneWhenAnActuatorExitsAfterItsSwitchWhileASlowOneStillSwitches
   Release();
   const Ended ended = set.Wait();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_THAT(ended.err, HasSubstr("legs: it has gone to SetUp since"));
+  EXPECT_THAT(ended.err, HasSubstr("legs: it has switched to SetUp since"));
   const auto result = Json(ended.out);
   EXPECT_EQ(result["outcome"], "done-degraded");
   EXPECT_EQ(result["actuators"]["legs"]["outcome"], "lost") << result;

@@ -146,7 +146,7 @@ TEST_F(Authority, AStatusThatContradictsItsOutcomeIsAFailure) {
 TEST_F(Authority, AnActuatorThatChangesItsStateByItselfIsRecordedAndDrivenBack) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.state = "LowPower"; });
-  EXPECT_THAT(t.records, Contains("b has gone to LowPower by itself"));
+  EXPECT_THAT(t.records, Contains("b has switched to LowPower by itself"));
   t.Rest();
   EXPECT_EQ(t.RecordOf("b").state(), "Active");
 }

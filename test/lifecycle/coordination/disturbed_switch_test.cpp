@@ -130,7 +130,7 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
       const SwitchResult& result = t.answers.at(request);
       EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << target << critical;
       EXPECT_EQ(result.code, kCodeNetError) << target << critical;
-      EXPECT_EQ(result.reason, "b: it has gone to SetUp since, and is being driven back");
+      EXPECT_EQ(result.reason, "b: it has switched to SetUp since, and is being driven back");
       EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kLost) << target << critical;
       t.Rest();
       EXPECT_EQ(t.StateOf("b"), t.machine().state) << target << critical;
