@@ -40,8 +40,8 @@ TEST_F(SecuredMachine, DrivesAnActuatorThatWasKilledAgain) {
 TEST_F(SecuredMachine, LetsAnObserverLookAndNothingElse) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Identity("visitor", "observer");
-  for (const char* question : {"status", "history"}) {
-    const Ended look = As("visitor", {question});
+  for (const char* query : {"status", "history"}) {
+    const Ended look = As("visitor", {query});
     EXPECT_EQ(look.exit, 0) << look.err;
   }
   EXPECT_EQ(As("visitor", {"plan", "Active"}).exit, 0);

@@ -1,4 +1,4 @@
-// The power goes at any moment of an upgrade. Whatever the disk then makes of what was not synced,
+// The power fails at any time of an upgrade. Whatever the disk has kept of the unsynced data,
 // the robot starts a version that is whole, and can be upgraded.
 
 #include <set>
@@ -12,7 +12,7 @@ using Lost = SimDisk::Lost;
 // Goes through a robot's life and cuts the power at each of its steps.
 class Life {
  public:
-  // `seeds`: so many ways in which some is lost, for each moment.
+  // `seeds`: the number of random losses for each time.
   Life(std::unique_ptr<SimDisk> disk, int seeds) : seeds_(seeds), disk_(std::move(disk)) {
     disk_->on_step = [this](const std::string& what) { CutHere(what); };
   }

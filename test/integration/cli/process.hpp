@@ -56,7 +56,7 @@ void AdoptOrphans();
 std::vector<pid_t> Children();
 // Waits until that process, of any parent, has exited; for 10 s at most.
 bool AwaitEnd(pid_t pid);
-// What ends on its own is given a moment.
+// Waits a moment for a process that exits on its own.
 bool AwaitNoChildren();
 // Kills all children, and theirs, until none is left.
 void KillChildren();
