@@ -1,6 +1,6 @@
 #pragma once
 // Checks the invariants of a simulated robot after every event, and reports the first violation. It
-// goes by what the actuators do, not by what the controller believes, wherever the two can differ.
+// goes by what the actuators do, not by what the controller assumes, wherever the two can differ.
 
 #include <array>
 #include <cstdint>

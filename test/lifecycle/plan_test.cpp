@@ -126,7 +126,7 @@ TEST_F(Plans, DistinguishActuatorsInTheTargetFromDetachedOnesInTheTarget) {
   machine_.actuators[1].held = true;
   const Plan plan = To(kLowPower);
   EXPECT_EQ(plan.steps[0].part, Part::kInTarget);
-  EXPECT_EQ(plan.steps[1].part, Part::kHeldThere);
+  EXPECT_EQ(plan.steps[1].part, Part::kHeldInTarget);
   EXPECT_EQ(plan.steps[2].part, Part::kDriven);
 }
 
