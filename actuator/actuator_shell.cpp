@@ -89,7 +89,7 @@ Result<> ActuatorShell::Open() {
   auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
       [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
-        Handle(actuator_event::ControllerHeard{info.participant, heartbeat.epoch});
+        Handle(actuator_event::ControllerHeartbeatReceived{info.participant, heartbeat.epoch});
       },
       transport::kLatchedFromManyQos);
   if (!controllers) return controllers.error();
@@ -97,8 +97,8 @@ Result<> ActuatorShell::Open() {
   auto stops = transport::MakeSubscription<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
-        Handle(actuator_event::EmergencyStopHeard{stop.id, stop.engaged, info.participant, stop.by,
-                                                  stop.reason});
+        Handle(actuator_event::EmergencyStopReceived{stop.id, stop.engaged, info.participant,
+                                                     stop.by, stop.reason});
       },
       transport::kLatchedFromManyQos);
   if (!stops) return stops.error();
@@ -134,8 +134,8 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
     case msg::ActuatorCommand::kKindSwitch:
       return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), sender});
     case msg::ActuatorCommand::kKindAsk:
-      return Handle(
-          actuator_event::AskArrived{token, {request.epoch, request.number, request.stop}, sender});
+      return Handle(actuator_event::QueryArrived{
+          token, {request.epoch, request.number, request.stop}, sender});
     default:
       return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
                                         "unknown kind of command " + std::to_string(request.kind)});

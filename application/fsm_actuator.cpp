@@ -118,8 +118,8 @@ class FsmActuator::Impl : public fsm::Listener {
       const auto wire = std::make_shared<Wire>();
       wire->loop = &topics.node().loop();
       wire->clock = &topics.clock();
-      wire->publish_state =
-          topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
+      wire->publish_state = topics.PublishFunction<msg::String>(owner_.name() + "/behavior_state",
+                                                                transport::kLatchedQos);
       topics.Keep(wire);
       wire_ = wire;
       topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",

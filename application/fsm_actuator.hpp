@@ -14,7 +14,7 @@
 //       return machine.Build("IDLE");
 //     }
 //     void OpenTopics(transport::Endpoints& topics) override {
-//       topics.Hear<msg::String>("show/command", [this](const msg::String& word) { ... });
+//       topics.Subscribe<msg::String>("show/command", [this](const msg::String& word) { ... });
 //     }
 //     void AfterTick(Time now) override { ... publish what the states have put into data_ ... }
 //     void OnPause() override { ... bring the outputs to neutral ... }
@@ -31,7 +31,7 @@
 //   robot          machine
 //   SetUp          is built; topics are opened
 //   SelfCheck      SelfCheck() is called
-//   Active         is started, or goes on in its state (or from the start: Options::resume); ticks
+//   Active         is started, or continues in its state (or from the start: Options::resume); ticks
 //   TearDown       is stopped: its state is left; OnPause()
 //   all others     is paused, its time stands still; OnPause()
 //   an emergency stop: OnPause() at once, and it is paused until the stop is released and Active is
@@ -104,7 +104,7 @@ class FsmActuator : public MachineActuator {
   // bring the outputs to neutral. Has to return at once; has to be idempotent. An exception is
   // logged.
   virtual void OnPause() {}
-  // The robot goes to Active; called before the machine is started or goes on. An exception fails
+  // The robot goes to Active; called before the machine is started or continues. An exception fails
   // the switch to Active with its text, after OnPause().
   virtual void OnResume() {}
 

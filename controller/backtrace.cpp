@@ -44,7 +44,7 @@ struct Target {
 Result<Target> FindTarget(pid_t pid) {
   if (pid == getpid()) return Error{kCodeParametersInvalid, "a process can't trace itself"};
   const auto state = transport::RunStateOf(pid);
-  if (state == transport::ProcessRunState::kGone) {
+  if (state == transport::ProcessRunState::kExited) {
     return Error{kCodeFailed, "there is no process " + std::to_string(pid)};
   }
   auto pidfd = transport::OpenPidfd(pid);

@@ -98,9 +98,9 @@ Result<> Controller::Open() {
 
 // On a slow link an actuator may have been discovered only now; its controller may follow.
 void Controller::BeginAfter(Duration listen) {
-  const auto first_heard = shell_->first_heard();
-  const bool settled = shell_->rival() || !first_heard;
-  const Time until = settled ? Time{} : *first_heard + listen;
+  const auto first_status_at = shell_->first_status_at();
+  const bool settled = shell_->rival() || !first_status_at;
+  const Time until = settled ? Time{} : *first_status_at + listen;
   const auto begin = [this] { BeginOnceReceived(node_.loop().Now() + kStatusWithin); };
   if (node_.loop().Now() >= until) return begin();
   begin_later_ = node_.loop().At(until, begin);
@@ -109,7 +109,8 @@ void Controller::BeginAfter(Duration listen) {
 // Waits for the statuses of running actuators: they contain the hash of their config.
 void Controller::BeginOnceReceived(Time deadline) {
   const bool checks_configs = !options_.adopt && !options_.restarted;
-  if (!checks_configs || shell_->HeardBeforeBegin() >= held_ || node_.loop().Now() >= deadline) {
+  if (!checks_configs || shell_->ActuatorsBeforeBegin() >= held_ ||
+      node_.loop().Now() >= deadline) {
     return Begin();
   }
   begin_later_ = node_.loop().At(node_.loop().Now() + kStatusPollPeriod,
@@ -200,12 +201,12 @@ std::string Controller::LockOf(const std::string& actuator) const {
 }
 
 Result<> Controller::OpenShell() {
-  ControllerShell::World world;
-  world.node = &node_;
-  world.processes = &processes_;
-  world.process_probe = &process_probe_;
-  world.journal = journal_.get();
-  using OnSaved = ControllerShell::World::OnSaved;
+  ControllerShell::Dependencies dependencies;
+  dependencies.node = &node_;
+  dependencies.processes = &processes_;
+  dependencies.process_probe = &process_probe_;
+  dependencies.journal = journal_.get();
+  using OnSaved = ControllerShell::Dependencies::OnSaved;
   using Write = std::function<Result<>(StateStore&)>;
   const auto save = [this](Stored what, Write write, OnSaved done) {
     if (!store_) return done(Error{kCodeFailed, "the controller has no folder"});
@@ -213,27 +214,28 @@ Result<> Controller::OpenShell() {
         std::string(StoredName(what)),
         [store = store_, write = std::move(write)] { return write(*store); }, std::move(done));
   };
-  world.save_epoch = [save](std::uint64_t epoch, OnSaved done) {
+  dependencies.save_epoch = [save](std::uint64_t epoch, OnSaved done) {
     save(
         Stored::kEpoch, [epoch](StateStore& store) { return store.SaveEpoch(epoch); },
         std::move(done));
   };
-  world.save_emergency_stops = [save](const StoredStops& stops, OnSaved done) {
+  dependencies.save_emergency_stops = [save](const StoredStops& stops, OnSaved done) {
     save(
         Stored::kEmergencyStops,
         [stops](StateStore& store) { return store.SaveEmergencyStops(stops); }, std::move(done));
   };
-  world.save_policy = [save](const StoredPolicy& policy, OnSaved done) {
+  dependencies.save_policy = [save](const StoredPolicy& policy, OnSaved done) {
     save(
         Stored::kPolicy, [policy](StateStore& store) { return store.SavePolicy(policy); },
         std::move(done));
   };
-  world.save_stop_intent = [save](bool intended, OnSaved done) {
+  dependencies.save_stop_intent = [save](bool intended, OnSaved done) {
     save(
         Stored::kStopIntent,
         [intended](StateStore& store) { return store.SaveStopIntent(intended); }, std::move(done));
   };
-  world.save_remote_actuators = [save](const std::vector<RemoteActuator>& actuators, OnSaved done) {
+  dependencies.save_remote_actuators = [save](const std::vector<RemoteActuator>& actuators,
+                                              OnSaved done) {
     save(
         Stored::kRemoteActuators,
         [actuators](StateStore& store) {
@@ -242,20 +244,22 @@ Result<> Controller::OpenShell() {
         std::move(done));
   };
   if (store_) {
-    world.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
+    dependencies.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
       const auto write = [store = store_, children] {
         return store->SaveChildren(children, transport::HostId());
       };
       disk_.Do("processes", write, std::move(done));
     };
   }
-  world.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
-  world.output = [this](const std::string& name) { return logs_ ? logs_->Output(name) : nullptr; };
-  world.wall_ns = WallNanoseconds;
-  world.config_text = TextOf(config_);
-  world.host = transport::HostId();
-  world.pid = getpid();
-  world.incarnation = incarnation_;
+  dependencies.child_mark = [this](const std::string& actuator) { return LockOf(actuator); };
+  dependencies.output = [this](const std::string& name) {
+    return logs_ ? logs_->Output(name) : nullptr;
+  };
+  dependencies.wall_ns = WallNanoseconds;
+  dependencies.config_text = TextOf(config_);
+  dependencies.host = transport::HostId();
+  dependencies.pid = getpid();
+  dependencies.incarnation = incarnation_;
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
   hooks.holds_answers = [this] {
@@ -271,7 +275,7 @@ Result<> Controller::OpenShell() {
     if (ros2_tools_) ros2_tools_->OnRecord(record);
     if (options_.hooks.on_record) options_.hooks.on_record(record);
   };
-  auto shell = ControllerShell::Make(std::move(world), config_, std::move(hooks));
+  auto shell = ControllerShell::Make(std::move(dependencies), config_, std::move(hooks));
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
   return Ok();

@@ -93,7 +93,7 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
             heartbeat.epoch, heartbeat.machine};
   // Only a heartbeat that may change something is an event: others would fill the journal.
   if (heartbeat.epoch >= epoch_)
-    emit_(event::RivalHeard{heartbeat.epoch, rival_->who, theirs < ours});
+    emit_(event::RivalSeen{heartbeat.epoch, rival_->who, theirs < ours});
 }
 
 void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {

@@ -14,7 +14,8 @@ namespace {
 // Longer than any name in a valid config; a request with a longer one is refused unread.
 constexpr std::size_t kLongestName = 256;
 constexpr std::uint32_t kMostEntries = 1000;
-// The end of a controller is asked about soon after it; what came since is a fraction of these.
+// Clients query the outcome soon after the end of a controller; later entries are a fraction of
+// these.
 constexpr std::size_t kEntriesOfPredecessor = 5000;
 
 template <class S>
@@ -28,7 +29,7 @@ std::optional<Error> CheckLengths(const msg::SetState::Request& request) {
     return std::nullopt;
   }
   return Error{kCodeParametersInvalid,
-               "a name of more than " + std::to_string(kLongestName) + " bytes is not one of ours"};
+               "a name of more than " + std::to_string(kLongestName) + " bytes is invalid"};
 }
 
 msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
@@ -146,12 +147,12 @@ void ControllerServices::OnRequestPolicy(
     reply({end.code, end.message, shell_.machine().state});
   };
   const auto what = RequestOf(request.request);
-  // A direct switch has a service of its own, which tells more.
+  // A direct switch has a service of its own, whose reply has more detail.
   if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
     return answer(Error{kCodeParametersInvalid,
                         "unknown request '" + request.request.substr(0, kLongestName) + "'"});
   }
-  shell_.AskPolicy({0, *what, request.state, request.seconds, request.enable}, answer);
+  shell_.SendPolicyRequest({0, *what, request.state, request.seconds, request.enable}, answer);
 }
 
 msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
@@ -184,7 +185,7 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
     known.state = shell_.machine().state;
     return reply(known);
   }
-  if (!read_history_) return TellInterrupted(std::move(known), reply);
+  if (!read_history_) return ReplyInterrupted(std::move(known), reply);
   read_history_(INT64_MIN, kEntriesOfPredecessor,
                 [this, request, reply, alive = std::weak_ptr<bool>(alive_)](const auto& reading) {
                   if (alive.expired()) return;
@@ -192,13 +193,13 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
                       reading ? reading.value().entries : std::vector<JournalEntry>();
                   auto found = FindSwitch(entries, request.epoch, request.switch_number);
                   if (!found.outcome.empty()) return reply(found);
-                  TellInterrupted(std::move(found), reply);
+                  ReplyInterrupted(std::move(found), reply);
                 });
 }
 
-// Once this controller knows where the machine is: it goes on from where it has met the actuators.
-void ControllerServices::TellInterrupted(msg::GetSwitch::Response response,
-                                         const SwitchReply& reply) {
+// Once this controller knows the machine's state: it continues from the actuators' states.
+void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
+                                          const SwitchReply& reply) {
   shell_.AwaitSetUp(
       [this, response, reply, alive = std::weak_ptr<bool>(alive_)](const Result<>&) mutable {
         if (alive.expired()) return;
@@ -210,7 +211,7 @@ void ControllerServices::TellInterrupted(msg::GetSwitch::Response response,
         response.reason = (begun ? before + " ended during it"
                                  : "no such switch of " + before + " is recorded here") +
                           "; the controller of epoch " + std::to_string(shell_.machine().epoch) +
-                          " goes on with the machine in " + response.state;
+                          " continues with the machine in " + response.state;
         reply(response);
       });
 }

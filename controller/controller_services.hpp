@@ -41,7 +41,7 @@ class ControllerServices {
   msg::GetPlan::Response OnGetPlan(const msg::GetPlan::Request& request) const;
   using SwitchReply = transport::Server<msg::GetSwitch>::Reply;
   void OnGetSwitch(const msg::GetSwitch::Request& request, const SwitchReply& reply);
-  void TellInterrupted(msg::GetSwitch::Response response, const SwitchReply& reply);
+  void ReplyInterrupted(msg::GetSwitch::Response response, const SwitchReply& reply);
   void OnGetHistory(const msg::GetHistory::Request& request, const HistoryReply& reply);
 
   transport::Node& node_;

@@ -16,44 +16,45 @@ constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung pro
 
 }  // namespace
 
-ControllerShell::ControllerShell(World world, const MachineConfig& config, Hooks hooks)
-    : world_(std::move(world)),
+ControllerShell::ControllerShell(Dependencies dependencies, const MachineConfig& config,
+                                 Hooks hooks)
+    : dependencies_(std::move(dependencies)),
       config_(config),
       hooks_(std::move(hooks)),
       machine_(MakeMachine(config)),
-      recorder_(*world_.journal, config),
+      recorder_(*dependencies_.journal, config),
       peers_(config.actuators.size()) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
 }
 
 ControllerShell::~ControllerShell() = default;
 
-Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(World world,
+Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies dependencies,
                                                                const MachineConfig& config,
                                                                Hooks hooks) {
   std::unique_ptr<ControllerShell> shell(
-      new ControllerShell(std::move(world), config, std::move(hooks)));
+      new ControllerShell(std::move(dependencies), config, std::move(hooks)));
   if (auto opened = shell->Open(); !opened) return opened.error();
   return shell;
 }
 
 Result<> ControllerShell::Open() {
-  transport::Node& node = *world_.node;
+  transport::Node& node = *dependencies_.node;
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     auto link = MakeLink(node, config_, i, [this](const Event& event) { OnLinkEvent(event); });
     if (!link) return link.error();
     peers_[i].link = std::move(link).value();
   }
-  auto presence =
-      ControllerPresence::Make(node, config_, {world_.incarnation, world_.pid, world_.host},
-                               [this](const Event& event) { Handle(event); });
+  auto presence = ControllerPresence::Make(
+      node, config_, {dependencies_.incarnation, dependencies_.pid, dependencies_.host},
+      [this](const Event& event) { Handle(event); });
   if (!presence) return presence.error();
   presence_ = std::move(presence).value();
   auto health = HealthWatch::Make(
-      node, config_, *world_.process_probe, world_.host,
+      node, config_, *dependencies_.process_probe, dependencies_.host,
       [this](const Event& event) { Handle(event); },
       [this](std::size_t i) {
-        LinkTo(i).Ask({machine_.epoch, 0, false});  // this query fences nothing
+        LinkTo(i).Query({machine_.epoch, 0, false});  // this query fences nothing
       });
   if (!health) return health.error();
   health_ = std::move(health).value();
@@ -73,8 +74,8 @@ Result<> ControllerShell::Open() {
 
 void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>& children) {
   if (const auto opened = OpenToClients(); !opened) return Refuse(opened.error());
-  recorder_.Begin(world_.wall_ns(), world_.config_text);
-  begin.host = world_.host;
+  recorder_.Begin(dependencies_.wall_ns(), dependencies_.config_text);
+  begin.host = dependencies_.host;
   begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
   // Actuators of another host are only known by their status.
   begin.running.resize(peers_.size());
@@ -106,12 +107,12 @@ void ControllerShell::Refuse(const Error& why) {
   if (hooks_.on_fenced) hooks_.on_fenced(why.message);
 }
 
-void ControllerShell::LetGo(const std::string& who) {
+void ControllerShell::ReleaseControl(const std::string& who) {
   if (machine_.phase == Phase::kIdle) {
     return Refuse(
         {kCodePermissionDenied, "another controller, " + who + ", takes the machine over"});
   }
-  Handle(event::RivalHeard{machine_.epoch + 1, who, true});
+  Handle(event::RivalSeen{machine_.epoch + 1, who, true});
 }
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
@@ -147,12 +148,12 @@ void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done)
   Handle(event::ReleaseRequested{request, by});
 }
 
-void ControllerShell::AskPolicy(event::PolicyRequested asked, OnAnswer done) {
+void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnswer done) {
   if (refused_) return done(*refused_);
-  asked.request = next_request_++;
-  waiting_for_answer_[asked.request] = std::move(done);
+  requested.request = next_request_++;
+  waiting_for_answer_[requested.request] = std::move(done);
   if (policy_inputs_) policy_inputs_->EmitTime();
-  Handle(asked);
+  Handle(requested);
 }
 
 void ControllerShell::Remark(std::int32_t code, const std::string& message) {
@@ -177,8 +178,8 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    const Time now = world_.node->loop().Now();
-    recorder_.Note(world_.wall_ns(), machine_, event, now);
+    const Time now = dependencies_.node->loop().Now();
+    recorder_.Note(dependencies_.wall_ns(), machine_, event, now);
     const std::vector<Action> actions = Step(config_, machine_, event, now);
     for (const Action& action : actions) {
       std::visit([this](const auto& a) { Do(a); }, action);
@@ -193,7 +194,7 @@ void ControllerShell::ArmTimer() {
   armed_for_ = next;
   timer_ = nullptr;
   if (!next) return;
-  timer_ = world_.node->loop().At(*next, [this] {
+  timer_ = dependencies_.node->loop().At(*next, [this] {
     armed_for_.reset();
     Handle(event::TimePassed{});
   });
@@ -215,13 +216,14 @@ void ControllerShell::Do(const action::SendSwitch& a) {
   const ActuatorRecord& record = machine_.actuators[a.actuator];
   LinkTo(a.actuator)
       .Switch({machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
-               world_.node->loop().Now() - record.clock_ours, record.report.incarnation, a.apart});
+               dependencies_.node->loop().Now() - record.clock_ours, record.report.incarnation,
+               a.apart});
 }
 
-void ControllerShell::Do(const action::SendAsk& a) {
+void ControllerShell::Do(const action::SendQuery& a) {
   // A new actuator obeys only a controller whose heartbeat it has received.
   if (machine_.actuators[a.actuator].presence != Presence::kPresent) presence_->Repeat();
-  LinkTo(a.actuator).Ask({machine_.epoch, a.number, a.stop});
+  LinkTo(a.actuator).Query({machine_.epoch, a.number, a.stop});
 }
 
 void ControllerShell::Do(const action::AnswerSetState& a) {
@@ -235,7 +237,7 @@ void ControllerShell::Do(const action::AnswerCall& a) {
 }
 
 void ControllerShell::Do(const action::TakeBacktrace& a) {
-  world_.process_probe->TakeBacktrace(
+  dependencies_.process_probe->TakeBacktrace(
       a.pid, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
         Handle(event::BacktraceTaken{
             a.actuator, a.pid,
@@ -243,36 +245,36 @@ void ControllerShell::Do(const action::TakeBacktrace& a) {
       });
 }
 
-void ControllerShell::Do(const action::TellEmergencyStop& a) {
+void ControllerShell::Do(const action::PublishEmergencyStop& a) {
   presence_->Publish(a.stop, a.engaged);
   if (!machine_.emergency_stop) presence_->ForgetEngaged();
 }
 
-ControllerShell::World::OnSaved ControllerShell::OnSaved(Stored what, std::uint64_t save) {
+ControllerShell::Dependencies::OnSaved ControllerShell::OnSaved(Stored what, std::uint64_t save) {
   return [this, what, save](const Result<>& saved) {
     Handle(event::SaveEnded{what, save, saved.ok(), saved ? "" : saved.error().message});
   };
 }
 
 void ControllerShell::Do(const action::SaveEmergencyStops& a) {
-  world_.save_emergency_stops(a.stops, OnSaved(Stored::kEmergencyStops, a.save));
+  dependencies_.save_emergency_stops(a.stops, OnSaved(Stored::kEmergencyStops, a.save));
 }
 
 void ControllerShell::Do(const action::SaveEpoch& a) {
   presence_->Announce(a.epoch);
-  world_.save_epoch(a.epoch, OnSaved(Stored::kEpoch, a.save));
+  dependencies_.save_epoch(a.epoch, OnSaved(Stored::kEpoch, a.save));
 }
 
 void ControllerShell::Do(const action::SavePolicy& a) {
-  world_.save_policy(a.policy, OnSaved(Stored::kPolicy, a.save));
+  dependencies_.save_policy(a.policy, OnSaved(Stored::kPolicy, a.save));
 }
 
 void ControllerShell::Do(const action::SaveStopIntent& a) {
-  world_.save_stop_intent(a.intended, OnSaved(Stored::kStopIntent, a.save));
+  dependencies_.save_stop_intent(a.intended, OnSaved(Stored::kStopIntent, a.save));
 }
 
 void ControllerShell::Do(const action::SaveRemoteActuators& a) {
-  world_.save_remote_actuators(a.actuators, OnSaved(Stored::kRemoteActuators, a.save));
+  dependencies_.save_remote_actuators(a.actuators, OnSaved(Stored::kRemoteActuators, a.save));
 }
 
 void ControllerShell::Do(const action::Fenced& a) {
@@ -283,8 +285,8 @@ void ControllerShell::Do(const action::Fenced& a) {
 
 void ControllerShell::Do(const action::Record& a) {
   JournalEntry entry;
-  entry.wall_ns = world_.wall_ns();
-  entry.steady_ns = transport::ToNanoseconds(world_.node->loop().Now());
+  entry.wall_ns = dependencies_.wall_ns();
+  entry.steady_ns = transport::ToNanoseconds(dependencies_.node->loop().Now());
   entry.epoch = machine_.epoch;
   entry.switch_number = a.switch_number;
   entry.kind = a.kind;
@@ -300,7 +302,7 @@ void ControllerShell::Do(const action::Record& a) {
     if (switches_.size() == kSwitchEntriesKept) switches_.erase(switches_.begin());
     switches_.push_back(entry);
   }
-  world_.journal->Append(std::move(entry));
+  dependencies_.journal->Append(std::move(entry));
   if (hooks_.on_record) hooks_.on_record(a);
 }
 
@@ -312,18 +314,18 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
 void ControllerShell::Do(const action::Stopped&) {
   Publish();
   presence_->FallSilent();
-  CloseOnceAnswered(world_.node->loop().Now() + kLastAnswers);
+  CloseOnceAnswered(dependencies_.node->loop().Now() + kLastAnswers);
   if (hooks_.on_stopped) hooks_.on_stopped();
 }
 
 void ControllerShell::CloseOnceAnswered(Time deadline) {
-  const Time now = world_.node->loop().Now();
+  const Time now = dependencies_.node->loop().Now();
   const bool holds = hooks_.holds_answers && hooks_.holds_answers() && now < deadline;
   const auto next = [this, deadline, holds] {
     if (holds) return CloseOnceAnswered(deadline);
     CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
   };
-  close_later_ = world_.node->loop().At(holds ? now + kHeldPeriod : now, next);
+  close_later_ = dependencies_.node->loop().At(holds ? now + kHeldPeriod : now, next);
 }
 
 }  // namespace musher

@@ -34,7 +34,7 @@ namespace musher {
 class ControllerShell {
  public:
   // The dependencies of the shell; all must outlive it.
-  struct World {
+  struct Dependencies {
     transport::Node* node = nullptr;
     ProcessRunner* processes = nullptr;
     ProcessProbe* process_probe = nullptr;
@@ -80,8 +80,8 @@ class ControllerShell {
     std::function<void(const std::string&)> on_fenced;  // another controller has taken over
   };
 
-  static Result<std::unique_ptr<ControllerShell>> Make(World world, const MachineConfig& config,
-                                                       Hooks hooks);
+  static Result<std::unique_ptr<ControllerShell>> Make(Dependencies dependencies,
+                                                       const MachineConfig& config, Hooks hooks);
   ~ControllerShell();
 
   // Starts the machine; the shell fills in the host of `begin`. From now on the shell answers
@@ -91,9 +91,9 @@ class ControllerShell {
   // Another controller of this machine whose heartbeat was received, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
   // When the first actuator status was received, before Begin().
-  std::optional<Time> first_heard() const { return first_heard_; }
+  std::optional<Time> first_status_at() const { return first_status_at_; }
   // The number of actuators whose status was received before Begin().
-  std::size_t HeardBeforeBegin() const { return before_begin_.size(); }
+  std::size_t ActuatorsBeforeBegin() const { return before_begin_.size(); }
   // "legs (pid 7), eyes (pid 8) run": the actuators received by then that run on this host and use
   // a different config than this controller and than the config with the given hash; empty if
   // there are none.
@@ -103,7 +103,7 @@ class ControllerShell {
   void Refuse(const Error& why);
   // Releases control, as if a heartbeat of the leader `who` ("process 4711 of this host") had been
   // received: this controller is fenced, and on_fenced is called.
-  void LetGo(const std::string& who);
+  void ReleaseControl(const std::string& who);
 
   using OnResult = std::function<void(const SwitchResult&)>;
   using OnAnswer = std::function<void(const Result<>&)>;
@@ -116,10 +116,10 @@ class ControllerShell {
   // Restarts an actuator's process; calls `done` when it is back, or with why it is not.
   void Restart(const std::string& actuator, OnAnswer done);
   void ReleaseEmergencyStop(const std::string& by, OnAnswer done);
-  // Sends a request to the policy; this function chooses `asked.request`. `done` runs exactly once,
-  // maybe at once. A request that leads to a switch is answered at the switch's end, with its code
-  // and reason unless the outcome is done.
-  void AskPolicy(event::PolicyRequested asked, OnAnswer done);
+  // Sends a request to the policy; this function chooses `requested.request`. `done` runs exactly
+  // once, maybe at once. A request that leads to a switch is answered at the switch's end, with its
+  // code and reason unless the outcome is done.
+  void SendPolicyRequest(event::PolicyRequested requested, OnAnswer done);
 
   // Records an event that needs no decision.
   void Remark(std::int32_t code, const std::string& message);
@@ -156,7 +156,7 @@ class ControllerShell {
     bool hash_recorded = false;             // a different config was recorded
   };
 
-  ControllerShell(World world, const MachineConfig& config, Hooks hooks);
+  ControllerShell(Dependencies dependencies, const MachineConfig& config, Hooks hooks);
   Result<> Open();
   Result<> OpenToClients();
   void CloseToClients(const Error& why);
@@ -188,15 +188,15 @@ class ControllerShell {
   void Publish();
   SwitchResult Refusal(const Error& why) const;
   void Do(const action::SendSwitch& a);
-  void Do(const action::SendAsk& a);
+  void Do(const action::SendQuery& a);
   void Do(const action::StartProcess& a);
   void Do(const action::FindProcesses& a);
   void Do(const action::SignalProcess& a);
   void Do(const action::AnswerSetState& a);
   void Do(const action::AnswerCall& a);
   void Do(const action::TakeBacktrace& a);
-  void Do(const action::TellEmergencyStop& a);
-  World::OnSaved OnSaved(Stored what, std::uint64_t save);
+  void Do(const action::PublishEmergencyStop& a);
+  Dependencies::OnSaved OnSaved(Stored what, std::uint64_t save);
   void Do(const action::SaveEmergencyStops& a);
   void Do(const action::Fenced& a);
   void Do(const action::SaveEpoch& a);
@@ -208,7 +208,7 @@ class ControllerShell {
   void Do(const action::StartUpEnded& a);
   void Do(const action::Stopped& a);
 
-  World world_;
+  Dependencies dependencies_;
   const MachineConfig& config_;
   Hooks hooks_;
   Machine machine_;
@@ -226,7 +226,7 @@ class ControllerShell {
   std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
   std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs
   std::map<std::string, std::uint64_t> unlisted_;  // incarnations of actuators not in the config
-  std::optional<Time> first_heard_;                // of before_begin_
+  std::optional<Time> first_status_at_;            // of before_begin_
   std::deque<Event> queue_;                        // events that arrived while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;

@@ -77,8 +77,8 @@ void ControllerShell::CountAsHeartbeat(std::size_t actuator, std::uint64_t incar
   if (!own && record.presence != Presence::kPresent) return;
   ActuatorReport report = record.report;
   if (report.host.empty() && record.process != 0) {
-    report.host = world_.host;
-    report.pid = world_.process_probe->WorkerOf(record.process);
+    report.host = dependencies_.host;
+    report.pid = dependencies_.process_probe->WorkerOf(record.process);
   }
   health_->OnReport(actuator, report);
 }
@@ -121,7 +121,7 @@ std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) c
     const auto theirs = hashes_before_begin_.find(actuator);
     const bool ours = theirs == hashes_before_begin_.end() || theirs->second.empty() ||
                       theirs->second == config_.hash || theirs->second == hash;
-    if (ours || seen.report.host != world_.host || !Runs(config_, seen.report)) continue;
+    if (ours || seen.report.host != dependencies_.host || !Runs(config_, seen.report)) continue;
     names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (pid " +
              std::to_string(seen.report.pid) + ")";
     ++count;
@@ -135,7 +135,7 @@ bool ControllerShell::KeepForBegin(const Event& event) {
   if (machine_.phase != Phase::kIdle) return false;
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
     before_begin_[seen->actuator] = *seen;
-    if (!first_heard_) first_heard_ = world_.node->loop().Now();
+    if (!first_status_at_) first_status_at_ = dependencies_.node->loop().Now();
     return true;
   }
   if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {

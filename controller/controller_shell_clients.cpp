@@ -18,7 +18,7 @@ constexpr Duration kUnsavedPeriod = Milliseconds(500);  // a save takes less on 
 }  // namespace
 
 Result<> ControllerShell::OpenToClients() {
-  transport::Node& node = *world_.node;
+  transport::Node& node = *dependencies_.node;
   auto status = transport::MakePublisher<msg::MachineStatus>(
       node, transport::MachineStatusTopic(config_.name_space), transport::kLatchedQos);
   if (!status) return status.error();
@@ -33,7 +33,7 @@ Result<> ControllerShell::OpenToClients() {
       node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
   if (!info) return info.error();
   info_ = std::move(info).value();
-  return info_->Publish({config_.name, config_.name_space, world_.host, world_.pid});
+  return info_->Publish({config_.name, config_.name_space, dependencies_.host, dependencies_.pid});
 }
 
 // Requests that still wait for an answer get `why` first.
@@ -53,11 +53,12 @@ void ControllerShell::CloseToClients(const Error& why) {
 // one.
 void ControllerShell::PublishSoon() {
   if (publish_later_ || !status_) return;
-  const Time now = world_.node->loop().Now();
-  publish_later_ = world_.node->loop().At(std::max(now, published_at_ + kPublishPeriod), [this] {
-    publish_later_ = nullptr;
-    Publish();
-  });
+  const Time now = dependencies_.node->loop().Now();
+  publish_later_ =
+      dependencies_.node->loop().At(std::max(now, published_at_ + kPublishPeriod), [this] {
+        publish_later_ = nullptr;
+        Publish();
+      });
 }
 
 // The status shows how long a value is not on disk, so it must be republished.
@@ -65,8 +66,8 @@ void ControllerShell::PublishWhileUnsaved() {
   if (machine_.unsaved.empty()) {
     unsaved_timer_ = nullptr;
   } else if (!unsaved_timer_) {
-    const Time now = world_.node->loop().Now();
-    unsaved_timer_ = world_.node->loop().At(now + kUnsavedPeriod, [this] {
+    const Time now = dependencies_.node->loop().Now();
+    unsaved_timer_ = dependencies_.node->loop().At(now + kUnsavedPeriod, [this] {
       unsaved_timer_ = nullptr;
       PublishSoon();
       PublishWhileUnsaved();
@@ -80,7 +81,7 @@ void ControllerShell::Publish() {
   if (status == published_) return;
   static_cast<void>(status_->Publish(status));  // a failed publish is repeated at the next change
   published_ = std::move(status);
-  published_at_ = world_.node->loop().Now();
+  published_at_ = dependencies_.node->loop().Now();
 }
 
 msg::Capabilities ControllerShell::Capabilities() const {
@@ -98,9 +99,9 @@ SwitchResult ControllerShell::Refusal(const Error& why) const {
 
 msg::MachineStatus ControllerShell::Status() const {
   msg::MachineStatus status = ToMessage(config_, machine_);
-  status.pid = world_.pid;
-  status.host = world_.host;
-  const Time now = world_.node->loop().Now();
+  status.pid = dependencies_.pid;
+  status.host = dependencies_.host;
+  const Time now = dependencies_.node->loop().Now();
   for (const Unsaved& unsaved : machine_.unsaved) {
     if (now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
     const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();

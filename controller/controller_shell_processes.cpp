@@ -35,13 +35,13 @@ void ControllerShell::Do(const action::StartProcess& a) {
     spec.env.merge(transport::RosEnvironment(config_.transport, inherited));
   }
   const bool alone = machine_.actuators[a.actuator].dead != 0;  // the other actuators already run
-  if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
-  if (world_.child_mark) spec.mark = world_.child_mark(actuator.name);
-  const auto output = world_.output(actuator.name);
+  if (alone) spec.env.emplace("MUSHER_FAST_DISCOVERY", "1");
+  if (dependencies_.child_mark) spec.mark = dependencies_.child_mark(actuator.name);
+  const auto output = dependencies_.output(actuator.name);
   if (output) spec.output = output->get();
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
-      world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
+      dependencies_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
         health_->Forget(i);
         ForgetChild(i, *pid);
         peers_[i].link->OnProcessEnded(*pid);
@@ -67,7 +67,7 @@ void ControllerShell::Do(const action::FindProcesses&) {
     with_command.push_back(i);
     names.push_back(config_.actuators[i].name);
   }
-  const std::vector<pid_t> pids = world_.process_probe->Find(names);
+  const std::vector<pid_t> pids = dependencies_.process_probe->Find(names);
   for (std::size_t n = 0; n < with_command.size(); ++n) {
     const std::size_t i = with_command[n];
     if (WatchFound(i, pids[n], nullptr)) found.processes[i] = pids[n];
@@ -78,7 +78,7 @@ void ControllerShell::Do(const action::FindProcesses&) {
 // Saves what the next controller needs to find the process again.
 void ControllerShell::NoteChild(std::size_t actuator, pid_t pid) {
   children_[actuator] = {config_.actuators[actuator].name, pid,
-                         world_.process_probe->StartTimeOf(pid)};
+                         dependencies_.process_probe->StartTimeOf(pid)};
   SaveChildren();
 }
 
@@ -91,11 +91,11 @@ void ControllerShell::ForgetChild(std::size_t actuator, pid_t pid) {
 
 // If this controller exits before they are saved, the next one finds them by their marks.
 void ControllerShell::SaveChildren() {
-  if (!world_.save_children) return;
+  if (!dependencies_.save_children) return;
   std::vector<ChildProcess> children;
   children.reserve(children_.size());
   for (const auto& [actuator, child] : children_) children.push_back(child);
-  world_.save_children(children, [this](const Result<>& saved) {
+  dependencies_.save_children(children, [this](const Result<>& saved) {
     if (!saved && !std::exchange(children_unsaved_, true)) {
       Remark(saved.error().code, "the list of processes is not saved: " + saved.error().message +
                                      "; the next controller finds them by their environment only");
@@ -106,7 +106,7 @@ void ControllerShell::SaveChildren() {
 
 void ControllerShell::Do(const action::SignalProcess& a) {
   // A process that has exited meanwhile needs no signal.
-  static_cast<void>(world_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
+  static_cast<void>(dependencies_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
 }
 
 // The command survives this controller, which is about to exit.
@@ -117,12 +117,12 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
   spec.name = a.reboot ? "reboot" : "power_off";
   spec.argv = a.reboot ? power.reboot_command : power.off_command;
   if (spec.argv.empty()) return;
-  const auto output = world_.output(spec.name);
+  const auto output = dependencies_.output(spec.name);
   if (output) spec.output = output->get();
   const auto failed = [this, name = spec.name](const std::string& how) {
     Do(action::Record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how});
   };
-  const auto started = world_.processes->Start(spec, [failed](const ProcessExit& exit) {
+  const auto started = dependencies_.processes->Start(spec, [failed](const ProcessExit& exit) {
     if (!exit.clean()) failed(" failed: " + exit.Text());
   });
   if (!started) failed(" could not be executed: " + started.error().message);
@@ -133,7 +133,7 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
 // nothing is watched, traced or signalled because of it. The result is kept for as long as the
 // process of that incarnation reports the same pid.
 ActuatorReport ControllerShell::WithProvenPid(std::size_t actuator, ActuatorReport report) {
-  if (report.pid == 0 || report.host.empty() || report.host != world_.host) return report;
+  if (report.pid == 0 || report.host.empty() || report.host != dependencies_.host) return report;
   Process& process = ProcessOf(actuator, report);
   if (process.pid != report.pid) {
     process.pid = report.pid;
@@ -153,22 +153,23 @@ Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorRepo
   const std::int32_t child = machine_.actuators[actuator].process;
   if (report.pid == child) return Ok();  // watched since it was started
   Result<> proven =
-      world_.process_probe->Prove(config_.actuators[actuator].name, report.pid, child);
-  if (!proven || report.pid == world_.pid) return proven;
-  return world_.processes->Watch(report.pid, [this, actuator, incarnation = report.incarnation,
-                                              pid = report.pid](const ProcessExit& exit) {
-    const bool known = exit.kind != ProcessExit::Kind::kUnknown;
-    health_->Forget(actuator);
-    Handle(event::Vanished{
-        actuator, incarnation, true,
-        "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")});
-  });
+      dependencies_.process_probe->Prove(config_.actuators[actuator].name, report.pid, child);
+  if (!proven || report.pid == dependencies_.pid) return proven;
+  return dependencies_.processes->Watch(
+      report.pid, [this, actuator, incarnation = report.incarnation,
+                   pid = report.pid](const ProcessExit& exit) {
+        const bool known = exit.kind != ProcessExit::Kind::kUnknown;
+        health_->Forget(actuator);
+        Handle(event::Vanished{
+            actuator, incarnation, true,
+            "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")});
+      });
 }
 
 void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
                                      const std::string& why) {
   std::optional<Time>& recorded = peers_[actuator].unproven_recorded;
-  const Time now = world_.node->loop().Now();
+  const Time now = dependencies_.node->loop().Now();
   if (recorded && now - *recorded < kUnprovenPeriod) return;
   recorded = now;
   Do(action::Record{"process", actuator, 0, kCodePermissionDenied,
@@ -180,15 +181,15 @@ void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
 // Watches a process that ran before this controller and may never publish a status. A `child` was
 // started for this actuator by an earlier controller; null: it was not.
 bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid, const ChildProcess* child) {
-  if (pid == 0 || pid == world_.pid) return false;
+  if (pid == 0 || pid == dependencies_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     health_->Forget(actuator);
     ForgetChild(actuator, pid);
     peers_[actuator].link->OnProcessEnded(pid);
     Handle(event::ProcessEnded{actuator, pid, false, "exit code unknown"});
   };
-  const bool watched = child ? world_.processes->Adopt(pid, child->start_time, on_exit).ok()
-                             : world_.processes->Watch(pid, on_exit).ok();
+  const bool watched = child ? dependencies_.processes->Adopt(pid, child->start_time, on_exit).ok()
+                             : dependencies_.processes->Watch(pid, on_exit).ok();
   if (!watched) return false;
   if (child) NoteChild(actuator, pid);
   peers_[actuator].link->OnProcessFound(pid);

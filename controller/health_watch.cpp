@@ -42,7 +42,7 @@ void HealthWatch::OnReport(std::size_t actuator, const ActuatorReport& report) {
   const bool local = !host_.empty() && report.host == host_ && report.pid != 0;
   pids_[actuator] = report.pid;
   monitor_.Watch(actuator, report.incarnation, report.host, local, now);
-  Act(monitor_.Heard(actuator, report.incarnation, now));
+  Act(monitor_.OnSample(actuator, report.incarnation, now));
 }
 
 void HealthWatch::Forget(std::size_t actuator) {
@@ -56,28 +56,28 @@ void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const Heartbeat received{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
                            heartbeat.during, Duration(heartbeat.silent_ns),
                            Duration(heartbeat.waited_ns)};
-  Act(monitor_.Heard(found->second, heartbeat.incarnation, received, node_.loop().Now()));
+  Act(monitor_.OnSample(found->second, heartbeat.incarnation, received, node_.loop().Now()));
 }
 
-void HealthWatch::Act(const std::vector<Finding>& findings) {
-  for (const Finding& f : findings) {
+void HealthWatch::Act(const std::vector<HealthEvent>& events) {
+  for (const HealthEvent& f : events) {
     std::visit([this](const auto& one) { Do(one); }, f);
   }
   ArmTimer();
 }
 
-void HealthWatch::Do(const finding::Probe& f) {
+void HealthWatch::Do(const health_event::Probe& f) {
   query_(f.actuator);
 }
 
-void HealthWatch::Do(const finding::Examine& f) {
+void HealthWatch::Do(const health_event::Examine& f) {
   const pid_t pid = pids_[f.actuator];
   const Time now = node_.loop().Now();
   if (f.mark) return process_probe_.Mark(f.actuator, pid, now);
   Act(monitor_.Examined(f.actuator, process_probe_.Examine(f.actuator, pid, now), now));
 }
 
-void HealthWatch::Do(const finding::Changed& f) {
+void HealthWatch::Do(const health_event::Changed& f) {
   emit_(event::HealthChanged{f.actuator, f.incarnation, f.health, f.silent, f.how});
 }
 

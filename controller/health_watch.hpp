@@ -39,10 +39,10 @@ class HealthWatch {
               std::string host, Emit emit, Query query);
 
   void OnHeartbeat(const msg::ActuatorBeat& heartbeat);
-  void Act(const std::vector<Finding>& findings);
-  void Do(const finding::Probe& f);
-  void Do(const finding::Examine& f);
-  void Do(const finding::Changed& f);
+  void Act(const std::vector<HealthEvent>& events);
+  void Do(const health_event::Probe& f);
+  void Do(const health_event::Examine& f);
+  void Do(const health_event::Changed& f);
   void ArmTimer();
 
   transport::Node& node_;

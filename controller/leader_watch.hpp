@@ -34,7 +34,7 @@ class LeaderWatch {
  public:
   struct Options {
     std::string name_space;
-    std::string host;            // ours: processes of this host can be watched
+    std::string host;            // this host, whose processes can be watched
     WatchProcess watch_process;  // empty: watches no process
   };
   // The leader of that status is over. `how` follows its name: "has exited", "sends no heartbeat".

@@ -89,7 +89,7 @@ void PolicyInputs::EmitTime() {
   const Time now = clock_->Now();
   if (!by_topic_ || !begun_ || now == emitted_time_) return;
   emitted_time_ = now;
-  emit_(event::ClockHeard{now});
+  emit_(event::ClockReceived{now});
 }
 
 void PolicyInputs::EmitOnceBegun(const Event& event) {

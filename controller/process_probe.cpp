@@ -81,8 +81,8 @@ Examination KernelProbe::Examine(std::size_t actuator, pid_t pid, Time now) {
     case ProcessRunState::kTraced:
       found.process = Examination::Process::kTraced;
       break;
-    case ProcessRunState::kGone:
-      found.process = Examination::Process::kGone;
+    case ProcessRunState::kExited:
+      found.process = Examination::Process::kExited;
       marks_.erase(actuator);
       return found;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Examines a process of this host without its cooperation. KernelProbe asks the kernel; the
+// Examines a process of this host without its cooperation. KernelProbe queries the kernel; the
 // simulation has its own.
 //
 // Threads: loop thread only, callbacks too.
@@ -33,8 +33,8 @@ class ProcessProbe {
   // holds its name and belongs to root or our user; 0: none.
   virtual std::vector<pid_t> Find(const std::vector<std::string>& actuators) = 0;
 
-  // The start time of the process, which tells it from a later one with the same pid; 0: it has
-  // exited.
+  // The start time of the process, which distinguishes it from a later one with the same pid; 0: it
+  // has exited.
   virtual std::uint64_t StartTimeOf(pid_t pid) = 0;
 
   // The process that works for `pid`: the only child of one that has a single thread, as a shell or

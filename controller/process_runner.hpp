@@ -19,9 +19,9 @@ namespace musher {
 struct ProcessSpec {
   std::string name;                        // of the actuator
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
-  std::string cwd;                         // empty = ours
-  std::map<std::string, std::string> env;  // added to ours, from which systemd's are removed
-  int output = -1;        // for stdout and stderr; the caller keeps it; -1 = our own
+  std::string cwd;                         // empty: that of this process
+  std::map<std::string, std::string> env;  // added to the inherited one without systemd's variables
+  int output = -1;        // for stdout and stderr; the caller keeps it; -1: inherited
   std::string mark = {};  // by which a later controller finds it (child_processes.hpp); empty: none
 };
 
@@ -30,13 +30,13 @@ struct ProcessExit {
   enum class Kind {
     kExited,   // number = its exit code
     kKilled,   // number = the signal
-    kUnknown,  // not our child: only its exit is known
-    kNotRun    // its program could not be executed; `last_words` says why
+    kUnknown,  // not a child: only its exit is known
+    kNotRun    // its program could not be executed; `last_output` says why
   };
 
   Kind kind = Kind::kUnknown;
   int number = 0;
-  std::string last_words = {};  // last output of a process that exited with an error; may be empty
+  std::string last_output = {};  // last output of a process that exited with an error; may be empty
 
   // Whether the process exited by itself with code 0.
   bool clean() const { return kind == Kind::kExited && number == 0; }
@@ -63,10 +63,10 @@ class ProcessRunner {
   // never inside Start().
   virtual Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) = 0;
 
-  // Watches a running process, for example one that the previous controller has started, or one of
-  // ours that hosts several actuators: each of them may watch it. For a process that we did not
-  // start the exit code is unknown. Fails if there is no such process. The caller must know that
-  // the pid is of this host (HostId) and whose it is (ProcessProbe::Prove).
+  // Watches a running process, for example one that the previous controller has started, or a
+  // started one that hosts several actuators: each of them may watch it. For a process that this
+  // controller did not start the exit code is unknown. Fails if there is no such process. The
+  // caller must know that the pid is of this host (HostId) and whose it is (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
   // Watches a process that an earlier controller has started as its child. When it exits, the rest

@@ -23,8 +23,8 @@
 namespace musher {
 namespace {
 
-// Takes a child that has ended off the kernel's books. Until then its pid can't be reused, so the
-// pid is as good a handle as the pidfd.
+// Reaps a child that has exited. Until then the kernel does not reuse its pid, so the pid
+// identifies it as surely as the pidfd.
 ProcessExit Reap(pid_t pid) {
   siginfo_t info{};
   int result = 0;
@@ -36,24 +36,24 @@ ProcessExit Reap(pid_t pid) {
   return {exited ? ProcessExit::Kind::kExited : ProcessExit::Kind::kKilled, info.si_status};
 }
 
-constexpr std::int64_t kMostWords = 2048;   // bytes of a log's end that are looked at
-constexpr std::size_t kLongestWords = 200;  // bytes that are reported
-constexpr Duration kWordsPatience = Milliseconds(100);
+constexpr std::int64_t kMaxTailBytes = 2048;  // bytes of a log's end that are looked at
+constexpr std::size_t kMaxLineBytes = 200;    // bytes that are reported
+constexpr Duration kLastOutputTimeout = Milliseconds(100);
 // Programs that are started within this time of each other are waited for together.
 constexpr Duration kBurst = Milliseconds(100);
 
-// -1: it is no file.
+// -1: not a file.
 std::int64_t SizeOf(int fd) {
   struct stat info {};
   return fstat(fd, &info) == 0 && S_ISREG(info.st_mode) ? info.st_size : -1;
 }
 
-// The last line of what stands in the file from `begin` on that has a visible character.
-std::string LastWords(int fd, std::int64_t begin) {
+// The last line of the file after `begin` that has a visible character.
+std::string LastOutput(int fd, std::int64_t begin) {
   const std::int64_t size = SizeOf(fd);
-  // One that is shorter than it was has been cut at its front meanwhile (log_files.hpp).
-  const std::int64_t from = std::max(size < begin ? 0 : begin, size - kMostWords);
-  std::string text(kMostWords, '\0');
+  // A file shorter than before has been cut at its front meanwhile (log_files.hpp).
+  const std::int64_t from = std::max(size < begin ? 0 : begin, size - kMaxTailBytes);
+  std::string text(kMaxTailBytes, '\0');
   const ssize_t got = pread(fd, text.data(), text.size(), from);
   std::istringstream in(text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(got, 0))));
   std::string line;
@@ -66,13 +66,13 @@ std::string LastWords(int fd, std::int64_t begin) {
     if (first != std::string::npos)
       last = line.substr(first, line.find_last_not_of(' ') + 1 - first);
   }
-  if (last.size() <= kLongestWords) return last;
-  std::size_t end = kLongestWords;
+  if (last.size() <= kMaxLineBytes) return last;
+  std::size_t end = kMaxLineBytes;
   while (end > 0 && (static_cast<unsigned char>(last[end]) & 0xC0U) == 0x80U) --end;  // UTF-8
   return last.substr(0, end) + "…";
 }
 
-// All that a child starts inherits it.
+// All descendants of a child inherit it.
 constexpr const char* kMark = "MUSHER_PROCESS";
 
 // "17.3": the third child of the controller whose pid is 17.
@@ -83,7 +83,7 @@ std::string MarkOf(std::uint64_t number) {
   return MarkPrefix() + std::to_string(number);
 }
 
-// Empty where a process has none, has ended, or hides its environment.
+// Empty if the process has none, has exited, or hides its environment.
 std::string MarkIn(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
   const std::string begin = std::string(kMark) + "=";
@@ -121,9 +121,9 @@ void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit
 
 std::string ProcessExit::Text() const {
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
-  if (kind == Kind::kNotRun) return last_words;
+  if (kind == Kind::kNotRun) return last_output;
   if (kind == Kind::kExited) {
-    return "exit code " + std::to_string(number) + (last_words.empty() ? "" : ": " + last_words);
+    return "exit code " + std::to_string(number) + (last_output.empty() ? "" : ": " + last_output);
   }
   const char* name = sigabbrev_np(number);
   return "killed by " + (name ? "SIG" + std::string(name) : "signal " + std::to_string(number));
@@ -149,7 +149,7 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
   }
   process.child = std::move(child).value();
   if (auto added = Add(pid, std::move(process)); !added) {
-    kill(pid, SIGKILL);  // a process that can't be watched can't be kept
+    kill(pid, SIGKILL);  // a process that cannot be watched is not kept
     kill(-pid, SIGKILL);
     Reap(pid);
     return added.error();
@@ -196,7 +196,7 @@ Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
   if (found == processes_.end()) {
     return Error{kCodeFailed, "process " + std::to_string(pid) + " is not ours or has ended"};
   }
-  // The pidfd names the right process even when the pid has been reused; a group has only its
+  // The pidfd identifies the process even when the pid has been reused; a group has only its
   // number.
   const auto send = [&](int which) {
     return syscall(SYS_pidfd_send_signal, found->second.pidfd.get(), which, nullptr, 0) == 0;
@@ -233,7 +233,7 @@ void ProcessSupervisor::Ended(pid_t pid) {
     exit = {ProcessExit::Kind::kNotRun, 0, failure->message};
   }
   const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
-  if (discontent && ended.log) return AwaitLastWords(exit, std::move(ended));
+  if (discontent && ended.log) return AwaitLastOutput(exit, std::move(ended));
   Call(ended.on_exit, exit);
 }
 
@@ -246,7 +246,7 @@ void ProcessSupervisor::ReapOrphans() {
   for (const pid_t child : Children()) {
     if (!processes_.contains(child)) waitpid(child, nullptr, WNOHANG);
   }
-  EndOrphans();  // what an orphan that has ended has left behind in its turn
+  EndOrphans();  // the orphans of an orphan that has exited
 }
 
 void ProcessSupervisor::EndOrphans() {
@@ -259,28 +259,28 @@ void ProcessSupervisor::EndOrphans() {
   }
 }
 
-void ProcessSupervisor::AwaitLastWords(const ProcessExit& exit, Process process) {
+void ProcessSupervisor::AwaitLastOutput(const ProcessExit& exit, Process process) {
   const std::uint64_t id = next_ending_++;
-  const auto words = std::make_shared<std::string>();
+  const auto output = std::make_shared<std::string>();
   endings_[id] = {exit, std::move(process.on_exit),
-                  loop_.At(loop_.Now() + kWordsPatience, [this, id] { Report(id, ""); })};
-  // Of one name only the last is read on a disk that stalls: what waits for it is bounded.
+                  loop_.At(loop_.Now() + kLastOutputTimeout, [this, id] { Report(id, ""); })};
+  // While the disk stalls only the last job of each name is kept: the queue is bounded.
   disk_.Do(
-      "last words of " + process.name,
-      [words, log = process.log, begin = process.log_begin] {
-        *words = LastWords(log->get(), begin);
+      "last output of " + process.name,
+      [output, log = process.log, begin = process.log_begin] {
+        *output = LastOutput(log->get(), begin);
         return Ok();
       },
-      // A supervisor that is destroyed has no ending left; the disk outlives it.
-      [this, id, words, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
-        if (!alive.expired()) Report(id, *words);
+      // A destroyed supervisor has no ending left; the disk outlives it.
+      [this, id, output, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
+        if (!alive.expired()) Report(id, *output);
       });
 }
 
-void ProcessSupervisor::Report(std::uint64_t ending, const std::string& last_words) {
+void ProcessSupervisor::Report(std::uint64_t ending, const std::string& last_output) {
   auto ended = endings_.extract(ending);
-  if (ended.empty()) return;  // its time was over
-  ended.mapped().exit.last_words = last_words;
+  if (ended.empty()) return;  // its deadline has passed
+  ended.mapped().exit.last_output = last_output;
   Call(ended.mapped().on_exit, ended.mapped().exit);
 }
 

@@ -1,26 +1,27 @@
 #pragma once
-// Runs processes for real. The kernel tells of an exit through a pidfd on the loop, so a crash is
-// known in well under a millisecond and nothing is polled.
+// Runs real processes. The kernel reports an exit through a pidfd on the loop, so a crash is
+// detected in well under a millisecond and nothing is polled.
 //
 // A child gets its own session and process group (Ctrl-C in our terminal is not for it, and it has
 // no terminal), /dev/null as stdin, the given output as stdout and stderr, no other descriptor of
-// ours, and default signal handling. It outlives us: nothing is sent to it when we go or die.
+// ours, and default signal handling. It outlives this process, which sends it no signal when it
+// exits or crashes.
 //
-// The last line that a child wrote into a file before it ended by itself with another exit code
-// than 0 is part of the report of its end: mostly it is the reason. The disk thread reads it; a
-// disk that stalls delays the report by 100 ms at most, and the line is missing then.
+// When a child exits by itself with another exit code than 0, the report of its exit has the last
+// line that it wrote into its log file: mostly the reason. The disk thread reads it; a disk that
+// stalls delays the report by 100 ms at most, and the line is missing then.
 //
 // Start() waits 10 ms at most for the program to be loaded; for many programs that are started at
 // once 10 ms in all. A program that cannot be loaded later is reported by its exit.
 //
-// A process is watched once, for however many: all are told of its end at the same time.
+// Several callers can watch a process: its exit is reported to all of them at the same time.
 //
-// When a child has ended, what is left of its group is killed: the next start must not meet the
-// remains of the one before. The same holds for an adopted process, which an earlier controller
-// has started. Of a process that is only watched nothing is killed.
+// When a child has exited, the rest of its process group is killed: no remains may run beside the
+// next start. The same holds for an adopted process, which an earlier controller has started. For a
+// process that is only watched nothing is killed.
 //
-// Needs Linux 5.3. Nobody else in the process may wait for all children or ignore SIGCHLD; if so,
-// the exit is still seen, but its code is unknown.
+// Needs Linux 5.3. No other code in the process may wait for all children or ignore SIGCHLD; if it
+// does, the exit is still detected, but its code is unknown.
 
 #include <cstdint>
 #include <map>
@@ -50,27 +51,27 @@ class ProcessSupervisor : public ProcessRunner {
   Result<> Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
 
-  // From now on what a child leaves behind, as a daemon that it started, becomes a child of this
-  // process, and is killed when that child has ended. ReapOrphans() is to be called on each SIGCHLD
-  // then.
+  // From now on the orphans of a child, such as a daemon that it started, become children of this
+  // process, and are killed when that child has exited. From then on ReapOrphans() is to be called
+  // on each SIGCHLD.
   void AdoptOrphans();
   void ReapOrphans();
 
  private:
   struct Process {
     std::string name;
-    std::uint64_t number = 0;      // in the environment of all that it starts
+    std::uint64_t number = 0;      // in the environment of all its descendants
     std::optional<Spawned> child;  // none: it is only watched or adopted
     bool adopted = false;
     std::string mark;                          // of an adopted one (child_processes.hpp)
     std::shared_ptr<transport::UniqueFd> log;  // of a child whose output is a file
-    std::int64_t log_begin = 0;                // bytes that were in it before
-    std::vector<OnExit> on_exit;  // of the one that started it, then of those that watch it
+    std::int64_t log_begin = 0;                // its size at the start, in bytes
+    std::vector<OnExit> on_exit;               // of its starter, then of its watchers
     transport::UniqueFd pidfd;
     transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
   };
 
-  // A process that has ended and whose last words are being read.
+  // A process that has exited; the last line of its output is being read.
   struct Ending {
     ProcessExit exit;
     std::vector<OnExit> on_exit;
@@ -82,8 +83,8 @@ class ProcessSupervisor : public ProcessRunner {
   Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
   void EndOrphans();
-  void AwaitLastWords(const ProcessExit& exit, Process process);
-  void Report(std::uint64_t ending, const std::string& last_words);
+  void AwaitLastOutput(const ProcessExit& exit, Process process);
+  void Report(std::uint64_t ending, const std::string& last_output);
 
   transport::EventLoop& loop_;
   DiskWriter& disk_;

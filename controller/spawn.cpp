@@ -61,8 +61,8 @@ std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   return result;
 }
 
-// What systemd gave to us alone. An actuator that has it would speak for the whole robot, and one
-// that knows systemd does so unasked.
+// What systemd gave to this process alone. An actuator that inherits it would notify systemd in the
+// name of the whole robot; a program with systemd support does so on its own.
 bool IsForUsOnly(std::string_view variable) {
   return variable == "NOTIFY_SOCKET" || variable == "WATCHDOG_USEC" || variable == "WATCHDOG_PID";
 }
@@ -126,7 +126,7 @@ Result<SpawnPlan> Prepare(const ProcessSpec& spec) {
 
 [[noreturn]] void GiveUp(int report_fd, ChildFailure::Step step) {
   const ChildFailure failure{step, errno};
-  // Nobody is left to tell if this fails; the parent then sees the exit code.
+  // If this fails, there is no way to report it; the parent then sees the exit code.
   [[maybe_unused]] const ssize_t written = write(report_fd, &failure, sizeof(failure));
   _exit(127);
 }
@@ -171,7 +171,7 @@ void WriteDigits(char* digits, pid_t number) {
   }
   ResetSignals();
   // The next controller finds this process only after execve, by the mark in its environment; if
-  // our controller has died meanwhile, the process exits.
+  // this controller has exited meanwhile, the process exits.
   if (getppid() != plan.parent) _exit(127);
   int reason = ENOENT;
   for (const auto& program : plan.programs) {
@@ -187,9 +187,9 @@ void WriteDigits(char* digits, pid_t number) {
 Spawned::Spawned(const ProcessSpec& spec, pid_t pid, UniqueFd report)
     : pid_(pid), program_(spec.argv.front()), cwd_(spec.cwd), report_(std::move(report)) {}
 
-std::optional<Error> Spawned::Failure(Duration patience) const {
+std::optional<Error> Spawned::Failure(Duration timeout) const {
   pollfd reported{report_.get(), POLLIN, 0};
-  if (poll(&reported, 1, static_cast<int>(ToMilliseconds(patience))) != 1) return std::nullopt;
+  if (poll(&reported, 1, static_cast<int>(ToMilliseconds(timeout))) != 1) return std::nullopt;
   ChildFailure failure{};
   if (read(report_.get(), &failure, sizeof(failure)) != sizeof(failure)) return std::nullopt;
   switch (failure.step) {

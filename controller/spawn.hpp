@@ -14,17 +14,16 @@
 
 namespace musher {
 
-// A child that was forked. It may still be on the way to its program: the disk that has it may be
-// slow.
+// A forked child. Its exec may still be pending: the disk with the program may be slow.
 class Spawned {
  public:
   Spawned() = default;
   Spawned(const ProcessSpec& spec, pid_t pid, transport::UniqueFd report);
 
   pid_t pid() const { return pid_; }
-  // Waits at most `patience` until its program runs or cannot be run; says why it cannot. None as
-  // well: not known yet.
-  std::optional<Error> Failure(Duration patience) const;
+  // Waits at most `timeout` until its program runs or fails to start; returns the error. None also
+  // means: not known yet.
+  std::optional<Error> Failure(Duration timeout) const;
 
  private:
   pid_t pid_ = 0;
@@ -33,7 +32,7 @@ class Spawned {
   transport::UniqueFd report_;
 };
 
-// Forks. Waits for no disk. Threads: any.
+// Forks. Does not wait for a disk. Threads: any.
 Result<Spawned> Spawn(const ProcessSpec& spec);
 
 }  // namespace musher

@@ -113,7 +113,7 @@ Result<> StateStore::SaveEpoch(std::uint64_t epoch) {
   return Replace(EpochFile(), std::to_string(epoch) + "\n");
 }
 
-// Either the old content or the new is there, whatever happens meanwhile.
+// The file has either the old or the new content, also after a crash.
 Result<> StateStore::Replace(const std::string& path, const std::string& content) const {
   const std::string next = path + ".new";
   const auto failed = [&] {
@@ -143,7 +143,7 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
   return Replace(EmergencyStopFile(), text + "end\n");
 }
 
-// A file that cannot be read is taken for a stop that is engaged: that is the safe side.
+// A file that cannot be read counts as an engaged stop: that is the safe side.
 StoredStops StateStore::LoadEmergencyStops() const {
   StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
   const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));

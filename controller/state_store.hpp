@@ -1,7 +1,7 @@
 #pragma once
 // The controller's folder, and the lock that says that it has a living owner:
 //
-//   controller.lock     held while the controller lives; says who: "4711 robot"
+//   controller.lock     held while the controller runs; names it: "4711 robot"
 //   machine             whose folder it is (machine_origin.hpp)
 //   config              the hash of the config that the machine was led with last
 //   epoch               the last epoch that was begun, as a decimal number
@@ -42,22 +42,20 @@ inline std::string ControllerLogFile(const MachineConfig& config) {
 class StateStore {
  public:
   // Makes the folder (only for its owner) and takes the lock. Fails
-  //   - with kCodePermissionDenied when the folder belongs to another machine, naming that one: do
-  //     not go on;
-  //   - with kCodeTargetBusy when a living controller of this machine has it, naming that one: do
-  //     not go on;
-  //   - with kCodeFailed when the disk does not let us: a controller may go on without a store,
-  //   with
-  //     the epoch from what the actuators have seen.
-  // The kernel drops the lock when the process ends in whatever way.
+  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name: exit;
+  //   - with kCodeTargetBusy if a running controller of this machine has the lock, with its name:
+  //     exit;
+  //   - with kCodeFailed on a disk error: a controller may continue without a store, with the epoch
+  //     that the actuators report.
+  // The kernel releases the lock when the process exits or crashes.
   static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
 
-  // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error to report
-  // and go on with as if it were 0: what the actuators have seen counts as well.
+  // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
+  // and continue as with 0, because the epochs that the actuators report count as well.
   Result<std::uint64_t> LoadEpoch() const;
 
-  // Replaces the saved epoch: after a power cut there is the old one or the new one, never half of
-  // it. An Error is to be reported and gone on with: the epoch then lives in memory and in the
+  // Replaces the saved epoch: after a power cut the file has the old one or the new one, never a
+  // part. After an Error report it and continue: the epoch is then only in memory and in the
   // actuators.
   Result<> SaveEpoch(std::uint64_t epoch);
 
@@ -95,7 +93,7 @@ class StateStore {
   Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
   static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
 
-  // The process that says it holds the lock of a folder; 0 when nobody says so.
+  // The process that is recorded as the holder of a folder's lock; 0 if none is.
   static pid_t OwnerOf(const std::string& dir);
   // Whether that process does hold it, as far as we may look into it.
   static bool IsOwner(const std::string& dir, pid_t pid);

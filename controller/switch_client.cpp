@@ -156,7 +156,7 @@ bool SwitchClient::EndedWithItsMachine() const {
 
 SwitchEnd SwitchClient::EndByStatus() const {
   SwitchEnd end;
-  end.kind = SwitchEnd::Kind::kTold;
+  end.kind = SwitchEnd::Kind::kReported;
   end.result.switch_number = stopped_->switch_number;
   end.result.target = target_;
   end.result.state = stopped_->state;
@@ -199,7 +199,7 @@ void SwitchClient::OnReply(const msg::GetSwitch::Response& reply) {
                     (number_ != 0 || reply.switch_number > before_);
   if (!ours && (number_ != 0 || !reply.found)) return EndUnknown(reply.reason);
   SwitchEnd end;
-  end.kind = SwitchEnd::Kind::kTold;
+  end.kind = SwitchEnd::Kind::kReported;
   end.result.target = target_;
   end.result.actuator = actuator_;
   end.result.state = reply.state;

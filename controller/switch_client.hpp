@@ -30,7 +30,7 @@ namespace musher {
 struct SwitchEnd {
   enum class Kind {
     kAnswered,  // by the controller that was called
-    kTold,      // by its successor; `result` has no actuators
+    kReported,  // by its successor; `result` has no actuators
     kUnknown,   // no controller reports it; result.reason says why, and what to do
   };
   Kind kind = Kind::kUnknown;
@@ -91,7 +91,7 @@ class SwitchClient {
   Step step_ = Step::kFinding;
   std::uint64_t epoch_ = 0;                    // of the controller that was called
   std::uint64_t before_ = 0;                   // number of its last switch before the request
-  std::uint64_t number_ = 0;                   // of ours; 0: not known
+  std::uint64_t number_ = 0;                   // of the requested switch; 0: not known
   std::int32_t pid_ = 0;                       // of the controller that was called
   std::string how_;                            // how that controller ended
   std::optional<msg::MachineStatus> stopped_;  // the last status, if the machine is stopped

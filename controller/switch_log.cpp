@@ -30,9 +30,9 @@ msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, st
   bool of_that_epoch = false;  // it began, or ended, in that epoch, which may rise meanwhile
   for (const JournalEntry& entry : entries) {
     if (number == 0 && entry.epoch == epoch && !begun) response.found = true;
-    const bool tells = entry.kind == "switch" && entry.switch_number != 0 && entry.epoch <= epoch &&
-                       entry.data.starts_with('{');
-    if (!tells || (number != 0 && entry.switch_number != number)) continue;
+    const bool relevant = entry.kind == "switch" && entry.switch_number != 0 &&
+                          entry.epoch <= epoch && entry.data.starts_with('{');
+    if (!relevant || (number != 0 && entry.switch_number != number)) continue;
     const Json json = Json::parse(entry.data, nullptr, false);
     if (!json.is_object() || !json.contains("target")) continue;
     const std::string outcome = TextOf(json, "outcome");

@@ -56,10 +56,10 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
   response.state = plan.from;
   for (const PlanStep& step : plan.steps) {
     const bool there =
-        step.part == PlanStep::Part::kThere || step.part == PlanStep::Part::kHeldThere;
+        step.part == PlanStep::Part::kInTarget || step.part == PlanStep::Part::kHeldInTarget;
     response.steps.push_back({config.actuators[step.actuator].name, step.wave, step.from, step.to,
                               step.driven() ? ToMilliseconds(step.deadline) : 0,
-                              there ? "is there already" : step.note});
+                              there ? "is in the target state already" : step.note});
   }
   return response;
 }
@@ -86,7 +86,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     msg::ActuatorInfo info;
     info.name = config.actuators[i].name;
     info.state = record.state();
-    info.target = record.order ? record.order->target : record.report.target;
+    info.target = record.command ? record.command->target : record.report.target;
     info.presence = PresenceName(record.presence);
     info.pid = record.process != 0 ? record.process
                : record.presence == Presence::kPresent || record.presence == Presence::kStarting
@@ -107,7 +107,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.protocol = ProtocolName(config.actuators[i].protocol);
     info.health = HealthName(record.health);
     info.restarts = record.restarts;
-    info.restarting = record.restart_at || record.restart_asked ||
+    info.restarting = record.restart_at || record.restart_requested ||
                       (record.restarts > 0 && record.presence == Presence::kStarting);
     status.actuators.push_back(std::move(info));
   }

@@ -62,7 +62,7 @@ class Deciding {
     Begin(command, {arrived.token});
   }
 
-  void On(const event::AskArrived& arrived) {
+  void On(const event::QueryArrived& arrived) {
     if (auto refusal = Authority(arrived.sender, arrived.command.epoch)) {
       return Refuse({arrived.token}, *refusal);
     }
@@ -118,16 +118,16 @@ class Deciding {
     Do(PublishStatus{});
   }
 
-  void On(const event::ControllerHeard& received) {
+  void On(const event::ControllerHeartbeatReceived& received) {
     if (received.sender == 0) return;
-    if (received.sender == core_.controller) core_.controller_heard = now_;
+    if (received.sender == core_.controller) core_.controller_last_heartbeat = now_;
     auto& announced = core_.announced;
     std::erase_if(announced, [&](const auto& one) { return one.sender == received.sender; });
     announced.push_back(received);
     if (announced.size() > kAnnouncedKept) announced.erase(announced.begin());
   }
 
-  void On(const event::EmergencyStopHeard& received) {
+  void On(const event::EmergencyStopReceived& received) {
     const bool entitled = received.sender == core_.controller && core_.controller != 0;
     if (received.engaged) {
       if (entitled) std::erase(core_.released, received.id);  // the controller decides
@@ -144,7 +144,7 @@ class Deciding {
   void On(const event::TimePassed&) {
     const auto deadline = NextDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
-    core_.controller_heard = now_;  // if it fails, it is retried after the same time
+    core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
     core_.was_apart = report_.apart;
     report_.busy_number = 0;
     Run(*SafeState(machine_, index_, core_));
@@ -190,7 +190,7 @@ class Deciding {
       if (epoch == report_.epoch) {
         return Refusal{kCodePermissionDenied, "epoch " + number + " belongs to another controller"};
       }
-      const event::ControllerHeard announced{sender, epoch};
+      const event::ControllerHeartbeatReceived announced{sender, epoch};
       if (std::find(core_.announced.begin(), core_.announced.end(), announced) ==
           core_.announced.end()) {
         return Refusal{kCodePermissionDenied,
@@ -201,7 +201,7 @@ class Deciding {
       DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
     }
     report_.epoch = epoch;
-    core_.controller_heard = now_;
+    core_.controller_last_heartbeat = now_;
     return std::nullopt;
   }
 
@@ -394,7 +394,7 @@ std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
   const auto timeout = config.actuators[index].controller_lost;
   if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
   if (!SafeState(config, index, core)) return std::nullopt;
-  return core.controller_heard + *timeout;
+  return core.controller_last_heartbeat + *timeout;
 }
 
 }  // namespace musher

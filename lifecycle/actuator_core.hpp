@@ -63,12 +63,12 @@ struct SwitchCommand {
 // Queries the outcome of command `number`. The query also fences: a command up to `number` that has
 // not begun never will. With `stop` a running callback is requested to stop. Number 0 fences
 // nothing: a health probe.
-struct AskCommand {
+struct QueryCommand {
   std::uint64_t epoch = 0;
   std::uint64_t number = 0;
   bool stop = false;
 
-  friend bool operator==(const AskCommand&, const AskCommand&) = default;
+  friend bool operator==(const QueryCommand&, const QueryCommand&) = default;
 };
 
 namespace actuator_event {
@@ -78,9 +78,9 @@ struct SwitchArrived {
   SwitchCommand command;
   Sender sender = 0;
 };
-struct AskArrived {
+struct QueryArrived {
   RequestToken token = 0;
-  AskCommand command;
+  QueryCommand command;
   Sender sender = 0;
 };
 // A manager without epochs and numbers (CyberDog's FsMachine) commands this state.
@@ -96,13 +96,14 @@ struct CallbackEnded {
   std::string degraded_reason = {};
 };
 // A heartbeat of a controller.
-struct ControllerHeard {
+struct ControllerHeartbeatReceived {
   Sender sender = 0;
   std::uint64_t epoch = 0;
-  friend bool operator==(const ControllerHeard&, const ControllerHeard&) = default;
+  friend bool operator==(const ControllerHeartbeatReceived&,
+                         const ControllerHeartbeatReceived&) = default;
 };
 // A participant engages an emergency stop, or the controller releases it.
-struct EmergencyStopHeard {
+struct EmergencyStopReceived {
   std::uint64_t id = 0;
   bool engaged = false;
   Sender sender = 0;
@@ -113,10 +114,11 @@ struct EmergencyStopHeard {
 struct TimePassed {};
 }  // namespace actuator_event
 
-using ActuatorEvent = std::variant<actuator_event::Started, actuator_event::SwitchArrived,
-                                   actuator_event::AskArrived, actuator_event::ManagerCommand,
-                                   actuator_event::CallbackEnded, actuator_event::ControllerHeard,
-                                   actuator_event::EmergencyStopHeard, actuator_event::TimePassed>;
+using ActuatorEvent =
+    std::variant<actuator_event::Started, actuator_event::SwitchArrived,
+                 actuator_event::QueryArrived, actuator_event::ManagerCommand,
+                 actuator_event::CallbackEnded, actuator_event::ControllerHeartbeatReceived,
+                 actuator_event::EmergencyStopReceived, actuator_event::TimePassed>;
 
 namespace actuator_action {
 // Run the callback of `target` on the worker; its end comes back as CallbackEnded.
@@ -176,8 +178,8 @@ struct ActuatorCore {
   bool half_way_down = false;      // since the last settled state, a downward callback has failed,
                                    // or one that was to switch on what a stop had switched off
   Sender controller = 0;           // the controller that has control
-  Time controller_heard{};         // its last heartbeat
-  std::vector<actuator_event::ControllerHeard>
+  Time controller_last_heartbeat{};  // its last heartbeat
+  std::vector<actuator_event::ControllerHeartbeatReceived>
       announced;                        // the participants that announced themselves as controllers
   std::vector<EmergencyStop> stops;     // the engaged stops, oldest first
   std::vector<std::uint64_t> released;  // released stops: later samples of them are ignored

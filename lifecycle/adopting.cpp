@@ -1,5 +1,5 @@
-// A starting controller finds running actuators: the state from which the machine goes on, and
-// whether the previous controller died during a switch.
+// A starting controller finds running actuators: the state from which the machine continues, and
+// whether the previous controller crashed during a switch.
 
 #include <algorithm>
 
@@ -8,9 +8,10 @@
 
 namespace musher {
 
-// The least active state of the running actuators, or of the targets they are switching to. Going
-// on from there finishes a downward switch in which the previous controller died, and undoes an
-// upward one. A detached actuator says nothing about the machine, unless all are detached.
+// The least active state of the running actuators, or of the targets they are switching to.
+// Continuing from there finishes a downward switch in which the previous controller crashed, and
+// undoes an upward one. A detached actuator says nothing about the machine, unless all are
+// detached.
 std::optional<State> Decision::LowestFound() const {
   const bool all_apart = std::all_of(
       machine_.actuators.begin(), machine_.actuators.end(), [](const ActuatorRecord& record) {
@@ -51,8 +52,8 @@ bool Decision::AgreesWith(std::size_t i, const State& state) const {
   return config_.RankOf(Of(i).state()) && Ros2GoalOf(own, Of(i).state()) == Ros2GoalOf(own, state);
 }
 
-// Whether the previous controller died during a switch: an actuator is switching to another state
-// than the machine's, or comes down to it. One that comes up to the state of the machine was
+// Whether the previous controller crashed during a switch: an actuator is switching to another
+// state than the machine's, or comes down to it. One that comes up to the state of the machine was
 // restarted, or was late.
 bool Decision::FoundSwitching() const {
   const auto rank = config_.RankOf(machine_.state);
@@ -80,8 +81,8 @@ std::string Decision::Elsewhere() const {
   return text;
 }
 
-// An earlier controller left actuators running: the machine goes on from the least active state, so
-// that no actuator becomes more active by a restart; the others are driven there.
+// An earlier controller left actuators running: the machine continues from the least active state,
+// so that no actuator becomes more active by a restart; the others are driven there.
 void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
   if (lowest == kTearDown) {
     const std::string message =

@@ -15,13 +15,13 @@ void Decision::On(const event::StatusSeen& seen) {
     if (report.stamp < record.report.stamp) return;
     Accept(seen.actuator, report);
     // The latched status carries the outcome like the reply, and remains when the reply is lost.
-    if (record.order && report.outcome_number == record.order->number) {
-      EndOrder(seen.actuator, EvaluateReport(seen.actuator, *record.order));
+    if (record.command && report.outcome_number == record.command->number) {
+      EndCommand(seen.actuator, EvaluateReport(seen.actuator, *record.command));
     }
     return;
   }
   if (same && record.terminating != 0) return;  // its termination was decided
-  // The status of a dead process can arrive after the status of its successor.
+  // The status of an exited process can arrive after the status of its successor.
   // Incarnations are compared within a boot of a host only, which an empty host does not name.
   const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
                            report.incarnation < record.report.incarnation;
@@ -121,7 +121,7 @@ void Decision::TakeControl(std::size_t i) {
   record.outbid_at.reset();
   record.controlled = record.report.incarnation;
   record.take_control_again = now_ + kTakeControlPeriod;
-  Do(action::SendAsk{i, record.report.number, false});
+  Do(action::SendQuery{i, record.report.number, false});
 }
 
 // An earlier controller was here. The attached actuators get the new epoch at once.
@@ -133,7 +133,7 @@ void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
                              " was controlled by epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendAsk{other, 0, false});  // a waiting command there goes on waiting
+    Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting
   }
 }
 
@@ -152,7 +152,7 @@ void Decision::Attach(std::size_t i) {
   record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
   record.held = record.report.apart;
-  record.parked = false;
+  record.suspended = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;
   if (record.report.busy()) record.free_by = now_ + config_.TimeFor(i, record.report.target);
@@ -162,7 +162,8 @@ void Decision::Attach(std::size_t i) {
           (record.report.pid == 0 ? "" : " (pid " + std::to_string(record.report.pid) + ")"),
       record.cause);
   if (machine_.emergency_stop && record.report.emergency_stop == 0) {
-    Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may have missed the stop
+    Do(action::PublishEmergencyStop{*machine_.emergency_stop,
+                                    true});  // it may have missed the stop
   }
   if (record.state() == kTearDown && record.held)
     Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);

@@ -17,7 +17,7 @@ constexpr std::size_t kMostStopsKnown = 64;
 
 // The controller with the higher epoch leads. The other releases control at once and changes
 // nothing more.
-void Decision::On(const event::RivalHeard& rival) {
+void Decision::On(const event::RivalSeen& rival) {
   const bool leads =
       rival.epoch <= kLastEpoch &&
       (rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence));
@@ -165,7 +165,8 @@ bool Decision::Add(const EmergencyStop& stop) {
 // stop.
 void Decision::BeginStops(const StoredStops& stops) {
   machine_.released_stops = stops.released;
-  for (const std::uint64_t id : stops.released) Do(action::TellEmergencyStop{{id, "", ""}, false});
+  for (const std::uint64_t id : stops.released)
+    Do(action::PublishEmergencyStop{{id, "", ""}, false});
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
   }
@@ -184,7 +185,7 @@ StoredStops Decision::Stops() const {
 // The actuators have latched the stop themselves by now, or do so when they receive it from this
 // controller. It is published first and saved after.
 void Decision::Engage(const EmergencyStop& stop) {
-  Do(action::TellEmergencyStop{stop, true});
+  Do(action::PublishEmergencyStop{stop, true});
   Save(Stored::kEmergencyStops);
   const std::string origin = (stop.by.empty() ? "an unknown source" : stop.by) +
                              (stop.reason.empty() ? "" : ": " + stop.reason);
@@ -215,7 +216,7 @@ void Decision::Release(std::uint64_t id) {
   auto& released = machine_.released_stops;
   released.push_back(id);
   if (released.size() > kMostReleasedKept) released.erase(released.begin());
-  Do(action::TellEmergencyStop{{id, "", ""}, false});
+  Do(action::PublishEmergencyStop{{id, "", ""}, false});
 }
 
 // An actuator may have latched a stop that this controller missed: then it is engaged for the
@@ -223,7 +224,7 @@ void Decision::Release(std::uint64_t id) {
 void Decision::HoldTo(const ActuatorReport& report, std::size_t i) {
   const std::uint64_t id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
-  if (IsReleased(id)) return Do(action::TellEmergencyStop{{id, "", ""}, false});
+  if (IsReleased(id)) return Do(action::PublishEmergencyStop{{id, "", ""}, false});
   const bool origin_known =
       !report.emergency_stop_by.empty() || !report.emergency_stop_reason.empty();
   const EmergencyStop stop{

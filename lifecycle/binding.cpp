@@ -10,7 +10,7 @@ namespace musher {
 bool Decision::IsUp(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
-         record.health != Health::kHung && !record.restart_asked && record.state() != kTearDown;
+         record.health != Health::kHung && !record.restart_requested && record.state() != kTearDown;
 }
 
 bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const {
@@ -28,8 +28,8 @@ bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& se
 bool Decision::Suffices(std::size_t needed, std::size_t i) const {
   if (!IsUp(needed)) return false;
   std::vector<bool> seen(machine_.actuators.size(), false);
-  if (!Of(i).parked || IsBoundTo(needed, i, seen)) return true;
-  return !Of(needed).order && Of(needed).state() == machine_.state;
+  if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
+  return !Of(needed).command && Of(needed).state() == machine_.state;
 }
 
 // An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
@@ -52,16 +52,16 @@ bool Decision::SuspendAndResume() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     const bool free =
-        record.presence == Presence::kPresent && !record.order && !record.report.busy();
+        record.presence == Presence::kPresent && !record.command && !record.report.busy();
     if (!free || !record.checked) continue;
     std::vector<bool> seen(machine_.actuators.size(), false);
     seen[i] = true;
     const std::string* missing = MissingFor(i, i, seen);
-    if (missing != nullptr && !record.parked && !record.held) {
+    if (missing != nullptr && !record.suspended && !record.held) {
       Suspend(i, *missing);
       changed = true;
-    } else if (missing == nullptr && record.parked) {
-      record.parked = false;
+    } else if (missing == nullptr && record.suspended) {
+      record.suspended = false;
       record.due = true;
       changed = true;
     }
@@ -71,7 +71,7 @@ bool Decision::SuspendAndResume() {
 
 void Decision::Suspend(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
-  record.parked = true;
+  record.suspended = true;
   record.due = true;
   Degrade(i, kCodeStatusError, "suspended: " + missing + ", in its binds_to, is not up",
           Of(*config_.IndexOf(missing)).cause);
@@ -81,7 +81,7 @@ void Decision::Suspend(std::size_t i, const std::string& missing) {
 // than its present state.
 State Decision::PlaceOf(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  if (!record.parked) return machine_.state;
+  if (!record.suspended) return machine_.state;
   const auto own = config_.RankOf(record.state());
   const auto machine = config_.RankOf(machine_.state);
   for (const std::string_view rest : {kDeActive, kLowPower}) {

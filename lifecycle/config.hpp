@@ -76,7 +76,7 @@ struct ActuatorConfig {
   std::vector<std::string> binds_to;  // actuators whose restart takes this one down and up again
   bool critical = false;
   // Codes of a self-check that count as failed; with any other code the actuator is degraded and
-  // goes on. None: all codes count.
+  // continues. None: all codes count.
   std::optional<std::vector<std::int32_t>> critical_codes;
   RestartConfig restart;
   std::optional<Duration> checkpoint;       // longest silence of the work thread

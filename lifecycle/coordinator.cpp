@@ -8,7 +8,7 @@ namespace musher {
 
 void Decision::Settle() {
   if (machine_.phase == Phase::kFenced) return;
-  CheckOrders();
+  CheckCommands();
   TakeUpOthers();
   CheckSetUpDeadlines();
   CheckRestarts();
@@ -35,8 +35,8 @@ void Decision::Settle() {
 std::uint64_t Decision::Record(action::Record record) {
   record.id = ++machine_.last_record;
   const bool of_machine = record.kind == "machine" || (record.kind == "switch" && !record.actuator);
-  if (of_machine && machine_.state != machine_.told_state) {
-    record.state = machine_.told_state = machine_.state;
+  if (of_machine && machine_.state != machine_.recorded_state) {
+    record.state = machine_.recorded_state = machine_.state;
   }
   Do(record);
   return record.id;
@@ -61,7 +61,7 @@ std::uint64_t Decision::RecordEnd(const Switch& s, const SwitchResult& result,
 
 std::uint64_t Decision::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
                                        std::uint64_t cause) {
-  const std::uint64_t number = Of(i).order ? Of(i).order->number : 0;
+  const std::uint64_t number = Of(i).command ? Of(i).command->number : 0;
   return Record({"actuator", i, number, code, message, 0, cause, {}});
 }
 
@@ -93,7 +93,7 @@ std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Ev
 std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   std::optional<Time> next;
   const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
-  if (record.order) consider(record.order->deadline);
+  if (record.command) consider(record.command->deadline);
   if (record.take_control_again) consider(*record.take_control_again);
   if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
   for (const auto& when : {record.restart_at, record.healthy_at, record.terminate_at,

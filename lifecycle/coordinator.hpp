@@ -5,7 +5,7 @@
 //
 // In layers, each in its own file:
 //   arriving.cpp   an actuator publishes its status, and this controller takes control of it
-//   orders.cpp     one command to one actuator, with a definite outcome
+//   commands.cpp   one command to one actuator, with a definite outcome
 //   switching.cpp  a switch: legs in the order of the plan, rollback
 //   switch_end.cpp the effects of a switch that has ended, and its result
 //   waiting.cpp    a request that waits until a late actuator is free
@@ -61,11 +61,11 @@ struct StatusSeen {
   ActuatorReport report;
   friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
 };
-// An actuator replied to command `number`, or to the query about it (`ask`).
+// An actuator replied to command `number`, or to the query about it (`query`).
 struct Replied {
   std::size_t actuator = 0;
   std::uint64_t number = 0;
-  bool ask = false;
+  bool query = false;
   Verdict verdict = Verdict::kDone;
   std::int32_t code = kCodeOk;
   std::string message;
@@ -128,11 +128,11 @@ struct RestartRequested {
   friend bool operator==(const RestartRequested&, const RestartRequested&) = default;
 };
 // A heartbeat of another controller of this machine was received.
-struct RivalHeard {
+struct RivalSeen {
   std::uint64_t epoch = 0;
   std::string who;              // "process 4711 on this host"
   bool has_precedence = false;  // where both have the same epoch
-  friend bool operator==(const RivalHeard&, const RivalHeard&) = default;
+  friend bool operator==(const RivalSeen&, const RivalSeen&) = default;
 };
 // A participant engages an emergency stop, or has released one.
 struct EmergencyStopSeen {
@@ -175,9 +175,9 @@ struct InputSilent {
 };
 // The time of /clock, where the policy follows it: sent when NextPolicyDeadline() is reached, and
 // just before any other event that concerns the policy.
-struct ClockHeard {
+struct ClockReceived {
   Time clock{};
-  friend bool operator==(const ClockHeard&, const ClockHeard&) = default;
+  friend bool operator==(const ClockReceived&, const ClockReceived&) = default;
 };
 struct PolicyRequested {
   RequestId request = 0;
@@ -207,9 +207,9 @@ using Event =
     std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
                  event::ProcessStarted, event::ProcessNotStarted, event::ProcessesFound,
                  event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
-                 event::RestartRequested, event::RivalHeard, event::EmergencyStopSeen,
+                 event::RestartRequested, event::RivalSeen, event::EmergencyStopSeen,
                  event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited,
-                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockHeard,
+                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockReceived,
                  event::PolicyRequested, event::SaveEnded, event::TimePassed>;
 
 namespace action {
@@ -222,11 +222,11 @@ struct SendSwitch {
   bool apart = false;  // for this actuator alone, detached from the machine
   friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
 };
-struct SendAsk {
+struct SendQuery {
   std::size_t actuator = 0;
   std::uint64_t number = 0;
   bool stop = false;
-  friend bool operator==(const SendAsk&, const SendAsk&) = default;
+  friend bool operator==(const SendQuery&, const SendQuery&) = default;
 };
 struct StartProcess {
   std::size_t actuator = 0;
@@ -259,10 +259,10 @@ struct TakeBacktrace {
   friend bool operator==(const TakeBacktrace&, const TakeBacktrace&) = default;
 };
 // Publish the emergency stop to all actuators, also to those that start later.
-struct TellEmergencyStop {
+struct PublishEmergencyStop {
   EmergencyStop stop;
   bool engaged = false;
-  friend bool operator==(const TellEmergencyStop&, const TellEmergencyStop&) = default;
+  friend bool operator==(const PublishEmergencyStop&, const PublishEmergencyStop&) = default;
 };
 // What has to survive this controller. A save is requested and not waited for; its end comes back
 // as SaveEnded with its number. Of each kind only the last save counts.
@@ -338,9 +338,9 @@ struct Stopped {
 }  // namespace action
 
 using Action =
-    std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::FindProcesses,
+    std::variant<action::SendSwitch, action::SendQuery, action::StartProcess, action::FindProcesses,
                  action::SignalProcess, action::AnswerSetState, action::AnswerCall,
-                 action::TakeBacktrace, action::TellEmergencyStop, action::SaveEmergencyStops,
+                 action::TakeBacktrace, action::PublishEmergencyStop, action::SaveEmergencyStops,
                  action::SaveEpoch, action::SavePolicy, action::SaveStopIntent,
                  action::SaveRemoteActuators, action::RunPowerCommand, action::Record,
                  action::StartUpEnded, action::Fenced, action::Stopped>;

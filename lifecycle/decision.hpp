@@ -37,7 +37,7 @@ inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 inline constexpr const char* kTornDownAlone = "is torn down; only a new start brings it back";
 
 // How one command ended.
-struct OrderEnd {
+struct CommandResult {
   ActuatorOutcome outcome = ActuatorOutcome::kDone;
   std::int32_t code = kCodeOk;
   std::string message;
@@ -61,7 +61,7 @@ class Decision {
   void On(const event::HealthChanged& changed);
   void On(const event::BacktraceTaken& taken);
   void On(const event::RestartRequested& requested);
-  void On(const event::RivalHeard& rival);
+  void On(const event::RivalSeen& rival);
   void On(const event::EmergencyStopSeen& seen);
   void On(const event::ReleaseRequested& requested);
   void On(const event::SetStateRequested& requested);
@@ -69,7 +69,7 @@ class Decision {
   void On(const event::BatterySeen& seen);
   void On(const event::MotionSeen& seen);
   void On(const event::InputSilent& silent);
-  void On(const event::ClockHeard& heard);
+  void On(const event::ClockReceived& received);
   void On(const event::PolicyRequested& requested);
   void On(const event::SaveEnded& ended);
   void On(const event::TimePassed&) {}
@@ -90,25 +90,25 @@ class Decision {
   void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
   void Attach(std::size_t i);
 
-  // orders.cpp
+  // commands.cpp
   void Accept(std::size_t i, const ActuatorReport& report);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
   void TakeUpOthers();
-  OrderEnd DoneUnlessContradicted(std::size_t i, const std::string& message) const;
+  CommandResult DoneUnlessContradicted(std::size_t i, const std::string& message) const;
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
-  OrderEnd Tolerate(std::size_t i, const Order& order, const OrderEnd& end);
-  void EndOrder(std::size_t i, const OrderEnd& given);
+  CommandResult Tolerate(std::size_t i, const PendingCommand& command, const CommandResult& end);
+  void EndCommand(std::size_t i, const CommandResult& given);
   Leg* LegUnderWay(std::size_t i);
   void QueryOrLose(std::size_t i);
-  OrderEnd EvaluateReport(std::size_t i, const Order& order) const;
+  CommandResult EvaluateReport(std::size_t i, const PendingCommand& command) const;
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,
             std::int32_t code = kCodeNetError);
   void LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void AssumeTornDown(std::size_t i);
   void EvaluateFoundBusy(std::size_t i);
-  void CheckOrders();
+  void CheckCommands();
 
   // waiting.cpp
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<std::size_t> only,
@@ -131,13 +131,13 @@ class Decision {
   Duration TearDownShare(const Leg& leg) const;
   bool StartLegs(std::vector<Leg>& legs);
   const Leg* FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const;
-  std::optional<OrderEnd> FindUnfit(const Leg& leg) const;
+  std::optional<CommandResult> FindUnfit(const Leg& leg) const;
   void SkipLeg(Leg& leg, const Leg* blocker);
   bool Failed(const Switch& s) const;
   const Leg* WorstLeg(const Switch& s) const;
   void BeginRollback(Switch& s);
   State WayBack(const Leg& leg) const;
-  void EndLeg(Leg& leg, const OrderEnd& end);
+  void EndLeg(Leg& leg, const CommandResult& end);
   void EndSwitch();
   void Apply(const Switch& s, bool undone);
   void DriveTheRest(const Switch& s);
@@ -188,8 +188,8 @@ class Decision {
   bool MayJoin(std::size_t i, std::string& blocker) const;
   std::string WaitsForSuspended(std::size_t i) const;
   void Join(std::size_t i);
-  void EndTornDown(std::size_t i, const OrderEnd& end);
-  void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
+  void EndTornDown(std::size_t i, const CommandResult& end);
+  void EndJoin(std::size_t i, const PendingCommand& command, const CommandResult& end);
   void FallBack(std::size_t i);
   bool BeginFallback();
 

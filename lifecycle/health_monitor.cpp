@@ -71,29 +71,29 @@ void HealthMonitor::Forget(std::size_t actuator) {
   monitored_[actuator] = MonitoredProcess{};
 }
 
-std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t incarnation,
-                                          Time now) {
-  std::vector<Finding> findings;
+std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                                 Time now) {
+  std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
-  if (process.incarnation != incarnation || incarnation == 0) return findings;
-  Revive(actuator, process, now, findings);
-  return findings;
+  if (process.incarnation != incarnation || incarnation == 0) return events;
+  Revive(actuator, process, now, events);
+  return events;
 }
 
-std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t incarnation,
-                                          const Heartbeat& heartbeat, Time now) {
-  std::vector<Finding> findings;
+std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                                 const Heartbeat& heartbeat, Time now) {
+  std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
-  if (process.incarnation != incarnation || incarnation == 0) return findings;
+  if (process.incarnation != incarnation || incarnation == 0) return events;
   SetLimit(process, heartbeat.period);
-  Revive(actuator, process, now, findings);
-  EvaluateWork(actuator, process, heartbeat, now, findings);
-  return findings;
+  Revive(actuator, process, now, events);
+  EvaluateWork(actuator, process, heartbeat, now, events);
+  return events;
 }
 
 // An actuator that sends is alive; its work thread is evaluated separately.
 void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time now,
-                           std::vector<Finding>& findings) {
+                           std::vector<HealthEvent>& events) {
   process.last_received = now;
   process.probed = false;
   process.excused = false;
@@ -101,37 +101,37 @@ void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time
   if (process.limit != Duration::zero()) process.look = now + process.limit / 2;
   const bool was_silent = process.health != Health::kWell && process.health != Health::kStarved;
   if (was_silent && !process.work_hung) {
-    Change(actuator, process, Health::kWell, false, "heartbeat received again", findings);
+    Change(actuator, process, Health::kWell, false, "heartbeat received again", events);
   }
 }
 
 void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process,
                                  const Heartbeat& heartbeat, Time now,
-                                 std::vector<Finding>& findings) {
+                                 std::vector<HealthEvent>& events) {
   const std::string silence =
       (heartbeat.during.empty() ? "no checkpoint from its work thread for "
                                 : "no checkpoint in " + heartbeat.during + " for ") +
       Ms(heartbeat.silent);
   if (heartbeat.work == Health::kHung) {
     process.work_hung = true;
-    return Change(actuator, process, Health::kHung, false, silence, findings);
+    return Change(actuator, process, Health::kHung, false, silence, events);
   }
   process.work_hung = false;
   if (heartbeat.work == Health::kStarved) {
     process.starved = now;
     return Change(actuator, process, Health::kStarved, false,
-                  silence + ", " + Ms(heartbeat.waited) + " of them waiting for a CPU", findings);
+                  silence + ", " + Ms(heartbeat.waited) + " of them waiting for a CPU", events);
   }
   const bool kept_up = now - process.starved >= kStarvedFor;
   if (process.health == Health::kStarved && !kept_up) return;
   Change(actuator, process, Health::kWell, false,
          process.health == Health::kStarved ? "it gets enough CPU again"
                                             : "its work thread makes progress again",
-         findings);
+         events);
 }
 
-std::vector<Finding> HealthMonitor::TimePassed(Time now) {
-  std::vector<Finding> findings;
+std::vector<HealthEvent> HealthMonitor::TimePassed(Time now) {
+  std::vector<HealthEvent> events;
   for (std::size_t i = 0; i < monitored_.size(); ++i) {
     MonitoredProcess& process = monitored_[i];
     if (!process.look || *process.look > now) continue;
@@ -145,63 +145,63 @@ std::vector<Finding> HealthMonitor::TimePassed(Time now) {
       // After the limit, and with time to answer even if the controller was late itself.
       process.look =
           std::max(process.last_received + process.limit + Duration(1), now + process.limit / 4);
-      if (process.local) findings.emplace_back(finding::Examine{i, true});
-      findings.emplace_back(finding::Probe{i});
+      if (process.local) events.emplace_back(health_event::Examine{i, true});
+      events.emplace_back(health_event::Probe{i});
       continue;
     }
     process.look.reset();
     if (process.local) {
-      findings.emplace_back(finding::Examine{i, false});
+      events.emplace_back(health_event::Examine{i, false});
     } else {
-      EvaluateRemote(i, process, now, findings);
+      EvaluateRemote(i, process, now, events);
     }
   }
-  return findings;
+  return events;
 }
 
-std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examination& examination,
-                                             Time now) {
+std::vector<HealthEvent> HealthMonitor::Examined(std::size_t actuator,
+                                                 const Examination& examination, Time now) {
   using Process = Examination::Process;
-  std::vector<Finding> findings;
+  std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
   const Duration silent = now - process.last_received;
-  if (process.incarnation == 0 || examination.process == Process::kGone || !process.probed ||
+  if (process.incarnation == 0 || examination.process == Process::kExited || !process.probed ||
       silent < process.limit) {
-    return findings;
+    return events;
   }
   const std::string silence = "no heartbeat for " + Ms(silent);
   const Health health = EvaluateSilence(silent, process.limit, examination.waited);
   if (examination.process == Process::kStopped) {
-    Change(actuator, process, Health::kHung, true, "its process is stopped; " + silence, findings);
+    Change(actuator, process, Health::kHung, true, "its process is stopped; " + silence, events);
   } else if (examination.process == Process::kTraced) {
     process.starved = now;
-    Change(actuator, process, Health::kStarved, true, "a debugger holds its process", findings);
+    Change(actuator, process, Health::kStarved, true, "a debugger holds its process", events);
     process.look = now + process.limit;
   } else if (health == Health::kHung) {
     Change(actuator, process, Health::kHung, true,
-           silence + ", although it waited for a CPU for only " + Ms(examination.waited), findings);
+           silence + ", although it waited for a CPU for only " + Ms(examination.waited), events);
   } else {
     process.starved = now;
     Change(actuator, process, Health::kStarved, true,
-           silence + ", " + Ms(examination.waited) + " of them waiting for a CPU", findings);
+           silence + ", " + Ms(examination.waited) + " of them waiting for a CPU", events);
     process.look = now + std::max(process.limit - (silent - examination.waited), process.limit / 4);
   }
-  return findings;
+  return events;
 }
 
 void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
-                                   std::vector<Finding>& findings) {
+                                   std::vector<HealthEvent>& events) {
   const std::string silence = "no heartbeat for " + Ms(now - process.last_received);
   // A program of another protocol that was started by hand: its host is not known.
   if (process.host.empty()) {
-    return Change(actuator, process, Health::kHung, true, silence, findings);
+    return Change(actuator, process, Health::kHung, true, silence, events);
   }
   if (HostIsAlive(process, now)) {
     Change(actuator, process, Health::kCrashed, true,
-           silence + ", while other actuators of its host are alive", findings);
+           silence + ", while other actuators of its host are alive", events);
   } else {
     Change(actuator, process, Health::kPartitioned, true,
-           silence + ", nor from any actuator of its host", findings);
+           silence + ", nor from any actuator of its host", events);
   }
 }
 
@@ -215,11 +215,11 @@ bool HealthMonitor::HostIsAlive(const MonitoredProcess& process, Time now) const
 }
 
 void HealthMonitor::Change(std::size_t actuator, MonitoredProcess& process, Health health,
-                           bool silent, std::string how, std::vector<Finding>& findings) {
+                           bool silent, std::string how, std::vector<HealthEvent>& events) {
   if (process.health == health) return;
   process.health = health;
-  findings.emplace_back(
-      finding::Changed{actuator, process.incarnation, health, silent, std::move(how)});
+  events.emplace_back(
+      health_event::Changed{actuator, process.incarnation, health, silent, std::move(how)});
 }
 
 std::optional<Time> HealthMonitor::NextDeadline() const {

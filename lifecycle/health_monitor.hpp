@@ -44,13 +44,13 @@ struct Heartbeat {
 
 // What the kernel reports about a process of this host.
 struct Examination {
-  enum class Process { kRunning, kStopped, kTraced, kGone };
+  enum class Process { kRunning, kStopped, kTraced, kExited };
 
   Process process = Process::kRunning;
   Duration waited{};  // its longest wait for a CPU since the mark, or our own
 };
 
-namespace finding {
+namespace health_event {
 // Send it a query: an actuator that answers is alive.
 struct Probe {
   std::size_t actuator = 0;
@@ -67,9 +67,9 @@ struct Changed {
   bool silent = false;  // it does not answer either
   std::string how;      // "no heartbeat for 512 ms"
 };
-}  // namespace finding
+}  // namespace health_event
 
-using Finding = std::variant<finding::Probe, finding::Examine, finding::Changed>;
+using HealthEvent = std::variant<health_event::Probe, health_event::Examine, health_event::Changed>;
 
 class HealthMonitor {
  public:
@@ -82,11 +82,11 @@ class HealthMonitor {
   void Forget(std::size_t actuator);
 
   // A sample came from it: a status, an answer.
-  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, Time now);
-  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation,
-                             const Heartbeat& heartbeat, Time now);
-  std::vector<Finding> Examined(std::size_t actuator, const Examination& examination, Time now);
-  std::vector<Finding> TimePassed(Time now);
+  std::vector<HealthEvent> OnSample(std::size_t actuator, std::uint64_t incarnation, Time now);
+  std::vector<HealthEvent> OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                    const Heartbeat& heartbeat, Time now);
+  std::vector<HealthEvent> Examined(std::size_t actuator, const Examination& examination, Time now);
+  std::vector<HealthEvent> TimePassed(Time now);
 
   std::optional<Time> NextDeadline() const;
 
@@ -107,14 +107,14 @@ class HealthMonitor {
 
   static void SetLimit(MonitoredProcess& process, Duration period);
   void Revive(std::size_t actuator, MonitoredProcess& process, Time now,
-              std::vector<Finding>& findings);
+              std::vector<HealthEvent>& events);
   void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
-                    Time now, std::vector<Finding>& findings);
+                    Time now, std::vector<HealthEvent>& events);
   void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
-                      std::vector<Finding>& findings);
+                      std::vector<HealthEvent>& events);
   bool HostIsAlive(const MonitoredProcess& process, Time now) const;
   void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
-              std::string how, std::vector<Finding>& findings);
+              std::string how, std::vector<HealthEvent>& events);
 
   const MachineConfig* config_;
   std::vector<MonitoredProcess> monitored_;

@@ -12,9 +12,9 @@ bool Decision::DriveLateOnes() {
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
-    const bool free = record.presence == Presence::kPresent && !record.order &&
+    const bool free = record.presence == Presence::kPresent && !record.command &&
                       !record.report.busy() && record.health != Health::kHung && !record.given_up &&
-                      !record.restart_asked;
+                      !record.restart_requested;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held) continue;
     if (!record.due && !unchecked) {
@@ -34,8 +34,8 @@ bool Decision::DriveLateOnes() {
   return changed;
 }
 
-// Whether it may be in the state of the machine: it has passed its check, or is there without one,
-// in Error.
+// Whether it may be in the state of the machine: it has passed its check, or is present without
+// one, in Error.
 bool Decision::Fits(std::size_t i) const {
   return Of(i).checked || Of(i).state() == machine_.state;
 }
@@ -80,7 +80,7 @@ bool Decision::MayJoin(std::size_t i, std::string& blocker) const {
 // The suspended actuator in its `after` that it waits for; empty: none.
 std::string Decision::WaitsForSuspended(std::size_t i) const {
   for (const std::string& name : ConfigOf(i).after) {
-    if (Of(*config_.IndexOf(name)).parked) return "waits for " + name + ", which is suspended";
+    if (Of(*config_.IndexOf(name)).suspended) return "waits for " + name + ", which is suspended";
   }
   return {};
 }
@@ -93,7 +93,7 @@ void Decision::Join(std::size_t i) {
   record.due = false;
   const State place = PlaceOf(i);
   if (record.state() == place) {
-    if (record.checked && !record.parked) record.fault.reset();
+    if (record.checked && !record.suspended) record.fault.reset();
   } else if (!config_.RankOf(place)) {
     return;  // the machine is between states; the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {
@@ -104,23 +104,23 @@ void Decision::Join(std::size_t i) {
 }
 
 // The end of a command that was not part of a switch.
-void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
+void Decision::EndJoin(std::size_t i, const PendingCommand& command, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
-  if (record.restart_asked) return EndTornDown(i, end);
+  if (record.restart_requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
-    record.due = order.target == kSelfCheck || record.state() != PlaceOf(i);
+    record.due = command.target == kSelfCheck || record.state() != PlaceOf(i);
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
   Degrade(i, end.code,
-          order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
+          command.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
           record.cause);
   FallBack(i);
 }
 
 // Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
 // that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
-void Decision::EndTornDown(std::size_t i, const OrderEnd& end) {
+void Decision::EndTornDown(std::size_t i, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
   const bool ends_itself =
       end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;

@@ -46,14 +46,14 @@ std::string_view PresenceName(Presence presence);
 
 // One command under way to one actuator. It ends with a definite outcome: a reply, or, past the
 // deadline, the answer to the query for its outcome, or no answer at all (lost).
-struct Order {
+struct PendingCommand {
   std::uint64_t number = 0;
   State target;
   Time sent{};
   Time deadline{};  // of the reply; once queried, of the answer
-  int asked = 0;    // how often the outcome was queried
+  int queries = 0;  // how often the outcome was queried
 
-  friend bool operator==(const Order&, const Order&) = default;
+  friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
 };
 
 struct ActuatorRecord {
@@ -81,22 +81,22 @@ struct ActuatorRecord {
   bool held = false;                       // detached by SetState(actuator, state)
   bool due = false;            // to be driven to the state of the machine, as soon as it is free
   std::optional<Error> fault;  // why it is degraded
-  std::optional<Error> tolerated;  // a failure of its last self-check that is not critical
-  std::optional<Order> order;      // the command under way
-  std::uint64_t cause = 0;         // the record that says why it is degraded, lost or back
+  std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
+  std::optional<PendingCommand> command;  // the command under way
+  std::uint64_t cause = 0;                // the record that says why it is degraded, lost or back
 
   Health health = Health::kWell;
   int restarts = 0;                // of its process, in a row
   std::optional<Time> restart_at;  // the next one
   std::optional<Time> healthy_at;  // present until then: the count is reset
   bool given_up = false;           // restarted too often, or not to be restarted
-  bool restart_asked = false;      // by a person: its process has to exit, then it is restarted
+  bool restart_requested = false;  // by a person: its process has to exit, then it is restarted
   std::vector<std::uint64_t> restart_requests;  // answered when it is back
   std::int32_t terminating = 0;                 // the process that is about to be killed …
   std::optional<Time> terminate_at;             // … after SIGTERM at this time …
   std::optional<Time> kill_at;                  // … at the latest then
   bool killed = false;                          // SIGKILL was sent; its exit is due by kill_at
-  bool parked = false;  // suspended: an actuator that it is bound to is not up
+  bool suspended = false;                       // an actuator that it is bound to is not up
   // It has a higher epoch: take control at this time, if no controller leads with that epoch.
   std::optional<Time> outbid_at;
   // The other host on which it ran by its last status, also when an earlier controller received
@@ -260,7 +260,7 @@ struct Machine {
   std::vector<std::uint64_t> released_stops;   // the stops released last
   std::vector<std::uint64_t> set_up_requests;  // answered when all actuators are set up
   std::uint64_t last_record = 0;               // id of the last record
-  State told_state;                            // the last one that was recorded
+  State recorded_state;                        // the last one that was recorded
   std::uint64_t last_save = 0;                 // number of the last save
   std::vector<Unsaved> unsaved;                // what is not on disk yet
   PolicyState policy;

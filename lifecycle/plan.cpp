@@ -80,7 +80,7 @@ class Planning {
     }
     // An actuator that is switching is checked again from the state it reaches.
     const bool on_its_way =
-        plan_.only && machine_.actuators[*plan_.only].order && !machine_.current;
+        plan_.only && machine_.actuators[*plan_.only].command && !machine_.current;
     const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
       return Error{kCodeStateInvalid, subject + " cannot go from " + plan_.from + " to " + target +
@@ -127,7 +127,7 @@ class Planning {
   void NoteBusy(std::size_t i, const std::string& how) {
     const ActuatorRecord& record = machine_.actuators[i];
     if (busy_.empty()) busy_ = config_.actuators[i].name + " " + how;
-    const auto end = record.order ? record.order->deadline : record.free_by;
+    const auto end = record.command ? record.command->deadline : record.free_by;
     busy_ends_ = busy_ends_ && end.has_value() && !machine_.current;
     free_by_ = std::max(free_by_, end.value_or(free_by_));
   }
@@ -152,9 +152,9 @@ class Planning {
     } else if (!actuator.Lists(plan_.target)) {
       RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
                                      List(actuator.states));
-    } else if (record.restart_asked) {
+    } else if (record.restart_requested) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
-    } else if (record.report.busy() || record.order) {
+    } else if (record.report.busy() || record.command) {
       NoteBusy(i, "is busy with " + BusyWith(record));
     } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
       RefuseWith(kCodeStateInvalid, actuator.name +
@@ -162,27 +162,27 @@ class Planning {
                                         machine_.state);
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
       RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
-    } else if (plan_.direction == Direction::kUp && record.parked) {
+    } else if (plan_.direction == Direction::kUp && record.suspended) {
       RefuseWith(kCodeStatusError, actuator.name +
                                        " is suspended until the "
                                        "actuators in its binds_to are up");
     }
     PlanStep step = Blank(i);
-    if (plan_.target != kSelfCheck && IsThere(record)) {
-      step.part = PlanStep::Part::kThere;
+    if (plan_.target != kSelfCheck && IsInTarget(record)) {
+      step.part = PlanStep::Part::kInTarget;
     }
     plan_.steps.push_back(step);
   }
 
   // Whether it is in the target without running its callback. An actuator that is held by an
   // emergency stop reports that state, and what the state had switched on is off.
-  bool IsThere(const ActuatorRecord& record) const {
+  bool IsInTarget(const ActuatorRecord& record) const {
     if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the last state
     return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
   }
 
   static State BusyWith(const ActuatorRecord& record) {
-    return record.order ? record.order->target : record.report.target;
+    return record.command ? record.command->target : record.report.target;
   }
 
   void AddStep(std::size_t i) {
@@ -203,7 +203,7 @@ class Planning {
     } else if (record.state() == kTearDown && plan_.target != kTearDown) {
       // Its process still runs, with other actuators in it.
       leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
-    } else if (record.restart_asked && plan_.target != kTearDown) {
+    } else if (record.restart_requested && plan_.target != kTearDown) {
       leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {
       leave_out("is still starting", kCodeTargetBusy, false);
@@ -216,14 +216,14 @@ class Planning {
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i)) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
-    } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
+    } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
       leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
-    } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
-      step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
+    } else if (!checking && IsInTarget(record) && !record.report.busy() && !record.command) {
+      step.part = record.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
     } else if (!checking && Unknown(actuator, record)) {
       leave_out("has not answered " + record.report.target + " and cannot be queried",
                 kCodeTargetBusy, true);
-    } else if (up && !machine_.current && (record.report.busy() || record.order)) {
+    } else if (up && !machine_.current && (record.report.busy() || record.command)) {
       step.note = "is still busy with " + BusyWith(record);
       NoteBusy(i, step.note);
     }
@@ -232,7 +232,7 @@ class Planning {
 
   // A late actuator in its first self-check is left out, unless the machine is ended.
   bool Joining(const ActuatorRecord& record) const {
-    return record.order && record.order->target == kSelfCheck && !machine_.current &&
+    return record.command && record.command->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
   }
 
@@ -258,7 +258,7 @@ class Planning {
   // Overdue, with a protocol that has no query: nothing more is sent to it until it answers.
   static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
     return actuator.protocol == Protocol::kCyberdog && record.fault && record.report.busy() &&
-           !record.order;
+           !record.command;
   }
 
   // In a state with a rank, not in a step of a start or in Error.

@@ -27,10 +27,10 @@ std::string_view DirectionName(Direction direction);  // "up", "down", "level", 
 struct PlanStep {
   enum class Part {
     kDriven,
-    kThere,        // is in the target state already
-    kHeldThere,    // the same, and no longer detached
-    kUnsupported,  // does not list the target
-    kLeftOut,      // not available, not checked, or still starting: `note` says which
+    kInTarget,      // is in the target state already
+    kHeldInTarget,  // the same, and no longer detached
+    kUnsupported,   // does not list the target
+    kLeftOut,       // not available, not checked, or still starting: `note` says which
   };
 
   std::size_t actuator = 0;

@@ -106,7 +106,7 @@ struct PolicyState {
   std::optional<int> battery;  // in percent, the last valid one
   bool charging = false;
   bool battery_silent = false;
-  bool invalid_told = false;  // an out-of-range value was recorded
+  bool invalid_recorded = false;  // an out-of-range value was recorded
   BatteryLevel level = BatteryLevel::kFree;
   std::uint64_t level_cause = 0;  // the record of the level
 

@@ -51,7 +51,7 @@ struct PowerPolicy {
 enum class Occasion {
   kStart,    // the robot is ready, and which parts are not
   kBattery,  // it is low
-  kTouch,    // a double tap asks how full it is
+  kTouch,    // a double tap queries the charge
   kSwitch,   // a switch was refused, undone or done-degraded
   kRefusal,  // the policy refuses something, or warns
   kApp,      // the app connects for the first time; the robot also stands up

@@ -50,7 +50,7 @@ void Decision::On(const event::BatterySeen& seen) {
   if (!config_.policy || !config_.policy->battery || machine_.phase == Phase::kIdle) return;
   PolicyState& policy = machine_.policy;
   if (seen.percent < 0 || seen.percent > kFullBattery) {
-    if (std::exchange(policy.invalid_told, true)) return;
+    if (std::exchange(policy.invalid_recorded, true)) return;
     RecordPolicy(kCodeParametersInvalid, "the battery reports " + std::to_string(seen.percent) +
                                              " %, which is out of range; such values are ignored");
     return;
@@ -105,7 +105,7 @@ void Decision::On(const event::InputSilent& silent) {
 }
 
 // The clock of a restarted world, or of one received for the first time, has another zero.
-void Decision::On(const event::ClockHeard& received) {
+void Decision::On(const event::ClockReceived& received) {
   if (!config_.policy || config_.clock != ClockSource::kTopic) return;
   PolicyState& policy = machine_.policy;
   if (policy.clock == Time{} || received.clock < policy.clock) {

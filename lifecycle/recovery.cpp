@@ -25,7 +25,7 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 bool Decision::Coming(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   const bool about_to_end = record.terminating != 0;  // and is restarted after that
-  return record.restart_at || record.restart_asked ||
+  return record.restart_at || record.restart_requested ||
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
 
@@ -73,7 +73,7 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   record.health = Health::kWell;
   record.cause =
       RecordActuator(i, kCodeOk, ConfigOf(i).name + " has recovered: " + how, record.cause);
-  if (!record.restart_asked) {  // else it is terminated anyway
+  if (!record.restart_requested) {  // else it is terminated anyway
     record.terminating = 0;
     record.killed = false;
     record.terminate_at.reset();
@@ -149,7 +149,7 @@ void Decision::AssumeExited(std::size_t i) {
 
 // Whether the exit code says that a restart does not help.
 bool Decision::IsFinal(std::size_t i, const event::ProcessEnded& ended) const {
-  return MayRestart(i) && !Of(i).restart_asked && ConfigOf(i).restart.Prevents(ended.exit_code);
+  return MayRestart(i) && !Of(i).restart_requested && ConfigOf(i).restart.Prevents(ended.exit_code);
 }
 
 std::string Decision::WhyFinal(const event::ProcessEnded& ended) const {
@@ -172,7 +172,7 @@ void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
   if (!wanted) return;
-  if (std::exchange(record.restart_asked, false)) {
+  if (std::exchange(record.restart_requested, false)) {
     record.restart_at = now_;
     return;
   }
@@ -241,7 +241,7 @@ void Decision::ForgetEnd(std::size_t i) {
   record.killed = false;
   record.terminate_at.reset();
   record.kill_at.reset();
-  record.restart_asked = false;
+  record.restart_requested = false;
 }
 
 // Another party has started it first.
@@ -288,8 +288,8 @@ void Decision::On(const event::RestartRequested& requested) {
                                       std::to_string(record.report.pid) + " there");
   }
   record.restart_requests.push_back(requested.request);
-  if (record.restart_asked) return;
-  record.restart_asked = true;
+  if (record.restart_requested) return;
+  record.restart_requested = true;
   record.restarts = 0;
   record.given_up = false;
   record.cause = RecordProcess(*i, kCodeOk, "restart of " + requested.actuator + " requested");
@@ -311,7 +311,7 @@ void Decision::EndForRestart(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0) return Recover(i);
-  const bool can_be_commanded = record.presence == Presence::kPresent && !record.order &&
+  const bool can_be_commanded = record.presence == Presence::kPresent && !record.command &&
                                 !record.report.busy() && !machine_.current &&
                                 record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
                                 record.state() != kTearDown;
@@ -330,7 +330,7 @@ void Decision::AnswerRestarts(std::size_t i) {
   const bool may_go_on = record.due && !machine_.emergency_stop;
   const bool driven =
       ((Fits(i) || record.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
-  const bool there = record.presence == Presence::kPresent && !record.order && driven;
+  const bool there = record.presence == Presence::kPresent && !record.command && driven;
   if (!ended && !there && !record.fault) return;
   Result<> answer;
   if (record.fault) {

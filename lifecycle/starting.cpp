@@ -104,7 +104,7 @@ bool Decision::NeedsMet(std::size_t i, std::string& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
-    if (needed.fault && !needed.parked && !Coming(*config_.IndexOf(name)))
+    if (needed.fault && !needed.suspended && !Coming(*config_.IndexOf(name)))
       blocker = "needs " + name + ", which is degraded: " + needed.fault->message;
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }
@@ -267,7 +267,7 @@ bool Decision::StageSettled(int stage) const {
     const ActuatorRecord& record = Of(i);
     if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
     const bool joined =
-        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.order;
+        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.command;
     if (!joined) return false;
   }
   return true;

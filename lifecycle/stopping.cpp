@@ -47,7 +47,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
     ActuatorRecord& record = Of(i);
     record.take_control_again.reset();
     record.restart_at.reset();
-    record.restart_asked = false;
+    record.restart_requested = false;
     const bool present = record.presence == Presence::kPresent;
     // A process that has exited cannot be left behind.
     if (!present || record.state() == kTearDown) record.fault.reset();
@@ -226,8 +226,8 @@ SwitchResult Decision::StopResult(const Error& not_ended) {
 // The budget is used up while an actuator has not answered TearDown.
 void Decision::EndUnfinished() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    if (Of(i).order)
-      EndOrder(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
+    if (Of(i).command)
+      EndCommand(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
   }
   for (Leg& leg : machine_.current->legs) {
     if (leg.progress != Leg::Progress::kWaiting) continue;

@@ -20,8 +20,9 @@ int Badness(const Leg& leg, bool critical) {
 
 // A self-check that fails with a code that is not critical counts as passed, and the actuator is
 // degraded.
-OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& end) {
-  if (order.target != kSelfCheck) return end;
+CommandResult Decision::Tolerate(std::size_t i, const PendingCommand& command,
+                                 const CommandResult& end) {
+  if (command.target != kSelfCheck) return end;
   Of(i).tolerated.reset();
   const auto& critical = ConfigOf(i).critical_codes;
   const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
@@ -171,7 +172,7 @@ bool Decision::IsAway(std::size_t i, const State& target) const {
 // and may have been restarted. Empty: it is in the target, or was not expected.
 std::string Decision::LeftSince(const Switch& s, std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  if (record.fault || record.held || record.parked || s.target == kTearDown) return {};
+  if (record.fault || record.held || record.suspended || s.target == kTearDown) return {};
   const bool had_done = std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
     return leg.actuator == i && leg.outcome == ActuatorOutcome::kDone;
   });
@@ -181,7 +182,7 @@ std::string Decision::LeftSince(const Switch& s, std::size_t i) const {
   if (!had_done && !was_there) return {};
   if (record.presence != Presence::kPresent) return "its process has exited since; it is starting";
   const bool there = s.direction == Direction::kCheck ? record.checked : record.state() == s.target;
-  return there ? "" : "it has gone to " + record.state() + " since, and is being driven back";
+  return there ? "" : "it has switched to " + record.state() + " since, and is being driven back";
 }
 
 // The reason why it is not in the target of the switch; nullopt: it is, or was not expected.

@@ -119,7 +119,7 @@ void Decision::Supersede(std::uint64_t by, const State& target, std::uint64_t ca
             cause);
   for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
-    Of(leg.actuator).order.reset();
+    Of(leg.actuator).command.reset();
     Of(leg.actuator).free_by = now_ + config_.TimeFor(leg.actuator, leg.target);
   }
   Answer(s.requests, result);
@@ -150,8 +150,8 @@ void Decision::AddLeg(Switch& s, const PlanStep& step) {
                                                                     : ActuatorOutcome::kSkipped;
       if (Of(step.actuator).fault) other.code = Of(step.actuator).fault->code;
       break;
-    case PlanStep::Part::kHeldThere:
-    case PlanStep::Part::kThere:
+    case PlanStep::Part::kHeldInTarget:
+    case PlanStep::Part::kInTarget:
     case PlanStep::Part::kDriven:
       other.message = "was already in that state";
       break;
@@ -223,17 +223,17 @@ void Decision::SkipLeg(Leg& leg, const Leg* blocker) {
 
 // Why nothing can be sent for `leg` any more: its actuator was present when the switch was planned,
 // and was lost or restarted meanwhile.
-std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
+std::optional<CommandResult> Decision::FindUnfit(const Leg& leg) const {
   const ActuatorRecord& record = Of(leg.actuator);
   if (record.presence != Presence::kPresent) {
-    return OrderEnd{ActuatorOutcome::kLost, kCodeNetError, "is no longer available", false};
+    return CommandResult{ActuatorOutcome::kLost, kCodeNetError, "is no longer available", false};
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
   // The leg configures such a node first.
   if (IsUnconfigured(config_, leg.actuator, record)) return std::nullopt;
-  return OrderEnd{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
-                  "was restarted and has not passed its self-check", false};
+  return CommandResult{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
+                       "was restarted and has not passed its self-check", false};
 }
 
 // The remaining time for TearDown, in equal parts for the remaining stages: an actuator that hangs
@@ -304,7 +304,7 @@ bool Decision::AdvanceSwitch() {
   return true;
 }
 
-void Decision::EndLeg(Leg& leg, const OrderEnd& end) {
+void Decision::EndLeg(Leg& leg, const CommandResult& end) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = end.outcome;
   leg.code = end.code;

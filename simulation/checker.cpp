@@ -114,7 +114,7 @@ void Checker::OnWrongConfig(const std::string& name) {
                          record.process == robot_.processes().PidOf(name, leader->host()) &&
                          !record.found_running;
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (its_child && counts && !record.restart_asked) config_errors_[name] = leader->serial();
+  if (its_child && counts && !record.restart_requested) config_errors_[name] = leader->serial();
 }
 
 void Checker::OnStart(const ControllerProcess& controller, const std::string& name) {
@@ -200,31 +200,33 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
   const auto rank = config_.RankOf(machine.state);
   if (before && rank && *rank > *before) {
     // Several switches may have ended since.
-    const bool asked =
-        seen.asked == machine.state || ByPolicy(machine.state) ||
+    const bool requested =
+        seen.requested_state == machine.state || ByPolicy(machine.state) ||
         std::any_of(just_replied_.begin(), just_replied_.end(), [&](const State& state) {
           const auto other = config_.RankOf(state);
           return other && *other >= *rank;
         });
     const std::string what = "the machine went from " + seen.state + " to " + machine.state;
-    if (!asked)
+    if (!requested)
       ReportViolation(Invariant::kNoUnrequestedActivation, what + ", which was not requested");
     if (seen.stopped && machine.emergency_stop) {
       ReportViolation(Invariant::kEmergencyStopHolds, what + " during an emergency stop");
     }
   }
-  if (!machine.told_state.empty() && machine.told_state != machine.state) {
-    ReportViolation(Invariant::kStatesRecorded, "the machine is in " + machine.state +
-                                                    ", the journal records " + machine.told_state);
+  if (!machine.recorded_state.empty() && machine.recorded_state != machine.state) {
+    ReportViolation(
+        Invariant::kStatesRecorded,
+        "the machine is in " + machine.state + ", the journal records " + machine.recorded_state);
   }
   if (seen.state != machine.state) CheckPolicyChange(machine, seen);
   seen.state = machine.state;
   seen.stopped = machine.emergency_stop.has_value();
-  const bool requested =
-      (seen.requested && machine.state == seen.asked) || just_replied_.contains(machine.state);
+  const bool requested = (seen.requested && machine.state == seen.requested_state) ||
+                         just_replied_.contains(machine.state);
   if (requested && !machine.current) requested_state_at_ = robot_.age();
-  seen.asked.reset();
-  if (machine.current && IsRequested(*machine.current)) seen.asked = machine.current->target;
+  seen.requested_state.reset();
+  if (machine.current && IsRequested(*machine.current))
+    seen.requested_state = machine.current->target;
   seen.requested = machine.current && machine.current->purpose == Purpose::kRequested;
 }
 
@@ -246,9 +248,10 @@ std::string Checker::PendingActivity(const Machine& machine, std::size_t i) cons
   const ActuatorRecord& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
-  if (r.fault && !r.order && !r.restart_at && r.terminating == 0 && !r.restart_asked) return {};
-  if (r.order) return "has a command to " + r.order->target;
-  if (r.restart_at || r.restart_asked) return "is to be restarted";
+  if (r.fault && !r.command && !r.restart_at && r.terminating == 0 && !r.restart_requested)
+    return {};
+  if (r.command) return "has a command to " + r.command->target;
+  if (r.restart_at || r.restart_requested) return "is to be restarted";
   if (r.terminating != 0 || r.kill_at) return "is to be killed";
   if (r.free_by) return "is busy with the callback that it was found in";
   if (r.take_control_again && r.presence == Presence::kStarting && alive)

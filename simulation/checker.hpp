@@ -1,6 +1,6 @@
 #pragma once
 // Checks the invariants of a simulated robot after every event, and reports the first violation. It
-// goes by what the actuators do, not by what the controller believes, wherever the two can differ.
+// goes by what the actuators do, not by what the controller assumes, wherever the two can differ.
 
 #include <array>
 #include <cstdint>
@@ -77,9 +77,9 @@ class Checker {
   struct Seen {  // of a controller
     State state;
     bool stopped = false;
-    bool requested = false;      // an operator or a client requested `asked`
-    std::optional<State> asked;  // the target of the switch under way, if it was requested or is a
-                                 // part of the start
+    bool requested = false;                // an operator or a client requested `requested_state`
+    std::optional<State> requested_state;  // the target of the switch under way, if it was
+                                           // requested or is a part of the start
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
     std::vector<std::uint64_t> received;  // of each actuator, the incarnation reported last

@@ -63,7 +63,7 @@ bool Checker::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
     const ControllerProcess* controller = robot_.controller(which);
     if (controller == nullptr || controller->shell().machine().epoch != epoch) continue;
     const ActuatorRecord& record = controller->shell().machine().actuators[i];
-    if (!record.order && record.presence != Presence::kPresent) return true;
+    if (!record.command && record.presence != Presence::kPresent) return true;
   }
   return false;
 }
@@ -156,7 +156,7 @@ bool Checker::IsExcused(const Machine& machine, std::size_t i, const SwitchResul
         return one.name == name && one.outcome == ActuatorOutcome::kDone;
       });
   const bool away = record.presence != Presence::kPresent || !record.checked || record.fault;
-  const bool joining = record.due || record.order || record.parked || (away && !took_part);
+  const bool joining = record.due || record.command || record.suspended || (away && !took_part);
   return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||
          robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
 }

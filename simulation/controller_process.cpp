@@ -19,36 +19,38 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
       serial_(hosts.NewSerial()),
       node_(network.MakeNode(endpoint)) {
   hosts.Attach(endpoint, host);
-  ControllerShell::World world;
-  world.node = node_.get();
-  world.processes = this;
-  world.process_probe = this;
-  world.journal = this;
-  world.save_epoch = [this](std::uint64_t epoch, const auto& done) {
+  ControllerShell::Dependencies dependencies;
+  dependencies.node = node_.get();
+  dependencies.processes = this;
+  dependencies.process_probe = this;
+  dependencies.journal = this;
+  dependencies.save_epoch = [this](std::uint64_t epoch, const auto& done) {
     Save(disk_.epoch, epoch, done);
   };
-  world.save_emergency_stops = [this](const StoredStops& stops, const auto& done) {
+  dependencies.save_emergency_stops = [this](const StoredStops& stops, const auto& done) {
     Save(disk_.stops, stops, done);
   };
-  world.save_policy = [this](const StoredPolicy& policy, const auto& done) {
+  dependencies.save_policy = [this](const StoredPolicy& policy, const auto& done) {
     Save(disk_.policy, policy, done);
   };
-  world.save_stop_intent = [this](bool intended, const auto& done) {
+  dependencies.save_stop_intent = [this](bool intended, const auto& done) {
     Save(disk_.stop_intent, intended, done);
   };
-  world.save_remote_actuators = [this](const auto& actuators, const auto& done) {
+  dependencies.save_remote_actuators = [this](const auto& actuators, const auto& done) {
     Save(disk_.remote, actuators, done);
   };
-  world.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
+  dependencies.save_children = [this](const std::vector<ChildProcess>& children, const auto& done) {
     disk_.children.clear();
     for (const ChildProcess& child : children) disk_.children[child.actuator] = child;
     done(Ok());
   };
-  world.output = [](const std::string&) { return nullptr; };
-  world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
-  world.host = hosts.Id(host);
-  world.pid = pid_;
-  world.incarnation = hosts.NewIncarnation(host);
+  dependencies.output = [](const std::string&) { return nullptr; };
+  dependencies.wall_ns = [this] {
+    return (network_.now().time_since_epoch() + wall_offset).count();
+  };
+  dependencies.host = hosts.Id(host);
+  dependencies.pid = pid_;
+  dependencies.incarnation = hosts.NewIncarnation(host);
   ControllerShell::Hooks shell_hooks;
   shell_hooks.on_record = [this](const action::Record& record) {
     if (manager_) manager_->OnRecord(record);
@@ -69,7 +71,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
     manager_ = nullptr;
     services_ = nullptr;
   };
-  auto shell = ControllerShell::Make(std::move(world), config_, std::move(shell_hooks));
+  auto shell = ControllerShell::Make(std::move(dependencies), config_, std::move(shell_hooks));
   shell_ = std::move(shell).value();
 }
 
@@ -100,7 +102,7 @@ void ControllerProcess::ReadDisk(std::int64_t since_wall_ns, std::size_t limit, 
 
 template <class T>
 void ControllerProcess::Save(T& stored, const T& value,
-                             const ControllerShell::World::OnSaved& done) {
+                             const ControllerShell::Dependencies::OnSaved& done) {
   const auto write = [this, &stored, value, done] {
     if (disk_.full) return done(Error{kCodeFailed, "the disk is full"});
     stored = value;

@@ -107,7 +107,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   void Append(JournalItem item) noexcept override;
   // Writes a value now, or when the disk's stall ends.
   template <class T>
-  void Save(T& stored, const T& value, const ControllerShell::World::OnSaved& done);
+  void Save(T& stored, const T& value, const ControllerShell::Dependencies::OnSaved& done);
   bool WantsSnapshot() noexcept override;
   pid_t FindOne(const std::string& actuator);
   Result<> OpenServices();

@@ -158,7 +158,7 @@ Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
   Injections injections = SampleInjections(config, seed);
   Random random(seed * 2 + 2);
   for (Injection& injection : injections) {
-    if (random.Chance(0.5)) injection.actuator = actuator;
+    if (random.Bernoulli(0.5)) injection.actuator = actuator;
   }
   const Duration last = injections.empty() ? Duration::zero() : injections.back().at;
   const auto add = [&](InjectionKind kind, Duration at, const State& state) {
@@ -190,7 +190,7 @@ Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
       add(InjectionKind::kSlow, up, {});
       break;
     case 4:
-      add(InjectionKind::kFail, random.Chance(0.5) ? down : up, {});
+      add(InjectionKind::kFail, random.Bernoulli(0.5) ? down : up, {});
       break;
     default:
       if (config.HasState(kTearDown)) add(InjectionKind::kSet, during, State(kTearDown));

@@ -142,7 +142,7 @@ State SampleState(const MachineConfig& config, Random& random) {
     if (state == kSetUp || state == kTearDown) continue;
     states.push_back(state);
   }
-  if (states.empty() || (config.HasState(kTearDown) && random.Chance(0.02)))
+  if (states.empty() || (config.HasState(kTearDown) && random.Bernoulli(0.02)))
     return State(kTearDown);
   return states[random.Next() % states.size()];
 }
@@ -163,10 +163,10 @@ class InjectionSampler {
     for (std::uint64_t i = 0; i < count; ++i) {
       const bool crash =
           !injections_.empty() && injections_.back().kind == InjectionKind::kControllerCrash;
-      if (crash && host_random_.Chance(kOrphanShare)) AddOrphan();
-      if (!injections_.empty() && host_random_.Chance(kClientShare)) AddOfClient();
+      if (crash && host_random_.Bernoulli(kOrphanShare)) AddOrphan();
+      if (!injections_.empty() && host_random_.Bernoulli(kClientShare)) AddOfClient();
       at_ += SampleLogUniform(random_, std::chrono::microseconds(100), std::chrono::seconds(4));
-      if (random_.Chance(0.35)) {
+      if (random_.Bernoulli(0.35)) {
         AddAimed();
       } else {
         AddAny();
@@ -204,14 +204,14 @@ class InjectionSampler {
     injection.random = policy_random_.Next();
     if (injection.kind != InjectionKind::kBattery) return;
     const auto percent = static_cast<std::uint64_t>(SamplePercent(config_, injection.random));
-    const std::uint64_t cable = policy_random_.Chance(0.3) ? 1 : 0;
+    const std::uint64_t cable = policy_random_.Bernoulli(0.3) ? 1 : 0;
     injection.random = percent * 2 + cable;
   }
 
   // Adds a client's switch that is under way when the controller is killed.
   void AddOrphan() {
     Injection crash = injections_.back();
-    if (host_random_.Chance(0.3))
+    if (host_random_.Bernoulli(0.3))
       crash.lasts = std::chrono::seconds(8);  // longer than the client waits
     AddOfClient();
     Injection request = injections_.back();
@@ -247,17 +247,18 @@ class InjectionSampler {
 
   Injection& AddAny() {
     Injection& injection = Add(SampleKind(random_), SampleState(config_, random_));
-    if (config_.policy && policy_random_.Chance(kPolicyShare)) MakeOfPolicy(injection);
-    if (injection.kind == InjectionKind::kCrash && exit_random_.Chance(kWrongConfigShare)) {
+    if (config_.policy && policy_random_.Bernoulli(kPolicyShare)) MakeOfPolicy(injection);
+    if (injection.kind == InjectionKind::kCrash && exit_random_.Bernoulli(kWrongConfigShare)) {
       injection.kind = InjectionKind::kWrongConfig;
     }
-    if (injection.kind == InjectionKind::kFullDisk && host_random_.Chance(0.5)) {
+    if (injection.kind == InjectionKind::kFullDisk && host_random_.Bernoulli(0.5)) {
       injection.kind = InjectionKind::kStalledDisk;
     }
-    if (injection.kind == InjectionKind::kEmergencyStop && host_random_.Chance(0.4)) {
+    if (injection.kind == InjectionKind::kEmergencyStop && host_random_.Bernoulli(0.4)) {
       injection.kind = InjectionKind::kCrossingStops;
     }
-    if (host_random_.Chance(hosts_ > 1 ? kSeveralHostsShare : kHostShare)) MakeOfHosts(injection);
+    if (host_random_.Bernoulli(hosts_ > 1 ? kSeveralHostsShare : kHostShare))
+      MakeOfHosts(injection);
     return injection;
   }
 
@@ -267,7 +268,8 @@ class InjectionSampler {
                                              MachinePhase::kRollingBack, MachinePhase::kFallingBack,
                                              MachinePhase::kTearingDown, MachinePhase::kSettingUp};
     const MachinePhase aim = kAims[random_.Next() % std::size(kAims)];
-    if (aim == MachinePhase::kTearingDown && random_.Chance(0.6)) return;  // little comes after it
+    if (aim == MachinePhase::kTearingDown && random_.Bernoulli(0.6))
+      return;  // little comes after it
     LeadTo(aim);
     AddAny().when = aim;
   }

@@ -57,7 +57,7 @@ std::string_view InvariantText(Invariant invariant) {
     case Invariant::kSafeWithoutCritical:
       return "without a critical actuator the machine is in its on_lost state, or less active";
     case Invariant::kOnLostCoversLoss:
-      return "on_lost names the machine's state for every actuator that is lost for good";
+      return "on_lost names the machine's state for every actuator that is lost permanently";
     case Invariant::kRecoverable:
       return "an operator can recover the machine from every stable state";
     case Invariant::kAllAvailableAfterRecovery:

@@ -39,7 +39,7 @@ enum class Invariant : std::uint8_t {
   kPowerOffInTime,         // an accepted power-off happens within its time
   // That a config can violate as well.
   kSafeWithoutCritical,        // without a critical actuator the machine is in its on_lost or below
-  kOnLostCoversLoss,           // on_lost says what follows when an actuator is lost for good
+  kOnLostCoversLoss,           // on_lost says what follows when an actuator is lost permanently
   kRecoverable,                // an operator can recover the machine from every stable state
   kAllAvailableAfterRecovery,  // and then all actuators are available
 };

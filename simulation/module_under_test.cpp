@@ -110,7 +110,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
   LockstepWorker& operator=(const LockstepWorker&) = delete;
 
   void Run(Work work, Done done) override {
-    static_cast<void>(work());  // tells the module the state
+    static_cast<void>(work());  // passes the state to the module
     const ModuleUnderTest::Setup& setup = module_.setup_;
     const Error& injected = module_.act_.error;
     const State& state = module_.state_;
@@ -123,7 +123,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
     callback_->ended = false;
     callback_->polls = 0;
     const bool repeat =
-        module_.random_.Chance(0.125) && !fails && state != kSetUp && state != kTearDown;
+        module_.random_.Bernoulli(0.125) && !fails && state != kSetUp && state != kTearDown;
     if (repeat) ++setup.counts->repeated;
     thread_ = std::thread(
         [callback = callback_, state, repeat] { callback->RunCallback(state, repeat); });
@@ -146,14 +146,14 @@ class ModuleUnderTest::LockstepWorker : public Worker {
   // Half of the callbacks wait for their thread, so that an emergency stop can be engaged before
   // their first instruction.
   void Begin() {
-    module_.waits_ = module_.random_.Chance(0.5);
-    if (!module_.waits_) return GoOn();
+    module_.waits_ = module_.random_.Bernoulli(0.5);
+    if (!module_.waits_) return Continue();
     const Duration wait = module_.random_.Between(Duration::zero(), rest_ / 2);
     rest_ -= wait;
-    step_ = loop_.At(loop_.Now() + wait, [this] { GoOn(); });
+    step_ = loop_.At(loop_.Now() + wait, [this] { Continue(); });
   }
 
-  void GoOn() {
+  void Continue() {
     module_.waits_ = false;
     const CallbackThread::Turn turn = Resume();
     if (turn == CallbackThread::Turn::kStuck) return;
@@ -161,7 +161,7 @@ class ModuleUnderTest::LockstepWorker : public Worker {
       Duration share = module_.random_.Between(Duration::zero(), rest_ / 4);
       rest_ -= share;
       if (callback_->polls > kEachPollHandsOver) share += callback_->polls * kLaterPoll;
-      step_ = loop_.At(loop_.Now() + share, [this] { GoOn(); });
+      step_ = loop_.At(loop_.Now() + share, [this] { Continue(); });
       return;
     }
     const auto& again = callback_->repeat_error;

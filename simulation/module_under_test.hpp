@@ -2,9 +2,9 @@
 // A user's actuator class behind an actuator of a simulated robot.
 //
 // Threads: the network's, and one for the running callback; only one of the two runs at a time.
-// StopRequested() hands over to the network's: virtual time goes on while the callback waits there.
-// So an event during a callback (an emergency stop, a request to stop, its end by SIGKILL) happens
-// between two of its polls. Real time matters only for a callback that never hands over.
+// StopRequested() hands over to the network's: virtual time advances while the callback waits
+// there. So an event during a callback (an emergency stop, a request to stop, its end by SIGKILL)
+// happens between two of its polls. Real time matters only for a callback that never hands over.
 
 #include <chrono>
 #include <cstdint>
@@ -19,13 +19,13 @@
 
 namespace musher::simulation {
 
-// Tells a fake of the hardware when to fail. Called in callbacks, on their thread.
+// Makes a fake of the hardware fail. Called in callbacks, on their thread.
 class Faults {
  public:
   explicit Faults(std::uint64_t seed) : random_(seed) {}
 
   // Whether the current step fails: at random while callback failures are injected, else never.
-  bool ShouldFail() { return under_way_ && random_.Chance(0.5); }
+  bool ShouldFail() { return under_way_ && random_.Bernoulli(0.5); }
   // A random number, for whatever else a fake varies.
   std::uint64_t Random() { return random_.Next(); }
 

@@ -62,11 +62,11 @@ void Checker::OnRecord(const action::Record& record) {
     config_errors_.erase(config_.actuators[*record.actuator].name);
   }
   // A request that ends in the same step never shows as the switch under way.
-  constexpr std::string_view kAsked = " requested";
+  constexpr std::string_view kRequested = " requested";
   constexpr std::string_view kSwitchTo = "switch to ";
-  if (text.starts_with(kSwitchTo) && text.ends_with(kAsked)) {
+  if (text.starts_with(kSwitchTo) && text.ends_with(kRequested)) {
     just_replied_.insert(
-        text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kAsked.size()));
+        text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kRequested.size()));
   }
   if (std::exchange(lowering_begins_, false)) {
     const std::size_t at = text.find(": ") + 2;

@@ -254,7 +254,7 @@ Result<> Processes::Signal(std::size_t host, std::int32_t pid, int signal) {
 
 Examination Processes::Examine(std::size_t host, std::int32_t pid) const {
   const Process* process = Find(host, pid);
-  if (process == nullptr) return {Examination::Process::kGone, {}};
+  if (process == nullptr) return {Examination::Process::kExited, {}};
   return {process->frozen ? Examination::Process::kStopped : Examination::Process::kRunning, {}};
 }
 

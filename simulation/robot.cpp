@@ -140,7 +140,8 @@ void SimRobot::TakeOverOnSameHost() {
   if (takes_over_) return;
   const bool stuck = controllers_[0]->frozen;
   if (!stuck) {
-    controllers_[0]->shell().LetGo("process " + std::to_string(hosts_.NewPid(0)) + " of this host");
+    controllers_[0]->shell().ReleaseControl("process " + std::to_string(hosts_.NewPid(0)) +
+                                            " of this host");
   }
   const Duration timeout = stuck ? kReleaseTimeout : Milliseconds(1);
   takes_over_ = environment_->loop().At(environment_->loop().Now() + timeout, [this] {

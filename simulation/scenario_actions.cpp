@@ -99,7 +99,7 @@ void Scenario::RequestPolicy(const event::PolicyRequested& requested) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
   const std::uint64_t request = checker_.OnPolicyRequest(*leader, requested);
-  leader->shell().AskPolicy(requested, [this, request, requested](const Result<>& reply) {
+  leader->shell().SendPolicyRequest(requested, [this, request, requested](const Result<>& reply) {
     Mix(reply ? "ok" : reply.error().message);
     checker_.OnPolicyReply(request, requested, reply);
   });

@@ -31,7 +31,7 @@ bool Checker::ReleasedElsewhere() const {
          });
 }
 
-// Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is gone if no
+// Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is lost if no
 // controller had received it, or if it was stored on a disk that is lost.
 bool Checker::StopIsOpen() const {
   return std::any_of(engaged_.begin(), engaged_.end(), [&](const auto& stop) {
@@ -114,17 +114,17 @@ void Checker::CheckStaysDown(const ControllerProcess& controller) {
 }
 
 // Whether the actuator runs for another controller, on the host of that controller, which began
-// while the controller `asked` to tear down was stopped or disconnected; otherwise `asked` would
-// have released the machine.
-bool Checker::RunsForAnother(const ControllerProcess& asked, std::size_t i,
+// while the controller `process`, which is to tear down, was stopped or disconnected; otherwise
+// `process` would have released the machine.
+bool Checker::RunsForAnother(const ControllerProcess& process, std::size_t i,
                              std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);
-    if (other == nullptr || other->serial() == asked.serial() || !other->leads()) continue;
+    if (other == nullptr || other->serial() == process.serial() || !other->leads()) continue;
     const std::int32_t pid = other->shell().machine().actuators[i].process;
     const bool its_own =
         pid != 0 && pid == robot_.processes().PidOf(config_.actuators[i].name, host);
-    if (other->host() == host && host != asked.host() && its_own) return true;
+    if (other->host() == host && host != process.host() && its_own) return true;
   }
   return false;
 }

@@ -31,16 +31,16 @@ class Endpoints {
   }
   // Subscribes. Returns the subscription, which knows its writers; null if it could not be opened.
   template <msg::Message M>
-  Subscription* Hear(const std::string& name, std::function<void(const M&)> handler,
-                     const Qos& qos = kDefaultQos) {
-    return HearResolved<M>(Resolve(name), std::move(handler), qos);
+  Subscription* Subscribe(const std::string& name, std::function<void(const M&)> handler,
+                          const Qos& qos = kDefaultQos) {
+    return SubscribeResolved<M>(Resolve(name), std::move(handler), qos);
   }
   // Subscribes with the publisher of each sample, and a callback for a lost publisher.
   template <msg::Message M>
-  Subscription* HearEach(const std::string& name,
-                         std::function<void(const M&, PeerId publisher)> handler,
-                         std::function<void(PeerId publisher)> on_publisher_lost,
-                         const Qos& qos = kDefaultQos) {
+  Subscription* SubscribeEach(const std::string& name,
+                              std::function<void(const M&, PeerId publisher)> handler,
+                              std::function<void(PeerId publisher)> on_publisher_lost,
+                              const Qos& qos = kDefaultQos) {
     SubscriptionEvents events;
     events.on_writer_lost = std::move(on_publisher_lost);
     return Keep(MakeSubscription<M>(
@@ -52,8 +52,8 @@ class Endpoints {
   }
   // Subscribes to a `topic` that is already resolved.
   template <msg::Message M>
-  Subscription* HearResolved(const std::string& topic, std::function<void(const M&)> handler,
-                             const Qos& qos) {
+  Subscription* SubscribeResolved(const std::string& topic, std::function<void(const M&)> handler,
+                                  const Qos& qos) {
     return Keep(MakeSubscription<M>(
         node_, topic,
         [handler = std::move(handler)](const M& sample, const SampleInfo&) { handler(sample); },
@@ -61,7 +61,8 @@ class Endpoints {
   }
   // Returns a function that publishes a sample; it does nothing if the topic could not be opened.
   template <msg::Message M>
-  std::function<void(const M&)> Tell(const std::string& name, const Qos& qos = kDefaultQos) {
+  std::function<void(const M&)> PublishFunction(const std::string& name,
+                                                const Qos& qos = kDefaultQos) {
     auto* publisher = Advertise<M>(name, qos);
     if (publisher == nullptr) return [](const M&) {};
     // A failed publish needs no retry: the next sample follows.
@@ -74,7 +75,7 @@ class Endpoints {
   }
   // A client of a service; null if it could not be opened.
   template <msg::Service S>
-  Client<S>* Ask(const std::string& name, std::function<void()> on_match_changed = {}) {
+  Client<S>* OpenClient(const std::string& name, std::function<void()> on_match_changed = {}) {
     return Keep(MakeClient<S>(node_, Resolve(name), std::move(on_match_changed)));
   }
 

@@ -177,19 +177,19 @@ Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {
 std::optional<ProcessRunState> RunStateOf(pid_t pid) {
   const Folder tasks = TasksOf(pid);
   if (!tasks) {
-    if (kill(pid, 0) != 0 && errno == ESRCH) return ProcessRunState::kGone;
+    if (kill(pid, 0) != 0 && errno == ESRCH) return ProcessRunState::kExited;
     return std::nullopt;
   }
-  bool lives = false;
+  bool alive = false;
   bool traced = false;
   while (const pid_t tid = NextTask(tasks.get())) {
     const char state = ReadState(dirfd(tasks.get()), tid);
     if (HasEnded(state)) continue;
     if (state != 'T' && state != 't') return ProcessRunState::kRunning;
-    lives = true;
+    alive = true;
     traced = traced || state == 't';
   }
-  if (!lives) return ProcessRunState::kGone;
+  if (!alive) return ProcessRunState::kExited;
   return traced ? ProcessRunState::kTraced : ProcessRunState::kStopped;
 }
 

@@ -64,7 +64,7 @@ enum class ProcessRunState {
   kRunning,  // at least one thread runs or could: it sleeps, or waits for the disk
   kStopped,  // every thread is stopped, by SIGSTOP or the like; SIGCONT continues it
   kTraced,   // every thread is stopped, some by a debugger
-  kGone,     // it has exited, but its parent may not have reaped it yet
+  kExited,   // it has exited, but its parent may not have reaped it yet
 };
 
 // nullopt if the process exists but is not visible to us in /proc.

@@ -16,12 +16,12 @@ enum class Role {
 };
 
 // A transition from a state to another, as the state declared it.
-struct Way {
+struct ChartTransition {
   StateId from = kNoState;
   StateId to = kNoState;
   std::string when;  // for people: "a face is seen"
 
-  friend bool operator==(const Way&, const Way&) = default;
+  friend bool operator==(const ChartTransition&, const ChartTransition&) = default;
 };
 
 struct Chart {
@@ -35,7 +35,7 @@ struct Chart {
 
   std::string name;
   std::vector<Node> states;  // by id
-  std::vector<Way> ways;
+  std::vector<ChartTransition> transitions;
   StateId start = kNoState;
 
   friend bool operator==(const Chart&, const Chart&) = default;

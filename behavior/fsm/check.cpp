@@ -14,8 +14,9 @@ void Spread(const Chart& chart, Marks& marked, bool back) {
   bool grows = true;
   while (grows) {
     grows = false;
-    for (const Way& way : chart.ways) {
-      const auto [from, to] = back ? std::pair(way.to, way.from) : std::pair(way.from, way.to);
+    for (const ChartTransition& transition : chart.transitions) {
+      const auto [from, to] = back ? std::pair(transition.to, transition.from)
+                                   : std::pair(transition.from, transition.to);
       if (!marked[Index(from)] || marked[Index(to)]) continue;
       marked[Index(to)] = grows = true;
     }
@@ -25,8 +26,8 @@ void Spread(const Chart& chart, Marks& marked, bool back) {
 class Checking {
  public:
   explicit Checking(const Chart& chart) : chart_(chart), leads_on_(chart.states.size()) {
-    for (const Way& way : chart_.ways) {
-      if (way.from != way.to) leads_on_[Index(way.from)] = true;
+    for (const ChartTransition& transition : chart_.transitions) {
+      if (transition.from != transition.to) leads_on_[Index(transition.from)] = true;
     }
   }
 
@@ -69,15 +70,15 @@ class Checking {
   }
 
   void EvaluateWays(std::size_t from) {
-    for (std::size_t i = 0; i < chart_.ways.size(); ++i) {
-      const Way& way = chart_.ways[i];
-      if (Index(way.from) != from) continue;
-      const std::string to = chart_.states[Index(way.to)].name;
+    for (std::size_t i = 0; i < chart_.transitions.size(); ++i) {
+      const ChartTransition& transition = chart_.transitions[i];
+      if (Index(transition.from) != from) continue;
+      const std::string to = chart_.states[Index(transition.to)].name;
       if (chart_.states[from].role == Role::kFinal) {
         Fail(from, "is final, but declares a transition to " + to);
       }
-      const auto before = chart_.ways.begin() + static_cast<std::ptrdiff_t>(i);
-      if (std::find(chart_.ways.begin(), before, way) != before) {
+      const auto before = chart_.transitions.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(chart_.transitions.begin(), before, transition) != before) {
         Warn(from, "declares its transition to " + to + " twice");
       }
     }

@@ -90,8 +90,9 @@ class Dot {
     if (Index(chart.start) < chart.states.size()) {
       Arrow(chart, place, place.prefix + "start", {}, chart.start, "");
     }
-    for (const Way& way : chart.ways) {
-      Arrow(chart, place, Anchor(chart, place, way.from), way.from, way.to, way.when);
+    for (const ChartTransition& transition : chart.transitions) {
+      Arrow(chart, place, Anchor(chart, place, transition.from), transition.from, transition.to,
+            transition.when);
     }
   }
 
@@ -153,9 +154,9 @@ class Mermaid {
   void DrawInside(const Chart& chart, const Place& place) {
     for (std::size_t i = 0; i < chart.states.size(); ++i) DrawState(chart.states[i], i, place);
     if (Index(chart.start) < chart.states.size()) Line(place, "[*] --> " + place.IdOf(chart.start));
-    for (const Way& way : chart.ways) {
-      Line(place, place.IdOf(way.from) + " --> " + place.IdOf(way.to) +
-                      (way.when.empty() ? "" : " : " + MermaidText(way.when)));
+    for (const ChartTransition& transition : chart.transitions) {
+      Line(place, place.IdOf(transition.from) + " --> " + place.IdOf(transition.to) +
+                      (transition.when.empty() ? "" : " : " + MermaidText(transition.when)));
     }
     for (std::size_t i = 0; i < chart.states.size(); ++i) {
       if (chart.states[i].role == Role::kFinal) Line(place, place.IdOf(i) + " --> [*]");

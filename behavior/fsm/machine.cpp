@@ -190,7 +190,7 @@ bool Machine::PassesChecks() {
   return true;
 }
 
-// `check` failed, or threw. A machine in its safe state goes on anyway.
+// `check` failed, or threw. A machine in its safe state continues anyway.
 bool Machine::HandleUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown) {
   const auto index = static_cast<std::size_t>(&check - checks_.data());
   const bool news = unsafe_ != index;

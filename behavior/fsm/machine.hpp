@@ -104,13 +104,13 @@ class Machine {
   void RunOnce(Time now);
   // The time until the next tick does not count.
   void Pause();
-  // Leaves the state for good.
+  // Leaves the state permanently.
   Result<> Stop();
 
   // The machine between two ticks, by names. Fails, naming the state, when one cannot persist
   // itself.
   Result<Snapshot> Save() const;
-  // Goes on from the snapshot, as if the last tick had been `now`. No state is entered. This
+  // Continues from the snapshot, as if the last tick had been `now`. No state is entered. This
   // machine has to be built like the saved one, and must not run. Returns all errors of the
   // snapshot; if there are any, nothing has changed.
   [[nodiscard]] std::vector<SnapshotFault> Restore(const Snapshot& saved, Time now);

@@ -42,7 +42,7 @@ std::optional<std::string> NameFault(const std::string& kind, const std::string&
 }  // namespace
 
 // Collects the declarations of one state.
-class Machine::Declaring : public Ways {
+class Machine::Declaring : public Transitions {
  public:
   Declaring(Machine& machine, StateId state) : machine_(machine), state_(state) {}
 
@@ -52,7 +52,7 @@ class Machine::Declaring : public Ways {
       Refuse(Unknown("state", target, machine_.nodes_));
       return kNoState;
     }
-    machine_.chart_.ways.push_back({state_, *found, std::string(when)});
+    machine_.chart_.transitions.push_back({state_, *found, std::string(when)});
     machine_.declared_[Index(state_) * machine_.row_ + Index(*found) / 64] |=
         std::uint64_t{1} << (Index(*found) % 64);
     return *found;
@@ -123,13 +123,13 @@ void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
 void Machine::DeclareStates() {
   row_ = (nodes_.size() + 63) / 64;
   declared_.assign(nodes_.size() * row_, 0);
-  chart_ = {.name = options_.name, .states = {}, .ways = {}, .start = kNoState};
+  chart_ = {.name = options_.name, .states = {}, .transitions = {}, .start = kNoState};
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    Declaring ways(*this, static_cast<StateId>(i));
+    Declaring transitions(*this, static_cast<StateId>(i));
     try {
-      nodes_[i].state->Declare(ways);
+      nodes_[i].state->Declare(transitions);
     } catch (const std::exception& thrown) {
-      ways.Refuse(std::string("Declare: ") + thrown.what());
+      transitions.Refuse(std::string("Declare: ") + thrown.what());
     }
     const Machine* inside = nodes_[i].state->inside();
     chart_.states.push_back({nodes_[i].name, nodes_[i].role, {}});

@@ -16,20 +16,20 @@ Nested::Nested(std::unique_ptr<Machine> inner, std::string start, Options option
 
 Nested::~Nested() = default;
 
-void Nested::Declare(Ways& ways) {
+void Nested::Declare(Transitions& transitions) {
   if (const Result<> built = inner_->Build(start_); !built)
-    return ways.Refuse(built.error().message);
+    return transitions.Refuse(built.error().message);
   if (!options_.finished.empty()) {
-    finished_way_ = ways.To(options_.finished, "finished");
+    finished_transition_ = transitions.To(options_.finished, "finished");
     const auto is_final = [](const Chart::Node& node) { return node.role == Role::kFinal; };
     if (std::ranges::none_of(inner_->chart().states, is_final)) {
-      ways.Refuse("never goes to " + options_.finished + ": " + inner_->name() +
-                  " has no final state");
+      transitions.Refuse("never goes to " + options_.finished + ": " + inner_->name() +
+                         " has no final state");
     }
   }
   for (std::size_t i = 0; i < inner_->event_count(); ++i) {
     const auto event = static_cast<EventId>(i);
-    const std::optional<EventId> outer = ways.Find(inner_->Name(event));
+    const std::optional<EventId> outer = transitions.Find(inner_->Name(event));
     if (!outer) continue;
     inner_events_.resize(std::max(inner_events_.size(), Index(*outer) + 1), kNoEvent);
     inner_events_[Index(*outer)] = event;
@@ -49,8 +49,8 @@ void Nested::Run(const Tick& tick) {
 Next Nested::CheckTransition(const Tick& tick) {
   const Next decided = Decide(tick);
   if (!decided.stays()) return decided;
-  if (finished() && finished_way_ != kNoState) {
-    const Next on = Next::To(finished_way_);
+  if (finished() && finished_transition_ != kNoState) {
+    const Next on = Next::To(finished_transition_);
     return decided.handles() ? on : on.KeepCommand();
   }
   if (decided.handles() || decided.keeps()) return decided;

@@ -46,7 +46,7 @@ class Nested : public State {
  public:
   struct Options {
     std::string finished{};  // the outer state after a final inner one; empty: Decide() decides
-    // When re-entered, the inner machine goes on in the state in which it was left, and re-enters
+    // When re-entered, the inner machine continues in the state in which it was left, and re-enters
     // it. After a final or a safe state it starts from its start state anyway.
     bool resumes = false;
   };
@@ -56,7 +56,7 @@ class Nested : public State {
   Nested(std::unique_ptr<Machine> inner, std::string start, Options options);
   ~Nested() override;
 
-  void Declare(Ways& ways) override;
+  void Declare(Transitions& transitions) override;
   void OnEnter(const Tick& tick) override;
   void Run(const Tick& tick) override;
   Next CheckTransition(const Tick& tick) final;
@@ -78,7 +78,7 @@ class Nested : public State {
   const std::unique_ptr<Machine> inner_;
   const std::string start_;
   const Options options_;
-  StateId finished_way_ = kNoState;
+  StateId finished_transition_ = kNoState;
   std::vector<EventId> inner_events_;  // by the outer event of the same name
   std::optional<StateId> left_in_;
 };

@@ -1,5 +1,5 @@
-// Reads the lines of a recording. They may be incomplete, if the recording process died, or edited
-// by a person.
+// Reads the lines of a recording. They may be incomplete, if the recording process crashed, or
+// edited by a person.
 
 #include <algorithm>
 #include <charconv>

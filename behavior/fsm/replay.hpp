@@ -45,7 +45,7 @@ struct Recording {
   std::string file;  // for messages
   std::string machine;
   std::vector<Line> lines;
-  // Its last line is incomplete and was left out: the recording process died.
+  // Its last line is incomplete and was left out: the recording process crashed.
   bool cut_short = false;
 };
 
@@ -62,7 +62,7 @@ struct Replayed {
 // Replays an input to the application, before the next tick.
 using ApplyInput = std::function<Result<>(std::string_view name, std::string_view text)>;
 
-// `machine` has to be built like the recorded one, and must not run. Goes on after a difference.
+// `machine` has to be built like the recorded one, and must not run. Continues after a difference.
 // Fails, with file and line, where the machine has another name or lacks a recorded state or
 // command, and when `apply` fails. Leaves the machine as it is at the end of the recording.
 Result<Replayed> Replay(const Recording& recording, Machine& machine, const ApplyInput& apply);

@@ -1,6 +1,6 @@
 #pragma once
 // The state of a machine between two ticks, by names: enough for another machine, built alike, to
-// go on identically. A value; toml/snapshot_toml.hpp has it as a text.
+// continue identically. A value; toml/snapshot_toml.hpp has it as a text.
 
 #include <cstdint>
 #include <optional>

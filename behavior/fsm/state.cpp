@@ -5,7 +5,7 @@
 
 namespace musher::fsm {
 
-void State::Declare(Ways& /*ways*/) {}
+void State::Declare(Transitions& /*ways*/) {}
 void State::OnEnter(const Tick& /*tick*/) {}
 void State::Run(const Tick& /*tick*/) {}
 Next State::CheckTransition(const Tick& /*tick*/) {

@@ -5,8 +5,8 @@
 //   class Idle : public fsm::State {
 //    public:
 //     explicit Idle(Robot& robot) : robot_(robot) {}
-//     void Declare(fsm::Ways& ways) override { tracking_ = ways.To("TRACKING", "a face is seen"); }
-//     void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
+//     void Declare(fsm::Transitions& transitions) override { tracking_ = transitions.To("TRACKING",
+//     "a face is seen"); } void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
 //     fsm::Next CheckTransition(const fsm::Tick&) override {
 //       return robot_.sees_face ? fsm::Next::To(tracking_) : fsm::Next::Stay();
 //     }
@@ -18,8 +18,8 @@
 //   OnEnter                              the tick in which the last state was left
 //   CheckTransition: stay, Run           each tick from then on
 //   CheckTransition: to another          decided; in the same tick:
-//     Transition -> not done             a gradual one goes on in the next tick; Run is not called
-//     Transition -> done, OnExit         and the next state's OnEnter
+//     Transition -> not done             a gradual one continues in the next tick; Run is not
+//     called Transition -> done, OnExit         and the next state's OnEnter
 //
 // All of them return at once: they do not sleep, wait, read a clock or lock. The tick has the time.
 // An exception leads to the safe state and is reported with the state and the function.
@@ -93,9 +93,9 @@ class Next {
 };
 
 // For State::Declare: maps names to ids, and stores the transitions and events of a state.
-class Ways {
+class Transitions {
  public:
-  virtual ~Ways() = default;
+  virtual ~Transitions() = default;
 
   // Declares a transition, with its condition as text for the graph. An undeclared one is a fault.
   virtual StateId To(std::string_view state, std::string_view when) = 0;
@@ -115,7 +115,7 @@ class State {
   State& operator=(const State&) = delete;
 
   // Once, when the machine is built: declares its transitions and the events that it handles.
-  virtual void Declare(Ways& ways);
+  virtual void Declare(Transitions& transitions);
 
   virtual void OnEnter(const Tick& tick);
   // Each tick in which the state stays. Not in the tick in which it was entered.
@@ -126,7 +126,7 @@ class State {
   // Also when the machine is forced, made safe or stopped; not when OnEnter failed.
   virtual void OnExit(const Tick& tick);
 
-  // Saves and restores what another process needs to go on from here. See archive.hpp.
+  // Saves and restores what another process needs to continue from here. See archive.hpp.
   virtual void Persist(Archive& archive);
 
   // The machine inside, of a state that holds one. See nested.hpp.

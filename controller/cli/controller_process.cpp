@@ -88,7 +88,7 @@ Result<> ControllerProcess::Begin() {
   if (!domain_id) return domain_id.error();
   transport::DdsOptions options =
       transport::OptionsFor(config_, transport::kControllerIdentity, transport::kControllerNode);
-  options.impatient = true;
+  options.fast_discovery = true;
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();
@@ -103,7 +103,7 @@ Result<> ControllerProcess::Begin() {
   release_watch_ = loop_.WhenReadable(release_.get(), [this] {
     pid_t sender = 0;
     if (NextSignal(release_, &sender) == 0) return;
-    controller_->shell().LetGo("process " + std::to_string(sender) + " of this host");
+    controller_->shell().ReleaseControl("process " + std::to_string(sender) + " of this host");
   });
   if (run_) BeginRun();
   return Ok();
@@ -213,12 +213,12 @@ void ControllerProcess::OnTrouble(const std::string& message) {
 
 void ControllerProcess::OnSignal() {
   const int signal = NextSignal(signals_);
-  if (signal == SIGHUP) return GoOnWithoutTerminal();
+  if (signal == SIGHUP) return ContinueWithoutTerminal();
   if (signal != 0) TakeDown();
 }
 
 // The launcher has lost its terminal. It exits once this process reports that it has detached.
-void ControllerProcess::GoOnWithoutTerminal() {
+void ControllerProcess::ContinueWithoutTerminal() {
   if (launcher_ != 0) {
     DetachLauncher();
     controller_->shell().Remark(

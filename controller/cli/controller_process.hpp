@@ -61,7 +61,7 @@ class ControllerProcess {
   void OnFenced(const std::string& message);
   void OnTrouble(const std::string& message);
   void OnSignal();
-  void GoOnWithoutTerminal();
+  void ContinueWithoutTerminal();
   void TakeDown();
   void DetachLauncher();
   void SendProgress(const std::string& kind, const std::string& message,

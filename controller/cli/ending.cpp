@@ -27,7 +27,7 @@ bool HasEnded(const transport::UniqueFd& process) {
   return poll(&ended, 1, 0) == 1;
 }
 
-// Signals its whole process group if it leads one other than ours.
+// Signals its whole process group if it leads one other than that of this process.
 void Send(const transport::UniqueFd& process, pid_t pid, int signal) {
   if (syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0) != 0) return;
   if (getpgid(pid) == pid && pid != getpgrp()) kill(-pid, signal);
@@ -66,7 +66,7 @@ Result<> Ending::Open() {
       target.here = process && proven;
       if (target.here) target.process = std::move(process).value();
     }
-    if (!actuator.heard) {
+    if (!actuator.has_status) {
       target.outcome.trouble = "its process publishes no status";
       continue;
     }
@@ -113,7 +113,7 @@ void Ending::Check(Target& target, const Actuators& running) {
 
 void Ending::CommandTearDown(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
-  if (target.commanded || found == running.end() || !found->second.heard) return;
+  if (target.commanded || found == running.end() || !found->second.has_status) return;
   if (!target.commands->Ready()) return;
   const msg::ActuatorStatus& status = found->second.status;
   const Time now = node_.loop().Now();

@@ -24,7 +24,7 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 
 Result<> Link::Join() {
   transport::DdsOptions options;
-  options.impatient = true;
+  options.fast_discovery = true;
   options.hidden = true;
   if (!global_.keys.empty()) {
     options.credentials =

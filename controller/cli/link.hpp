@@ -4,7 +4,7 @@
 //   Open() ── Call() ──▶ the reply
 //                 └──▶ a Failure: no controller, no reply in time, interrupted, or a bad network
 //
-// Threads: one; Call() runs the loop until the reply is there. Ctrl-C ends a Call(), not the
+// Threads: one; Call() runs the loop until the reply arrives. Ctrl-C ends a Call(), not the
 // program.
 
 #include <sys/types.h>
@@ -83,7 +83,7 @@ class Link {
   // Runs the loop until Ctrl-C.
   void RunUntilInterrupted();
 
-  // Runs the loop until the answer is there. Fails if no controller is found in time, or if it does
+  // Runs the loop until the answer arrives. Fails if no controller is found in time, or if it does
   // not answer within `timeout`.
   std::optional<Failure> Await(const std::function<bool()>& answered,
                                const std::function<bool()>& found, Duration timeout);
@@ -119,7 +119,7 @@ Link::Answer<S> Link::Call(const std::string& service, const typename S::Request
   const Duration wait = global_.timeout.value_or(timeout);
   std::optional<Result<typename S::Response>> reply;
   // The call's own deadline must not expire first, even if the loop is late: Await() reports more
-  // about who does not answer.
+  // about processes that do not answer.
   client.value()->Call(request, wait + std::chrono::minutes(1),
                        [&reply](auto result) { reply = std::move(result); });
   const auto failure =

@@ -140,7 +140,7 @@ class Upgrade {
   ExitCode PrintFailure(const Error& failure) {
     const bool interrupted = machine_ && machine_->Interrupted();
     const ExitCode exit = interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone;
-    if (!ota::Is(failure, ota::Fault::kGoneBack)) return console_.Fail({exit, failure});
+    if (!ota::Is(failure, ota::Fault::kRolledBack)) return console_.Fail({exit, failure});
     if (console_.mode().json) {
       console_.Print(OtaResultJson(version_, "gone back", failure.message));
     }

@@ -34,7 +34,7 @@ class RootMachine {
   // Signals its controller to take the machine down and to start it from the slot that is due.
   Result<> StartAgain();
   // Waits for the end of the trial boot, and after a rollback for the machine. Error:
-  // Fault::kGoneBack, or that the outcome is unknown.
+  // Fault::kRolledBack, or that the outcome is unknown.
   Result<> AwaitTrialBoot();
 
   // Whether the command was interrupted. To be called repeatedly.

@@ -55,7 +55,7 @@ std::map<std::string, Running::Actuator> Running::Now() const {
   for (const std::string& name : transport::NameLock::HeldBelow(prefix)) {
     if (received_.contains(name)) continue;
     Actuator& silent = running[name];
-    silent.heard = false;
+    silent.has_status = false;
     silent.status.name = name;
     silent.status.pid = transport::NameLock::HolderOf(prefix + name).pid;
     silent.status.host = transport::HostId();
@@ -64,7 +64,7 @@ std::map<std::string, Running::Actuator> Running::Now() const {
     const bool known = received_.contains(child.actuator) || running.contains(child.actuator);
     if (known || !IsRunning(child)) continue;
     Actuator& program = running[child.actuator];
-    program.heard = false;
+    program.has_status = false;
     program.child = child;
     program.status.name = child.actuator;
     program.status.pid = child.pid;

@@ -21,7 +21,7 @@ class Running {
  public:
   struct Actuator {
     msg::ActuatorStatus status;  // only name and pid if no status was received
-    bool heard = true;           // its status was received
+    bool has_status = true;      // its status was received
     Time at{};                   // when the status was received
     transport::PeerId writer = 0;
     std::optional<ChildProcess> child;  // started by a controller; it holds no name

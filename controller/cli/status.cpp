@@ -55,7 +55,7 @@ using Uncontrolled = std::map<std::string, Running::Actuator>;
 // this host may be an actuator that is still starting.
 Uncontrolled NotIn(const msg::MachineStatus& status, Uncontrolled running) {
   std::erase_if(running, [&](const auto& one) {
-    return !one.second.heard ||
+    return !one.second.has_status ||
            std::any_of(status.actuators.begin(), status.actuators.end(),
                        [&](const auto& actuator) { return actuator.name == one.first; });
   });
@@ -67,7 +67,7 @@ Uncontrolled NotIn(const msg::MachineStatus& status, Uncontrolled running) {
 Uncontrolled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
   const auto all_received = [&] {
     const Uncontrolled here = running.Now();  // a name held here is found before its status arrives
-    const auto received = [](const auto& one) { return one.second.heard; };
+    const auto received = [](const auto& one) { return one.second.has_status; };
     if (!std::all_of(here.begin(), here.end(), received)) return false;
     return std::all_of(status.actuators.begin(), status.actuators.end(), [&](const auto& actuator) {
       return actuator.protocol != ProtocolName(Protocol::kMusher) ||

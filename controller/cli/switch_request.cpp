@@ -42,7 +42,7 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
 
 // Reports running actuators of an earlier config, or ones that the TearDown did not reach.
 void ReportLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
-  std::erase_if(running, [](const auto& one) { return !one.second.heard; });
+  std::erase_if(running, [](const auto& one) { return !one.second.has_status; });
   if (running.empty()) return;
   console.PrintError(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
                      " in this namespace; `musher down --without-controller` stops what is left");

@@ -19,9 +19,9 @@ Announcements::Announcements(transport::Endpoints& endpoints, const MachineConfi
     : loop_(endpoints.node().loop()),
       config_(config),
       machine_(machine),
-      publish_state_(endpoints.Tell<msg::StateSwitchStatus>("state_switch_status")),
-      publish_self_check_(endpoints.Tell<msg::SelfCheckStatus>("self_check_status")),
-      publish_ready_(endpoints.Tell<msg::Bool>("ready_notify")) {
+      publish_state_(endpoints.PublishFunction<msg::StateSwitchStatus>("state_switch_status")),
+      publish_self_check_(endpoints.PublishFunction<msg::SelfCheckStatus>("self_check_status")),
+      publish_ready_(endpoints.PublishFunction<msg::Bool>("ready_notify")) {
   self_check_timer_ = loop_.Every(kSelfCheckPeriod, [this] {
     if (Leads()) publish_self_check_(SelfCheckOf(config_, machine_));
   });

@@ -37,16 +37,16 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
       config_(config),
       machine_(machine),
       serial_number_(std::move(serial_number)) {
-  endpoints.HearResolved<msg::BmsStatus>(
+  endpoints.SubscribeResolved<msg::BmsStatus>(
       transport::BatteryTopic(config),
       [this](const msg::BmsStatus& sample) {
         battery_ = sample;
         battery_at_ = loop_.Now();
       },
       transport::kSensorDataQos);
-  endpoints.Hear<msg::NodeError>(
-      "node_errors",
-      [publish = endpoints.Tell<msg::String>("manager_errors")](const msg::NodeError& error) {
+  endpoints.Subscribe<msg::NodeError>(
+      "node_errors", [publish = endpoints.PublishFunction<msg::String>("manager_errors")](
+                         const msg::NodeError& error) {
         publish({Text({{"name", error.name.substr(0, kLongestName)}, {"code", error.code}})});
       });
   endpoints.Serve<msg::BmsInfo>("bms_info",
@@ -59,7 +59,7 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
 
 // The bridge to the app needs the serial number before anything else.
 void Information::ServeIdentity(transport::Endpoints& endpoints) {
-  endpoints.Hear<msg::String>(
+  endpoints.Subscribe<msg::String>(
       "uid_set", [this](const msg::String& uid) { uid_ = uid.data.substr(0, kLongestName); });
   endpoints.Serve<msg::UidSn>("uid_sn", [this](const auto&, const auto& reply) {
     reply({uid_, serial_number_, serial_number_.empty() ? kCodeUnSupport : kCodeOk});
@@ -69,11 +69,11 @@ void Information::ServeIdentity(transport::Endpoints& endpoints) {
     reply({known, known ? serial_number_ : "no serial number found on this computer"});
   });
   if (serial_number_.empty()) return;
-  serial_timer_ =
-      loop_.Every(kSerialPeriod, [this, publish = endpoints.Tell<msg::String>("dog_sn")] {
-        publish({serial_number_});
-        if (++serial_told_ == kSerialTimes) serial_timer_ = nullptr;
-      });
+  serial_timer_ = loop_.Every(kSerialPeriod,
+                              [this, publish = endpoints.PublishFunction<msg::String>("dog_sn")] {
+                                publish({serial_number_});
+                                if (++serials_published_ == kSerialTimes) serial_timer_ = nullptr;
+                              });
 }
 
 msg::BmsInfo::Response Information::Battery() const {

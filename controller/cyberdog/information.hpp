@@ -31,8 +31,8 @@ class Information {
   const MachineConfig& config_;
   const Machine& machine_;
   const std::string serial_number_;
-  std::string uid_;      // of the account that the app has set; kept while this controller runs
-  int serial_told_ = 0;  // times
+  std::string uid_;  // of the account that the app has set; kept while this controller runs
+  int serials_published_ = 0;  // times
   transport::LoopHandlePtr serial_timer_;
   std::optional<msg::BmsStatus> battery_;  // the last sample
   Time battery_at_{};

@@ -1,8 +1,8 @@
 #pragma once
 // The failed parts in an actuator's fault, for actuators that consist of several parts. Pure.
 //
-// CyberDog's modules report the sum of their parts' codes; ours report the worst code and list all
-// in the message. Both are supported.
+// CyberDog's modules report the sum of their parts' codes; Musher's report the worst code and list
+// all in the message. Both are supported.
 
 #include <cstdint>
 #include <span>

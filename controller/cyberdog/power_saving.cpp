@@ -12,7 +12,7 @@ constexpr const char* kService = "low_power_consumption";
 PowerSaving::PowerSaving(transport::Endpoints& endpoints, ControllerShell& shell)
     : shell_(shell),
       loop_(endpoints.node().loop()),
-      client_(endpoints.Ask<msg::SetBool>(kService, [this] {
+      client_(endpoints.OpenClient<msg::SetBool>(kService, [this] {
         on_.reset();  // another power manager, or none: its state is unknown
         given_up_.reset();
         Look();

@@ -31,8 +31,8 @@ Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell,
 }
 
 void Requests::ServeStates(transport::Endpoints& endpoints) {
-  endpoints.Hear<msg::UInt8>("machine_state_switch",
-                             [this](const msg::UInt8& wanted) { OnSwitch(wanted.data); });
+  endpoints.Subscribe<msg::UInt8>("machine_state_switch",
+                                  [this](const msg::UInt8& wanted) { OnSwitch(wanted.data); });
   endpoints.Serve<msg::MachineState>(
       "machine_state_switch_keep",
       [this](const auto& request, const KeepReply& reply) { OnKeep(request, reply); });
@@ -77,7 +77,7 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
     const bool on = shell_.machine().policy.low_power;
     reply({on, on ? "on" : "off"});
   });
-  endpoints.Hear<msg::Bool>("dog_wakeup", [this](const msg::Bool&) { OnWakeWord(); });
+  endpoints.Subscribe<msg::Bool>("dog_wakeup", [this](const msg::Bool&) { OnWakeWord(); });
 }
 
 void Requests::Request(const event::PolicyRequested& requested,
@@ -92,11 +92,11 @@ void Requests::Request(const event::PolicyRequested& requested,
   const PolicyState& policy = shell_.machine().policy;
   const bool refused = policy.keep || policy.level >= BatteryLevel::kLowPower;  // by the policy
   if (shell_.machine().state != kLowPower || !leads_out || refused) {
-    return shell_.AskPolicy(requested, done);
+    return shell_.SendPolicyRequest(requested, done);
   }
   power_saving_.Leave([this, requested, done](const Result<>& left) {
     if (!left) return done(left);
-    shell_.AskPolicy(requested, done);
+    shell_.SendPolicyRequest(requested, done);
   });
 }
 

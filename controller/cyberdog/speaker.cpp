@@ -30,15 +30,15 @@ Result<> Speaker::Open(transport::Endpoints& endpoints) {
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
   first_time_ = clock_->At(Time{}, [this] { Handle(voice_event::TimePassed{}); });
-  player_ = endpoints.Ask<msg::AudioTextPlay>("speech_text_play", [this] { Look(); });
-  motion_ = endpoints.Ask<msg::MotionResultCmd>("motion_result_cmd");
-  endpoints.Hear<msg::TouchStatus>("touch_status", [this](const msg::TouchStatus& touch) {
+  player_ = endpoints.OpenClient<msg::AudioTextPlay>("speech_text_play", [this] { Look(); });
+  motion_ = endpoints.OpenClient<msg::MotionResultCmd>("motion_result_cmd");
+  endpoints.Subscribe<msg::TouchStatus>("touch_status", [this](const msg::TouchStatus& touch) {
     if (touch.touch_state == msg::TouchStatus::kDouble) Handle(voice_event::DoubleTapped{});
   });
-  endpoints.Hear<msg::Bool>("app_connection_state", [this](const msg::Bool& connected) {
+  endpoints.Subscribe<msg::Bool>("app_connection_state", [this](const msg::Bool& connected) {
     if (connected.data) Handle(voice_event::AppConnected{});
   });
-  endpoints.Hear<msg::Bool>("audio_notification_report", [this](const msg::Bool& playing) {
+  endpoints.Subscribe<msg::Bool>("audio_notification_report", [this](const msg::Bool& playing) {
     Handle(voice_event::PlayReported{playing.data});
   });
   if (!endpoints.opened()) return endpoints.opened().error();

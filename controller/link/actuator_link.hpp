@@ -1,10 +1,10 @@
 #pragma once
-// How the controller speaks with one actuator. There is one kind of link for each `protocol` of the
-// config; to the decision code all of them look the same: commands go in, events come out. A
-// protocol that cannot tell something (a state, a clock, what became of a command) has a link that
-// says what it knows as an ActuatorReport of its own making.
+// How the controller communicates with one actuator. There is one kind of link for each `protocol`
+// of the config; to the decision code all of them look the same: commands go in, events come out.
+// Where a protocol does not report something (a state, a clock, the outcome of a command), the link
+// makes an ActuatorReport from what it knows.
 //
-// Threads: loop thread only. `emit` may be called at any time but from inside Switch() and Ask().
+// Threads: loop thread only. `emit` may be called at any time except inside Switch() and Query().
 
 #include <cstdint>
 #include <functional>
@@ -17,8 +17,8 @@
 
 namespace musher {
 
-// Of a call to an actuator. Long past every deadline of the decision code, which does its own
-// waiting: ends a forgotten call.
+// Of a call to an actuator. Far longer than every deadline of the decision code, which applies its
+// own timeouts: ends a forgotten call.
 inline constexpr Duration kCallTimeout = std::chrono::hours(2);
 
 class ActuatorLink {
@@ -27,11 +27,11 @@ class ActuatorLink {
 
   virtual ~ActuatorLink() = default;
 
-  // Sends the command. Its answer becomes event::Replied; there may be none, the decision code has
+  // Sends the command. Its reply becomes event::Replied; there may be none, the decision code has
   // its own deadline.
   virtual void Switch(const SwitchCommand& command) = 0;
-  // Asks how a command stands, and fences it where the protocol can.
-  virtual void Ask(const AskCommand& command) = 0;
+  // Queries the outcome of a command, and fences it where the protocol can.
+  virtual void Query(const QueryCommand& command) = 0;
   // The participant that the actuator's status comes from now.
   virtual void OnPeer(transport::PeerId /*participant*/) {}
   // The controller has started this process for the actuator.
@@ -42,8 +42,7 @@ class ActuatorLink {
   virtual void OnProcessEnded(std::int32_t /*pid*/) {}
 };
 
-// The link that `config.actuators[actuator].protocol` asks for. `node` and `config` must outlive
-// it.
+// The link for `config.actuators[actuator].protocol`. `node` and `config` must outlive it.
 Result<std::unique_ptr<ActuatorLink>> MakeLink(transport::Node& node, const MachineConfig& config,
                                                std::size_t actuator, ActuatorLink::Emit emit);
 

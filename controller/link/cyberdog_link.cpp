@@ -8,11 +8,11 @@
 namespace musher {
 namespace {
 
-// CyberDog's own figures: a beat every 500 ms, lost after 5 without.
+// CyberDog's own figures: a heartbeat every 500 ms, lost after 5 missing ones.
 constexpr Duration kSilence = 5 * Milliseconds(500);
-// What a module says to a state it does not have: the key alone, without its module's code.
+// The reply of a module to a state it does not have: the key alone, without its module's code.
 constexpr auto kNoSuchState = static_cast<std::int32_t>(KeyCode::kUnSupport);
-// Matches writers of either reliability. One history for all who beat, so it must not be short.
+// Matches writers of either reliability. All modules share one history, so it must not be short.
 constexpr transport::Qos kHeartbeatsQos{transport::Qos::Reliability::kBestEffort,
                                         transport::Qos::Durability::kVolatile, 0};
 
@@ -30,38 +30,38 @@ Result<std::unique_ptr<ActuatorLink>> CyberdogLink::Make(transport::Node& node,
       });
   if (!client) return client.error();
   link->client_ = std::move(client).value();
-  auto beats = transport::MakeSubscription<msg::Heartbeats>(
+  auto subscription = transport::MakeSubscription<msg::Heartbeats>(
       node, transport::ResolveName(config.name_space, "manager_heartbeats"),
       [self, name = own.heartbeat_name](const msg::Heartbeats& heartbeat,
                                         const transport::SampleInfo&) {
         if (heartbeat.name == name) self->OnHeartbeat();
       },
       kHeartbeatsQos);
-  if (!beats) return beats.error();
-  link->heartbeats_ = std::move(beats).value();
+  if (!subscription) return subscription.error();
+  link->heartbeats_ = std::move(subscription).value();
   return std::unique_ptr<ActuatorLink>(std::move(link));
 }
 
 void CyberdogLink::OnAppeared() {
   report().state = State(kSetUp);
-  TellStatus();
+  ReportStatus();
 }
 
-void CyberdogLink::OnGone() {
+void CyberdogLink::OnLost() {
   ++call_;
   silent_ = false;
   watch_ = nullptr;
 }
 
 void CyberdogLink::Drive() {
-  client_->Call({order()->target}, kCallTimeout,
+  client_->Call({pending()->target}, kCallTimeout,
                 [this, call = ++call_](const Result<msg::FsMachine::Response>& reply) {
                   if (call == call_) OnReply(reply);
                 });
 }
 
-void CyberdogLink::Inquire(const AskCommand& ask) {
-  AnswerAsk(ask.number);
+void CyberdogLink::Inquire(const QueryCommand& query) {
+  AnswerQuery(query.number);
 }
 
 void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
@@ -76,15 +76,15 @@ void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
   } else {
     End(Verdict::kFailed, reply.value().code);
   }
-  if (was_lost) TellStatus();
+  if (was_lost) ReportStatus();
 }
 
 void CyberdogLink::OnHeartbeat() {
-  if (!there()) return;
+  if (!available()) return;
   const bool was_lost = silent_;
   SignOfLife();
   if (!watch_) Watch(last_sign_ + kSilence);
-  if (was_lost) TellStatus();
+  if (was_lost) ReportStatus();
 }
 
 void CyberdogLink::SignOfLife() {
@@ -96,14 +96,14 @@ void CyberdogLink::Watch(Time until) {
   watch_ = node().loop().At(until, [this] { OnSilence(); });
 }
 
-// By the clock, not by counting: beats only note the time, so that the watch looks again once.
+// By the clock, not by counting: a heartbeat only stores the time, and the watch checks it once.
 void CyberdogLink::OnSilence() {
   Time until = last_sign_ + kSilence;
-  if (order()) until = std::max(until, order()->deadline);
+  if (pending()) until = std::max(until, pending()->deadline);
   if (Now() < until) return Watch(until);
   watch_ = nullptr;
   silent_ = true;
-  TellVanished("its heartbeats have ceased");
+  ReportVanished("its heartbeats have stopped");
 }
 
 }  // namespace musher

@@ -1,15 +1,18 @@
 #pragma once
 // The link to a module of CyberDog's machine library: service `<name>machine_service` and, where
-// the module has them, its beats on `manager_heartbeats`.
+// the module has them, its heartbeats on `manager_heartbeats`.
 //
-// What that protocol can and cannot tell:
-//   - The service is created after SetUp, so a module that is seen is set up.
-//   - Its answer says how the command ended. `current_state` beside it is 0 whatever the state is,
-//     and not looked at.
-//   - It cannot be asked. While an answer is owed the report is busy with that command, and nothing
-//     more is sent: a module that is overdue is unknown until it answers or starts again.
-//   - A module that beats and then does not for 5 periods is lost, until it beats or answers again.
-//     While a command runs within its time it need not beat: callbacks may block its only thread.
+// What that protocol reports:
+//   - The module creates the service after SetUp: once the service is matched, the module is set
+//     up.
+//   - The reply has the outcome of the command. Its `current_state` is 0 in every state, and
+//     ignored.
+//   - There is no query. While a reply is outstanding the report is busy with that command, and the
+//     link sends nothing more: the state of an overdue module is unknown until it replies or is
+//     restarted.
+//   - A module whose heartbeats stop for 5 periods is lost, until a heartbeat or a reply arrives.
+//     While a command runs within its time limit, heartbeats may stop: a callback may block the
+//     module's only thread.
 //
 // Threads: loop thread only.
 
@@ -32,9 +35,9 @@ class CyberdogLink : public ForeignLink {
   using ForeignLink::ForeignLink;
 
   void OnAppeared() override;
-  void OnGone() override;
+  void OnLost() override;
   void Drive() override;
-  void Inquire(const AskCommand& ask) override;
+  void Inquire(const QueryCommand& query) override;
 
   void OnReply(const Result<msg::FsMachine::Response>& reply);
   void OnHeartbeat();
@@ -42,10 +45,10 @@ class CyberdogLink : public ForeignLink {
   void Watch(Time until);
   void OnSilence();
 
-  std::uint64_t call_ = 0;  // the one whose answer counts
+  std::uint64_t call_ = 0;  // the one whose reply counts
   Time last_sign_{};
-  bool silent_ = false;             // lost, because its beats have ceased
-  transport::LoopHandlePtr watch_;  // none: it has not beaten yet, or is lost
+  bool silent_ = false;             // lost, because its heartbeats have stopped
+  transport::LoopHandlePtr watch_;  // none: no heartbeat yet, or lost
   std::unique_ptr<transport::Client<msg::FsMachine>> client_;
   std::unique_ptr<transport::Subscription> heartbeats_;  // last: its callback uses all of the above
 };

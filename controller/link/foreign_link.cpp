@@ -22,7 +22,7 @@ void ForeignLink::Switch(const SwitchCommand& command) {
   Post([this, command] { Take(command); });
 }
 
-void ForeignLink::Ask(const AskCommand& command) {
+void ForeignLink::Query(const QueryCommand& command) {
   Post([this, command] { Take(command); });
 }
 
@@ -41,7 +41,7 @@ void ForeignLink::OnProcess(std::int32_t pid) {
 void ForeignLink::OnProcessFound(std::int32_t pid) {
   process_ = pid;
   found_ = true;
-  if (there()) report_.pid = pid;
+  if (available()) report_.pid = pid;
 }
 
 // The exit of a process on this host is reported before its server is lost: the server stays
@@ -49,7 +49,7 @@ void ForeignLink::OnProcessFound(std::int32_t pid) {
 void ForeignLink::OnProcessEnded(std::int32_t pid) {
   if (pid != process_) return;
   process_ = 0;
-  if (!there()) return;
+  if (!available()) return;
   ended_.insert(server_);
   Forget();
 }
@@ -60,16 +60,16 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
                                      [&](transport::PeerId s) { return !Contains(before, s); });
   if (newcomer != servers_.end()) return Appear(*newcomer);
   std::erase_if(ended_, [&](transport::PeerId s) { return !Contains(servers_, s); });
-  if (!there() || Contains(servers_, server_)) return;
+  if (!available() || Contains(servers_, server_)) return;
   const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
                                   [&](transport::PeerId s) { return !ended_.contains(s); });
   if (other != servers_.rend()) return Appear(*other);
-  TellVanished("it serves no more");
+  ReportVanished("it offers no service any more");
   Forget();
 }
 
 void ForeignLink::Appear(transport::PeerId server) {
-  if (there()) Forget();
+  if (available()) Forget();
   server_ = server;
   const auto now = static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count());
   const std::uint64_t incarnation = std::max(report_.incarnation + 1, now);
@@ -82,50 +82,50 @@ void ForeignLink::Appear(transport::PeerId server) {
 
 void ForeignLink::Forget() {
   server_ = 0;
-  order_.reset();
+  pending_.reset();
   waiting_.reset();
-  OnGone();
+  OnLost();
 }
 
 void ForeignLink::Take(const SwitchCommand& command) {
-  if (!there() || command.incarnation != report_.incarnation) return;  // it was lost meanwhile
+  if (!available() || command.incarnation != report_.incarnation) return;  // it was lost meanwhile
   report_.epoch = std::max(report_.epoch, command.epoch);
   report_.number = std::max(report_.number, command.number);
   if (!actuator().Lists(command.target) || command.target == kSetUp) {
     return Refuse(command.number, kCodeUnSupport,
                   actuator().name + " has no state '" + command.target + "' to be switched to");
   }
-  if (!order_) return Begin(command);
+  if (!pending_) return Begin(command);
   if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
     Refuse(older->command.number, kCodeTargetBusy,
            "replaced by command " + std::to_string(command.number));
   }
 }
 
-void ForeignLink::Take(const AskCommand& command) {
-  if (!there()) return;
+void ForeignLink::Take(const QueryCommand& command) {
+  if (!available()) return;
   report_.epoch = std::max(report_.epoch, command.epoch);
   report_.number = std::max(report_.number, command.number);
   if (waiting_ && waiting_->command.number <= command.number) {
     const auto fenced = *std::exchange(waiting_, std::nullopt);
     Refuse(fenced.command.number, kCodeTimeout, "not started by its deadline; cancelled");
   }
-  if (order_ && command.stop) {
-    order_->stopped = true;
-    if (order_->number == command.number) order_->asked = true;
+  if (pending_ && command.stop) {
+    pending_->stopped = true;
+    if (pending_->number == command.number) pending_->queried = true;
   }
   Inquire(command);
 }
 
 void ForeignLink::Begin(const SwitchCommand& command) {
-  order_ = Order{command.number, command.target, Now() + command.budget, false, false};
+  pending_ = PendingCommand{command.number, command.target, Now() + command.budget, false, false};
   report_.target = command.target;
   report_.busy_number = command.number;
   Drive();
 }
 
 void ForeignLink::BeginSetUp(Duration budget) {
-  order_ = Order{0, State(kSetUp), Now() + budget, false, false};
+  pending_ = PendingCommand{0, State(kSetUp), Now() + budget, false, false};
   report_.target = State(kSetUp);
   report_.busy_number = 0;
   Drive();
@@ -140,16 +140,16 @@ void ForeignLink::BeginWaiting() {
   Begin(next->command);
 }
 
-void ForeignLink::DropOrder() {
-  order_.reset();
+void ForeignLink::DropPending() {
+  pending_.reset();
   report_.target.clear();
   report_.busy_number = 0;
-  TellStatus();
+  ReportStatus();
   BeginWaiting();
 }
 
 void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& message) {
-  const Order ended = *std::exchange(order_, std::nullopt);
+  const PendingCommand ended = *std::exchange(pending_, std::nullopt);
   report_.target.clear();
   report_.busy_number = 0;
   if (verdict != Verdict::kRefused) {
@@ -159,33 +159,33 @@ void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& mes
   }
   if (verdict == Verdict::kDone) Arrive(ended.target);
   if (ended.number != 0) Reply(ended.number, false, verdict, code, message);
-  // Nobody waits for the reply of an order that took too long; that it is free again counts.
-  if (ended.number == 0 || ended.asked) TellStatus();
+  // The coordinator does not wait for the reply of an overdue command; it needs the free status.
+  if (ended.number == 0 || ended.queried) ReportStatus();
   BeginWaiting();
 }
 
-// As an actuator of Musher's own counts it: in the run phase a check changes nothing, on the way up
-// it is a step.
+// As in an actuator of Musher's own: in the run phase a SelfCheck changes no state, during the
+// start it is a step.
 void ForeignLink::Arrive(const State& target) {
   const State& at = report_.state;
   if (target == kSelfCheck && at != kSetUp && at != kSelfCheck && at != kError) return;
   report_.state = target;
 }
 
-void ForeignLink::Reply(std::uint64_t number, bool ask, Verdict verdict, std::int32_t code,
+void ForeignLink::Reply(std::uint64_t number, bool query, Verdict verdict, std::int32_t code,
                         const std::string& message) {
-  emit_(event::Replied{actuator_, number, ask, verdict, code, message, Stamped()});
+  emit_(event::Replied{actuator_, number, query, verdict, code, message, Stamped()});
 }
 
-void ForeignLink::TellStatus() {
+void ForeignLink::ReportStatus() {
   emit_(event::StatusSeen{actuator_, Stamped()});
 }
 
-void ForeignLink::TellVanished(const std::string& how) {
+void ForeignLink::ReportVanished(const std::string& how) {
   emit_(event::Vanished{actuator_, report_.incarnation, false, how});
 }
 
-// Stamps only grow: of two reports of the same moment the later one counts.
+// Stamps are strictly increasing: of two reports at the same time the later one counts.
 ActuatorReport ForeignLink::Stamped() {
   report_.stamp = std::max(Now(), report_.stamp + Duration(1));
   return report_;

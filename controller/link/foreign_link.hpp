@@ -1,15 +1,15 @@
 #pragma once
-// What the links to programs without Musher's contract have in common. Such a program knows nothing
-// of epochs, numbers and questions; the link keeps, in its place, the report that an actuator of
-// Musher's own would give, and lets one command at a time through to it.
+// What the links to programs without Musher's contract have in common. Such a program has no
+// epochs, command numbers and queries; the link keeps, in its place, the report that an actuator of
+// Musher's own would publish, and passes one command at a time to it.
 //
 //            its server is matched         command            ended
-//   (gone) ────────────────────────▶ free ─────────▶ busy ────────────▶ free
+//   (lost) ────────────────────────▶ free ─────────▶ busy ────────────▶ free
 //      ▲                               │               │  a newer command waits: one place,
 //      └────── no server any more ─────┴───────────────┘  the newest keeps it
 //
-// Each process behind the name is an incarnation of its own, told apart by its DDS participant: one
-// that is started again is matched before the lease of the dead one is over.
+// Each process with the name is an incarnation of its own, identified by its DDS participant: a
+// restarted process is matched before the lease of the previous one expires.
 //
 // Threads: loop thread only.
 
@@ -28,50 +28,51 @@ namespace musher {
 class ForeignLink : public ActuatorLink {
  public:
   void Switch(const SwitchCommand& command) final;
-  void Ask(const AskCommand& command) final;
+  void Query(const QueryCommand& command) final;
   void OnProcess(std::int32_t pid) final;
   void OnProcessFound(std::int32_t pid) final;
   void OnProcessEnded(std::int32_t pid) final;
 
  protected:
   // The command that is under way.
-  struct Order {
-    std::uint64_t number = 0;  // 0: SetUp, which nobody commands
+  struct PendingCommand {
+    std::uint64_t number = 0;  // 0: SetUp, which is not commanded
     State target;
     Time deadline{};
-    bool asked = false;    // its time is over, somebody wants to know
-    bool stopped = false;  // shall end as soon as it can
+    bool queried = false;  // its deadline has passed and the coordinator has queried it
+    bool stopped = false;  // is to end as soon as possible
   };
 
   // `node` and `config` must outlive the link.
   ForeignLink(transport::Node& node, const MachineConfig& config, std::size_t actuator, Emit emit);
 
-  // What a protocol does. A new process is there, its report is empty; what it was told before is
-  // void.
+  // Implemented by each protocol. A new process is matched, its report is empty; earlier commands
+  // are void.
   virtual void OnAppeared() = 0;
-  // The process is gone, an order with it.
-  virtual void OnGone() = 0;
-  // Gets order() done; to end with End().
+  // The process is lost, and with it the command under way.
+  virtual void OnLost() = 0;
+  // Executes pending(); to end with End().
   virtual void Drive() = 0;
-  // Finds out how things stand; to end with AnswerAsk(), or with silence.
-  virtual void Inquire(const AskCommand& ask) = 0;
+  // Queries the state of the process; to end with AnswerQuery(), or without an answer.
+  virtual void Inquire(const QueryCommand& query) = 0;
 
-  // For a protocol to call. The participants that serve now, whenever that may have changed.
+  // Called by each protocol: the participants that offer the service now, whenever that may have
+  // changed.
   void OnServers(std::vector<transport::PeerId> servers);
   void BeginSetUp(Duration budget);
-  // The order has ended. Begins the command that waits.
+  // The command has ended. Begins the waiting command.
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
-  // The order had not begun and nobody waits for it any more.
-  void DropOrder();
-  void AnswerAsk(std::uint64_t number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
-  void TellStatus();
-  void TellVanished(const std::string& how);
+  // The command had not begun, and the coordinator does not wait for it any more.
+  void DropPending();
+  void AnswerQuery(std::uint64_t number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
+  void ReportStatus();
+  void ReportVanished(const std::string& how);
 
-  bool there() const { return server_ != 0; }
+  bool available() const { return server_ != 0; }
   bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
   transport::PeerId server() const { return server_; }
-  std::optional<Order>& order() { return order_; }
-  const std::optional<Order>& order() const { return order_; }
+  std::optional<PendingCommand>& pending() { return pending_; }
+  const std::optional<PendingCommand>& pending() const { return pending_; }
   bool has_waiting() const { return waiting_.has_value(); }
   ActuatorReport& report() { return report_; }
   const ActuatorReport& report() const { return report_; }
@@ -88,13 +89,13 @@ class ForeignLink : public ActuatorLink {
 
   void Post(std::function<void()> work);
   void Take(const SwitchCommand& command);
-  void Take(const AskCommand& command);
+  void Take(const QueryCommand& command);
   void Begin(const SwitchCommand& command);
   void BeginWaiting();
   void Appear(transport::PeerId server);
   void Forget();
   void Arrive(const State& target);
-  void Reply(std::uint64_t number, bool ask, Verdict verdict, std::int32_t code,
+  void Reply(std::uint64_t number, bool query, Verdict verdict, std::int32_t code,
              const std::string& message);
   void Refuse(std::uint64_t number, std::int32_t code, const std::string& message) {
     Reply(number, false, Verdict::kRefused, code, message);
@@ -108,10 +109,10 @@ class ForeignLink : public ActuatorLink {
   ActuatorReport report_;
   std::int32_t process_ = 0;
   bool found_ = false;                      // it ran when this controller started
-  transport::PeerId server_ = 0;            // the process that counts; 0: none
-  std::vector<transport::PeerId> servers_;  // all that serve
+  transport::PeerId server_ = 0;            // the current process; 0: none
+  std::vector<transport::PeerId> servers_;  // all that offer the service
   std::set<transport::PeerId> ended_;       // the servers whose process has exited
-  std::optional<Order> order_;
+  std::optional<PendingCommand> pending_;
   std::optional<Waiting> waiting_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for work that is posted
 };

@@ -34,7 +34,7 @@ void MusherLink::Switch(const SwitchCommand& command) {
   SendOrHold(request);
 }
 
-void MusherLink::Ask(const AskCommand& command) {
+void MusherLink::Query(const QueryCommand& command) {
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindAsk;
   request.epoch = command.epoch;
@@ -46,12 +46,12 @@ void MusherLink::Ask(const AskCommand& command) {
 void MusherLink::OnPeer(transport::PeerId participant) {
   if (participant == peer_) return;
   peer_ = participant;
-  held_.clear();  // it was meant for the one before
+  held_.clear();  // they were for the previous process
 }
 
 void MusherLink::SendOrHold(const msg::ActuatorCommand::Request& request) {
   if (PeerIsMatched()) return Call(request);
-  // The newest of a kind says all that the older ones did.
+  // The newest request of a kind supersedes the older ones.
   std::erase_if(held_, [&](const auto& held) { return held.kind == request.kind; });
   held_.push_back(request);
 }
@@ -68,14 +68,14 @@ void MusherLink::SendHeld() {
 }
 
 void MusherLink::Call(const msg::ActuatorCommand::Request& request) {
-  const bool ask = request.kind == msg::ActuatorCommand::kKindAsk;
+  const bool query = request.kind == msg::ActuatorCommand::kKindAsk;
   client_->Call(
       request, kCallTimeout,
-      [this, number = request.number, ask](const Result<msg::ActuatorCommand::Response>& reply) {
-        // Without a reply the decision code goes by its own deadline.
+      [this, number = request.number, query](const Result<msg::ActuatorCommand::Response>& reply) {
+        // Without a reply the decision code applies its own deadline.
         if (!reply || reply.value().status.name != name_) return;
         const msg::ActuatorCommand::Response& response = reply.value();
-        emit_(event::Replied{actuator_, number, ask, transport::VerdictFrom(response.verdict),
+        emit_(event::Replied{actuator_, number, query, transport::VerdictFrom(response.verdict),
                              response.code, response.message,
                              transport::FromMessage(response.status)});
       });

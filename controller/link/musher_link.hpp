@@ -2,8 +2,8 @@
 // The link to an actuator of Musher's own protocol: the command service. Its latched status comes
 // over a topic that all actuators share, which the shell listens to.
 //
-// A process that was killed stays matched until its lease is over, and what is sent to it alone
-// reaches nobody. So a command waits until the process that the status comes from is matched.
+// A killed process stays matched until its lease expires, and what is sent to it alone is lost. So
+// a command waits until the process that publishes the status is matched.
 //
 // Threads: loop thread only.
 
@@ -24,7 +24,7 @@ class MusherLink : public ActuatorLink {
                                                     std::size_t actuator, Emit emit);
 
   void Switch(const SwitchCommand& command) override;
-  void Ask(const AskCommand& command) override;
+  void Query(const QueryCommand& command) override;
   void OnPeer(transport::PeerId participant) override;
 
  private:

@@ -8,16 +8,15 @@
 namespace musher {
 namespace {
 
-// How often a node is looked at until it says how it is, and when such an answer is of no use any
-// more.
+// The period of get_state until the node replies, and the timeout of each call.
 constexpr Duration kLookPeriod = Milliseconds(500);
 constexpr Duration kLookTimeout = std::chrono::seconds(10);
-// The event of a transition's end comes before the reply; so long the reply may take to follow.
+// A node publishes the event of a transition's end before the reply; the time the reply may take.
 constexpr Duration kReplyGrace = Milliseconds(50);
-// A node that says for so long that it is unconfigured has not got the request to configure.
-constexpr Duration kSetUpPatience = std::chrono::seconds(2);
-// Less than the coordinator waits for the answer to a question.
-constexpr Duration kAskPatience = Milliseconds(200);
+// A node that is unconfigured for so long has not received the request to configure.
+constexpr Duration kSetUpTimeout = std::chrono::seconds(2);
+// Less than the coordinator's timeout of a query.
+constexpr Duration kStateQueryTimeout = Milliseconds(200);
 
 std::string Is(Ros2State state) {
   return "the node is " + std::string(Ros2StateName(state));
@@ -53,7 +52,7 @@ Result<> Ros2Link::Open() {
   return Ok();
 }
 
-// There is a node where both services are.
+// A node is available when both services are matched.
 void Ros2Link::OnMatchChanged() {
   if (!change_ || !get_) return;
   std::vector<transport::PeerId> servers = change_->Servers();
@@ -66,63 +65,64 @@ void Ros2Link::OnMatchChanged() {
 
 void Ros2Link::OnAppeared() {
   report().target = State(kSetUp);
-  TellStatus();
+  ReportStatus();
   Look();
 }
 
-void Ros2Link::OnGone() {
+void Ros2Link::OnLost() {
   ++era_;
   known_ = Ros2State::kUnknown;
   set_up_ = step_over_ = stray_ = strayed_ = mute_ = false;
   step_.reset();
-  asks_.clear();
+  queries_.clear();
   look_ = nullptr;
 }
 
 void Ros2Link::Drive() {
   steps_done_ = 0;
-  // What nobody has to move for is not believed without looking.
-  if (order()->target == kSelfCheck || known_ == GoalOf(order()->target)) return Look();
+  // A command that needs no transition is not done before get_state confirms the state.
+  if (pending()->target == kSelfCheck || known_ == GoalOf(pending()->target)) return Look();
   Proceed();
 }
 
 // For a node in a callback the answer is given long before the health monitor misses it.
-void Ros2Link::Inquire(const AskCommand& ask) {
+void Ros2Link::Inquire(const QueryCommand& query) {
   const Duration in_callback =
-      std::min(kAskPatience, actuator().checkpoint.value_or(kAskPatience) / 4);
-  asks_.push_back({ask.number, Now() + kAskPatience, AskTimer(ask.number, Now() + in_callback)});
+      std::min(kStateQueryTimeout, actuator().checkpoint.value_or(kStateQueryTimeout) / 4);
+  queries_.push_back(
+      {query.number, Now() + kStateQueryTimeout, QueryTimer(query.number, Now() + in_callback)});
   Look();
 }
 
-transport::LoopHandlePtr Ros2Link::AskTimer(std::uint64_t number, Time when) {
-  return node().loop().At(when, [this, number] { OnAskUnanswered(number); });
+transport::LoopHandlePtr Ros2Link::QueryTimer(std::uint64_t number, Time when) {
+  return node().loop().At(when, [this, number] { OnQueryUnanswered(number); });
 }
 
-void Ros2Link::OnAskUnanswered(std::uint64_t number) {
-  const auto ask = std::find_if(asks_.begin(), asks_.end(), [number](const PendingAsk& pending) {
-    return pending.number == number;
-  });
-  if (ask == asks_.end()) return;
-  if (!MayBeInCallback() && Now() < ask->until) {
-    ask->patience = AskTimer(number, ask->until);
+void Ros2Link::OnQueryUnanswered(std::uint64_t number) {
+  const auto query =
+      std::find_if(queries_.begin(), queries_.end(),
+                   [number](const PendingQuery& pending) { return pending.number == number; });
+  if (query == queries_.end()) return;
+  if (!MayBeInCallback() && Now() < query->until) {
+    query->timeout = QueryTimer(number, query->until);
     return;
   }
-  asks_.erase(ask);
-  if (MayBeInCallback()) return AnswerAsk(number);
+  queries_.erase(query);
+  if (MayBeInCallback()) return AnswerQuery(number);
   mute_ = true;
 }
 
-// In a callback its only thread answers no query. After the deadline of the command it must answer
-// within its checkpoint, if it has one.
+// During a callback the node's only thread replies to no query. After the deadline of the command
+// it must answer within its checkpoint, if it has one.
 bool Ros2Link::MayBeInCallback() const {
   if (!step_) return false;
   const auto checkpoint = actuator().checkpoint;
-  const bool set_up = order() && order()->number == 0;  // the coordinator limits its time
-  return !checkpoint || !order() || set_up || Now() < order()->deadline + *checkpoint;
+  const bool set_up = pending() && pending()->number == 0;  // the coordinator limits its time
+  return !checkpoint || !pending() || set_up || Now() < pending()->deadline + *checkpoint;
 }
 
-void Ros2Link::AnswerAsks() {
-  for (const PendingAsk& ask : std::exchange(asks_, {})) AnswerAsk(ask.number);
+void Ros2Link::AnswerQueries() {
+  for (const PendingQuery& query : std::exchange(queries_, {})) AnswerQuery(query.number);
 }
 
 void Ros2Link::LookAt(Time when) {
@@ -141,29 +141,29 @@ void Ros2Link::OnLooked(Ros2State state) {
   look_ = nullptr;
   if (!IsPrimary(state)) {
     LookAt(Now() + kLookPeriod);
-    if (revived) TellStatus();
-    return AnswerAsks();
+    if (revived) ReportStatus();
+    return AnswerQueries();
   }
   const Ros2State before = std::exchange(known_, state);
-  if (order()) {
+  if (pending()) {
     OnLookedWhileDriving();
-    if (revived) TellStatus();
+    if (revived) ReportStatus();
   } else if (before == Ros2State::kUnknown) {
     OnFirstLook();
   } else {
     OnLookedWhileFree(before, revived);
   }
-  AnswerAsks();
+  AnswerQueries();
 }
 
 void Ros2Link::OnFirstLook() {
   const bool may_be_adopted = !ours() && known_ != Ros2State::kUnconfigured;
   const auto adopted = may_be_adopted ? AdoptedState(known_) : std::nullopt;
-  if (!adopted) return BeginSetUp(kSetUpPatience);
+  if (!adopted) return BeginSetUp(kSetUpTimeout);
   set_up_ = true;
   report().target.clear();
   report().state = *adopted;
-  TellStatus();
+  ReportStatus();
 }
 
 void Ros2Link::OnLookedWhileDriving() {
@@ -179,10 +179,10 @@ void Ros2Link::OnLookedWhileDriving() {
     return Finish(Verdict::kFailed, kCodeFailed,
                   std::string(step.name) + " failed; " + Is(known_) + " now");
   }
-  // It may not have begun yet. Nobody asks about an order that was superseded.
-  const bool over = order()->asked || order()->stopped || Now() >= order()->deadline;
+  // It may not have begun yet. The coordinator does not query a superseded command.
+  const bool over = pending()->queried || pending()->stopped || Now() >= pending()->deadline;
   if (!over) return LookAt(Now() + kLookPeriod);
-  if (order()->number == 0) return BeginSetUp(kSetUpPatience);
+  if (pending()->number == 0) return BeginSetUp(kSetUpTimeout);
   stray_ = true;
   if (steps_done_ > 0) {
     return Finish(Verdict::kFailed, kCodeTimeout,
@@ -191,13 +191,13 @@ void Ros2Link::OnLookedWhileDriving() {
   step_.reset();
   ++era_;
   look_ = nullptr;
-  DropOrder();
+  DropPending();
 }
 
 void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
   const bool strayed = stray_ && (known_ != before || strayed_);
   if (known_ == before && !strayed && !revived) return;
-  if (!set_up_ && known_ == Ros2State::kInactive) {  // somebody else has configured it
+  if (!set_up_ && known_ == Ros2State::kInactive) {  // another client has configured it
     set_up_ = true;
     report().state = State(kSetUp);
   } else {
@@ -205,26 +205,27 @@ void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
   }
   if (revived && report().state == machine().default_state) {
     set_up_ = false;
-    return BeginSetUp(kSetUpPatience);
+    return BeginSetUp(kSetUpTimeout);
   }
   if (strayed) {
     stray_ = strayed_ = false;
     report().target = report().state;
-    TellStatus();
+    ReportStatus();
     report().target.clear();
   }
-  TellStatus();
+  ReportStatus();
 }
 
 void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::SampleInfo& info) {
   const auto from = static_cast<Ros2State>(event.start_state.id);
   const auto to = static_cast<Ros2State>(event.goal_state.id);
-  if (!there() || info.participant != server() || !IsPrimary(to)) return;
+  if (!available() || info.participant != server() || !IsPrimary(to)) return;
   if (step_) {
-    if (from != step_->by && from != Ros2State::kErrorProcessing) return;  // of an earlier step
+    if (from != step_->by && from != Ros2State::kErrorProcessing)
+      return;  // event of an earlier step
     step_over_ = true;
     LookAt(Now() + kReplyGrace);
-  } else if (!order() && known_ != Ros2State::kUnknown && to != known_) {
+  } else if (!pending() && known_ != Ros2State::kUnknown && to != known_) {
     Look();
   }
 }
@@ -232,7 +233,7 @@ void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::Sampl
 void Ros2Link::Proceed() {
   const Ros2State goal = GoalNow();
   if (known_ == goal) return Finish(Verdict::kDone);
-  if (order()->stopped || has_waiting()) {
+  if (pending()->stopped || has_waiting()) {
     return Finish(Verdict::kFailed, kCodeTimeout, "stopped on its way; " + Is(known_));
   }
   const auto step = NextTransition(known_, goal);
@@ -243,9 +244,10 @@ void Ros2Link::Proceed() {
   Transit(*step);
 }
 
-// Of the order. A check leaves the node where it is, unless it has fallen out of its configuration.
+// For the command under way. A SelfCheck keeps the primary state, unless the node has left its
+// configuration.
 Ros2State Ros2Link::GoalNow() const {
-  if (order()->target != kSelfCheck) return GoalOf(order()->target);
+  if (pending()->target != kSelfCheck) return GoalOf(pending()->target);
   const State& at = report().state;
   const bool may_stay = known_ == Ros2State::kInactive || known_ == Ros2State::kActive ||
                         (at != machine().default_state && known_ == GoalOf(at));
@@ -262,7 +264,7 @@ void Ros2Link::Transit(const Ros2Transition& step) {
                   if (era == era_) return OnChanged(reply);
                   if (!stray_) return;
                   strayed_ = true;
-                  if (!order()) Look();
+                  if (!pending()) Look();
                 });
 }
 
@@ -275,7 +277,7 @@ void Ros2Link::OnChanged(const Result<msg::ChangeState::Response>& reply) {
     look_ = nullptr;
     return Proceed();
   }
-  // It may have failed, or have been there already; the node knows.
+  // It may have failed, or the node was already in that state: get_state shows it.
   step_over_ = true;
   Look();
 }
@@ -291,12 +293,12 @@ void Ros2Link::Finish(Verdict verdict, std::int32_t code, const std::string& mes
   } else {
     report().state = StateIn(known_);
   }
-  auto asks = std::exchange(asks_, {});
+  auto queries = std::exchange(queries_, {});
   End(verdict, code, message);
-  for (const PendingAsk& ask : asks) AnswerAsk(ask.number);
+  for (const PendingQuery& query : queries) AnswerQuery(query.number);
 }
 
-// The state of the machine that a node in a primary state is in: the one it was in, if that agrees.
+// The machine's state for a primary state: the node's last one, if both agree.
 State Ros2Link::StateIn(Ros2State state) const {
   if (state == Ros2State::kFinalized) return State(kTearDown);
   const State& last = report().state;
@@ -306,8 +308,7 @@ State Ros2Link::StateIn(Ros2State state) const {
 }
 
 // Of the states that a primary state may stand for: DeActive, else the least active, so that
-// nothing becomes more active because it was found and not led there. Not Error, which is nobody's
-// guess.
+// adoption activates nothing. Never Error.
 std::optional<State> Ros2Link::AdoptedState(Ros2State state) const {
   std::optional<State> least;
   for (const State& candidate : actuator().states) {

@@ -1,18 +1,18 @@
 #pragma once
 // The link to an unmodified ROS 2 managed node: its services change_state and get_state and its
-// topic transition_event. The way to a state of the machine may take several transitions.
+// topic transition_event. A switch to a state of the machine may take several transitions.
 //
-//   seen ─▶ looked at ─▶ unconfigured: configured (busy in SetUp) ─▶ set up
-//                    └─▶ configured already, by an earlier controller or a person: adopted
+//   matched ─▶ get_state ─▶ unconfigured: configured (busy in SetUp) ─▶ set up
+//                       └─▶ configured already, by an earlier controller or a person: adopted
 //
-// What that protocol can and cannot tell:
+// What that protocol reports:
 //   - Replies get lost (a ROS server drops one that finds no matched reader within 100 ms), so only
-//     a positive reply or get_state says where the node is. An event makes us look.
-//   - A node with a single thread answers nothing while its callback runs: as long as a transition
-//     is owed, silence means busy.
-//   - A question does not fence: a request that was given up may still be carried out. When that
-//     shows, the report goes busy and free once, so that the node is driven to where the machine
-//     is.
+//     a positive reply or get_state has the node's state. After an event the link calls get_state.
+//   - A node with a single thread does not reply while its callback runs: during a transition no
+//     reply means busy.
+//   - A query does not fence: the node may still execute a request that was given up. When the link
+//     detects that, the report goes busy and free once, so that the coordinator drives the node to
+//     the machine's state.
 //   - A transition that another client requests is reported. The coordinator drives the node back,
 //     like every actuator that changes its state by itself.
 //   - A node with a checkpoint is queried twice within that time. A node that does not answer is
@@ -45,11 +45,11 @@ class Ros2Link : public ForeignLink {
   void OnMatchChanged();
 
   void OnAppeared() override;
-  void OnGone() override;
+  void OnLost() override;
   void Drive() override;
-  void Inquire(const AskCommand& ask) override;
+  void Inquire(const QueryCommand& query) override;
 
-  // Looking: get_state, again and again until an answer says that nothing is open.
+  // Polls get_state until a reply says that no transition is running.
   void Look();
   void LookAt(Time when);
   void OnLooked(Ros2State state);
@@ -63,9 +63,9 @@ class Ros2Link : public ForeignLink {
   void Transit(const Ros2Transition& step);
   void OnChanged(const Result<msg::ChangeState::Response>& reply);
   void Finish(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
-  void AnswerAsks();
-  transport::LoopHandlePtr AskTimer(std::uint64_t number, Time when);
-  void OnAskUnanswered(std::uint64_t number);
+  void AnswerQueries();
+  transport::LoopHandlePtr QueryTimer(std::uint64_t number, Time when);
+  void OnQueryUnanswered(std::uint64_t number);
   bool MayBeInCallback() const;
 
   State StateIn(Ros2State state) const;
@@ -73,23 +73,23 @@ class Ros2Link : public ForeignLink {
   Ros2State GoalNow() const;
   Ros2State GoalOf(const State& state) const { return Ros2GoalOf(actuator().ros2_states, state); }
 
-  struct PendingAsk {
+  struct PendingQuery {
     std::uint64_t number = 0;
     Time until{};  // without an answer the node is mute then
-    transport::LoopHandlePtr patience;
+    transport::LoopHandlePtr timeout;
   };
 
-  Ros2State known_ = Ros2State::kUnknown;  // the primary state it was last seen in
+  Ros2State known_ = Ros2State::kUnknown;  // the last primary state that was reported
   bool set_up_ = false;
-  std::optional<Ros2Transition> step_;  // asked for, its end not known yet
-  bool step_over_ = false;              // it has ended, but where it led is not known
-  int steps_done_ = 0;                  // of the order's way
-  std::uint64_t era_ = 0;  // grows with each change of what is awaited: what was asked for before
-                           // says nothing about it
-  bool stray_ = false;     // a request that was given up may still be carried out
-  bool strayed_ = false;   // … and has been
-  bool mute_ = false;      // it left a question without an answer
-  std::vector<PendingAsk> asks_;
+  std::optional<Ros2Transition> step_;  // requested, its end not known yet
+  bool step_over_ = false;              // it has ended, but the node's state is not known
+  int steps_done_ = 0;                  // of the command under way
+  std::uint64_t era_ = 0;  // increases with each change of what is awaited: replies to earlier
+                           // requests are ignored
+  bool stray_ = false;     // the node may still execute a request that was given up
+  bool strayed_ = false;   // … and has done so
+  bool mute_ = false;      // it did not reply to a query
+  std::vector<PendingQuery> queries_;
   transport::LoopHandlePtr look_;
   std::unique_ptr<transport::Client<msg::ChangeState>> change_;
   std::unique_ptr<transport::Client<msg::GetState>> get_;

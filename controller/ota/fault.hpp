@@ -22,7 +22,7 @@ enum class Fault : std::int32_t {  // keys of the module OTA
   kNotNewer,                       // older than the robot's version, or the same
   kTooFar,                         // needs a newer version than the robot has
   kNoSpace,                        // not enough disk space
-  kGoneBack,                       // the trial boot failed, and the robot rolled back
+  kRolledBack,                     // the trial boot failed, and the robot rolled back
   kNoVersion,                      // neither slot has a version that can be started
 };
 

@@ -11,7 +11,7 @@ namespace {
 bool Settled(const MachineConfig& config, const Machine& machine, std::size_t actuator) {
   const ActuatorRecord& record = machine.actuators[actuator];
   if (record.fault || record.held) return true;
-  if (record.presence != Presence::kPresent || record.report.busy() || record.order) return false;
+  if (record.presence != Presence::kPresent || record.report.busy() || record.command) return false;
   return record.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
 }
 

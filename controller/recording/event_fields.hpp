@@ -146,7 +146,7 @@ inline constexpr std::string_view kEventName<event::Replied> = "Replied";
 template <>
 inline constexpr std::tuple kFields<event::Replied> = {
     Field{"actuator", &event::Replied::actuator}, Field{"number", &event::Replied::number},
-    Field{"ask", &event::Replied::ask},           Field{"verdict", &event::Replied::verdict},
+    Field{"ask", &event::Replied::query},         Field{"verdict", &event::Replied::verdict},
     Field{"code", &event::Replied::code},         Field{"message", &event::Replied::message},
     Field{"report", &event::Replied::report},
 };
@@ -213,12 +213,12 @@ inline constexpr std::tuple kFields<event::RestartRequested> = {
     Field{"actuator", &event::RestartRequested::actuator},
 };
 template <>
-inline constexpr std::string_view kEventName<event::RivalHeard> = "RivalHeard";
+inline constexpr std::string_view kEventName<event::RivalSeen> = "RivalHeard";
 template <>
-inline constexpr std::tuple kFields<event::RivalHeard> = {
-    Field{"epoch", &event::RivalHeard::epoch},
-    Field{"who", &event::RivalHeard::who},
-    Field{"has_precedence", &event::RivalHeard::has_precedence},
+inline constexpr std::tuple kFields<event::RivalSeen> = {
+    Field{"epoch", &event::RivalSeen::epoch},
+    Field{"who", &event::RivalSeen::who},
+    Field{"has_precedence", &event::RivalSeen::has_precedence},
 };
 template <>
 inline constexpr std::string_view kEventName<event::EmergencyStopSeen> = "EmergencyStopSeen";
@@ -267,10 +267,10 @@ inline constexpr std::tuple kFields<event::InputSilent> = {
     Field{"input", &event::InputSilent::input},
 };
 template <>
-inline constexpr std::string_view kEventName<event::ClockHeard> = "ClockHeard";
+inline constexpr std::string_view kEventName<event::ClockReceived> = "ClockHeard";
 template <>
-inline constexpr std::tuple kFields<event::ClockHeard> = {
-    Field{"clock", &event::ClockHeard::clock},
+inline constexpr std::tuple kFields<event::ClockReceived> = {
+    Field{"clock", &event::ClockReceived::clock},
 };
 template <>
 inline constexpr std::string_view kEventName<event::PolicyRequested> = "PolicyRequested";

@@ -10,10 +10,10 @@
 namespace musher::recording {
 
 template <>
-inline constexpr std::tuple kFields<Order> = {
-    Field{"number", &Order::number}, Field{"target", &Order::target},
-    Field{"sent", &Order::sent},     Field{"deadline", &Order::deadline},
-    Field{"asked", &Order::asked},
+inline constexpr std::tuple kFields<PendingCommand> = {
+    Field{"number", &PendingCommand::number}, Field{"target", &PendingCommand::target},
+    Field{"sent", &PendingCommand::sent},     Field{"deadline", &PendingCommand::deadline},
+    Field{"asked", &PendingCommand::queries},
 };
 
 template <>
@@ -36,20 +36,20 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"due", &ActuatorRecord::due},
     Field{"fault", &ActuatorRecord::fault},
     Field{"tolerated", &ActuatorRecord::tolerated},
-    Field{"order", &ActuatorRecord::order},
+    Field{"order", &ActuatorRecord::command},
     Field{"cause", &ActuatorRecord::cause},
     Field{"health", &ActuatorRecord::health},
     Field{"restarts", &ActuatorRecord::restarts},
     Field{"restart_at", &ActuatorRecord::restart_at},
     Field{"healthy_at", &ActuatorRecord::healthy_at},
     Field{"given_up", &ActuatorRecord::given_up},
-    Field{"restart_asked", &ActuatorRecord::restart_asked},
+    Field{"restart_asked", &ActuatorRecord::restart_requested},
     Field{"restart_requests", &ActuatorRecord::restart_requests},
     Field{"doomed", &ActuatorRecord::terminating},
     Field{"kill_at", &ActuatorRecord::kill_at},
     Field{"terminate_at", &ActuatorRecord::terminate_at},
     Field{"killed", &ActuatorRecord::killed},
-    Field{"parked", &ActuatorRecord::parked},
+    Field{"parked", &ActuatorRecord::suspended},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
     Field{"hindered", &ActuatorRecord::blocked},
@@ -143,7 +143,7 @@ inline constexpr std::tuple kFields<PolicyState> = {
     Field{"battery", &PolicyState::battery},
     Field{"charging", &PolicyState::charging},
     Field{"battery_silent", &PolicyState::battery_silent},
-    Field{"invalid_told", &PolicyState::invalid_told},
+    Field{"invalid_told", &PolicyState::invalid_recorded},
     Field{"level", &PolicyState::level},
     Field{"level_cause", &PolicyState::level_cause},
     Field{"stored", &PolicyState::stored},
@@ -190,7 +190,7 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"released_stops", &Machine::released_stops},
     Field{"set_up_requests", &Machine::set_up_requests},
     Field{"last_record", &Machine::last_record},
-    Field{"told_state", &Machine::told_state},
+    Field{"told_state", &Machine::recorded_state},
     Field{"last_save", &Machine::last_save},
     Field{"unsaved", &Machine::unsaved},
     Field{"policy", &Machine::policy},

@@ -22,13 +22,13 @@ class Door : public musher::FsmActuator {
     return BuildDoor(machine, door_);
   }
   void OpenTopics(musher::transport::Endpoints& topics) override {
-    topics.Hear<musher::msg::String>("door/command", [this](const musher::msg::String& word) {
+    topics.Subscribe<musher::msg::String>("door/command", [this](const musher::msg::String& word) {
       if (const musher::Result<> sent = Send(word.data); !sent) Log(sent.error().message);
     });
-    topics.Hear<musher::msg::Bool>("door/obstacle", [this](const musher::msg::Bool& obstacle) {
+    topics.Subscribe<musher::msg::Bool>("door/obstacle", [this](const musher::msg::Bool& obstacle) {
       door_.obstacle = obstacle.data;
     });
-    publish_opening_ = topics.Tell<musher::msg::Float32>("door/opening");
+    publish_opening_ = topics.PublishFunction<musher::msg::Float32>("door/opening");
   }
   void AfterTick(musher::Time) override { publish_opening_({static_cast<float>(door_.opening)}); }
 

@@ -18,9 +18,9 @@ using namespace std::chrono_literals;
 class Closed : public fsm::State {
  public:
   explicit Closed(DoorData& door) : door_(door) {}
-  void Declare(fsm::Ways& ways) override {
-    open_ = ways.To("OPEN", "open");
-    open_command_ = ways.On("open");
+  void Declare(fsm::Transitions& transitions) override {
+    open_ = transitions.To("OPEN", "open");
+    open_command_ = transitions.On("open");
   }
   void OnEnter(const fsm::Tick&) override { door_.opening = 0; }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
@@ -41,7 +41,9 @@ class Closed : public fsm::State {
 class Open : public fsm::State {
  public:
   explicit Open(DoorData& door) : door_(door) {}
-  void Declare(fsm::Ways& ways) override { closed_ = ways.To("CLOSED", "5 s later"); }
+  void Declare(fsm::Transitions& transitions) override {
+    closed_ = transitions.To("CLOSED", "5 s later");
+  }
   void OnEnter(const fsm::Tick&) override { door_.opening = 1; }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
     return tick.elapsed >= 5s ? fsm::Next::To(closed_, 2s) : fsm::Next::Stay();
@@ -60,7 +62,9 @@ class Open : public fsm::State {
 class Blocked : public fsm::State {
  public:
   explicit Blocked(DoorData& door) : door_(door) {}
-  void Declare(fsm::Ways& ways) override { open_ = ways.To("OPEN", "the way is free"); }
+  void Declare(fsm::Transitions& transitions) override {
+    open_ = transitions.To("OPEN", "the way is free");
+  }
   void OnEnter(const fsm::Tick&) override { from_ = door_.opening; }
   fsm::Next CheckTransition(const fsm::Tick&) override { return fsm::Next::To(open_, 2s); }
   bool Transition(const fsm::Tick& tick) override {

@@ -37,9 +37,9 @@ int main(int argc, char** argv) {
   musher::Time now{};
   if (!machine->Start(now)) return 1;
   while (machine->time() < std::chrono::seconds(10)) {
-    robot.sees_somebody =
+    robot.sees_person =
         machine->time() > std::chrono::seconds(1) && machine->time() < std::chrono::seconds(3);
-    robot.somebody_is_too_close =
+    robot.person_is_too_close =
         machine->time() > std::chrono::seconds(7) && machine->time() < std::chrono::seconds(8);
     machine->RunOnce(now += std::chrono::milliseconds(20));
   }

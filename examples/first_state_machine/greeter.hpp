@@ -13,8 +13,8 @@ namespace fsm = musher::fsm;
 // The input and the output of the states. On a real robot subscriptions set the input, and the
 // output is published.
 struct Robot {
-  bool sees_somebody = false;
-  bool somebody_is_too_close = false;
+  bool sees_person = false;
+  bool person_is_too_close = false;
 
   std::string pose;
   std::vector<std::string> said;
@@ -26,14 +26,14 @@ class Idle : public fsm::State {
  public:
   explicit Idle(Robot& robot) : robot_(robot) {}
 
-  void Declare(fsm::Ways& ways) override {
-    greeting_ = ways.To("GREETING", "a person comes");
-    greet_ = ways.On("greet");
+  void Declare(fsm::Transitions& transitions) override {
+    greeting_ = transitions.To("GREETING", "a person comes");
+    greet_ = transitions.On("greet");
   }
   void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
-    const bool shall_greet = robot_.sees_somebody || tick.command == greet_;
-    return shall_greet ? fsm::Next::To(greeting_) : fsm::Next::Stay();
+    const bool greets = robot_.sees_person || tick.command == greet_;
+    return greets ? fsm::Next::To(greeting_) : fsm::Next::Stay();
   }
 
  private:
@@ -48,14 +48,16 @@ class Greeting : public fsm::State {
  public:
   explicit Greeting(Robot& robot) : robot_(robot) {}
 
-  void Declare(fsm::Ways& ways) override { idle_ = ways.To("IDLE", "alone for 2 s"); }
+  void Declare(fsm::Transitions& transitions) override {
+    idle_ = transitions.To("IDLE", "alone for 2 s");
+  }
   void OnEnter(const fsm::Tick&) override {
     robot_.pose = "wave";
     robot_.said.emplace_back("Hello!");
     alone_for_ = {};
   }
   void Run(const fsm::Tick& tick) override {
-    alone_for_ = robot_.sees_somebody ? musher::Duration{} : alone_for_ + tick.step;
+    alone_for_ = robot_.sees_person ? musher::Duration{} : alone_for_ + tick.step;
   }
   fsm::Next CheckTransition(const fsm::Tick&) override {
     // The arm takes half a second to come down.
@@ -77,7 +79,9 @@ class SafeStop : public fsm::State {
  public:
   explicit SafeStop(Robot& robot) : robot_(robot) {}
 
-  void Declare(fsm::Ways& ways) override { idle_ = ways.To("IDLE", "safe again"); }
+  void Declare(fsm::Transitions& transitions) override {
+    idle_ = transitions.To("IDLE", "safe again");
+  }
   void OnEnter(const fsm::Tick&) override { robot_.pose = "still"; }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
     return tick.elapsed >= std::chrono::seconds(1) ? fsm::Next::To(idle_) : fsm::Next::Stay();
@@ -97,7 +101,7 @@ inline std::unique_ptr<fsm::Machine> MakeGreeter(Robot& robot) {
   machine->Add("GREETING", std::make_unique<Greeting>(robot));
   machine->Add("SAFE_STOP", std::make_unique<SafeStop>(robot), fsm::Role::kSafe);
   machine->AddSafetyCheck("distance",
-                          [&robot](const fsm::Tick&) { return !robot.somebody_is_too_close; });
+                          [&robot](const fsm::Tick&) { return !robot.person_is_too_close; });
   return machine;
 }
 // [machine end]

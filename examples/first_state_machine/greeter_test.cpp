@@ -24,10 +24,10 @@ class GreeterTest : public testing::Test {
 
 // [test]
 TEST_F(GreeterTest, GreetsOnceAndReturnsToIdleWhenAloneAgain) {
-  robot_.sees_somebody = true;
+  robot_.sees_person = true;
   RunFor(std::chrono::hours(1));
   EXPECT_EQ(robot_.said, std::vector<std::string>{"Hello!"});
-  robot_.sees_somebody = false;
+  robot_.sees_person = false;
   RunFor(std::chrono::seconds(3));
   EXPECT_EQ(machine_->Path(), "IDLE");
   EXPECT_EQ(robot_.pose, "neutral");
@@ -42,11 +42,11 @@ TEST_F(GreeterTest, GreetsOnCommand) {
 
 // [safety]
 TEST_F(GreeterTest, KeepsStillWhileAPersonIsTooClose) {
-  robot_.somebody_is_too_close = true;
+  robot_.person_is_too_close = true;
   RunFor(std::chrono::minutes(1));
   EXPECT_EQ(robot_.pose, "still");
   EXPECT_EQ(machine_->unsafe(), "distance");
-  robot_.somebody_is_too_close = false;
+  robot_.person_is_too_close = false;
   RunFor(kStep);
   EXPECT_EQ(machine_->Path(), "IDLE");
 }
@@ -79,8 +79,8 @@ TEST(Greeter, ReplaysARecordingWithTheSameOutput) {
   ASSERT_TRUE(machine->Start(now));
   for (int i = 0; i < 300; ++i) {
     if (i == 50 || i == 100) {
-      robot.sees_somebody = i == 50;
-      recorder.Input("sees_somebody", i == 50 ? "yes" : "no");
+      robot.sees_person = i == 50;
+      recorder.Input("sees_person", i == 50 ? "yes" : "no");
     }
     machine->RunOnce(now += std::chrono::milliseconds(20));
   }
@@ -92,7 +92,7 @@ TEST(Greeter, ReplaysARecordingWithTheSameOutput) {
   ASSERT_TRUE(recording);
   const auto replayed =
       fsm::Replay(recording.value(), *other, [&](std::string_view, std::string_view text) {
-        other_robot.sees_somebody = text == "yes";
+        other_robot.sees_person = text == "yes";
         return musher::Ok();
       });
   ASSERT_TRUE(replayed);

@@ -63,8 +63,8 @@ class Gripper : public musher::MachineActuator {
   musher::Result<> SetUp() {
     return OpenEndpoints([this](musher::transport::Endpoints& wire) {
       clock_ = &wire.clock();
-      publish_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
-      wire.Hear<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
+      publish_width_ = wire.PublishFunction<musher::msg::Float32>("gripper/width_mm");
+      wire.Subscribe<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
         const auto begun = Grip(wanted.data);
         if (!begun) Log(begun.error().message);
       });

@@ -1,6 +1,6 @@
 #pragma once
 // A machine's config while it is being read. Sections are read in the order of the functions below,
-// since later ones refer to earlier ones. All errors go into `findings`; reading goes on with the
+// since later ones refer to earlier ones. All errors go into `findings`; reading continues with the
 // valid parts, and with the corrected word where a word is plainly a typing error: no error hides
 // another, and none is a consequence of another.
 

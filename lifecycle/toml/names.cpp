@@ -18,7 +18,7 @@ bool IsNameCharacter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || IsDigit(c) || c == '_';
 }
 
-// An environment variable that holds an absolute path; others are ignored, as XDG asks.
+// An environment variable that holds an absolute path; others are ignored, as XDG requires.
 std::filesystem::path AbsoluteFromEnvironment(const char* variable) {
   const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe)
   return value != nullptr && value[0] == '/' ? value : "";

@@ -11,7 +11,7 @@
 namespace musher::config_toml {
 namespace {
 
-constexpr double kLongestS = 86'400;  // a day; a longer time is taken for a typing error
+constexpr double kLongestS = 86'400;  // a day; a longer time is refused as a typing error
 constexpr double kShortestS = 0.1;
 constexpr int kFull = 100;
 

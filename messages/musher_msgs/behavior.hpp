@@ -1,5 +1,5 @@
 #pragma once
-// What an application that is a state machine tells of it. Field comments:
+// What an application that is a state machine reports about it. Field comments:
 // messages/idl/musher_msgs_behavior.idl.
 
 #include "musher/messages/cdr.hpp"

@@ -3,7 +3,7 @@
 
 namespace musher::msg {
 
-// musher_msgs/msg/ActuatorBeat: an actuator's sign of life, on `<namespace>/musher/actuator_beat`.
+// musher_msgs/msg/ActuatorBeat: an actuator's heartbeat, on `<namespace>/musher/actuator_beat`.
 // Field comments: messages/idl/musher_msgs.idl.
 struct ActuatorBeat {
   static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::ActuatorBeat_";
@@ -26,7 +26,7 @@ struct ActuatorBeat {
   friend bool operator==(const ActuatorBeat&, const ActuatorBeat&) = default;
 };
 
-// musher_msgs/msg/ControllerBeat: a controller's sign of life and its epoch, latched on
+// musher_msgs/msg/ControllerBeat: a controller's heartbeat with its epoch, latched on
 // `<namespace>/musher/controller_beat`.
 struct ControllerBeat {
   static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::ControllerBeat_";

@@ -159,7 +159,7 @@ struct GetPlan {
   };
 };
 
-// musher_msgs/srv/GetSwitch: service `musher/get_switch`. What became of a switch.
+// musher_msgs/srv/GetSwitch: service `musher/get_switch`. The outcome of a switch.
 struct GetSwitch {
   static constexpr std::string_view kTypeName = "musher_msgs::srv::dds_::GetSwitch_";
   static constexpr const char* kUnderWay = "under way";

@@ -69,8 +69,8 @@ struct MachineStatus {
   friend bool operator==(const MachineStatus&, const MachineStatus&) = default;
 };
 
-// musher_msgs/msg/MachineInfo: who leads a machine, on the global topic `musher/machines`
-// (latched), so that a person who named the wrong namespace can be told the right ones.
+// musher_msgs/msg/MachineInfo: the leading controller of a machine, on the global topic
+// `musher/machines` (latched), so that the command line can list the namespaces after a wrong one.
 struct MachineInfo {
   static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::MachineInfo_";
   std::string machine;

@@ -1,5 +1,5 @@
 #pragma once
-// What a person asks of the controller's policy. Field comments: messages/idl/musher_msgs.idl.
+// An operator's request to the controller's policy. Field comments: messages/idl/musher_msgs.idl.
 
 #include "musher/messages/cdr.hpp"
 

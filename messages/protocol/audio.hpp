@@ -19,7 +19,7 @@ struct AudioPlay {
   static constexpr std::uint16_t kBattery20 = 10020;
   static constexpr std::uint16_t kBattery30 = 10030;
 
-  std::string module_name;  // who asks
+  std::string module_name;  // the caller
   std::uint16_t play_id = 0;
 
   template <class Self>
@@ -157,7 +157,7 @@ struct AudioExecute {
   };
 };
 
-// protocol/srv/SdcardPlayIdQuery: service `sdcard_playid_query`, whether a phrase is there.
+// protocol/srv/SdcardPlayIdQuery: service `sdcard_playid_query`, whether a phrase exists.
 struct SdcardPlayIdQuery {
   static constexpr std::string_view kTypeName = "protocol::srv::dds_::SdcardPlayIdQuery_";
   struct Request {

@@ -96,7 +96,7 @@ struct UwbRaw {
   friend bool operator==(const UwbRaw&, const UwbRaw&) = default;
 };
 
-// protocol/srv/LedExecute: service `led_execute`, who shows which light.
+// protocol/srv/LedExecute: service `led_execute`: a client requests a light.
 struct LedExecute {
   static constexpr std::string_view kTypeName = "protocol::srv::dds_::LedExecute_";
 

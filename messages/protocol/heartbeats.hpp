@@ -3,7 +3,7 @@
 
 namespace musher::msg {
 
-// protocol/msg/Heartbeats: topic `manager_heartbeats`, each module's sign of life, every 500 ms.
+// protocol/msg/Heartbeats: topic `manager_heartbeats`, each module's heartbeat, every 500 ms.
 struct Heartbeats {
   static constexpr std::string_view kTypeName = "protocol::msg::dds_::Heartbeats_";
   std::string name;

@@ -120,7 +120,7 @@ struct MachineState {
   };
 };
 
-// protocol/srv/DeviceInfo: service `query_divice_info` (sic). `enables` asks for, in this order:
+// protocol/srv/DeviceInfo: service `query_divice_info` (sic). `enables` selects, in this order:
 // sn, version, uid, nick_name, volume, mic_state, voice_control, wifi, bat_info, motor_temper,
 // audio_state, device_model, stand, lowpower_control, charging.
 struct DeviceInfo {

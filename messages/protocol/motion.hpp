@@ -36,7 +36,7 @@ struct MotionId {
   static constexpr std::int32_t kSequenceCustom = 400;
 };
 
-// Who commands a motion: `cmd_source` of the messages and services here.
+// The source of a motion command: `cmd_source` of the messages and services here.
 struct MotionSource {
   static constexpr std::int32_t kFsm = -2;  // the lifecycle itself
   static constexpr std::int32_t kDebug = -1;
@@ -47,7 +47,7 @@ struct MotionSource {
   static constexpr std::int32_t kAlgo = 4;
 };
 
-// protocol/msg/MotionServoCmd: topic `motion_servo_cmd`, a motion that goes on as long as these
+// protocol/msg/MotionServoCmd: topic `motion_servo_cmd`, a motion that continues as long as these
 // come.
 struct MotionServoCmd {
   static constexpr std::string_view kTypeName = "protocol::msg::dds_::MotionServoCmd_";
@@ -76,7 +76,7 @@ struct MotionServoCmd {
   friend bool operator==(const MotionServoCmd&, const MotionServoCmd&) = default;
 };
 
-// protocol/msg/MotionServoResponse: topic `motion_servo_response`, what became of a servo command.
+// protocol/msg/MotionServoResponse: topic `motion_servo_response`, the outcome of a servo command.
 struct MotionServoResponse {
   static constexpr std::string_view kTypeName = "protocol::msg::dds_::MotionServoResponse_";
   std::int32_t motion_id = 0;

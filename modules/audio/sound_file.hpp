@@ -16,7 +16,7 @@ inline constexpr std::chrono::minutes kLongestRecording(10);
 // sound, or is longer than kLongestRecording.
 Result<Sound> ReadSound(const std::string& path);
 
-// Whether ReadSound() would succeed, judging by the file's header.
+// Whether ReadSound() would succeed, by the file's header.
 Result<> CheckSound(const std::string& path);
 
 // As WAV, 16 bit. Fails with the code of a device that takes no sound.

@@ -19,7 +19,7 @@ struct Making {
   const std::function<bool()>& given_up;
 };
 
-// The library's callback: 0 to go on, 1 to stop.
+// The library's callback: 0 to continue, 1 to stop.
 int Take(short* samples, int count, espeak_EVENT* events) {
   auto& making = *static_cast<Making*>(events->user_data);
   if (samples != nullptr) {

@@ -1,5 +1,5 @@
 #pragma once
-// Threads that block in devices and files. A thread that is told to stop may stay in a device for
+// Threads that block in devices and files. After a stop request a thread may stay in a device for
 // seconds before it returns: the loop does not wait for it, the exit of the program does.
 //
 // Threads: any, one at a time.

@@ -14,7 +14,7 @@ struct CameraResult {
 };
 
 // Fails when a critical camera fails, or when all checked cameras do: a robot that has lost one of
-// three goes on with two. The message names every failing camera, also on success, for the log.
+// three continues with two. The message names every failing camera, also on success, for the log.
 struct SelfCheckVerdict {
   Result<> result;
   std::string failing;  // "left: no picture in 5000 ms, 4409; ..."

@@ -9,7 +9,7 @@ namespace {
 using msg::CameraService;
 
 constexpr std::uint32_t kLargestRequestPx = 4096;
-constexpr std::uint32_t kFastestAskedHz = 120;
+constexpr std::uint32_t kMaxRequestedHz = 120;
 constexpr std::size_t kLongestName = 128;
 
 KeyCode KeyOf(std::uint8_t result) {
@@ -50,7 +50,7 @@ std::optional<std::string> FaultOfSize(const CameraService::Request& request) {
   }
   // Video encoding needs even sizes.
   if (request.width % 2 != 0 || request.height % 2 != 0) return "a width or height that is odd";
-  if (request.fps > kFastestAskedHz)
+  if (request.fps > kMaxRequestedHz)
     return std::to_string(request.fps) + " pictures a second are too many";
   return std::nullopt;
 }

@@ -2,7 +2,7 @@
 // Checks and filters battery readings before they are published. Plain values, no IO.
 //
 // A charge that jumps by more than 5 % is held until the next reading: one wrong value is never
-// published, and a true fall is published one reading late, however steep it goes on. Of the held
+// published, and a true fall is published one reading late, however steep it is. Of the held
 // reading and the next, the one on the same side and nearer to the last good one counts, so that
 // no level in between is skipped. The very first reading is held, too: boards report 0 before they
 // have measured.

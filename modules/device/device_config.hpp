@@ -27,7 +27,7 @@ struct BatteryConfig {
 
 struct PowerKeyConfig {
   bool present = false;                // there is one, on the world's topic
-  Duration hold = Milliseconds(3000);  // pressed for so long it requests power-off
+  Duration hold = Milliseconds(3000);  // pressed for this long it requests power-off
 
   friend bool operator==(const PowerKeyConfig&, const PowerKeyConfig&) = default;
 };

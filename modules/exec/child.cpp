@@ -115,7 +115,7 @@ int Execute(const Plan& plan, int report) {
 }
 
 // Forks. The child registers with the reaper before it executes the program: from then on it is
-// killed when this process dies.
+// killed when this process exits or crashes.
 pid_t Fork(const Plan& plan, const Reaper& reaper, int report) {
   sigset_t all;
   sigset_t before;

@@ -18,7 +18,7 @@
 namespace musher::exec {
 namespace {
 
-constexpr int kAskPeriodMs = 20;
+constexpr int kPollPeriodMs = 20;
 constexpr std::size_t kLongestLine = 200;  // bytes
 constexpr std::size_t kMostKept = 4 * kLongestLine;
 
@@ -52,7 +52,7 @@ class Running {
  private:
   void Wait() {
     std::array<pollfd, 2> sources{{{child_.pidfd(), POLLIN, 0}, {output_.get(), POLLIN, 0}}};
-    poll(sources.data(), output_.valid() ? 2 : 1, kAskPeriodMs);
+    poll(sources.data(), output_.valid() ? 2 : 1, kPollPeriodMs);
   }
 
   // Reads what is available now; a process left behind by the command may hold the other end open.

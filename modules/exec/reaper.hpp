@@ -1,7 +1,7 @@
 #pragma once
 // Makes sure that no process started here outlives this process, even when it is killed with
 // SIGKILL: a small process beside it learns of every process group that is started, and kills
-// those that are left as soon as this process is gone, in whatever way. (PR_SET_PDEATHSIG would
+// those that are left as soon as this process has exited or crashed. (PR_SET_PDEATHSIG would
 // reach a child, but not its children, and it fires when the thread ends that made the child.)
 //
 // A child calls Add() itself, before it executes its program, and holds the pipe until then: the

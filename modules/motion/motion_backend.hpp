@@ -5,9 +5,9 @@
 //   MotionShell ◀── OnBody(state) ── MotionBackend ◀── board
 //
 // A backend decides nothing. The decision code repeats a command every 50 ms while it holds and
-// sends nothing else, except what must happen at once. The life count in a report tells it which
+// sends nothing else, except what must happen at once. The life count in a report shows which
 // command the board has taken. A board that receives nothing for a while must stop walking by
-// itself: the motion manager may have died.
+// itself: the motion manager may have crashed.
 //
 // Threads: the loop's only.
 

@@ -52,7 +52,7 @@ inline constexpr Duration kSettleTime = Milliseconds(15);
 inline constexpr Duration kTransitionTime = Milliseconds(3000);
 inline constexpr Duration kLieDownPause = Milliseconds(500);  // between two tries
 inline constexpr Duration kStopRepeat =
-    Milliseconds(1000);  // a stop is sent so long, or till taken
+    Milliseconds(1000);  // a stop is repeated for this long, or until it is accepted
 inline constexpr Duration kLogPause = std::chrono::seconds(180);  // for the same code
 inline constexpr Duration kSayPause = std::chrono::seconds(30);   // for the same sentence
 inline constexpr const char* kChargeFirst = "The battery is low. Charge me first.";

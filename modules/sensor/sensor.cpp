@@ -25,10 +25,10 @@ Result<> Sensor::SetAsleep(bool asleep) {
 }
 
 Result<> Sensor::Apply() {
-  const bool heard_now = started() && !asleep_;
-  if (!heard_now) Forget();
+  const bool receives_now = started() && !asleep_;
+  if (!receives_now) Forget();
   for (const auto& source : parts_.sources) {
-    if (!heard_now) {
+    if (!receives_now) {
       source->Ignore();
     } else if (Result<> subscribed = source->Listen(); !subscribed) {
       return Error{CodeOf(kind_, KeyCode::kFailed), subscribed.error().message};

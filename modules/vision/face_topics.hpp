@@ -2,7 +2,7 @@
 // Faces on the network: subscribes to pictures while it is on, passes them to a looker, and
 // publishes the results. Runs on any transport.
 //
-// target and too_close are published with a picture that shows them: subscribers judge by their
+// target and too_close are published with a picture that shows them: subscribers go by their
 // age. After a start too_close is not published until a face was seen or pictures were checked for
 // `hold`: a person who fills the picture is not detected, and may have been too close before.
 // While it is on and no picture arrives, faces_json repeats an empty list, and too_close repeats

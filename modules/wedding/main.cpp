@@ -19,7 +19,7 @@ int Run(const musher::program::Options& options) {
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "replay") return musher::wedding::tool::Replay(argc - 1, argv + 1);
-  if (command == "tell") return musher::wedding::tool::Tell(argc - 1, argv + 1);
+  if (command == "tell") return musher::wedding::tool::PublishInput(argc - 1, argv + 1);
   return musher::program::Main(
       argc, argv,
       {"musher-wedding", "The show of the wedding robot, as the actuator wedding.",

@@ -68,7 +68,7 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
   wire->play = topics.Advertise<msg::String>(topic::kPlay);
   auto* camera = config_.camera_service.empty()
                      ? nullptr
-                     : topics.Ask<msg::CameraService>(config_.camera_service);
+                     : topics.OpenClient<msg::CameraService>(config_.camera_service);
   if (camera != nullptr) {
     wire->photographer.emplace(*camera, config_.photo_timeout,
                                [this](const std::string& line) { Log(line); });
@@ -91,45 +91,45 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
 }
 
 void WeddingRobot::Subscribe(transport::Endpoints& topics, Wire& wire) {
-  wire.target = topics.Hear<msg::PointStamped>(topic::kTarget, [this](const auto& target) {
+  wire.target = topics.Subscribe<msg::PointStamped>(topic::kTarget, [this](const auto& target) {
     seen_at_ = Now();
     show_.OnTarget(
         {{target.point.x, target.point.y}, target.point.z, ToDuration(target.header.stamp)}, Now());
   });
   constexpr transport::Qos kNewest{transport::Qos::Reliability::kBestEffort,
                                    transport::Qos::Durability::kVolatile, 1};
-  topics.Hear<msg::String>(
+  topics.Subscribe<msg::String>(
       topic::kFaces,
       [this](const auto& faces) {
         seen_at_ = Now();
         show_.OnFaces(faces.data, Now());
       },
       kNewest);
-  topics.Hear<msg::String>(topic::kGesture,
-                           [this](const auto& word) { show_.OnGesture(word.data, Now()); });
-  topics.HearEach<msg::Bool>(
+  topics.Subscribe<msg::String>(topic::kGesture,
+                                [this](const auto& word) { show_.OnGesture(word.data, Now()); });
+  topics.SubscribeEach<msg::Bool>(
       topic::kTooClose,
       [this](const auto& close, transport::PeerId publisher) {
         show_.OnTooClose(close.data, Now(), publisher);
       },
       [this](transport::PeerId publisher) { show_.OnTooClosePublisherLost(publisher, Now()); });
-  topics.Hear<msg::String>(topic::kCommand,
-                           [this](const auto& word) { show_.OnCommand(word.data, Now()); });
-  topics.Hear<msg::String>(topic::kVoiceCommand,
-                           [this](const auto& word) { show_.OnVoiceCommand(word.data, Now()); });
-  topics.Hear<msg::Float32>(topic::kVoiceLevel,
-                            [this](const auto& level) { show_.OnVoiceLevel(level.data, Now()); });
+  topics.Subscribe<msg::String>(topic::kCommand,
+                                [this](const auto& word) { show_.OnCommand(word.data, Now()); });
+  topics.Subscribe<msg::String>(
+      topic::kVoiceCommand, [this](const auto& word) { show_.OnVoiceCommand(word.data, Now()); });
+  topics.Subscribe<msg::Float32>(
+      topic::kVoiceLevel, [this](const auto& level) { show_.OnVoiceLevel(level.data, Now()); });
 }
 
 // Best effort, so that both kinds of publishers match.
 void WeddingRobot::SubscribeJoints(transport::Endpoints& topics) {
-  topics.Hear<msg::JointState>(
+  topics.Subscribe<msg::JointState>(
       topic::kJointStates,
       [this](const auto& joints) {
         show_.OnJointStates(joints.name, joints.position, ToDuration(joints.header.stamp), Now());
       },
       transport::kSensorDataQos);
-  topics.Hear<msg::JointState>(
+  topics.Subscribe<msg::JointState>(
       topic::kJointCommands,
       [this](const auto& joints) { show_.OnJointCommands(joints.name, joints.position, Now()); },
       transport::kSensorDataQos);

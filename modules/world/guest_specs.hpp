@@ -24,7 +24,7 @@ struct GuestLook {
   double yaw_rad = 0;  // with kYaw
 };
 
-// The act of a guest at a time; what is not given goes on as before.
+// The act of a guest at a time; what is not given continues as before.
 struct GuestAct {
   Duration at{};
   std::optional<Eigen::Vector2d> walk_to_m;

@@ -14,7 +14,7 @@ enum class Kind {
   kOff,    // damps and sinks down
   kLie,    // lies down
   kStand,  // stands up, from anywhere
-  kWalk,   // goes on as long as commands come, or for their duration
+  kWalk,   // continues as long as commands come, or for their duration
   kPose,   // takes up the commanded attitude
   kLeap,   // jumps and flips: once begun they end on the ground
   kShow,   // dances and the like, on the spot

@@ -21,7 +21,7 @@ class Pacer {
   Time Next(Time now);
 
   void SetFactor(double factor, Time now);
-  // World time stands still meanwhile; this does not count as slow.
+  // World time does not advance meanwhile; this does not count as slow.
   void SetPaused(bool paused, Time now);
 
   Time due() const { return due_; }  // the next step

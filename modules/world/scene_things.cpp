@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using keys::Set;
 
 constexpr int kMostFaceOfThing = 999;
-constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera can tell apart
+constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera can resolve
 constexpr std::size_t kLongestText = 500;  // bytes
 constexpr double kArcStep = 3 * M_PI / 180;
 

@@ -252,7 +252,7 @@ Light3 Tracer::FarGround(float far_m) const {
   return far_ground_ + haze * (horizon_ - far_ground_);
 }
 
-// Planks, as long as they can be told apart.
+// Planks, as long as they can be distinguished.
 void Tracer::ColorFence(const Paths& paths, std::uint16_t surface, Sights& sights) const {
   constexpr float kPlankM = 0.14F;
   const bool by_x = surface < kFence + 2;
@@ -270,9 +270,9 @@ void Tracer::ColorFence(const Paths& paths, std::uint16_t surface, Sights& sight
     const float from_edge = in_plank < 0.5F ? in_plank : 1 - in_plank;
     const float steep = std::abs(across[i]);
     const float covered = far * pixel_rad / ((steep > 0.05F ? steep : 0.05F) * kPlankM);
-    const float told_apart = Within1(1.3F - 3 * covered);
+    const float distinct = Within1(1.3F - 3 * covered);
     const float gap = Within1(1 - from_edge / 0.09F);
-    const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
+    const float shade = 1 + distinct * (0.16F * Tone(plank) - 0.45F * gap);
     share[i] = shade * NearGround(height + far * paths.z[i]) *
                scenery_.LightAt(at_x + far * paths.x[i], at_y + far * paths.y[i]);
   }

@@ -1,6 +1,6 @@
 #pragma once
 // The world as an actuator of a machine, usually its first: the others are `after` it. Its states
-// have little effect: time goes on in all of them, from SetUp to TearDown.
+// have little effect: time runs in all of them, from SetUp to TearDown.
 //
 // Threads: the world runs on the loop of the actuator's node; pictures, and those of the cameras,
 // are drawn on threads of its own.

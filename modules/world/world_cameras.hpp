@@ -33,7 +33,7 @@ class WorldCameras {
     std::string name_space;
     std::function<void(const std::string&)> log;
     Worker* worker = nullptr;  // draws; outlives the cameras
-    // World time can go on.
+    // World time can advance.
     std::function<void()> on_free;
   };
 

@@ -10,7 +10,7 @@
 
 namespace musher::actuator_shell_test {
 
-// Counts callbacks; each ends well when it is told to.
+// Counts callbacks; each ends with success on request.
 class CountingWorker : public Worker {
  public:
   void Run(Work /*work*/, Done done) override {

@@ -1,5 +1,5 @@
-// An actuator on the real middleware hears the robot's battery where one of its functions needs to
-// know it.
+// An actuator on the real middleware subscribes to the robot's battery if one of its functions
+// needs it.
 
 #include <gtest/gtest.h>
 
@@ -44,17 +44,17 @@ class BatteryGate : public ::testing::Test {
     });
   }
 
-  // Tells of such a battery until jumping is (not) allowed.
+  // Publishes such a battery until jumping is (not) allowed.
   bool Becomes(bool allowed, std::uint8_t percent) {
     std::promise<void> promise;
     std::future<void> done = promise.get_future();
-    bool told = false;
+    bool reported = false;
     node_->RunOnLoop([&] {
       heartbeat_ = node_->node().loop().Every(Milliseconds(5), [&, percent, allowed] {
         msg::BmsStatus status;
         status.batt_soc = percent;
         EXPECT_TRUE(publisher_->Publish(status).ok());
-        if (legs_.Allowed("jump").ok() != allowed || std::exchange(told, true)) return;
+        if (legs_.Allowed("jump").ok() != allowed || std::exchange(reported, true)) return;
         promise.set_value();
       });
     });

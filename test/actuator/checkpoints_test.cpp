@@ -103,7 +103,7 @@ TEST_F(CheckpointsOf, MarksOfOtherThreadsDoNotSaveACallbackThatHangs) {
   EXPECT_EQ(look.during, "Active");
 }
 
-TEST_F(CheckpointsOf, AThreadOfTheModuleThatHasGivenOneOwesTheNext) {
+TEST_F(CheckpointsOf, AThreadOfTheModuleThatHasMadeOneMustMakeTheNext) {
   points_->Mark(kOther, Duration::zero(), now_);
   EXPECT_EQ(After(Milliseconds(100)).work, Health::kWell);
   const Checkpoints::Look look = After(Milliseconds(1));

@@ -17,7 +17,7 @@ namespace musher::endpoints_test {
 using testing::kAllStates;
 using testing::RobotFile;
 
-// Counts how often it was asked, and says whether it ticks.
+// Counts its calls, and says whether it ticks.
 class Counter : public MachineActuator {
  public:
   explicit Counter(std::string service = "count") : MachineActuator("counter") {
@@ -27,7 +27,7 @@ class Counter : public MachineActuator {
         const auto kept = std::make_shared<bool>(true);
         kept_ = kept;
         wire.Serve<msg::SetBool>(service, [this, kept](const auto&, const auto& reply) {
-          reply({*kept, std::to_string(++asked_)});
+          reply({*kept, std::to_string(++calls_)});
         });
         wire.Every(Milliseconds(1), [this] {
           if (++ticks_ == 1) ticked_.set_value();
@@ -43,12 +43,12 @@ class Counter : public MachineActuator {
 
  private:
   std::weak_ptr<bool> kept_;
-  int asked_ = 0;
+  int calls_ = 0;
   int ticks_ = 0;
   std::promise<void> ticked_;
 };
 
-Result<msg::SetBool::Response> AskToCount(transport::NodeThread& node, const std::string& name) {
+Result<msg::SetBool::Response> CallCount(transport::NodeThread& node, const std::string& name) {
   std::unique_ptr<transport::Client<msg::SetBool>> client;
   std::promise<Result<msg::SetBool::Response>> promise;
   node.RunOnLoop([&] {
@@ -67,7 +67,7 @@ TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
   Counter counter;
   ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
   ASSERT_TRUE(counter.ActuatorStart());
-  const auto answer = AskToCount(*other, file.name_space() + "/count");
+  const auto answer = CallCount(*other, file.name_space() + "/count");
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer.value().message, "1");
   EXPECT_EQ(counter.ticked().wait_for(std::chrono::seconds(10)), std::future_status::ready);

@@ -31,7 +31,7 @@ TEST(MachineActuator, IsInSetUpOnceItHasStarted) {
   EXPECT_EQ(arm.CurrentState(), "SetUp");
 }
 
-// A module with a topic of its own, as the header tells to write one.
+// A module with a topic of its own, as the header describes.
 class Singer : public MachineActuator {
  public:
   Singer() : MachineActuator("singer") {
@@ -40,9 +40,9 @@ class Singer : public MachineActuator {
   }
   ~Singer() override {
     Shutdown();
-    if (node_) node_->RunOnLoop([this] { heard_.reset(); });
+    if (node_) node_->RunOnLoop([this] { subscription_.reset(); });
   }
-  std::future<std::string> heard() { return word_.get_future(); }
+  std::future<std::string> subscription() { return word_.get_future(); }
 
  private:
   Result<> OpenTopic() {
@@ -51,19 +51,19 @@ class Singer : public MachineActuator {
     node_->RunOnLoop([&] {
       const std::string topic =
           transport::ResolveName(machine_config().name_space, "song_of_" + name());
-      auto heard = transport::MakeSubscription<msg::String>(
+      auto subscription = transport::MakeSubscription<msg::String>(
           node_->node(), topic,
           [this](const msg::String& word, const auto&) { word_.set_value(word.data); },
           transport::kLatchedQos);
-      if (!heard) result = heard.error();
-      if (heard) heard_ = std::move(heard).value();
+      if (!subscription) result = subscription.error();
+      if (subscription) subscription_ = std::move(subscription).value();
     });
     return result;
   }
 
   std::promise<std::string> word_;
   std::shared_ptr<transport::NodeThread> node_;
-  std::unique_ptr<transport::Subscription> heard_;
+  std::unique_ptr<transport::Subscription> subscription_;
 };
 
 TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
@@ -81,12 +81,12 @@ TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
   ASSERT_NE(publisher, nullptr);
   {
     Singer singer;
-    auto heard = singer.heard();
+    auto subscription = singer.subscription();
     EXPECT_EQ(singer.node(), nullptr);
     ASSERT_TRUE(singer.MachineActuatorInit(file.path()));
     ASSERT_TRUE(singer.ActuatorStart());
-    ASSERT_EQ(heard.wait_for(std::chrono::seconds(10)), std::future_status::ready);
-    EXPECT_EQ(heard.get(), "la");
+    ASSERT_EQ(subscription.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+    EXPECT_EQ(subscription.get(), "la");
   }
   other.value()->RunOnLoop([&] { publisher.reset(); });
 }

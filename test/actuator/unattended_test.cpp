@@ -19,7 +19,7 @@ namespace musher::unattended_test {
 
 using testing::RobotFile;
 
-constexpr auto kPatience = std::chrono::seconds(20);
+constexpr auto kWaitLimit = std::chrono::seconds(20);
 const std::vector<std::string> kStates = {"SetUp", "SelfCheck", "Active", "Protected", "LowPower"};
 
 class Arm : public MachineActuator {
@@ -42,7 +42,7 @@ class Arm : public MachineActuator {
   std::promise<void> stopped_;
 };
 
-// Waits for beats and statuses of the robot.
+// Waits for heartbeats and statuses of the robot.
 class Listener {
  public:
   Listener() : node_(transport::NodeThread::Start().value()) {
@@ -87,11 +87,11 @@ class Listener {
   }
   bool AwaitBeat(const std::function<bool(const msg::ActuatorBeat&)>& holds) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return holds(heartbeat_); });
+    return changed_.wait_for(lock, kWaitLimit, [&] { return holds(heartbeat_); });
   }
   bool AwaitStatus(const std::function<bool(const msg::ActuatorStatus&)>& holds) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return holds(status_); });
+    return changed_.wait_for(lock, kWaitLimit, [&] { return holds(status_); });
   }
 
  private:
@@ -122,9 +122,9 @@ TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
   ASSERT_TRUE(controller.Init(file.path()).ok());
   ASSERT_TRUE(controller.AwaitSetUp().ok());
   auto checked = std::async(std::launch::async, [&] { return controller.SetState("SelfCheck"); });
-  ASSERT_EQ(begun.get_future().wait_for(kPatience), std::future_status::ready);
+  ASSERT_EQ(begun.get_future().wait_for(kWaitLimit), std::future_status::ready);
   listener.PressTheButton();
-  EXPECT_EQ(stopped.wait_for(kPatience), std::future_status::ready) << "beside the callback";
+  EXPECT_EQ(stopped.wait_for(kWaitLimit), std::future_status::ready) << "beside the callback";
   release.set_value();
   EXPECT_TRUE(checked.get());
   EXPECT_FALSE(controller.SetState("Active")) << "nothing goes up";
@@ -143,7 +143,7 @@ TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
     ASSERT_TRUE(controller.AwaitSetUp().ok());
     ASSERT_TRUE(controller.SetState("SelfCheck"));
     ASSERT_TRUE(controller.SetState("Active"));
-  }  // it is gone without a word
+  }  // it exits without a message
   EXPECT_EQ(arm.CurrentState(), "Active");
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.state == "Protected"; }));
 }

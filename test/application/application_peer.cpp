@@ -17,9 +17,9 @@ class Work : public fsm::State {
  public:
   explicit Work(const std::string& order) : order_(order) {}
 
-  void Declare(fsm::Ways& ways) override {
-    ways.To("WORK", "never");
-    ways.On("go");
+  void Declare(fsm::Transitions& transitions) override {
+    transitions.To("WORK", "never");
+    transitions.On("go");
   }
   void Run(const fsm::Tick&) override {
     if (order_ == "fail") throw std::runtime_error("the lamp is broken");
@@ -42,7 +42,8 @@ class Peer : public FsmActuator {
     return machine.Build("WORK");
   }
   void OpenTopics(transport::Endpoints& topics) override {
-    topics.Hear<msg::String>("order", [this](const msg::String& order) { order_ = order.data; });
+    topics.Subscribe<msg::String>("order",
+                                  [this](const msg::String& order) { order_ = order.data; });
   }
 
   std::string order_;

@@ -14,15 +14,15 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Goes on by its command, and throws by another.
+// Continues on its command, and throws on another.
 class Waiting : public fsm::State {
  public:
   explicit Waiting(std::string next) : next_name_(std::move(next)) {}
 
-  void Declare(fsm::Ways& ways) override {
-    next_ = ways.To(next_name_, "on command");
-    go_ = ways.On("go");
-    fail_ = ways.On("fail");
+  void Declare(fsm::Transitions& transitions) override {
+    next_ = transitions.To(next_name_, "on command");
+    go_ = transitions.On("go");
+    fail_ = transitions.On("fail");
   }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
     if (tick.command == fail_) throw std::runtime_error("no light");

@@ -119,7 +119,7 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
    public:
     Early() : FsmActuator("show") {}
     ~Early() override { Shutdown(); }
-    bool heard = false;
+    bool stop_seen = false;
     bool paused_early = false;
 
    private:
@@ -129,7 +129,7 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
         std::this_thread::yield();
       }
       RunOnLoop([this] { paused_early = paused_; });
-      heard = EmergencyStopped();
+      stop_seen = EmergencyStopped();
       machine.Add("A", std::make_unique<fsm::State>());
       return machine.Build("A");
     }
@@ -147,7 +147,7 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   Early show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   EXPECT_TRUE(show.Start().ok());
-  EXPECT_TRUE(show.heard);
+  EXPECT_TRUE(show.stop_seen);
   EXPECT_FALSE(show.paused_early);
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
@@ -173,14 +173,14 @@ class Nest : public FsmActuator {
 
  private:
   class Idle : public fsm::State {
-    void Declare(fsm::Ways& ways) override { ways.To("SHOW", "never"); }
+    void Declare(fsm::Transitions& transitions) override { transitions.To("SHOW", "never"); }
   };
   class Scenes : public fsm::Nested {
    public:
     using Nested::Nested;
-    void Declare(fsm::Ways& ways) override {
-      Nested::Declare(ways);
-      ways.To("IDLE", "never");
+    void Declare(fsm::Transitions& transitions) override {
+      Nested::Declare(transitions);
+      transitions.To("IDLE", "never");
     }
   };
   Result<> BuildMachine(fsm::Machine& machine) override {

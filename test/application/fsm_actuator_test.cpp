@@ -227,7 +227,7 @@ TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsMachineStopsAsItBegins) {
   EXPECT_THAT(result.actuators[0].message, HasSubstr("STOP: OnEnter: no, neither"));
 }
 
-TEST_F(AnFsmActuator, GoesOnInItsSafeStateWhenOnlyTheStartStateFails) {
+TEST_F(AnFsmActuator, ContinuesInItsSafeStateWhenOnlyTheStartStateFails) {
   Show show;
   show.data().throws = {{"GREET enters", "no"}};
   Begin(show);
@@ -243,7 +243,7 @@ TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
 }
 
-TEST_F(AnFsmActuator, GoesOnWhenTheWorldIsRestarted) {
+TEST_F(AnFsmActuator, ContinuesWhenTheWorldIsRestarted) {
   Show show;
   Begin(show);
   harness_.Tick(show, 3);

@@ -47,9 +47,9 @@ class Scene : public fsm::State {
   Scene(ShowData& data, std::string name, std::string next, Duration time)
       : data_(data), name_(std::move(name)), next_name_(std::move(next)), time_(time) {}
 
-  void Declare(fsm::Ways& ways) override {
-    next_ = ways.To(next_name_, "its time is over");
-    again_ = ways.On("again");
+  void Declare(fsm::Transitions& transitions) override {
+    next_ = transitions.To(next_name_, "its time is over");
+    again_ = transitions.On("again");
   }
   void OnEnter(const fsm::Tick&) override { data_.Do(name_ + " enters"); }
   void Run(const fsm::Tick&) override {
@@ -115,7 +115,7 @@ class Show : public FsmActuator {
     return machine.Build("GREET");
   }
   void OpenTopics(transport::Endpoints& topics) override {
-    topics.Hear<msg::String>("show/force", [this](const msg::String& state) {
+    topics.Subscribe<msg::String>("show/force", [this](const msg::String& state) {
       static_cast<void>(machine().Force(state.data));
     });
   }

@@ -1,4 +1,4 @@
-// What the decoder makes of bytes that are not ours: other byte orders, truncated and hostile
+// How the decoder handles bytes of other encoders: other byte orders, truncated and hostile
 // samples.
 
 #include <gtest/gtest.h>
@@ -197,7 +197,7 @@ TEST(Stamp, CountsNanosecondsForwardsAlsoBeforeZero) {
   }
 }
 
-// The sanitizers judge this one: whatever is decoded, nothing is read that is not there.
+// For the sanitizers: whatever is decoded, nothing is read beyond the buffer.
 TEST(Cdr, SurvivesDamagedSamples) {
   transport::sim::Random random(1);
   const Bytes good = Encode(Filled<SetState::Response>());

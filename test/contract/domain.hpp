@@ -28,9 +28,9 @@ struct LockedDomain {
   NameLock lock;
 };
 
-// One that nobody is in, the first from `begin` on. 1 to 101: the ports of 102 to 214 are among
-// those that the kernel gives to any socket, so that now and then one of them is taken, and the
-// examples' tests, which have no locks, have those above.
+// A domain without participants, the first from `begin` on. 1 to 101: the ports of 102 to 214 are
+// among those that the kernel gives to any socket, so that now and then one of them is taken, and
+// the examples' tests, which have no locks, have those above.
 inline LockedDomain LockFreeDomain(int begin) {
   constexpr int kCount = 101;
   for (int i = begin;; ++i) {

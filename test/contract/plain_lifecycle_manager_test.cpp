@@ -330,7 +330,8 @@ TEST_F(AMachineAndItsManagers, AFloodOfRequestsDoesNotDelayASwitch) {
   RecordProperty("switch_idle_ms", std::to_string(idle));
   RecordProperty("switch_in_flood_ms", std::to_string(beside));
   RecordProperty("requests", std::to_string(rogue.sent()));
-  EXPECT_GT(rogue.answers(), 0U) << "those that its reader, which keeps the last 10, has taken";
+  EXPECT_GT(rogue.answers(), 0U)
+      << "the replies that its reader, which keeps the last 10, has taken";
   EXPECT_EQ(arm_.CurrentState(), "Protected");
   EXPECT_LT(beside, 250.0) << "ms for a switch of two actuators; without the flood: " << idle;
   EXPECT_EQ(std::ranges::count(arm_.ran(), "SelfCheck"), 1)

@@ -1,5 +1,5 @@
 // CyberDog's manager as a plain C program meets it: idlc's types over real DDS, ROS 2's topic
-// names, and nothing of ours.
+// names, and no code of Musher.
 
 #include <dds/dds.h>
 #include <gmock/gmock.h>
@@ -138,7 +138,7 @@ class ManagerOfPlainPeers : public ::testing::Test {
   MachineController controller_;
 };
 
-TEST_F(ManagerOfPlainPeers, TellsItsStateAndKeepsIt) {
+TEST_F(ManagerOfPlainPeers, PublishesItsStateAndKeepsIt) {
   ASSERT_NO_FATAL_FAILURE(BringUp());
   auto answer = Call("machine_state_valget");
   ASSERT_TRUE(answer);
@@ -161,7 +161,7 @@ TEST_F(ManagerOfPlainPeers, TellsItsStateAndKeepsIt) {
   EXPECT_EQ(controller_.GetMachineState(), "Protected");
 }
 
-TEST_F(ManagerOfPlainPeers, IsSwitchedByATopicAndTellsOfIt) {
+TEST_F(ManagerOfPlainPeers, IsSwitchedByATopicAndPublishesIt) {
   const std::string ns = "rt/" + RobotFile::name_space() + "/";
   const dds_entity_t states =
       peer_.Reader(protocol_msg_dds__StateSwitchStatus__desc, ns + "state_switch_status");
@@ -176,8 +176,8 @@ TEST_F(ManagerOfPlainPeers, IsSwitchedByATopicAndTellsOfIt) {
   const std_msgs_msg_dds__UInt8_ low_power{2};
   ASSERT_EQ(dds_write(wanted, &low_power), DDS_RETCODE_OK);
   EXPECT_TRUE(Eventually([&] {
-    const auto told = Take<protocol_msg_dds__StateSwitchStatus_>(states);
-    return told && told->state == 2 && told->code == 0;
+    const auto published = Take<protocol_msg_dds__StateSwitchStatus_>(states);
+    return published && published->state == 2 && published->code == 0;
   }));
   EXPECT_TRUE(Eventually([&] { return controller_.GetMachineState() == "LowPower"; }));
 }

@@ -17,12 +17,14 @@ using Strings = std::vector<std::string>;
 class Publish : public Contract {
  protected:
   // A subscription that collects its samples.
-  std::unique_ptr<Subscription> Collect(Node& node, const std::string& topic, Strings& heard,
+  std::unique_ptr<Subscription> Collect(Node& node, const std::string& topic, Strings& received,
                                         const Qos& qos = kDefaultQos,
                                         SubscriptionEvents events = {}) {
     return Must(MakeSubscription<msg::String>(
         node, topic,
-        [&heard](const msg::String& message, const SampleInfo&) { heard.push_back(message.data); },
+        [&received](const msg::String& message, const SampleInfo&) {
+          received.push_back(message.data);
+        },
         qos, std::move(events)));
   }
 };
@@ -31,26 +33,26 @@ MUSHER_ON_EVERY_TRANSPORT(Publish);
 TEST_P(Publish, ReachesASubscriberInAnotherNode) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
-  Strings heard;
-  const auto subscription = Collect(*there, topic, heard);
+  Strings received;
+  const auto subscription = Collect(*there, topic, received);
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   ASSERT_TRUE(publisher->Publish({"hello"}));
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
-  EXPECT_THAT(heard, ElementsAre("hello"));
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
+  EXPECT_THAT(received, ElementsAre("hello"));
 }
 
 TEST_P(Publish, ReachesASubscriberInTheSameNode) {
   const auto node = MakeNode();
   const std::string topic = Unique("chat");
-  Strings heard;
-  const auto subscription = Collect(*node, topic, heard);
+  Strings received;
+  const auto subscription = Collect(*node, topic, received);
   const auto publisher = Must(MakePublisher<msg::String>(*node, topic));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   ASSERT_TRUE(publisher->Publish({"hello"}));
-  EXPECT_TRUE(heard.empty()) << "callbacks must not run inside Publish()";
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
-  EXPECT_THAT(heard, ElementsAre("hello"));
+  EXPECT_TRUE(received.empty()) << "callbacks must not run inside Publish()";
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
+  EXPECT_THAT(received, ElementsAre("hello"));
 }
 
 TEST_P(Publish, GivesALatchedSampleToALateJoiner) {
@@ -59,12 +61,12 @@ TEST_P(Publish, GivesALatchedSampleToALateJoiner) {
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic, kLatchedQos));
   ASSERT_TRUE(publisher->Publish({"old"}));
   ASSERT_TRUE(publisher->Publish({"new"}));
-  Strings heard;
-  const auto subscription = Collect(*there, topic, heard, kLatchedQos);
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
+  Strings received;
+  const auto subscription = Collect(*there, topic, received, kLatchedQos);
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
   ASSERT_TRUE(publisher->Publish({"newest"}));
-  ASSERT_TRUE(RunUntil([&] { return heard.size() == 2; }));
-  EXPECT_THAT(heard, ElementsAre("new", "newest"));
+  ASSERT_TRUE(RunUntil([&] { return received.size() == 2; }));
+  EXPECT_THAT(received, ElementsAre("new", "newest"));
 }
 
 TEST_P(Publish, GivesALateJoinerAsManyLatchedSamplesAsTheDepthSays) {
@@ -73,10 +75,10 @@ TEST_P(Publish, GivesALateJoinerAsManyLatchedSamplesAsTheDepthSays) {
   constexpr Qos kThree{Qos::Reliability::kReliable, Qos::Durability::kTransientLocal, 3};
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic, kThree));
   for (const char* text : {"1", "2", "3", "4"}) ASSERT_TRUE(publisher->Publish({text}));
-  Strings heard;
-  const auto subscription = Collect(*there, topic, heard, kThree);
-  ASSERT_TRUE(RunUntil([&] { return heard.size() == 3; }));
-  EXPECT_THAT(heard, ElementsAre("2", "3", "4"));
+  Strings received;
+  const auto subscription = Collect(*there, topic, received, kThree);
+  ASSERT_TRUE(RunUntil([&] { return received.size() == 3; }));
+  EXPECT_THAT(received, ElementsAre("2", "3", "4"));
 }
 
 TEST_P(Publish, GivesALateJoinerTheLatchOfEachOfManyWriters) {
@@ -88,10 +90,10 @@ TEST_P(Publish, GivesALateJoinerTheLatchOfEachOfManyWriters) {
   ASSERT_TRUE(first->Publish({"first"}));
   ASSERT_TRUE(second->Publish({"second"}));
   ASSERT_TRUE(third->Publish({"third"}));
-  Strings heard;
-  const auto subscription = Collect(*there, topic, heard, kLatchedFromManyQos);
-  ASSERT_TRUE(RunUntil([&] { return heard.size() == 3; }));
-  EXPECT_THAT(heard, UnorderedElementsAre("first", "second", "third"));
+  Strings received;
+  const auto subscription = Collect(*there, topic, received, kLatchedFromManyQos);
+  ASSERT_TRUE(RunUntil([&] { return received.size() == 3; }));
+  EXPECT_THAT(received, UnorderedElementsAre("first", "second", "third"));
 }
 
 TEST_P(Publish, MatchesInPartitionsWhichAReaderOfAllReceives) {
@@ -105,77 +107,77 @@ TEST_P(Publish, MatchesInPartitionsWhichAReaderOfAllReceives) {
   const auto second = Must(MakePublisher<msg::String>(*here, topic, other));
   ASSERT_TRUE(first->Publish({"1"}));
   ASSERT_TRUE(second->Publish({"2"}));
-  Strings heard, heard_in_one, heard_in_none;
+  Strings received, received_in_one, received_in_none;
   const auto of_all = Must(MakeSubscription<msg::String>(
       *there, topic,
       [&](const msg::String& message, const SampleInfo& info) {
-        heard.push_back(message.data + " in " + std::string(info.partition.value_or("none")));
+        received.push_back(message.data + " in " + std::string(info.partition.value_or("none")));
       },
       all));
-  const auto of_one = Collect(*there, topic, heard_in_one, one);
-  const auto of_none = Collect(*there, topic, heard_in_none, kLatchedQos);
-  ASSERT_TRUE(RunUntil([&] { return heard.size() == 2 && !heard_in_one.empty(); }));
-  EXPECT_THAT(heard, UnorderedElementsAre("1 in one", "2 in other"));
-  EXPECT_THAT(heard_in_one, ElementsAre("1"));
-  EXPECT_THAT(heard_in_none, ElementsAre());
+  const auto of_one = Collect(*there, topic, received_in_one, one);
+  const auto of_none = Collect(*there, topic, received_in_none, kLatchedQos);
+  ASSERT_TRUE(RunUntil([&] { return received.size() == 2 && !received_in_one.empty(); }));
+  EXPECT_THAT(received, UnorderedElementsAre("1 in one", "2 in other"));
+  EXPECT_THAT(received_in_one, ElementsAre("1"));
+  EXPECT_THAT(received_in_none, ElementsAre());
 }
 
 TEST_P(Publish, KeepsTheOrderOfAWriter) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("count");
   constexpr Qos kAll{Qos::Reliability::kReliable, Qos::Durability::kVolatile, 0};
-  Strings heard, sent;
-  const auto subscription = Collect(*there, topic, heard, kAll);
+  Strings received, sent;
+  const auto subscription = Collect(*there, topic, received, kAll);
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic, kAll));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   for (int i = 0; i < 200; ++i) {
     sent.push_back(std::to_string(i));
     ASSERT_TRUE(publisher->Publish({sent.back()}));
   }
-  ASSERT_TRUE(RunUntil([&] { return heard.size() >= sent.size(); }));
-  EXPECT_EQ(heard, sent);
+  ASSERT_TRUE(RunUntil([&] { return received.size() >= sent.size(); }));
+  EXPECT_EQ(received, sent);
 }
 
 TEST_P(Publish, CarriesASampleOfAMegabyte) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("image");
-  Strings heard;
-  const auto subscription = Collect(*there, topic, heard);
+  Strings received;
+  const auto subscription = Collect(*there, topic, received);
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   std::string large(1 << 20, ' ');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>('a' + i * 7 % 26);
   ASSERT_TRUE(publisher->Publish({large}));
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
-  EXPECT_TRUE(heard.front() == large);
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
+  EXPECT_TRUE(received.front() == large);
 }
 
 TEST_P(Publish, DropsAndCountsAMalformedSample) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
-  Strings heard;
-  const auto subscription = Collect(*there, topic, heard);
+  Strings received;
+  const auto subscription = Collect(*there, topic, received);
   const auto writer =
       Must(here->MakeRawWriter("rt/" + topic, std::string(msg::String::kTypeName), {}, {}));
   ASSERT_TRUE(RunUntil([&] { return writer->MatchedReaders() == 1; }));
   const msg::Bytes good = msg::Encode(msg::String{"good"});
   ASSERT_TRUE(writer->Write({good.begin(), good.end() - 4}));
   ASSERT_TRUE(writer->Write(good));
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
-  EXPECT_THAT(heard, ElementsAre("good"));
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
+  EXPECT_THAT(received, ElementsAre("good"));
   EXPECT_EQ(subscription->malformed(), 1u);
 }
 
 TEST_P(Publish, DoesNotMatchATopicOfAnotherType) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
-  Strings heard;
+  Strings received;
   const auto other = Must(here->MakeRawWriter("rt/" + topic, "other::msg::dds_::Type_", {}, {}));
-  const auto subscription = Collect(*there, topic, heard);
+  const auto subscription = Collect(*there, topic, received);
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   ASSERT_TRUE(publisher->Publish({"hello"}));
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
   EXPECT_EQ(other->MatchedReaders(), 0);
   EXPECT_EQ(subscription->MatchedWriters(), 1);
 }
@@ -203,16 +205,16 @@ TEST_P(Publish, ReportsALostWriterAfterItsLastSample) {
   const auto there = MakeNode();
   const std::string topic = Unique("status");
   PeerId writer = 0, lost = 0;
-  Strings heard;
+  Strings received;
   SubscriptionEvents events;
   events.on_writer_lost = [&](PeerId peer) {
-    EXPECT_EQ(heard.size(), 1u);
+    EXPECT_EQ(received.size(), 1u);
     lost = peer;
   };
   const auto subscription = Must(MakeSubscription<msg::String>(
       *there, topic,
       [&](const msg::String& message, const SampleInfo& info) {
-        heard.push_back(message.data);
+        received.push_back(message.data);
         writer = info.writer;
       },
       kLatchedQos, std::move(events)));
@@ -230,18 +232,18 @@ TEST_P(Publish, ReportsALostWriterAfterItsLastSample) {
 TEST_P(Publish, LetsACallbackDropItsOwnSubscription) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
-  int heard = 0;
+  int received = 0;
   std::unique_ptr<Subscription> subscription;
   subscription =
       Must(MakeSubscription<msg::String>(*there, topic, [&](const msg::String&, const SampleInfo&) {
-        ++heard;
+        ++received;
         subscription.reset();
       }));
   const auto publisher = Must(MakePublisher<msg::String>(*here, topic));
   ASSERT_TRUE(RunUntil([&] { return publisher->MatchedReaders() == 1; }));
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(publisher->Publish({"hello"}));
-  ASSERT_TRUE(RunUntil([&] { return heard > 0 && publisher->MatchedReaders() == 0; }));
-  EXPECT_EQ(heard, 1);
+  ASSERT_TRUE(RunUntil([&] { return received > 0 && publisher->MatchedReaders() == 0; }));
+  EXPECT_EQ(received, 1);
 }
 
 }  // namespace musher::transport::publish_test

@@ -18,14 +18,14 @@ using Answer = std::optional<Result<SetState::Response>>;
 
 constexpr Duration kLong = std::chrono::seconds(15);
 
-// Tells the target of the request back as the outcome.
+// Returns the target of the request as the outcome.
 SetState::Response Echo(const SetState::Request& request) {
   SetState::Response response;
   response.outcome = request.target;
   return response;
 }
 
-SetState::Request Ask(const std::string& target) {
+SetState::Request RequestFor(const std::string& target) {
   return {target, ""};
 }
 
@@ -41,7 +41,7 @@ class Service : public Contract {
 
   static void Call(Client<SetState>& client, const std::string& target, Answer& answer,
                    Duration timeout = kLong) {
-    client.Call(Ask(target), timeout, [&answer](Result<SetState::Response> response) {
+    client.Call(RequestFor(target), timeout, [&answer](Result<SetState::Response> response) {
       EXPECT_FALSE(answer) << "a call must end once";
       answer.emplace(std::move(response));
     });
@@ -143,11 +143,11 @@ TEST_P(Service, EndsACallInTimeWhenTheServerIsSilent) {
   ASSERT_FALSE(*answer);
   EXPECT_EQ(answer->error().code, kCodeTimeout);
 
-  late(Echo(Ask("too late")));  // must not be taken for the answer to the next call
+  late(Echo(RequestFor("too late")));  // must not be taken for the answer to the next call
   Call(*client, "next", next);
   late = nullptr;
   ASSERT_TRUE(RunUntil([&] { return late != nullptr; }));
-  late(Echo(Ask("next")));
+  late(Echo(RequestFor("next")));
   ASSERT_TRUE(RunUntil([&] { return next.has_value(); }));
   EXPECT_EQ(Outcome(next), "next");
 }
@@ -156,13 +156,13 @@ TEST_P(Service, EndsACallInTimeWhenTheServerCrashes) {
   const auto here = MakeNode();
   auto there = MakeNode();
   const std::string name = Unique("set_state");
-  bool asked = false;
+  bool called = false;
   auto server = Must(MakeServer<SetState>(
-      *there, name, [&](const SetState::Request&, const auto&) { asked = true; }));
+      *there, name, [&](const SetState::Request&, const auto&) { called = true; }));
   const auto client = Must(MakeClient<SetState>(*here, name));
   Answer answer;
   Call(*client, "Active", answer, Milliseconds(2000));
-  ASSERT_TRUE(RunUntil([&] { return asked; }));
+  ASSERT_TRUE(RunUntil([&] { return called; }));
   server.reset();
   there.reset();
   ASSERT_TRUE(RunUntil([&] { return !client->Ready(); }));
@@ -171,7 +171,7 @@ TEST_P(Service, EndsACallInTimeWhenTheServerCrashes) {
   EXPECT_EQ(answer->error().code, kCodeTimeout);
 }
 
-TEST_P(Service, FindsTheServerThatReplacesADeadOne) {
+TEST_P(Service, FindsTheServerThatReplacesACrashedServer) {
   const auto here = MakeNode();
   auto there = MakeNode();
   const std::string name = Unique("set_state");
@@ -280,14 +280,14 @@ TEST_P(Service, LetsAReplyDropItsClientAndAHandlerItsServer) {
       }));
   auto client = Must(MakeClient<SetState>(*here, name));
   bool answered = false;
-  client->Call(Ask("go"), kLong, [&](const auto& response) {
+  client->Call(RequestFor("go"), kLong, [&](const auto& response) {
     answered = response.ok();
     client.reset();
   });
   ASSERT_TRUE(RunUntil([&] { return answered; }));
   EXPECT_EQ(client, nullptr);
   client = Must(MakeClient<SetState>(*here, name));
-  client->Call(Ask("stop"), kLong, [](const auto&) {});
+  client->Call(RequestFor("stop"), kLong, [](const auto&) {});
   ASSERT_TRUE(RunUntil([&] { return server == nullptr; }));
 }
 
@@ -295,7 +295,7 @@ TEST_P(Service, EndsNoCallOfADroppedClient) {
   const auto here = MakeNode();
   auto client = Must(MakeClient<SetState>(*here, Unique("set_state")));
   bool ended = false, later = false;
-  client->Call(Ask("Active"), Milliseconds(20), [&](const auto&) { ended = true; });
+  client->Call(RequestFor("Active"), Milliseconds(20), [&](const auto&) { ended = true; });
   client.reset();
   const auto timer = loop().At(loop().Now() + Milliseconds(40), [&] { later = true; });
   ASSERT_TRUE(RunUntil([&] { return later; }));

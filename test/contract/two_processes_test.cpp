@@ -83,18 +83,18 @@ TEST_P(TwoProcesses, AnswerACallMadeBeforeTheyKnowEachOther) {
 
 TEST_P(TwoProcesses, CarrySamplesOfMoreThanOnePacket) {
   PeerProcess peer(name_);
-  std::string heard;
+  std::string received;
   const auto back = Must(MakeSubscription<msg::String>(
       node(), name_ + "/image_back",
-      [&](const msg::String& message, const SampleInfo&) { heard = message.data; }));
+      [&](const msg::String& message, const SampleInfo&) { received = message.data; }));
   const auto image = Must(MakePublisher<msg::String>(node(), name_ + "/image"));
   ASSERT_TRUE(
       RunUntil([&] { return image->MatchedReaders() == 1 && back->MatchedWriters() == 1; }));
   std::string large(1 << 20, ' ');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>('a' + i * 7 % 26);
   ASSERT_TRUE(image->Publish({large}));
-  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
-  EXPECT_TRUE(heard == large);
+  ASSERT_TRUE(RunUntil([&] { return !received.empty(); }));
+  EXPECT_TRUE(received == large);
 }
 
 TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
@@ -112,7 +112,7 @@ TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
   peer.Kill();
   ASSERT_TRUE(RunUntil([&] { return lost != 0 && !client->Ready(); }));
   EXPECT_EQ(lost, writer);
-  // By the lease that was asked for: where nobody asks, "local" has one of ten seconds.
+  // By the configured lease: without it, "local" has one of ten seconds.
   EXPECT_LT(loop().Now() - killed, Milliseconds(8 * kLeaseMs));
 }
 

@@ -1,4 +1,4 @@
-// The hashes by which ROS 2 compares types: ours are rosidl's.
+// The hashes by which ROS 2 compares types: Musher's are rosidl's.
 
 #include "musher/messages/type_hash.hpp"
 
@@ -47,7 +47,7 @@ TEST(TypeHashes, DifferFromATableWithAWrongRow) {
   EXPECT_THAT(Differences(table), ElementsAre(HasSubstr("std_msgs/msg/Header: RIHS01_")));
 }
 
-TEST(TypeHashes, DifferFromATableWithoutARowOfOurs) {
+TEST(TypeHashes, DifferFromATableWithoutARowOfMusher) {
   HashTable table = JazzyTypeHashes();
   table.erase("std_srvs/srv/Trigger_Request");
   EXPECT_THAT(Differences(table),

@@ -1,4 +1,4 @@
-// What an application's state machine tells on the wire: as the IDL says.
+// What an application's state machine publishes on the wire: as in the IDL.
 
 #include <musher_msgs_behavior.h>
 

@@ -108,7 +108,7 @@ class Wire : public ::testing::Test {
     }
   }
 
-  // For a message: its name on the wire is ours, too.
+  // For a message: its name on the wire is Musher's, too.
   template <class C, class M>
   void ExchangeMessage(const dds_topic_descriptor_t& type) {
     EXPECT_EQ(type.m_typename, M::kTypeName);

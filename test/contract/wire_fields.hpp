@@ -1,5 +1,5 @@
 #pragma once
-// Field by field, by name: that a sample of a plain C program (idlc's struct) and one of ours are
+// Field by field, by name: that a sample of a plain C program (idlc's struct) and one of Musher are
 // the same. A field that is missing here is still caught when it makes the round trip.
 
 #include <lifecycle_msgs.h>

@@ -82,7 +82,7 @@ class Backtrace : public ::testing::Test {
     std::ofstream(folder_ / name) << "#!/bin/sh\n" << script << "\n";
     chmod((folder_ / name).c_str(), 0700);
   }
-  // One that stops what it looks at and does not end; killed then, it leaves it stopped.
+  // A tool that stops the process and hangs; when it is killed, the process stays stopped.
   void WriteToolThatHangs() {
     WriteTool("eu-stack",
               "echo $$ > " + (folder_ / "tool") + "; kill -STOP $2; exec /bin/sleep 1000");
@@ -108,7 +108,7 @@ class Backtrace : public ::testing::Test {
     Begin(pid, timeout);
     EXPECT_FALSE(result_) << "called inside Take()";
     EXPECT_TRUE(Eventually([this] { return result_.has_value(); }));
-    return result_.value_or(Error{kCodeFailed, "nothing was told"});
+    return result_.value_or(Error{kCodeFailed, "nothing was reported"});
   }
   Error TakeFails(pid_t pid, Duration timeout = std::chrono::seconds(30)) {
     const auto result = Take(pid, timeout);
@@ -188,7 +188,7 @@ TEST_F(Backtrace, ReportsThatTheProcessDoesNotExist) {
   EXPECT_EQ(TakeFails(pid).message, "there is no process " + std::to_string(pid));
 }
 
-TEST_F(Backtrace, IsNotTakenOfOurselves) {
+TEST_F(Backtrace, IsNotTakenOfThisProcess) {
   WriteTool("eu-stack", "echo '#0'");
   EXPECT_EQ(TakeFails(getpid()).code, kCodeParametersInvalid);
 }
@@ -220,7 +220,7 @@ TEST_F(Backtrace, KillsASlowToolAndContinuesTheProcess) {
   const Error error = TakeFails(hung_.pid(), Milliseconds(1000));
   EXPECT_EQ(error.code, kCodeTimeout);
   EXPECT_EQ(error.message, "eu-stack did not exit within 1000 ms");
-  EXPECT_TRUE(Eventually([this] { return RunStateOf(ToolPid()) == ProcessRunState::kGone; }));
+  EXPECT_TRUE(Eventually([this] { return RunStateOf(ToolPid()) == ProcessRunState::kExited; }));
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kRunning; }));
   EXPECT_EQ(calls_, 1);
 }
@@ -229,10 +229,10 @@ TEST_F(Backtrace, IsForgottenWithItsTaker) {
   WriteToolThatHangs();
   Begin(hung_.pid());
   ASSERT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kStopped; }));
-  Begin(hung_.pid());  // refused, but not told any more
+  Begin(hung_.pid());  // refused, but not reported any more
   taker_ = nullptr;
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kRunning; }));
-  EXPECT_EQ(RunStateOf(ToolPid()), ProcessRunState::kGone);
+  EXPECT_EQ(RunStateOf(ToolPid()), ProcessRunState::kExited);
   EXPECT_EQ(calls_, 0);
 }
 

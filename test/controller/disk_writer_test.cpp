@@ -96,7 +96,7 @@ TEST_F(Writer, DoesNotHoldUpTheLoopWhileTheDiskStalls) {
   ASSERT_TRUE(AwaitEnds(1));
 }
 
-TEST_F(Writer, KeepsOnlyTheLastOfWhatWaitsUnderOneKey) {
+TEST_F(Writer, KeepsOnlyTheLastWaitingJobOfAKey) {
   Do("epoch", "epoch 1");
   gate_->AwaitBegun(1);
   for (int i = 0; i < 1000; ++i) Do("policy", "policy " + std::to_string(i));
@@ -115,7 +115,7 @@ TEST_F(Writer, ReportsNothingOfAJobThatWasReplacedWhileItRan) {
   ASSERT_TRUE(AwaitEnds(1));
   EXPECT_TRUE(writer_->Flush(std::chrono::seconds(20)));
   loop_.RunUntil([] { return false; }, loop_.Now());
-  EXPECT_THAT(ended_, ElementsAre("new")) << "the old value on disk is not what was asked for";
+  EXPECT_THAT(ended_, ElementsAre("new")) << "the old value on disk is not the requested one";
 }
 
 TEST_F(Writer, ReportsAFailureOnceAndTheSuccessOfALaterAttempt) {

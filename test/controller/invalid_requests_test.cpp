@@ -70,10 +70,10 @@ class InvalidRequests : public ::testing::Test {
   // A command as the controller would send it now, but for what the test changes.
   ActuatorCommand::Response Command(std::function<void(ActuatorCommand::Request&)> change) {
     const std::string service = transport::CommandService(NameSpace(), "arm");
-    ActuatorCommand::Request ask;
-    ask.kind = ActuatorCommand::kKindAsk;
-    ask.epoch = 1;
-    const auto status = Call<ActuatorCommand>(service, ask).status;
+    ActuatorCommand::Request query;
+    query.kind = ActuatorCommand::kKindAsk;
+    query.epoch = 1;
+    const auto status = Call<ActuatorCommand>(service, query).status;
     ActuatorCommand::Request request;
     request.kind = ActuatorCommand::kKindSwitch;
     request.epoch = status.epoch;
@@ -112,7 +112,7 @@ TEST_F(InvalidRequests, AnUnknownStateIsRefusedAndTheNearestIsNamed) {
   EXPECT_EQ(response.state, "Active");
 }
 
-// What was asked for at once after a switch was answered with less than had happened.
+// A query right after a switch was answered with less than had happened.
 TEST_F(InvalidRequests, TheHistoryHasAllEntriesFromBeforeTheRequest) {
   for (int number = 4; number <= 12; number += 2) {
     EXPECT_EQ(Set("LowPower").outcome, "done");

@@ -1,5 +1,5 @@
-// A journal that is cut short or has wrong bytes in it is read as far as it goes, and says so:
-// whatever is not told is told to be missing.
+// A journal that is cut short or has wrong bytes is read as far as possible: whatever is not read
+// is reported as missing.
 
 #include <gmock/gmock.h>
 
@@ -37,8 +37,8 @@ class JournalDamage : public JournalTest {
     std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
   }
 
-  // Reads what is there both ways.
-  void ExpectToldOrMissing(const std::string& what) {
+  // Reads the remaining entries in both directions.
+  void ExpectReportedOrMissing(const std::string& what) {
     const auto history = ReadJournal(path_, 0, kAll);
     if (history) {
       ++read_;
@@ -80,7 +80,7 @@ TEST_F(JournalDamage, CutShortAnywhereIsReadAsFarAsItGoes) {
   ASSERT_GT(whole_.size(), 100'000U);
   for (std::size_t size = 0; size < whole_.size(); size += 1531) {
     Put(whole_.substr(0, size));
-    ExpectToldOrMissing("cut to " + std::to_string(size));
+    ExpectReportedOrMissing("cut to " + std::to_string(size));
   }
   EXPECT_GT(read_, 20);
   EXPECT_GT(said_, 20);
@@ -94,7 +94,7 @@ TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
     for (std::size_t i = 0; i < kPage; ++i)
       bytes[page * kPage + i] = static_cast<char>(i * 37 + page);
     Put(bytes);
-    ExpectToldOrMissing("page " + std::to_string(page));
+    ExpectReportedOrMissing("page " + std::to_string(page));
     const auto history = ReadJournal(path_, 0, kAll);
     if (!history || history.value().damage.empty()) continue;
     most = std::max(most, history.value().entries.size());
@@ -111,7 +111,7 @@ TEST_F(JournalDamage, WithFlippedBytesIsReadWithoutACrash) {
     std::string bytes = whole_;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x55);
     Put(bytes);
-    ExpectToldOrMissing("flipped " + std::to_string(at));
+    ExpectReportedOrMissing("flipped " + std::to_string(at));
   }
   EXPECT_GT(read_, 100);
   EXPECT_GT(said_, 3);
@@ -137,7 +137,7 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
 
 TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {
   std::string other_database = whole_;
-  other_database[68] = 'X';  // of the number that tells a journal from other databases
+  other_database[68] = 'X';  // of the number that identifies a journal among databases
   for (const std::string& bytes : {std::string(), std::string("Dear diary"), other_database}) {
     Put(bytes);
     EXPECT_FALSE(ReadJournal(path_, 0, kAll));

@@ -20,8 +20,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-// While it lives no file of this process can grow beyond a few pages: writing fails as on a full
-// disk.
+// During its lifetime no file of this process can grow beyond a few pages: writing fails as on a
+// full disk.
 class FullDisk {
  public:
   FullDisk() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -43,7 +43,7 @@ class FullDisk {
 
 class JournalTrouble : public JournalTest {
  protected:
-  // A directory where the file should be can't be opened, and can't be repaired by anybody but us.
+  // A directory where the file should be cannot be opened, and only this process can repair it.
   void BlockThePath() { fs::create_directory(path_); }
   void ClearThePath() { fs::remove(path_); }
 

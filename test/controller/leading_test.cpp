@@ -1,5 +1,5 @@
-// Only the controller that leads answers clients: not one that looks around, not one that another
-// controller has fenced and that lives on inside a program.
+// Only the leading controller answers clients: not a controller that is still listening, and not a
+// fenced controller that continues to run inside a program.
 
 #include <gmock/gmock.h>
 

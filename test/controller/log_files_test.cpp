@@ -65,7 +65,7 @@ class Logs : public ::testing::Test {
     const auto output = logs_->Output(name);
     return output ? output->get() : -1;
   }
-  // Lines "legs 000000017 ...", 50 bytes each, that go on where the last call ended.
+  // Lines "legs 000000017 ...", 50 bytes each, that continue from the last call.
   void Print(std::int64_t bytes, const std::string& name = "legs") {
     const int output = Output(name);
     ASSERT_GE(output, 0);
@@ -189,7 +189,7 @@ TEST_F(Logs, OfAFloodAreCutInTheMiddleWithALineThatSaysHowMuch) {
   EXPECT_THAT(part, StartsWith(Line("legs", 0)));
   EXPECT_THAT(part, HasSubstr("bytes dropped here: output exceeded the log rate limit]\n"));
   EXPECT_THAT(ReadFile(legs_), EndsWith(Line("legs", next_["legs"] - 1)));
-  // What is there and what is said to be dropped is what was printed.
+  // The lines on disk and the lines reported as dropped are all printed lines.
   const std::size_t note = part.find("\n[musher: ");
   const std::int64_t dropped = std::stoll(part.substr(note + 10));
   EXPECT_EQ(static_cast<std::int64_t>(note + fs::file_size(legs_)) + dropped,

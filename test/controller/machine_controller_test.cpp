@@ -18,7 +18,7 @@ using testing::kAllStates;
 using ::testing::Pair;
 using testing::RobotFile;
 
-// An actuator whose callbacks can be told to fail or to wait.
+// An actuator whose callbacks fail or wait on request.
 class Puppet : public MachineActuator {
  public:
   Puppet(const std::string& name, const RobotFile& file,
@@ -29,7 +29,7 @@ class Puppet : public MachineActuator {
         entered.set_value();
         gate.get_future().wait();
       }
-      if (state == fails_in) return Error{5001, "told to"};
+      if (state == fails_in) return Error{5001, "by the test"};
       return Ok();
     });
     started = Init(file.path(), std::move(node)).ok() && Start().ok();
@@ -88,14 +88,14 @@ TEST_F(Controlling, SwitchesOneActuatorOnly) {
   EXPECT_FALSE(controller_.GetState("tail", state));
 }
 
-TEST_F(Controlling, GivesTheCodeAndMessageOfTheOneThatFailedAndUndoesTheRest) {
+TEST_F(Controlling, ReturnsTheCodeAndMessageOfTheFailedActuatorAndUndoesTheRest) {
   BringUp();
   ASSERT_TRUE(controller_.SetState("LowPower"));
   leg_.fails_in = "Active";
   const SwitchResult result = controller_.Switch("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
   EXPECT_EQ(result.code, 5001);
-  EXPECT_THAT(result.reason, HasSubstr("told to"));
+  EXPECT_THAT(result.reason, HasSubstr("by the test"));
   EXPECT_EQ(arm_.CurrentState(), "LowPower");
   EXPECT_FALSE(controller_.SetState("Active"));
 }

@@ -25,7 +25,7 @@ class Inputs : public ::testing::Test {
   }
   void Open() {
     inputs_ = PolicyInputs::Make(*node_, config_, [this](const Event& event) {
-                heard_.push_back(event);
+                received_.push_back(event);
               }).value();
     batteries_ = Made(transport::MakePublisher<msg::BmsStatus>(*robot_, "dog1/bms_status"));
     motions_ = Made(transport::MakePublisher<msg::MotionStatus>(*robot_, "dog1/motion_status"));
@@ -44,8 +44,8 @@ class Inputs : public ::testing::Test {
     Pass(motions_->Publish(status));
   }
   void Clock(Duration time) { Pass(clocks_->Publish({msg::ToStamp(time)})); }
-  // What was heard since the last call.
-  std::vector<Event> Heard() { return std::exchange(heard_, {}); }
+  // The events since the last call.
+  std::vector<Event> TakeReceived() { return std::exchange(received_, {}); }
 
   MachineConfig config_;
   transport::sim::Network network_{1};
@@ -66,7 +66,7 @@ class Inputs : public ::testing::Test {
     network_.RunFor(Milliseconds(100));
   }
 
-  std::vector<Event> heard_;
+  std::vector<Event> received_;
 };
 
 TEST_F(Inputs, OfRepeatedSamplesOnlyChangesBecomeEvents) {
@@ -76,7 +76,7 @@ TEST_F(Inputs, OfRepeatedSamplesOnlyChangesBecomeEvents) {
   Battery(79, true);
   for (const std::int32_t motion : {303, 304, 0, 101, 0, 303}) Motion(motion);
   EXPECT_THAT(
-      Heard(),
+      TakeReceived(),
       ElementsAre(Event(event::BatterySeen{80, false}), Event(event::BatterySeen{79, false}),
                   Event(event::BatterySeen{79, true}), Event(event::MotionSeen{303}),
                   Event(event::MotionSeen{0}), Event(event::MotionSeen{303})));
@@ -86,9 +86,9 @@ TEST_F(Inputs, SamplesFromBeforeTheBeginBecomeEventsAtTheBegin) {
   Open();
   Battery(50);
   Battery(49);
-  EXPECT_THAT(Heard(), IsEmpty());
+  EXPECT_THAT(TakeReceived(), IsEmpty());
   inputs_->Begin();
-  EXPECT_THAT(Heard(), ElementsAre(Event(event::BatterySeen{49, false})));
+  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::BatterySeen{49, false})));
 }
 
 TEST_F(Inputs, SilenceIsReportedOnceAndTheSameValueAfterItAgain) {
@@ -97,14 +97,14 @@ TEST_F(Inputs, SilenceIsReportedOnceAndTheSameValueAfterItAgain) {
   Motion(0);
   Battery(50);
   network_.RunFor(seconds(5));
-  EXPECT_THAT(Heard(),
+  EXPECT_THAT(TakeReceived(),
               ElementsAre(Event(event::MotionSeen{0}), Event(event::BatterySeen{50, false}),
                           Event(event::InputSilent{PolicyInput::kMotion})));
   network_.RunFor(seconds(60));
-  EXPECT_THAT(Heard(), ElementsAre(Event(event::InputSilent{PolicyInput::kBattery})));
+  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::InputSilent{PolicyInput::kBattery})));
   Motion(0);
   Battery(50);
-  EXPECT_THAT(Heard(),
+  EXPECT_THAT(TakeReceived(),
               ElementsAre(Event(event::MotionSeen{0}), Event(event::BatterySeen{50, false})));
 }
 
@@ -115,8 +115,8 @@ TEST_F(Inputs, ABatteryThatKeepsPublishingIsNotSilent) {
     Battery(50);
     network_.RunFor(seconds(1));
   }
-  EXPECT_THAT(Heard(), ElementsAre(Event(event::BatterySeen{50, false}),
-                                   Event(event::InputSilent{PolicyInput::kMotion})));
+  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::BatterySeen{50, false}),
+                                          Event(event::InputSilent{PolicyInput::kMotion})));
 }
 
 TEST_F(Inputs, TheTimeOfAWorldIsEmittedOnlyBeforeAnotherEventAndWhenDue) {
@@ -125,20 +125,20 @@ TEST_F(Inputs, TheTimeOfAWorldIsEmittedOnlyBeforeAnotherEventAndWhenDue) {
   config_.policy->low_power.reset();
   Open();
   inputs_->Begin();
-  const auto at = [](int s) { return Event(event::ClockHeard{Time(seconds(s))}); };
+  const auto at = [](int s) { return Event(event::ClockReceived{Time(seconds(s))}); };
   inputs_->WakeAt(Time(seconds(100)));
   Clock(seconds(40));  // the first: what was due keeps its distance
-  EXPECT_THAT(Heard(), ElementsAre(Event(event::ClockHeard{Time{}}), at(40)));
+  EXPECT_THAT(TakeReceived(), ElementsAre(Event(event::ClockReceived{Time{}}), at(40)));
   inputs_->WakeAt(Time(seconds(50)));
   for (int s = 41; s < 50; ++s) Clock(seconds(s));
-  EXPECT_THAT(Heard(), IsEmpty());
+  EXPECT_THAT(TakeReceived(), IsEmpty());
   Clock(seconds(50));
-  EXPECT_THAT(Heard(), ElementsAre(at(50)));
+  EXPECT_THAT(TakeReceived(), ElementsAre(at(50)));
   Clock(seconds(51));
   Battery(50);
-  EXPECT_THAT(Heard(), ElementsAre(at(51), Event(event::BatterySeen{50, false})));
+  EXPECT_THAT(TakeReceived(), ElementsAre(at(51), Event(event::BatterySeen{50, false})));
   Clock(seconds(3));  // the world begins again
-  EXPECT_THAT(Heard(), ElementsAre(at(3)));
+  EXPECT_THAT(TakeReceived(), ElementsAre(at(3)));
 }
 
 TEST_F(Inputs, WithoutAPolicyThereAreNone) {

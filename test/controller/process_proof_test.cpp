@@ -1,4 +1,4 @@
-// Whose process a pid is: a status can be published by anybody, with any pid of the controller's
+// Whose process a pid is: any process can publish a status, with any pid of the controller's
 // host. A pid that is not proven is never watched, traced or signalled.
 
 #include <gmock/gmock.h>
@@ -150,7 +150,7 @@ TEST_F(ProcessProof, NorIsItWatched) {
   EXPECT_EQ(Arm().dead, 0U);
 }
 
-TEST_F(ProcessProof, ItIsSaidOnceThatAPidIsNotProvenHoweverOftenItIsPublished) {
+TEST_F(ProcessProof, AnUnprovenPidIsReportedOnceHoweverOftenItIsPublished) {
   Bystander bystander;
   for (std::uint64_t incarnation = 100; incarnation < 110; ++incarnation) {
     Say(bystander.pid(), incarnation);
@@ -162,7 +162,7 @@ TEST_F(ProcessProof, ItIsSaidOnceThatAPidIsNotProvenHoweverOftenItIsPublished) {
             1);
 }
 
-TEST_F(ProcessProof, TheProcessThatHoldsTheNameIsBelievedAndEndsWithTheMachine) {
+TEST_F(ProcessProof, TheProcessThatHoldsTheNameIsAcceptedAndEndsWithTheMachine) {
   Bystander arm(NameOfArm());
   Say(arm.pid());
   EXPECT_EQ(Arm().report.pid, arm.pid());
@@ -177,7 +177,7 @@ TEST_F(ProcessProof, TheEndOfTheProcessThatHoldsTheNameIsSeenAtOnce) {
   EXPECT_TRUE(RunUntil([&] { return Arm().dead == 77; }));
 }
 
-TEST_F(ProcessProof, AnotherProcessIsNotBelievedBesideTheOneThatHoldsTheName) {
+TEST_F(ProcessProof, OnlyTheProcessThatHoldsTheNameIsAccepted) {
   Bystander arm(NameOfArm());
   Bystander bystander;
   Say(bystander.pid());
@@ -188,7 +188,7 @@ TEST_F(ProcessProof, AnotherProcessIsNotBelievedBesideTheOneThatHoldsTheName) {
   EXPECT_TRUE(bystander.IsAlive());
 }
 
-TEST_F(ProcessProof, ItIsSaidOfAProcessOfAnotherUserWhoseItIs) {
+TEST_F(ProcessProof, AProcessOfAnotherUserIsReportedWithItsUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
   ASSERT_EQ(seteuid(65534), 0);
   Bystander arm(NameOfArm());

@@ -1,4 +1,4 @@
-// Real processes. A child tells that it runs by writing into a named pipe, so no test waits for a
+// Real processes. A child reports that it runs by writing into a named pipe, so no test waits for a
 // time.
 
 #include "musher/controller/process_supervisor.hpp"
@@ -34,7 +34,7 @@ namespace musher::process_supervisor_test {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-TEST_F(Supervisor, TellsTheExitCode) {
+TEST_F(Supervisor, ReportsTheExitCode) {
   MustStart(Script("exit 3"));
   EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3, ""}));
   EXPECT_EQ(exit_->Text(), "exit code 3");
@@ -48,7 +48,7 @@ TEST_F(Supervisor, CallsExitCodeZeroClean) {
   EXPECT_TRUE(exit_->clean());
 }
 
-TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
+TEST_F(Supervisor, ReportsTheSignalThatKilledAProcess) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   kill(pid, SIGKILL);
@@ -57,7 +57,7 @@ TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
   EXPECT_EQ(exit_->code(), 0) << "a signal's number is no exit code";
 }
 
-TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {
+TEST_F(Supervisor, ReportsTheLastOutputOfAProcessThatExitsWithAnError) {
   std::ofstream(log_) << "of the one before\n";
   MustStart(Script("echo one; printf '  no\\033[1m such port\\n\\n \\n' >&2; exit 2"));
   ASSERT_TRUE(WaitForExit());
@@ -68,11 +68,11 @@ TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {
   EXPECT_EQ(exit_->Text(), "exit code 2") << "the words are another one's";
 }
 
-TEST_F(Supervisor, CutsLongLastWordsBetweenCharacters) {
+TEST_F(Supervisor, CutsLongLastOutputBetweenCharacters) {
   MustStart(Script("for i in $(seq 300); do printf ä; done; exit 1"));
   ASSERT_TRUE(WaitForExit());
-  EXPECT_EQ(exit_->last_words.size(), 200 + std::string("…").size());
-  EXPECT_TRUE(exit_->last_words.ends_with("ä…"));
+  EXPECT_EQ(exit_->last_output.size(), 200 + std::string("…").size());
+  EXPECT_TRUE(exit_->last_output.ends_with("ä…"));
 }
 
 TEST_F(Supervisor, LeavesNoZombie) {
@@ -109,7 +109,7 @@ TEST_F(Supervisor, AppendsOutputAndErrorsToTheLogFile) {
   EXPECT_EQ(ReadFile(log_), "before\nout\nerr\n");
 }
 
-TEST_F(Supervisor, GivesTheProcessItsFolderAndEnvironmentOnTopOfOurs) {
+TEST_F(Supervisor, GivesTheProcessItsFolderAndItsEnvironmentAddedToThatOfTheController) {
   setenv("MUSHER_TEST_OURS", "kept", 1);
   setenv("MUSHER_TEST_BOTH", "ours", 1);
   ProcessSpec spec = Script("pwd; echo $MUSHER_TEST_OURS $MUSHER_TEST_BOTH");
@@ -229,7 +229,7 @@ TEST_F(Supervisor, WaitsForLastWordsOnADiskThatStallsForAMomentOnly) {
   });
   MustStart(Script("echo no such port; exit 2"));
   ASSERT_TRUE(WaitForExit());
-  EXPECT_EQ(exit_->Text(), "exit code 2") << "its last words are on a disk that does not answer";
+  EXPECT_EQ(exit_->Text(), "exit code 2") << "its last output is on a disk that does not answer";
   disk_works.set_value();
 }
 
@@ -249,7 +249,7 @@ TEST_F(Supervisor, SignalsTheWholeGroup) {
   EXPECT_EQ(WaitForLine(), "helper got it");
 }
 
-TEST_F(Supervisor, KillsWhatIsLeftOfTheGroupWhenItsLeaderHasEnded) {
+TEST_F(Supervisor, KillsTheRestOfTheGroupWhenItsLeaderHasExited) {
   const pid_t leader = MustStart(
       Script("sh -c 'trap \"\" TERM HUP; echo $$ > $PIPE; while :; do sleep 1000; done' & wait"));
   const pid_t helper = std::stoi(WaitForLine());
@@ -291,34 +291,36 @@ TEST_F(Supervisor, WatchesAndSignalsAProcessOfTheControllerBeforeIt) {
 }
 
 // Several actuators in one process: the second watch was refused, and its end was seen by silence.
-TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
+TEST_F(Supervisor, ReportsAnExitToAllWatchers) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
-  std::vector<std::string> told;
-  const auto tell = [&](const std::string& name) {
-    return [&told, name](const ProcessExit& exit) { told.push_back(name + " " + exit.Text()); };
+  std::vector<std::string> reported;
+  const auto report = [&](const std::string& name) {
+    return [&reported, name](const ProcessExit& exit) {
+      reported.push_back(name + " " + exit.Text());
+    };
   };
-  ASSERT_TRUE(supervisor_->Watch(pid, tell("arm")));
-  ASSERT_TRUE(supervisor_->Watch(pid, tell("leg")));
+  ASSERT_TRUE(supervisor_->Watch(pid, report("arm")));
+  ASSERT_TRUE(supervisor_->Watch(pid, report("leg")));
   ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
   ASSERT_TRUE(WaitForExit());
   EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
-  EXPECT_THAT(told, ::testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
+  EXPECT_THAT(reported, ::testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
 }
 
-TEST_F(Supervisor, TellsAllThatWatchAProcessOfTheControllerBeforeItOfItsEnd) {
+TEST_F(Supervisor, ReportsTheExitOfAProcessOfAnEarlierControllerToAllWatchers) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);
-  int told = 0;
+  int reported = 0;
   for (int i = 0; i < 3; ++i) {
-    ASSERT_TRUE(supervisor_->Watch(pid, [&](const ProcessExit&) { ++told; }));
+    ASSERT_TRUE(supervisor_->Watch(pid, [&](const ProcessExit&) { ++reported; }));
   }
   ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
-  EXPECT_TRUE(loop_.RunUntil([&] { return told == 3; }, Deadline()));
+  EXPECT_TRUE(loop_.RunUntil([&] { return reported == 3; }, Deadline()));
 }
 
-TEST_F(Supervisor, DoesNotWatchAProcessThatIsGone) {
+TEST_F(Supervisor, DoesNotWatchAProcessThatHasExited) {
   const pid_t pid = MustStart(Script("exit 0"));
   ASSERT_TRUE(WaitForExit());
   const auto watched = supervisor_->Watch(pid, nullptr);

@@ -106,7 +106,7 @@ TEST_F(RebootedHost, IsCommandedAfterManyProcessesOfTheBootBefore) {
 }
 
 // It is back before the one from before is missed: its status is latched and comes once.
-TEST_F(RebootedHost, IsCommandedThoughItSpokeBeforeTheOneFromBeforeWasMissed) {
+TEST_F(RebootedHost, IsCommandedThoughItPublishedBeforeThePreviousProcessWasLost) {
   Start("remote/boot-1", 1'000'001);
   controller_.Begin(false);
   ASSERT_TRUE(IsUp());

@@ -1,4 +1,4 @@
-// A controller takes over from one of another host: the modules go on where they run, and none is
+// A controller takes over from one of another host: the modules continue to run, and none is
 // started a second time.
 
 #include <gmock/gmock.h>

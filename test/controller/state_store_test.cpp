@@ -76,7 +76,7 @@ TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
   EXPECT_EQ(loaded, stops);
 }
 
-TEST_F(Store, TakesADamagedOrShortenedFileOfEmergencyStopsForOneThatIsEngaged) {
+TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   StateStore store = MustOpen();
   for (const char* text : {"", "engaged 7\n", "released x\nend\n", "4711 \n", "by me\nend\n"}) {
     std::ofstream(dir_ + "/emergency_stop") << text;
@@ -91,7 +91,7 @@ TEST_F(Store, KeepsTheIntentToStopUntilItIsCleared) {
   EXPECT_TRUE(store.LoadStopIntent());
   ASSERT_TRUE(store.SaveStopIntent(false));
   EXPECT_FALSE(store.LoadStopIntent());
-  EXPECT_TRUE(store.SaveStopIntent(false)) << "it is gone already";
+  EXPECT_TRUE(store.SaveStopIntent(false)) << "it is removed already";
 }
 
 TEST_F(Store, KeepsTheActuatorsOfOtherHostsWithTheirHost) {
@@ -134,7 +134,7 @@ TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
   EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(getpid()) + " robot"));
 }
 
-TEST_F(Store, IsFreeAgainWhenItsOwnerIsGone) {
+TEST_F(Store, IsFreeAgainWhenItsOwnerHasExited) {
   { const StateStore first = MustOpen(); }
   EXPECT_TRUE(StateStore::Open(dir_, robot_));
 }

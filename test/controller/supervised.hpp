@@ -1,5 +1,5 @@
 #pragma once
-// Processes that a test starts through a supervisor. A child tells that it runs by writing into a
+// Processes that a test starts through a supervisor. A child reports that it runs by writing into a
 // named pipe, so no test waits for a time.
 
 #include <gtest/gtest.h>
@@ -80,13 +80,13 @@ class Supervisor : public ::testing::Test {
     const auto watch = loop_.WhenReadable(pipe_.get(), [&] {
       std::array<char, 512> buffer{};
       const ssize_t size = read(pipe_.get(), buffer.data(), buffer.size());
-      if (size > 0) heard_.append(buffer.data(), static_cast<std::size_t>(size));
+      if (size > 0) received_.append(buffer.data(), static_cast<std::size_t>(size));
     });
-    loop_.RunUntil([&] { return heard_.find('\n') != std::string::npos; }, Deadline());
-    const auto end = heard_.find('\n');
+    loop_.RunUntil([&] { return received_.find('\n') != std::string::npos; }, Deadline());
+    const auto end = received_.find('\n');
     EXPECT_NE(end, std::string::npos) << "no child has written a line";
-    std::string line = heard_.substr(0, end);
-    heard_.erase(0, end == std::string::npos ? end : end + 1);
+    std::string line = received_.substr(0, end);
+    received_.erase(0, end == std::string::npos ? end : end + 1);
     return line;
   }
 
@@ -108,7 +108,7 @@ class Supervisor : public ::testing::Test {
       open(log_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600)};
   const std::string pipe_path_ = folder_ / "pipe";
   transport::UniqueFd pipe_;
-  std::string heard_;
+  std::string received_;
   transport::LinuxEventLoop loop_;
   std::optional<ProcessExit> exit_;
   std::set<pid_t> started_;

@@ -1,6 +1,6 @@
-// A client whose controller ends during the switch that it requested: it is told within a second,
-// and hears from the successor what became of the switch. It waited for 60 s and blamed the
-// successor.
+// A client whose controller ends during the switch that it requested: it detects that within a
+// second, and gets the outcome of the switch from the successor. It waited for 60 s and reported an
+// error of the successor.
 
 #include "musher/controller/switch_client.hpp"
 
@@ -30,7 +30,7 @@ class Kernel {
       return std::make_unique<Handle>(*this, pid);
     };
   }
-  void TellEnd(std::int32_t pid) {
+  void ReportEnd(std::int32_t pid) {
     const auto watcher = watchers_.extract(pid);
     if (!watcher.empty()) watcher.mapped()();
   }
@@ -60,7 +60,7 @@ class SwitchClients : public TwoControllers {
                   *desk_, options, target, "",
                   [this](const std::string& news) {
                     news_.push_back(news);
-                    told_at_ = network_.now();
+                    reported_at_ = network_.now();
                   },
                   [this](const SwitchEnd& end) {
                     ++ends_;
@@ -81,7 +81,7 @@ class SwitchClients : public TwoControllers {
     killed_at_ = network_.now();
     const std::int32_t pid = first_.process->pid();
     first_.process.reset();
-    kernel_.TellEnd(pid);
+    kernel_.ReportEnd(pid);
   }
   // On the same host, with the disk of the first; or elsewhere.
   void StartSecond(bool elsewhere = false) {
@@ -99,7 +99,7 @@ class SwitchClients : public TwoControllers {
   std::vector<std::string> news_;
   std::optional<SwitchEnd> end_;
   int ends_ = 0;
-  Time told_at_{};
+  Time reported_at_{};
   Time killed_at_{};
   std::uint64_t number_ = 0;
 };
@@ -118,19 +118,19 @@ TEST_F(SwitchClients, AreNotifiedAtOnceOfAnExitedControllerOfTheirHostAndThenOfT
   const std::string pid = std::to_string(first_.process->pid());
   KillFirst();
   ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
-  EXPECT_LE(told_at_ - killed_at_, Milliseconds(300));
+  EXPECT_LE(reported_at_ - killed_at_, Milliseconds(300));
   EXPECT_THAT(news_[0], HasSubstr("the controller (pid " + pid +
                                   ", epoch 1) has exited during "
                                   "switch " +
                                   std::to_string(number_) + " to LowPower"));
   StartSecond();
-  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(End().kind, Kind::kReported);
   EXPECT_EQ(end_->result.outcome, "interrupted");
   EXPECT_EQ(end_->result.switch_number, number_);
   EXPECT_EQ(end_->result.state, "LowPower") << "the successor ends it on the way down";
   EXPECT_THAT(end_->result.reason,
               AllOf(HasSubstr("controller of epoch 1 ended during it"),
-                    HasSubstr("epoch 2 goes on with the machine in LowPower")));
+                    HasSubstr("epoch 2 continues with the machine in LowPower")));
   EXPECT_EQ(ends_, 1);
 }
 
@@ -139,9 +139,9 @@ TEST_F(SwitchClients, AreNotifiedWithinASecondOfALostControllerOfAnotherHost) {
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower", "desk"));
   KillFirst();
   ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
-  EXPECT_LE(told_at_ - killed_at_, std::chrono::seconds(1));
+  EXPECT_LE(reported_at_ - killed_at_, std::chrono::seconds(1));
   StartSecond();
-  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(End().kind, Kind::kReported);
   EXPECT_EQ(end_->result.switch_number, number_);
 }
 
@@ -152,13 +152,13 @@ TEST_F(SwitchClients, GetTheOutcomeOfASwitchWhenOnlyItsReplyWasLost) {
   ASSERT_TRUE(RunUntil([this] { return first_.machine().state == "LowPower"; }));
   KillFirst();
   StartSecond();
-  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(End().kind, Kind::kReported);
   EXPECT_EQ(end_->result.outcome, "done");
   EXPECT_EQ(end_->result.switch_number, number_);
   EXPECT_EQ(end_->result.state, "LowPower");
 }
 
-TEST_F(SwitchClients, AreToldWhatToDoWithoutASuccessor) {
+TEST_F(SwitchClients, GetAdviceWithoutASuccessor) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
   KillFirst();
@@ -195,7 +195,7 @@ TEST_F(SwitchClients, GetInterruptedForARequestThatNeverArrivedAndItIsNotRunLate
   ASSERT_TRUE(RunUntil([this] { return client_->found(); }));
   KillFirst();
   StartSecond();
-  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(End().kind, Kind::kReported);
   EXPECT_EQ(end_->result.outcome, "interrupted");
   EXPECT_THAT(end_->result.reason, HasSubstr("the switch had not begun, request it again"));
   network_.RunFor(std::chrono::seconds(5));
@@ -234,10 +234,10 @@ TEST_F(SwitchClients, EndInTimeWhereNoControllerIs) {
 // The controller ends with its machine, and its last answer was lost on the way.
 TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
   const auto node = network_.MakeNode("first");
-  bool asked = false;
+  bool called = false;
   const auto server = transport::MakeServer<msg::SetState>(
       *node, transport::MachineService("", "set_state"),
-      [&asked](const auto&, const auto&) { asked = true; });  // never answers
+      [&called](const auto&, const auto&) { called = true; });  // never answers
   const auto statuses = transport::MakePublisher<msg::MachineStatus>(
       *node, transport::MachineStatusTopic(""), transport::kLatchedQos);
   msg::MachineStatus status;
@@ -248,15 +248,15 @@ TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
   status.state = "SelfCheck";
   ASSERT_TRUE(statuses.value()->Publish(status));
   Request("TearDown");
-  ASSERT_TRUE(RunUntil([&] { return asked; }));
+  ASSERT_TRUE(RunUntil([&] { return called; }));
   status.phase = "stopped";
   status.state = "TearDown";
   status.switch_number = 5;
   ASSERT_TRUE(statuses.value()->Publish(status));
   network_.RunFor(Milliseconds(20));
   EXPECT_FALSE(end_);
-  kernel_.TellEnd(4711);
-  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kTold);
+  kernel_.ReportEnd(4711);
+  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kReported);
   EXPECT_EQ(end_->result.outcome, "done");
   EXPECT_EQ(end_->result.state, "TearDown");
   EXPECT_EQ(end_->result.switch_number, 5U);

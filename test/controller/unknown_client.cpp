@@ -1,4 +1,4 @@
-// A process that commands an actuator it does not lead: asks it, then sends a command as its
+// A process that commands an actuator it does not lead: queries it, then sends a command as its
 // controller would, with an epoch that is so much ahead, and prints "<verdict> <code> <epoch
 // after>".
 //

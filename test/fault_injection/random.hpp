@@ -24,7 +24,7 @@ class Random {
   std::int64_t Between(std::int64_t low, std::int64_t high) {
     return low + static_cast<std::int64_t>(Next() % static_cast<std::uint64_t>(high - low + 1));
   }
-  bool Chance(int percent) { return Between(1, 100) <= percent; }
+  bool Bernoulli(int percent) { return Between(1, 100) <= percent; }
 
   template <class T>
   const T& Pick(const std::vector<T>& from) {

@@ -41,10 +41,10 @@ class Harness {
   void Next() {
     switch (input_.Below(8)) {
       case 0: {
-        const event::ControllerHeard heard{AnySender(),
-                                           input_.Number(core_.report.epoch, kLastEpoch)};
-        announced_.insert({heard.sender, heard.epoch});
-        return StepWith(heard);
+        const event::ControllerHeartbeatReceived heartbeat{
+            AnySender(), input_.Number(core_.report.epoch, kLastEpoch)};
+        announced_.insert({heartbeat.sender, heartbeat.epoch});
+        return StepWith(heartbeat);
       }
       case 1:
       case 2: {
@@ -53,10 +53,10 @@ class Harness {
         return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
-        const AskCommand ask{input_.Number(core_.report.epoch, kLastEpoch),
-                             input_.Number(core_.report.number, kLastNumber), input_.Bool()};
-        const event::AskArrived arrived{++token_, ask, AnySender()};
-        return StepFrom(arrived.sender, ask.epoch, arrived);
+        const QueryCommand query{input_.Number(core_.report.epoch, kLastEpoch),
+                                 input_.Number(core_.report.number, kLastNumber), input_.Bool()};
+        const event::QueryArrived arrived{++token_, query, AnySender()};
+        return StepFrom(arrived.sender, query.epoch, arrived);
       }
       case 4:
         return StepWith(event::ManagerCommand{++token_, AnyState(input_)});
@@ -65,8 +65,8 @@ class Harness {
         return StepWith(event::CallbackEnded{input_.Bool() ? input_.Take<std::int32_t>() : kCodeOk,
                                              std::string(input_.Text())});
       case 6:
-        return StepWith(event::EmergencyStopHeard{input_.Number(core_.report.emergency_stop, 1),
-                                                  input_.Bool(), AnySender()});
+        return StepWith(event::EmergencyStopReceived{input_.Number(core_.report.emergency_stop, 1),
+                                                     input_.Bool(), AnySender()});
       default:
         now_ += Milliseconds(input_.Take<std::uint16_t>());
         return StepWith(event::TimePassed{});

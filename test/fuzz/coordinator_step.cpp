@@ -57,32 +57,32 @@ class Harness {
       case 0:
       case 1:
       case 2:
-        return harness_.Tell(
+        return harness_.Feed(
             event::StatusSeen{i, AnyReport(input_, record.report, harness_.now())});
       case 3: {
-        const std::uint64_t number = record.order ? record.order->number : record.report.number;
+        const std::uint64_t number = record.command ? record.command->number : record.report.number;
         const auto verdict = transport::VerdictFrom(input_.Byte());
-        return harness_.Tell(
+        return harness_.Feed(
             event::Replied{i, input_.Bool() ? number : input_.Take<std::uint64_t>(), input_.Bool(),
                            verdict, input_.Take<std::int32_t>(), std::string(input_.Text()),
                            AnyReport(input_, record.report, harness_.now())});
       }
       case 4:
-        return harness_.Tell(
+        return harness_.Feed(
             event::Vanished{i, record.report.incarnation, input_.Bool(), "connection lost"});
       case 5:
-        return harness_.Tell(event::HealthChanged{i, record.report.incarnation,
+        return harness_.Feed(event::HealthChanged{i, record.report.incarnation,
                                                   transport::WorkFrom(input_.Byte()), input_.Bool(),
                                                   "by its heartbeat"});
       case 6:
-        return harness_.Tell(event::EmergencyStopSeen{
+        return harness_.Feed(event::EmergencyStopSeen{
             {input_.Number(1, 2), std::string(input_.Text()), std::string(input_.Text())}});
       case 7:
         harness_.Release();
         return;
       case 8:
         // A controller of the current epoch or a higher one leads from then on, which is correct.
-        return harness_.Tell(event::RivalHeard{
+        return harness_.Feed(event::RivalSeen{
             input_.Number(harness_.machine().epoch - 1, kLastEpoch) | (input_.Bool() ? kBeyond : 0),
             "another", input_.Bool()});
       case 9:
@@ -100,9 +100,9 @@ class Harness {
     const State target = targets[input_.Below(std::size(targets))];
     if (const auto rank = BuiltInRank(target)) allowed_ = std::max(allowed_, *rank);
     if (input_.Bool()) {
-      harness_.Ask(target, kNames[i]);
+      harness_.RequestSwitch(target, kNames[i]);
     } else {
-      harness_.Ask(target);
+      harness_.RequestSwitch(target);
     }
   }
 

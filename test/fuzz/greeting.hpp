@@ -12,8 +12,8 @@ struct Greeter {
   }
 
   Result<> Apply(std::string_view name, std::string_view text) {
-    if (name == "sees") robot.sees_somebody = text == "yes";
-    if (name == "close") robot.somebody_is_too_close = text == "yes";
+    if (name == "sees") robot.sees_person = text == "yes";
+    if (name == "close") robot.person_is_too_close = text == "yes";
     return Ok();
   }
 

@@ -29,13 +29,13 @@ class Harness {
     const std::uint64_t incarnation = input_.Bool() ? 7 : input_.Take<std::uint64_t>();
     switch (input_.Below(6)) {
       case 0:
-        return Count(monitor_.Heard(i, incarnation, now_));
+        return Count(monitor_.OnSample(i, incarnation, now_));
       case 1:
       case 2: {
         const Heartbeat heartbeat{Duration(AnyTime(input_, now_)),
                                   transport::WorkFrom(input_.Byte()), AnyState(input_),
                                   Duration(AnyTime(input_, now_)), Duration(AnyTime(input_, now_))};
-        return Count(monitor_.Heard(i, incarnation, heartbeat, now_));
+        return Count(monitor_.OnSample(i, incarnation, heartbeat, now_));
       }
       case 3:
         return Count(monitor_.Examined(i,
@@ -52,8 +52,8 @@ class Harness {
     }
   }
 
-  void Count(const std::vector<Finding>& findings) const {
-    Require(findings.size() <= 2 * config_.actuators.size(),
+  void Count(const std::vector<HealthEvent>& events) const {
+    Require(events.size() <= 2 * config_.actuators.size(),
             "at most two health events for each actuator");
   }
 

@@ -64,10 +64,10 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
       }
       return;
     case 4:
-      if (const auto told = Take<msg::Capabilities>(bytes)) {
-        RequireJson(CapabilitiesJson(*told));
-        RequirePrintable(CapabilitiesText(*told, false));
-        for (const msg::Capability& one : told->capabilities) {
+      if (const auto capabilities = Take<msg::Capabilities>(bytes)) {
+        RequireJson(CapabilitiesJson(*capabilities));
+        RequirePrintable(CapabilitiesText(*capabilities, false));
+        for (const msg::Capability& one : capabilities->capabilities) {
           RequireJson(CapabilityJson(one));
           RequirePrintable(CapabilityText(one, false));
         }

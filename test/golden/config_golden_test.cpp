@@ -43,7 +43,7 @@ std::string Print(const ConfigReading& reading) {
   return text;
 }
 
-bool ShallUpdate() {
+bool MustUpdate() {
   return std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr;
 }
 
@@ -54,7 +54,7 @@ void CheckAll(const std::string& kind, bool is_good) {
     EXPECT_EQ(reading.config.has_value(), is_good);
     EXPECT_EQ(HasError(reading.diagnostics), !is_good);
     const fs::path expected = fs::path(path).replace_extension(".expected");
-    if (ShallUpdate()) std::ofstream(expected, std::ios::binary) << Print(reading);
+    if (MustUpdate()) std::ofstream(expected, std::ios::binary) << Print(reading);
     EXPECT_EQ(Print(reading), ReadText(expected));
   }
 }

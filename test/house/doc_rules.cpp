@@ -81,25 +81,25 @@ std::vector<Snippet> Snippets(const SourceFile& document) {
 
 std::vector<std::string> StaleSnippets(const SourceFile& document,
                                        const std::vector<SourceFile>& tree) {
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   for (const Snippet& snippet : Snippets(document)) {
-    const auto complain = [&](const std::string& complaint) {
-      complaints.push_back(At(document, snippet.line, complaint));
+    const auto report = [&](const std::string& violation) {
+      violations.push_back(At(document, snippet.line, violation));
     };
     const std::string name =
         snippet.source + (snippet.region.empty() ? "" : " [" + snippet.region + "]");
     const SourceFile* source = Find(tree, snippet.source);
     if (snippet.source.empty()) {
-      complain("code that says not where it is from");
+      report("code that says not where it is from");
     } else if (source == nullptr) {
-      complain("there is no " + snippet.source);
+      report("there is no " + snippet.source);
     } else if (const auto region = Region(*source, snippet.region); !region) {
-      complain("there is no " + name);
+      report("there is no " + name);
     } else if (*region != snippet.text) {
-      complain("differs from " + name + ", which is now:\n" + *region);
+      report("differs from " + name + ", which is now:\n" + *region);
     }
   }
-  return complaints;
+  return violations;
 }
 
 std::vector<std::string> Unexplained(const SourceFile& document, const SourceFile& source) {
@@ -111,18 +111,18 @@ std::vector<std::string> Unexplained(const SourceFile& document, const SourceFil
     std::smatch match;
     if (std::regex_search(line.text, match, pattern)) names.insert(match[1]);
   }
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   for (const std::string& name : names) {
     if (document.text.find("`" + name + "`") != std::string::npos) continue;
-    complaints.push_back(document.path + ": does not explain `" + name + "` of " + source.path);
+    violations.push_back(document.path + ": does not explain `" + name + "` of " + source.path);
   }
-  return complaints;
+  return violations;
 }
 
 std::vector<std::string> DeadLinks(const SourceFile& document,
                                    const std::vector<SourceFile>& tree) {
   static const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   const auto folder = std::filesystem::path(document.path).parent_path();
   bool code = false;  // where a lambda looks like a link
   for (const Line& line : Lines(document.text)) {
@@ -134,10 +134,10 @@ std::vector<std::string> DeadLinks(const SourceFile& document,
       const bool exists = std::any_of(tree.begin(), tree.end(), [&](const SourceFile& file) {
         return file.path == target || file.In(target + "/");
       });
-      if (!exists) complaints.push_back(At(document, line.number, "there is no " + target));
+      if (!exists) violations.push_back(At(document, line.number, "there is no " + target));
     }
   }
-  return complaints;
+  return violations;
 }
 
 }  // namespace musher::house

@@ -34,7 +34,7 @@ TEST(DocRules, LeaveMarkersOutOfAWholeFile) {
   EXPECT_THAT(StaleSnippets(document, kTree), IsEmpty());
 }
 
-TEST(DocRules, FindCodeThatDiffersAndTellWhatItShouldBe) {
+TEST(DocRules, FindCodeThatDiffersAndPrintTheSource) {
   const auto document = Document("<!-- a/robot.toml -->\n```toml\nx = 2\n```\n");
   EXPECT_THAT(StaleSnippets(document, kTree),
               ElementsAre("docs/guide.md:2: differs from a/robot.toml, which is now:\nx = 1\n"));

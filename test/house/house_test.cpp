@@ -24,16 +24,16 @@ const std::vector<SourceFile>& Tree() {
 using Rule = std::function<std::vector<std::string>(const SourceFile&)>;
 using Filter = std::function<bool(const SourceFile&)>;
 
-// All complaints of `rule`, one on each line; fails when the rule had nothing to judge.
-std::string Complaints(const Filter& concerned, const Rule& rule) {
+// All violations of `rule`, one on each line; fails when the rule had nothing to check.
+std::string ViolationsOf(const Filter& concerned, const Rule& rule) {
   std::string text;
-  bool judged = false;
+  bool checked = false;
   for (const SourceFile& file : Tree()) {
     if (!concerned(file)) continue;
-    judged = true;
-    for (const std::string& complaint : rule(file)) text += complaint + "\n";
+    checked = true;
+    for (const std::string& violation : rule(file)) text += violation + "\n";
   }
-  EXPECT_TRUE(judged) << "the rule concerns no file";
+  EXPECT_TRUE(checked) << "the rule concerns no file";
   return text;
 }
 
@@ -52,7 +52,7 @@ bool IsDocument(const SourceFile& file) {
 bool IsGuide(const SourceFile& file) {
   return file.path == "README.md" || (file.In("docs/") && file.Is(".md"));
 }
-// By people who learn the project.
+// By readers who are new to the project.
 bool IsRead(const SourceFile& file) {
   return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/");
 }
@@ -76,19 +76,19 @@ SourceFile File(const std::string& path) {
 }
 
 TEST(House, FoldersIncludeOnlyWhatIsBelowThem) {
-  EXPECT_THAT(Complaints(IsCpp, ForbiddenIncludes), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsCpp, ForbiddenIncludes), IsEmpty());
 }
 
 TEST(House, PureFoldersKnowNoClockNoThreadAndNoSocket) {
-  EXPECT_THAT(Complaints(IsPure, Impurities), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsPure, Impurities), IsEmpty());
 }
 
 TEST(House, TestsWaitForEventsAndNeverSleep) {
-  EXPECT_THAT(Complaints(MustNotSleep, Sleeps), IsEmpty());
+  EXPECT_THAT(ViolationsOf(MustNotSleep, Sleeps), IsEmpty());
 }
 
 TEST(House, NothingIsLeftForLaterInTheCode) {
-  EXPECT_THAT(Complaints(IsAny, Leftovers), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsAny, Leftovers), IsEmpty());
 }
 
 TEST(House, SpeaksTheLanguageOfTheField) {
@@ -97,20 +97,20 @@ TEST(House, SpeaksTheLanguageOfTheField) {
     if (file.path == "test/house/private_words.txt") words = ReadPrivateWords(file.text);
   }
   ASSERT_FALSE(words.empty());
-  EXPECT_THAT(Complaints(IsRead, [&](const auto& file) { return PrivateWords(file, words); }),
+  EXPECT_THAT(ViolationsOf(IsRead, [&](const auto& file) { return PrivateWords(file, words); }),
               IsEmpty());
 }
 
 TEST(House, NoFileIsTooLongToRead) {
-  EXPECT_THAT(Complaints(IsCpp, Oversize), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsCpp, Oversize), IsEmpty());
 }
 
 TEST(House, EveryHeaderMayBeIncludedTwice) {
-  EXPECT_THAT(Complaints(IsHeader, MissingPragmaOnce), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsHeader, MissingPragmaOnce), IsEmpty());
 }
 
 TEST(House, EveryScriptIsExecutable) {
-  EXPECT_THAT(Complaints(IsAny, NotExecutable), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsAny, NotExecutable), IsEmpty());
 }
 
 TEST(House, EverySourceAndEveryTestIsBuilt) {
@@ -118,12 +118,12 @@ TEST(House, EverySourceAndEveryTestIsBuilt) {
 }
 
 TEST(House, CodeInDocumentsIsCodeThatIsCompiledAndRun) {
-  EXPECT_THAT(Complaints(IsGuide, [](const auto& f) { return StaleSnippets(f, Tree()); }),
+  EXPECT_THAT(ViolationsOf(IsGuide, [](const auto& f) { return StaleSnippets(f, Tree()); }),
               IsEmpty());
 }
 
 TEST(House, LinksInDocumentsLeadSomewhere) {
-  EXPECT_THAT(Complaints(IsDocument, [](const auto& f) { return DeadLinks(f, Tree()); }),
+  EXPECT_THAT(ViolationsOf(IsDocument, [](const auto& f) { return DeadLinks(f, Tree()); }),
               IsEmpty());
 }
 

@@ -53,7 +53,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
   return table;
 }
 
-// Headers that would burden everybody who includes ours.
+// Headers that would burden all code that includes Musher's.
 bool IsHeavy(const std::string& library) {
   static const std::set<std::string> heavy = {"toml++/",   "CLI/", "SQLiteCpp/", "sqlite3.h",
                                               "nlohmann/", "fmt/", "opencv2/"};
@@ -100,18 +100,18 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
 
 std::vector<std::string> ForbiddenIncludes(const SourceFile& file) {
   static const std::regex include(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   for (const Line& line : Lines(file.text)) {
     std::smatch match;
     if (!std::regex_search(line.text, match, include)) continue;
     const std::string header = match[1];
     const bool ours = header.starts_with("musher/");
-    const std::string complaint =
+    const std::string violation =
         ours ? EvaluateOurs(file, header.substr(std::string("musher/").size()))
              : EvaluateLibrary(file, header);
-    if (!complaint.empty()) complaints.push_back(At(file, line.number, complaint));
+    if (!violation.empty()) violations.push_back(At(file, line.number, violation));
   }
-  return complaints;
+  return violations;
 }
 
 }  // namespace musher::house

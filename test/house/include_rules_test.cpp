@@ -13,7 +13,7 @@ SourceFile Including(const std::string& path, const std::string& header) {
   return {path, "#pragma once\n#include " + header + "\n"};
 }
 
-TEST(IncludeRules, ComplainWithFileAndLineWhenAFolderReachesUp) {
+TEST(IncludeRules, ReportFileAndLineWhenAFolderReachesUp) {
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/a.cpp", "\"musher/transport/node.hpp\"")),
               ElementsAre("lifecycle/a.cpp:2: lifecycle may not include transport"));
 }
@@ -50,7 +50,7 @@ TEST(IncludeRules, KeepHeavyLibrariesOutOfHeaders) {
               IsEmpty());
 }
 
-TEST(IncludeRules, LetTestsIncludeEverythingOfOurs) {
+TEST(IncludeRules, LetTestsIncludeAllHeadersOfMusher) {
   const std::string header = "\"musher/controller/journal.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("test/lifecycle/a.cpp", header)), IsEmpty());
 }

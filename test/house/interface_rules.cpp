@@ -42,7 +42,8 @@ Names TypesOf(const std::vector<SourceFile>& tree) {
 }
 
 Names InterfacesOfTheManager(const std::vector<SourceFile>& tree) {
-  static const std::regex opened(R"re((?:Hear|Serve|Tell|Ask)<[^>]+>\(\s*"([\w/]+)")re");
+  static const std::regex opened(
+      R"re((?:Subscribe|Serve|PublishFunction|OpenClient)<[^>]+>\(\s*"([\w/]+)")re");
   Names names;
   for (const SourceFile& file : tree) {
     if (file.In("controller/cyberdog/")) Collect(WithoutComments(file.text), opened, names);
@@ -60,10 +61,10 @@ std::vector<std::string> WrongInterfaces(const SourceFile& page,
                                          const std::vector<SourceFile>& tree) {
   static const std::regex code("`([^`]+)`");
   const Names strings = StringsOf(tree);
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   std::string section;
-  bool judged_there = false;
-  bool judged_left_out = false;
+  bool checked_there = false;
+  bool checked_left_out = false;
   for (const Line& line : Lines(page.text)) {
     if (line.text.starts_with("## ")) section = line.text;
     if (!line.text.starts_with("| `")) continue;
@@ -71,22 +72,22 @@ std::vector<std::string> WrongInterfaces(const SourceFile& page,
     Collect(line.text.substr(0, line.text.find('|', 1)), code, names);
     for (const std::string& name : names) {
       if (section == kThere && !strings.contains(name)) {
-        complaints.push_back(At(page, line.number, "the code has no `" + name + "`"));
+        violations.push_back(At(page, line.number, "the code has no `" + name + "`"));
       } else if (section == kLeftOut && strings.contains(name)) {
-        complaints.push_back(At(page, line.number, "the code has `" + name + "`"));
+        violations.push_back(At(page, line.number, "the code has `" + name + "`"));
       }
     }
-    judged_there = judged_there || section == kThere;
-    judged_left_out = judged_left_out || section == kLeftOut;
+    checked_there = checked_there || section == kThere;
+    checked_left_out = checked_left_out || section == kLeftOut;
   }
-  if (!judged_there || !judged_left_out) complaints.push_back(page.path + ": a table is missing");
+  if (!checked_there || !checked_left_out) violations.push_back(page.path + ": a table is missing");
   for (const Names& all : {TypesOf(tree), InterfacesOfTheManager(tree)}) {
-    if (all.empty()) complaints.push_back(page.path + ": nothing to compare it with");
+    if (all.empty()) violations.push_back(page.path + ": nothing to compare it with");
     for (const std::string& name : all) {
-      if (!Has(page, name)) complaints.push_back(page.path + ": `" + name + "` is missing");
+      if (!Has(page, name)) violations.push_back(page.path + ": `" + name + "` is missing");
     }
   }
-  return complaints;
+  return violations;
 }
 
 }  // namespace musher::house

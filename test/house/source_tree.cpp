@@ -79,8 +79,8 @@ std::string WithoutComments(std::string_view text) {
   return code;
 }
 
-std::string At(const SourceFile& file, int line, const std::string& complaint) {
-  return file.path + ":" + std::to_string(line) + ": " + complaint;
+std::string At(const SourceFile& file, int line, const std::string& violation) {
+  return file.path + ":" + std::to_string(line) + ": " + violation;
 }
 
 }  // namespace musher::house

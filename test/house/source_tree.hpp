@@ -31,6 +31,6 @@ std::vector<Line> Lines(std::string_view text);
 std::string WithoutComments(std::string_view text);
 
 // What a rule has to say about one place: "lifecycle/plan.cpp:12: ...".
-std::string At(const SourceFile& file, int line, const std::string& complaint);
+std::string At(const SourceFile& file, int line, const std::string& violation);
 
 }  // namespace musher::house

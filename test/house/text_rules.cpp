@@ -9,15 +9,15 @@ namespace {
 constexpr std::size_t kMostLines = 400;
 
 std::vector<std::string> Find(const SourceFile& file, const std::string& text,
-                              const std::regex& pattern, const std::string& complaint) {
-  std::vector<std::string> complaints;
+                              const std::regex& pattern, const std::string& violation) {
+  std::vector<std::string> violations;
   for (const Line& line : Lines(text)) {
     std::smatch match;
     if (std::regex_search(line.text, match, pattern)) {
-      complaints.push_back(At(file, line.number, match.str() + " " + complaint));
+      violations.push_back(At(file, line.number, match.str() + " " + violation));
     }
   }
-  return complaints;
+  return violations;
 }
 
 }  // namespace
@@ -56,13 +56,13 @@ std::map<std::string, std::string> ReadPrivateWords(const std::string& text) {
 
 std::vector<std::string> PrivateWords(const SourceFile& file,
                                       const std::map<std::string, std::string>& words) {
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   for (const Line& line : Lines(file.text)) {
     std::string word;
     const auto end_word = [&] {
       const auto found = words.find(word);
       if (found != words.end()) {
-        complaints.push_back(At(file, line.number, "'" + word + "'; say: " + found->second));
+        violations.push_back(At(file, line.number, "'" + word + "'; say: " + found->second));
       }
       word.clear();
     };
@@ -74,14 +74,14 @@ std::vector<std::string> PrivateWords(const SourceFile& file,
     }
     end_word();
   }
-  return complaints;
+  return violations;
 }
 
 std::vector<std::string> Oversize(const SourceFile& file) {
   const std::size_t lines = Lines(file.text).size();
   if (lines <= kMostLines) return {};
   return {file.path + ": " + std::to_string(lines) + " lines; more than " +
-          std::to_string(kMostLines) + " ask to be split"};
+          std::to_string(kMostLines) + "; split it"};
 }
 
 std::vector<std::string> MissingPragmaOnce(const SourceFile& file) {

@@ -20,7 +20,7 @@ std::map<std::string, std::string> ReadPrivateWords(const std::string& text);
 // Words, also as parts of snake_case and CamelCase, for which the field has another word.
 std::vector<std::string> PrivateWords(const SourceFile& file,
                                       const std::map<std::string, std::string>& words);
-// A file that asks to be split.
+// A file that should be split.
 std::vector<std::string> Oversize(const SourceFile& file);
 // A header that may be included twice.
 std::vector<std::string> MissingPragmaOnce(const SourceFile& file);

@@ -9,9 +9,9 @@
 namespace musher::actuator_authority_test {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
-using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
-using actuator_event::ControllerHeard;
+using actuator_event::ControllerHeartbeatReceived;
+using actuator_event::QueryArrived;
 using actuator_event::SwitchArrived;
 using actuator_event::TimePassed;
 using ::testing::_;
@@ -28,7 +28,7 @@ class ObeyedController : public testing::OneActuator {
  protected:
   ObeyedController() {
     SetUpIt();
-    Do(AskArrived{0, {1, 0, false}, 1});  // the controller of epoch 1 has taken control
+    Do(QueryArrived{0, {1, 0, false}, 1});  // the controller of epoch 1 has taken control
   }
 };
 
@@ -52,7 +52,7 @@ TEST_F(ObeyedController, AWaitingCommandIsDroppedWhenAnotherControllerTakesOver)
   Do(Command(1, "LowPower"));
   Do(Command(2, "DeActive"));  // waits for the running callback
   Announce(2);
-  const Actions taken_over = Do(AskArrived{0, {2, 1, false}, 2});
+  const Actions taken_over = Do(QueryArrived{0, {2, 1, false}, 2});
   EXPECT_THAT(AnswerIn(taken_over).message, HasSubstr("epoch 2 has taken over"));
   EXPECT_THAT(Do(CallbackEnded{}), Not(Contains(VariantWith<RunCallback>(_))));
   EXPECT_EQ(core_.report.state, "LowPower");
@@ -67,11 +67,12 @@ TEST_F(ObeyedController, AnAnnouncementAloneChangesNothing) {
 TEST_F(ObeyedController, TheSameEpochFromAnotherSenderIsRefused) {
   SwitchArrived command = Command(1, "Active", 1);
   command.sender = kUnknownSender;
-  Do(ControllerHeard{kUnknownSender, 1});
+  Do(ControllerHeartbeatReceived{kUnknownSender, 1});
   const Answer answer = AnswerIn(Do(command));
   EXPECT_EQ(answer.code, kCodePermissionDenied);
   EXPECT_THAT(answer.message, HasSubstr("another controller"));
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 5, true}, kUnknownSender})).code, kCodePermissionDenied);
+  EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {1, 5, true}, kUnknownSender})).code,
+            kCodePermissionDenied);
   EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
 }
 
@@ -83,15 +84,15 @@ class NoControllerYet : public testing::OneActuator {
 // An actuator without a controller so far has epoch 0 and sender 0: both matched a command of an
 // unknown participant.
 TEST_F(NoControllerYet, ACommandOfAnUnknownSenderIsRefused) {
-  Do(ControllerHeard{0, 0});
-  Do(ControllerHeard{0, 3});
+  Do(ControllerHeartbeatReceived{0, 0});
+  Do(ControllerHeartbeatReceived{0, 3});
   for (const std::uint64_t epoch : {0, 3}) {
     SwitchArrived command = Command(1, "Active", epoch);
     command.sender = 0;
     const Actions actions = Do(command);
     EXPECT_EQ(AnswerIn(actions).code, kCodePermissionDenied) << epoch;
     EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_)))) << epoch;
-    EXPECT_EQ(AnswerIn(Do(AskArrived{9, {epoch, 5, true}, 0})).code, kCodePermissionDenied);
+    EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {epoch, 5, true}, 0})).code, kCodePermissionDenied);
   }
   EXPECT_EQ(core_.report.epoch, 0U);
   EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
@@ -106,14 +107,14 @@ TEST_F(ObeyedController, ASenderCannotUseTheEpochThatAnotherAnnounced) {
 
 TEST_F(ObeyedController, AnEpochOutOfRangeIsRefusedEvenIfItIsAnnounced) {
   for (const std::uint64_t epoch : {kLastEpoch + 1, std::numeric_limits<std::uint64_t>::max()}) {
-    Do(ControllerHeard{kUnknownSender, epoch});
+    Do(ControllerHeartbeatReceived{kUnknownSender, epoch});
     SwitchArrived command = Command(1, "Active", epoch);
     command.sender = kUnknownSender;
     EXPECT_EQ(AnswerIn(Do(command)).code, kCodeParametersInvalid);
   }
   EXPECT_EQ(core_.report.epoch, 1U);
   Announce(2);
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {2, 0, false}, 2})).verdict, Verdict::kDone)
+  EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {2, 0, false}, 2})).verdict, Verdict::kDone)
       << "a controller with a valid epoch still takes control";
 }
 
@@ -126,7 +127,7 @@ TEST_F(ObeyedController, AnAnnouncementOfALowerEpochDoesNotHideAHigherOne) {
 }
 
 TEST_F(ObeyedController, AnnouncementsOfAnEpochOutOfRangeDoNotHideOthers) {
-  Do(ControllerHeard{666, UINT64_MAX});
+  Do(ControllerHeartbeatReceived{666, UINT64_MAX});
   Announce(5);
   EXPECT_THAT(Do(Command(1, "Active", 5)),
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
@@ -166,13 +167,13 @@ TEST_F(ControllerLost, AnySampleOfItsControllerIsEnoughToStay) {
     Announce(1);
   }
   EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
-  Do(AskArrived{0, {1, 0, false}, 1});
+  Do(QueryArrived{0, {1, 0, false}, 1});
   EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
 }
 
 TEST_F(ControllerLost, SamplesOfAnotherControllerDoNotCount) {
   now_ += Milliseconds(1000);
-  Do(ControllerHeard{kUnknownSender, 9});
+  Do(ControllerHeartbeatReceived{kUnknownSender, 9});
   now_ += Milliseconds(500);
   Do(SwitchArrived{3, {1, 2, "LowPower", Milliseconds(100), now_, {}, 77}, kUnknownSender});
   EXPECT_THAT(After(Milliseconds(500)),

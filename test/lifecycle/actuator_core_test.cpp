@@ -5,10 +5,10 @@
 namespace musher::actuator_core_test {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
-using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
-using actuator_event::EmergencyStopHeard;
+using actuator_event::EmergencyStopReceived;
 using actuator_event::ManagerCommand;
+using actuator_event::QueryArrived;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
 using testing::Actions;
@@ -79,7 +79,7 @@ TEST_F(Actuator, RefusesAnOutdatedEpoch) {
   const Answer answer = AnswerIn(Do(Command(2, "DeActive", 4)));
   EXPECT_EQ(answer.verdict, Verdict::kRefused);
   EXPECT_EQ(answer.code, kCodePermissionDenied);
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {4, 2, true}, 4})).code, kCodePermissionDenied);
+  EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {4, 2, true}, 4})).code, kCodePermissionDenied);
   EXPECT_EQ(core_.report.state, "Active");
 }
 
@@ -161,7 +161,7 @@ TEST_F(Actuator, RefusesACommandWithInvalidTimes) {
 TEST_F(Actuator, ACommandThatHadNotBegunWhenItWasQueriedNeverBegins) {
   SetUpIt();
   const SwitchArrived late = Command(7, "Active");
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 7, true}, 1})).verdict, Verdict::kDone);
+  EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {1, 7, true}, 1})).verdict, Verdict::kDone);
   EXPECT_EQ(AnswerIn(Do(late)).verdict, Verdict::kRefused);
   EXPECT_EQ(core_.report.state, "SetUp");
 }
@@ -170,8 +170,8 @@ TEST_F(Actuator, AWaitingCommandThatIsQueriedNeverBegins) {
   SetUpIt();
   Do(Command(1, "Active"));
   Do(Command(2, "LowPower"));
-  const Actions asked = Do(AskArrived{9, {1, 2, false}, 1});
-  EXPECT_EQ(AnswerIn(asked).verdict, Verdict::kRefused);  // of the waiting one
+  const Actions queried = Do(QueryArrived{9, {1, 2, false}, 1});
+  EXPECT_EQ(AnswerIn(queried).verdict, Verdict::kRefused);  // of the waiting one
   EXPECT_THAT(Do(CallbackEnded{}),
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
 }
@@ -182,7 +182,7 @@ TEST_F(Actuator, AHealthProbeDoesNotCancelAWaitingTearDown) {
   SetUpIt();
   Do(Command(2, "Active"));
   Do(Command(3, "TearDown"));
-  const Actions probed = Do(AskArrived{9, {1, 0, false}, 1});
+  const Actions probed = Do(QueryArrived{9, {1, 0, false}, 1});
   EXPECT_EQ(AnswerIn(probed).verdict, Verdict::kDone);
   EXPECT_EQ(core_.report.number, 3U);
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
@@ -191,9 +191,9 @@ TEST_F(Actuator, AHealthProbeDoesNotCancelAWaitingTearDown) {
 TEST_F(Actuator, RequestsARunningCallbackToStopOnlyWhenCommanded) {
   SetUpIt();
   Do(Command(1, "Active"));
-  EXPECT_THAT(Do(AskArrived{8, {1, 1, false}, 1}),
+  EXPECT_THAT(Do(QueryArrived{8, {1, 1, false}, 1}),
               Not(Contains(VariantWith<RequestStop>(RequestStop{}))));
-  EXPECT_THAT(Do(AskArrived{9, {1, 1, true}, 1}),
+  EXPECT_THAT(Do(QueryArrived{9, {1, 1, true}, 1}),
               Contains(VariantWith<RequestStop>(RequestStop{})));
   EXPECT_EQ(core_.report.busy_number, 1U) << "it runs on until it gives up by itself";
 }
@@ -258,7 +258,7 @@ TEST_F(Actuator, ObeysAManagerWithoutEpochsUntilAControllerHasTakenControl) {
 TEST_F(Actuator, BelongsToTheControllerThatHasTakenControl) {
   SetUpIt();
   Announce(3);
-  Do(AskArrived{1, {3, 0, false}, 3});
+  Do(QueryArrived{1, {3, 0, false}, 3});
   EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "Active"})).code, kCodePermissionDenied);
 }
 
@@ -290,7 +290,7 @@ TEST_F(Actuator, RefusesAManagerWhatGoesUpWhileAnEmergencyStopIsLatched) {
   SetUpIt();
   Do(ManagerCommand{1, "LowPower"});
   Do(CallbackEnded{});
-  Do(EmergencyStopHeard{5, true, 0});
+  Do(EmergencyStopReceived{5, true, 0});
   EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "Active"})).code, kCodeProtectedError);
   EXPECT_THAT(Do(ManagerCommand{3, "TearDown"}),
               Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));

@@ -7,9 +7,9 @@
 namespace musher::actuator_stop_test {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
-using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
-using actuator_event::EmergencyStopHeard;
+using actuator_event::EmergencyStopReceived;
+using actuator_event::QueryArrived;
 using ::testing::_;
 using testing::Actions;
 using ::testing::Contains;
@@ -19,7 +19,7 @@ using ::testing::VariantWith;
 
 constexpr std::uint64_t kStop = 5;
 const auto kRuns = Contains(VariantWith<RunEmergencyStop>(RunEmergencyStop{}));
-const auto kAsksToStop = Contains(VariantWith<RequestStop>(RequestStop{}));
+const auto kRequestsStop = Contains(VariantWith<RequestStop>(RequestStop{}));
 
 class Stopped : public testing::OneActuator {
  protected:
@@ -27,9 +27,9 @@ class Stopped : public testing::OneActuator {
     SetUpIt();
     Switch(1, "DeActive");
   }
-  Actions Engage(std::uint64_t id = kStop) { return Do(EmergencyStopHeard{id, true, 999}); }
+  Actions Engage(std::uint64_t id = kStop) { return Do(EmergencyStopReceived{id, true, 999}); }
   Actions Release(std::uint64_t id = kStop, Sender sender = 1) {
-    return Do(EmergencyStopHeard{id, false, sender});
+    return Do(EmergencyStopReceived{id, false, sender});
   }
 };
 
@@ -43,8 +43,8 @@ TEST_F(Stopped, StopsAtOnceWhicheverParticipantEngagesAndReports) {
 
 // A controller that starts after the stop has no other source for its reason.
 TEST_F(Stopped, ReportsTheSourceAndTheReasonOfTheOldestStop) {
-  Do(EmergencyStopHeard{kStop, true, 999, "alice", "smoke"});
-  Do(EmergencyStopHeard{kStop + 1, true, 999, "bob", "fire"});
+  Do(EmergencyStopReceived{kStop, true, 999, "alice", "smoke"});
+  Do(EmergencyStopReceived{kStop + 1, true, 999, "bob", "fire"});
   EXPECT_EQ(core_.report.emergency_stop_by, "alice");
   EXPECT_EQ(core_.report.emergency_stop_reason, "smoke");
   Release();
@@ -54,7 +54,7 @@ TEST_F(Stopped, ReportsTheSourceAndTheReasonOfTheOldestStop) {
 }
 
 TEST_F(Stopped, ByAStopWithAReasonOfAMegabyteReportsNoReason) {
-  Do(EmergencyStopHeard{kStop, true, 999, "alice", std::string(1 << 20, 'a')});
+  Do(EmergencyStopReceived{kStop, true, 999, "alice", std::string(1 << 20, 'a')});
   EXPECT_EQ(core_.report.emergency_stop, kStop);
   EXPECT_EQ(core_.report.emergency_stop_reason, "");
 }
@@ -142,7 +142,7 @@ TEST_F(Stopped, AnUpwardCallbackIsRequestedToStop) {
   Do(Command(2, "Active"));
   const Actions actions = Engage();
   EXPECT_THAT(actions, kRuns);
-  EXPECT_THAT(actions, kAsksToStop);
+  EXPECT_THAT(actions, kRequestsStop);
 }
 
 // Its callback has switched the motors on after the stop action had switched them off.
@@ -196,7 +196,7 @@ TEST_F(Stopped, ADownwardCallbackRunsOn) {
   Do(Command(2, "LowPower"));
   const Actions actions = Engage();
   EXPECT_THAT(actions, kRuns);
-  EXPECT_THAT(actions, Not(kAsksToStop));
+  EXPECT_THAT(actions, Not(kRequestsStop));
   Do(CallbackEnded{});
   EXPECT_EQ(core_.report.state, "LowPower");
 }
@@ -233,7 +233,7 @@ TEST_F(Stopped, ACallbackThatUndoesAFailedDownwardOneIsRequestedToStop) {
   Do(Command(2, "LowPower"));
   Do(CallbackEnded{kCodeFailed, ""});
   Do(Command(3, "DeActive"));
-  EXPECT_THAT(Engage(), kAsksToStop);
+  EXPECT_THAT(Engage(), kRequestsStop);
 }
 
 TEST_F(Stopped, AFailedUpwardCallbackIsUndone) {
@@ -246,7 +246,7 @@ TEST_F(Stopped, AFailedUpwardCallbackIsUndone) {
 
 TEST_F(Stopped, AQueryIsAnsweredAsUsual) {
   Engage();
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);
+  EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);
 }
 
 // What a released stop has switched off
@@ -317,7 +317,7 @@ TEST_F(Stopped, TheCallbackThatSwitchesOnAgainIsRequestedToStopByTheNextStopAndN
   Engage();
   Release();
   Do(Command(3, "Active"));
-  EXPECT_THAT(Engage(kStop + 1), kAsksToStop);
+  EXPECT_THAT(Engage(kStop + 1), kRequestsStop);
   EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).code, kCodeProtectedError);
   EXPECT_EQ(AnswerIn(Do(Command(4, "Active"))).code, kCodeProtectedError);
   Release(kStop + 1);
@@ -352,7 +352,7 @@ TEST(StopInSetUp, IsLatchedFromTheStart) {
   config.actuators.push_back(audio);
   ActuatorCore core;
   Step(config, 0, core, actuator_event::Started{}, Time());
-  EXPECT_THAT(Step(config, 0, core, EmergencyStopHeard{kStop, true, 3}, Time()), kRuns);
+  EXPECT_THAT(Step(config, 0, core, EmergencyStopReceived{kStop, true, 3}, Time()), kRuns);
   Step(config, 0, core, CallbackEnded{}, Time());
   EXPECT_EQ(core.report.emergency_stop, kStop);
 }

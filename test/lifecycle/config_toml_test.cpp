@@ -246,7 +246,7 @@ to = "SelfCheck"
   EXPECT_EQ(config.flow, expected);
 }
 
-TEST(ConfigToml, TakesAStarForEveryStateOneCanStayInAndLeave) {
+TEST(ConfigToml, TakesAStarForEveryStableStateThatCanBeLeft) {
   const MachineConfig config =
       Read(kController + kVoice + kWheels + "[[transition]]\nfrom = \"*\"\nto = \"Error\"");
   const std::vector<FlowEdge> expected = {

@@ -25,7 +25,7 @@ class Monitor : public ::testing::Test {
     monitor_.Watch(i, kFirst, host, local, now_);
     local_[i] = local;
     heartbeats_[i] = true;
-    Take(monitor_.Heard(i, kFirst, Heartbeat{kHeartbeat, Health::kWell, "", {}, {}}, now_));
+    Take(monitor_.OnSample(i, kFirst, Heartbeat{kHeartbeat, Health::kWell, "", {}, {}}, now_));
   }
 
   // Advances time; heartbeats arrive, and deadlines are handled, `late` each.
@@ -49,20 +49,20 @@ class Monitor : public ::testing::Test {
   }
   void BeatAll() {
     for (std::size_t i = 0; i < 3; ++i) {
-      if (heartbeats_[i]) Take(monitor_.Heard(i, kFirst, heartbeat_[i], now_));
+      if (heartbeats_[i]) Take(monitor_.OnSample(i, kFirst, heartbeat_[i], now_));
     }
     next_heartbeat_ = now_ + kHeartbeat;
   }
 
-  void Take(const std::vector<Finding>& findings) {
-    for (const Finding& finding : findings) {
-      if (const auto* probe = std::get_if<finding::Probe>(&finding)) {
+  void Take(const std::vector<HealthEvent>& events) {
+    for (const HealthEvent& event : events) {
+      if (const auto* probe = std::get_if<health_event::Probe>(&event)) {
         found_.push_back("probe " + Name(probe->actuator));
-        if (answers_[probe->actuator]) Take(monitor_.Heard(probe->actuator, kFirst, now_));
-      } else if (const auto* look = std::get_if<finding::Examine>(&finding)) {
+        if (answers_[probe->actuator]) Take(monitor_.OnSample(probe->actuator, kFirst, now_));
+      } else if (const auto* look = std::get_if<health_event::Examine>(&event)) {
         found_.push_back((look->mark ? "mark " : "examine ") + Name(look->actuator));
         if (!look->mark) Take(monitor_.Examined(look->actuator, kernel_, now_));
-      } else if (const auto* changed = std::get_if<finding::Changed>(&finding)) {
+      } else if (const auto* changed = std::get_if<health_event::Changed>(&event)) {
         EXPECT_EQ(changed->incarnation, kFirst);
         found_.push_back(Name(changed->actuator) + " " + std::string(HealthName(changed->health)) +
                          (changed->silent ? ", silent" : ""));
@@ -168,7 +168,7 @@ TEST_F(Monitor, AProcessHeldByADebuggerIsNotReportedAsHung) {
 TEST_F(Monitor, TheExitOfAProcessIsNotReported) {
   Watch(0, true);
   heartbeats_[0] = false;
-  kernel_.process = Process::kGone;
+  kernel_.process = Process::kExited;
   RunFor(std::chrono::minutes(1));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a"));
 }
@@ -183,7 +183,7 @@ TEST_F(Monitor, AHungProcessThatSendsAgainIsWell) {
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
-TEST_F(Monitor, OnAnotherHostOneSilentAmongOthersIsCrashed) {
+TEST_F(Monitor, OnAnotherHostAnActuatorThatIsSilentAmongOthersIsCrashed) {
   Watch(0, false, "there");
   Watch(1, false, "there");
   heartbeats_[0] = false;
@@ -226,7 +226,7 @@ TEST_F(Monitor, ExcusesItsOwnLatenessOnceAndGivesTimeToAnswer) {
   now_ += std::chrono::seconds(10);  // the controller itself was stopped
   Take(monitor_.TimePassed(now_));
   EXPECT_THAT(Found(), IsEmpty()) << "what was sent meanwhile may wait behind the timer";
-  Take(monitor_.Heard(1, kFirst, heartbeat_[1], now_ + Milliseconds(1)));
+  Take(monitor_.OnSample(1, kFirst, heartbeat_[1], now_ + Milliseconds(1)));
   RunFor(Milliseconds(30));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
   RunFor(Milliseconds(60));
@@ -242,7 +242,7 @@ TEST_F(Monitor, ExcusesItsOwnLatenessAgainOnceASampleArrives) {
     now_ += std::chrono::seconds(10);
     Take(monitor_.TimePassed(now_));
     EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(20));
-    Take(monitor_.Heard(0, kFirst, now_));
+    Take(monitor_.OnSample(0, kFirst, now_));
   }
   EXPECT_THAT(Found(), IsEmpty());
 }
@@ -260,10 +260,10 @@ TEST_F(Monitor, ExcusesALatenessThatIsMoreThanALoopsOwn) {
 
 TEST_F(Monitor, ReportsAProcessAsWellThatHasKeptUpForTwoSeconds) {
   Watch(0, true);
-  Take(monitor_.Heard(0, kFirst, Heartbeat{kHeartbeat, Health::kStarved, "", {}, {}}, now_));
-  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_ + Milliseconds(1999)));
+  Take(monitor_.OnSample(0, kFirst, Heartbeat{kHeartbeat, Health::kStarved, "", {}, {}}, now_));
+  Take(monitor_.OnSample(0, kFirst, heartbeat_[0], now_ + Milliseconds(1999)));
   EXPECT_THAT(Found(), ElementsAre("a starved"));
-  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_ + Milliseconds(2000)));
+  Take(monitor_.OnSample(0, kFirst, heartbeat_[0], now_ + Milliseconds(2000)));
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
@@ -273,15 +273,15 @@ TEST_F(Monitor, ProbesAtHalfTheLimitAlsoBeforeTheFirstHeartbeat) {
 }
 
 TEST_F(Monitor, IgnoresASampleOfAnUnmonitoredActuatorAndMonitorsTheFirst) {
-  Take(monitor_.Heard(0, 0, Heartbeat{kHeartbeat, Health::kHung, "", {}, {}}, now_));
-  Take(monitor_.Heard(0, 0, now_));
+  Take(monitor_.OnSample(0, 0, Heartbeat{kHeartbeat, Health::kHung, "", {}, {}}, now_));
+  Take(monitor_.OnSample(0, 0, now_));
   EXPECT_FALSE(monitor_.NextDeadline());
   EXPECT_THAT(Found(), IsEmpty());
   monitor_.Watch(0, 1, "here", true, now_);
   now_ += Milliseconds(10);
-  Take(monitor_.Heard(0, 1, now_));
+  Take(monitor_.OnSample(0, 1, now_));
   EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(750));
-  Take(monitor_.Heard(0, 1, heartbeat_[0], now_));
+  Take(monitor_.OnSample(0, 1, heartbeat_[0], now_));
   EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(150));
 }
 
@@ -299,7 +299,7 @@ TEST_F(Monitor, ReportsTheWorkThreadsVerdictAndItsState) {
   EXPECT_THAT(Found(), ElementsAre("a hung"));
   EXPECT_EQ(how_, "no checkpoint in Active for 512 ms");
   answers_[0] = true;
-  Take(monitor_.Heard(0, kFirst, now_));
+  Take(monitor_.OnSample(0, kFirst, now_));
   EXPECT_THAT(Found(), IsEmpty()) << "that it answers says nothing of its work";
   heartbeat_[0] = {kHeartbeat, Health::kWell, "", {}, {}};
   RunFor(Milliseconds(200));
@@ -310,7 +310,7 @@ TEST_F(Monitor, NeverEvaluatesAnActuatorOfAProtocolWithoutHeartbeats) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   monitor_.Watch(0, kFirst, "here", true, now_);
   RunFor(std::chrono::hours(1));
-  Take(monitor_.Heard(0, kFirst, now_));
+  Take(monitor_.OnSample(0, kFirst, now_));
   RunFor(std::chrono::hours(1));
   EXPECT_THAT(Found(), IsEmpty());
 }
@@ -319,7 +319,7 @@ TEST_F(Monitor, ForgetsAProcessThatHasExitedAndIgnoresItsLastSamples) {
   Watch(0, true);
   monitor_.Forget(0);
   heartbeats_[0] = false;
-  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_));
+  Take(monitor_.OnSample(0, kFirst, heartbeat_[0], now_));
   RunFor(std::chrono::hours(1));
   EXPECT_THAT(Found(), IsEmpty());
 }
@@ -330,7 +330,7 @@ TEST_F(Monitor, StartsAgainWithASuccessor) {
   RunFor(Milliseconds(390));
   Found();
   monitor_.Watch(0, kFirst + 1, "here", true, now_);
-  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_));  // a late sample of the previous process
+  Take(monitor_.OnSample(0, kFirst, heartbeat_[0], now_));  // a late sample of the previous process
   RunFor(Milliseconds(390));
   EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
 }
@@ -345,7 +345,7 @@ TEST_F(Monitor, NeverWaitsForEverBecauseOfAnInvalidPeriod) {
   for (const Duration period : {Duration(std::chrono::hours(1000)), Duration::max()}) {
     Watch(0, true);
     heartbeats_[0] = false;
-    Take(monitor_.Heard(0, kFirst, Heartbeat{period, Health::kWell, "", {}, {}}, now_));
+    Take(monitor_.OnSample(0, kFirst, Heartbeat{period, Health::kWell, "", {}, {}}, now_));
     RunFor(std::chrono::seconds(59));
     EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
     RunFor(std::chrono::seconds(2));
@@ -357,7 +357,8 @@ TEST_F(Monitor, DoesNotComputeWithAnInvalidPeriod) {
   for (const std::int64_t period : {INT64_MIN, std::int64_t{-1}, std::int64_t{1} << 62}) {
     Watch(0, true);
     heartbeats_[0] = false;
-    Take(monitor_.Heard(0, kFirst, Heartbeat{Duration(period), Health::kWell, "", {}, {}}, now_));
+    Take(
+        monitor_.OnSample(0, kFirst, Heartbeat{Duration(period), Health::kWell, "", {}, {}}, now_));
     RunFor(period < 0 ? Milliseconds(50) : Duration(std::chrono::seconds(61)));
     EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
   }

@@ -14,12 +14,12 @@ TEST(Silence, IsWellWithinTheAllowance) {
   EXPECT_EQ(EvaluateSilence(Milliseconds(100), kAllowed, {}), Health::kWell);
 }
 
-TEST(Silence, BeyondTheAllowanceIsAHangOfOneThatCouldRun) {
+TEST(Silence, BeyondTheAllowanceIsAHangOfAProcessThatCouldRun) {
   EXPECT_EQ(EvaluateSilence(Milliseconds(101), kAllowed, {}), Health::kHung);
   EXPECT_EQ(EvaluateSilence(Milliseconds(200), kAllowed, Milliseconds(99)), Health::kHung);
 }
 
-TEST(Silence, OfOneThatWaitedForACpuDoesNotCount) {
+TEST(Silence, OfAProcessThatWaitedForACpuDoesNotCount) {
   EXPECT_EQ(EvaluateSilence(Milliseconds(200), kAllowed, Milliseconds(100)), Health::kStarved);
   EXPECT_EQ(EvaluateSilence(std::chrono::hours(1), kAllowed, std::chrono::hours(1)),
             Health::kStarved);

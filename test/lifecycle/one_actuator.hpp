@@ -30,7 +30,9 @@ class OneActuator : public ::testing::Test {
   Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
 
   // A heartbeat of the controller of an epoch, the sender of Command().
-  void Announce(std::uint64_t epoch) { Do(actuator_event::ControllerHeard{epoch, epoch}); }
+  void Announce(std::uint64_t epoch) {
+    Do(actuator_event::ControllerHeartbeatReceived{epoch, epoch});
+  }
 
   void SetUpIt() {
     Do(actuator_event::Started{});

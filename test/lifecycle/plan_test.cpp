@@ -52,13 +52,13 @@ TEST_F(Plans, HaveFromStateToStateAndDeadline) {
   EXPECT_EQ(plan.steps[2].wave, 1);
 }
 
-TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenOneOnceAlsoInADiamond) {
+TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenActuatorOnceAlsoInADiamond) {
   config_.actuators[0].after = {"b", "c"};
   config_.actuators[1].after = {"d"};
   config_.actuators[2].after = {"d"};
   for (const std::size_t there : {1, 2}) machine_.actuators[there].report.state = State(kActive);
   const Plan plan = To(kActive);
-  EXPECT_EQ(plan.steps[1].part, Part::kThere);
+  EXPECT_EQ(plan.steps[1].part, Part::kInTarget);
   EXPECT_THAT(plan.steps[0].needs, ElementsAre(3U));
   EXPECT_EQ(plan.steps[0].wave, 2);
   EXPECT_THAT(plan.steps[3].needs, IsEmpty());
@@ -70,16 +70,16 @@ TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
   machine_.actuators[1].report.target.clear();
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeOk);
-  machine_.actuators[1].order = Order{};
+  machine_.actuators[1].command = PendingCommand{};
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 
-TEST_F(Plans, OfOneThatIsBeingRestartedAreRefused) {
-  machine_.actuators[1].restart_asked = true;
+TEST_F(Plans, OfAnActuatorThatIsBeingRestartedAreRefused) {
+  machine_.actuators[1].restart_requested = true;
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 
-TEST_F(Plans, OfOneThatHasNotPassedItsCheckGoDownButNotUp) {
+TEST_F(Plans, OfAnActuatorThatHasNotPassedItsCheckGoDownButNotUp) {
   machine_.actuators[1].checked = false;
   machine_.actuators[1].report.state = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeSelfCheckFailed);
@@ -87,7 +87,7 @@ TEST_F(Plans, OfOneThatHasNotPassedItsCheckGoDownButNotUp) {
 }
 
 TEST_F(Plans, OfASuspendedActuatorDoNotGoUp) {
-  machine_.actuators[1].parked = true;
+  machine_.actuators[1].suspended = true;
   machine_.actuators[1].report.state = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeStatusError);
   EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);
@@ -125,8 +125,8 @@ TEST_F(Plans, DistinguishActuatorsInTheTargetFromDetachedOnesInTheTarget) {
   machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
   machine_.actuators[1].held = true;
   const Plan plan = To(kLowPower);
-  EXPECT_EQ(plan.steps[0].part, Part::kThere);
-  EXPECT_EQ(plan.steps[1].part, Part::kHeldThere);
+  EXPECT_EQ(plan.steps[0].part, Part::kInTarget);
+  EXPECT_EQ(plan.steps[1].part, Part::kHeldInTarget);
   EXPECT_EQ(plan.steps[2].part, Part::kDriven);
 }
 
@@ -151,7 +151,7 @@ TEST_F(Plans, UpAreRefusedForALostCriticalActuatorButNotForAStartingOne) {
 }
 
 TEST_F(Plans, LeaveOutALateActuatorInItsFirstCheckUnlessTheMachineEnds) {
-  machine_.actuators[0].order = Order{1, State(kSelfCheck), {}, {}, 0};
+  machine_.actuators[0].command = PendingCommand{1, State(kSelfCheck), {}, {}, 0};
   EXPECT_EQ(To(kLowPower).steps[0].note, "is still starting");
   EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
   EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);

@@ -71,7 +71,7 @@ TEST(Ceiling, CountsStatesOfYourOwnByTheirRank) {
   config.ranks["Sitting"] = 3;
   EXPECT_EQ(CeilingState(config, kLowPower), "Sitting");
   config.states.emplace_back("LowPower");
-  EXPECT_EQ(CeilingState(config, kLowPower), "LowPower") << "of two the one that everybody knows";
+  EXPECT_EQ(CeilingState(config, kLowPower), "LowPower") << "of two the built-in state";
 }
 
 }  // namespace musher::testing::policy_test

@@ -19,13 +19,13 @@ class HealthOfARos2Node : public ::testing::Test {
     config_.actuators[0].checkpoint = checkpoint;
   }
   void Watch(bool local) { monitor_.Watch(0, 7, local ? "here" : "", local, now_); }
-  std::vector<Finding> Pass(Duration duration) {
+  std::vector<HealthEvent> Pass(Duration duration) {
     now_ += duration;
     return monitor_.TimePassed(now_);
   }
-  static const finding::Changed* ChangeIn(const std::vector<Finding>& findings) {
-    for (const Finding& finding : findings) {
-      if (const auto* changed = std::get_if<finding::Changed>(&finding)) return changed;
+  static const health_event::Changed* ChangeIn(const std::vector<HealthEvent>& events) {
+    for (const HealthEvent& event : events) {
+      if (const auto* changed = std::get_if<health_event::Changed>(&event)) return changed;
     }
     return nullptr;
   }
@@ -38,11 +38,11 @@ class HealthOfARos2Node : public ::testing::Test {
 TEST_F(HealthOfARos2Node, IsQueriedTwiceInItsCheckpoint) {
   Watch(true);
   for (int i = 0; i < 10; ++i) {
-    const auto findings = Pass(Milliseconds(200));
-    ASSERT_THAT(findings, SizeIs(2));
-    EXPECT_TRUE(std::holds_alternative<finding::Examine>(findings[0]));
-    EXPECT_TRUE(std::holds_alternative<finding::Probe>(findings[1]));
-    EXPECT_THAT(monitor_.Heard(0, 7, now_), IsEmpty());
+    const auto events = Pass(Milliseconds(200));
+    ASSERT_THAT(events, SizeIs(2));
+    EXPECT_TRUE(std::holds_alternative<health_event::Examine>(events[0]));
+    EXPECT_TRUE(std::holds_alternative<health_event::Probe>(events[1]));
+    EXPECT_THAT(monitor_.OnSample(0, 7, now_), IsEmpty());
   }
 }
 
@@ -50,19 +50,19 @@ TEST_F(HealthOfARos2Node, IsHungWhenItDoesNotAnswerTheQuery) {
   Watch(true);
   Pass(Milliseconds(200));
   EXPECT_THAT(Pass(Milliseconds(201)), SizeIs(1));
-  const auto findings =
+  const auto events =
       monitor_.Examined(0, {Examination::Process::kStopped, Duration::zero()}, now_);
-  ASSERT_NE(ChangeIn(findings), nullptr);
-  EXPECT_EQ(ChangeIn(findings)->health, Health::kHung);
-  EXPECT_THAT(ChangeIn(findings)->how, HasSubstr("its process is stopped"));
+  ASSERT_NE(ChangeIn(events), nullptr);
+  EXPECT_EQ(ChangeIn(events)->health, Health::kHung);
+  EXPECT_THAT(ChangeIn(events)->how, HasSubstr("its process is stopped"));
 }
 
 TEST_F(HealthOfARos2Node, IsHungAsWellWhereItsHostIsNotKnown) {
   Watch(false);
   Pass(Milliseconds(200));
-  const auto findings = Pass(Milliseconds(201));
-  ASSERT_NE(ChangeIn(findings), nullptr);
-  EXPECT_EQ(ChangeIn(findings)->health, Health::kHung);
+  const auto events = Pass(Milliseconds(201));
+  ASSERT_NE(ChangeIn(events), nullptr);
+  EXPECT_EQ(ChangeIn(events)->health, Health::kHung);
 }
 
 class HealthOfARos2NodeWithoutCheckpoint : public HealthOfARos2Node {

@@ -11,7 +11,7 @@ using ::testing::IsEmpty;
 using S = Ros2State;
 
 // The names of the transitions from one primary state to another.
-std::vector<std::string_view> Way(S from, S goal) {
+std::vector<std::string_view> PathBetween(S from, S goal) {
   std::vector<std::string_view> names;
   while (const auto step = NextTransition(from, goal)) {
     EXPECT_EQ(step->from, from);
@@ -22,25 +22,26 @@ std::vector<std::string_view> Way(S from, S goal) {
 }
 
 TEST(Ros2States, ActiveIsReachedByWayOfInactive) {
-  EXPECT_THAT(Way(S::kUnconfigured, S::kActive), ElementsAre("configure", "activate"));
-  EXPECT_THAT(Way(S::kInactive, S::kActive), ElementsAre("activate"));
-  EXPECT_THAT(Way(S::kActive, S::kActive), IsEmpty());
+  EXPECT_THAT(PathBetween(S::kUnconfigured, S::kActive), ElementsAre("configure", "activate"));
+  EXPECT_THAT(PathBetween(S::kInactive, S::kActive), ElementsAre("activate"));
+  EXPECT_THAT(PathBetween(S::kActive, S::kActive), IsEmpty());
 }
 
 TEST(Ros2States, FinalizedIsReachedByCleanupAndShutdown) {
-  EXPECT_THAT(Way(S::kActive, S::kFinalized), ElementsAre("deactivate", "cleanup", "shutdown"));
-  EXPECT_THAT(Way(S::kUnconfigured, S::kFinalized), ElementsAre("shutdown"));
+  EXPECT_THAT(PathBetween(S::kActive, S::kFinalized),
+              ElementsAre("deactivate", "cleanup", "shutdown"));
+  EXPECT_THAT(PathBetween(S::kUnconfigured, S::kFinalized), ElementsAre("shutdown"));
 }
 
 TEST(Ros2States, UnconfiguredIsReachedFromAboveOnly) {
-  EXPECT_THAT(Way(S::kActive, S::kUnconfigured), ElementsAre("deactivate", "cleanup"));
+  EXPECT_THAT(PathBetween(S::kActive, S::kUnconfigured), ElementsAre("deactivate", "cleanup"));
 }
 
 TEST(Ros2States, FinalizedAndTransitionStatesHaveNoTransition) {
   for (const S goal : {S::kUnconfigured, S::kInactive, S::kActive}) {
-    EXPECT_THAT(Way(S::kFinalized, goal), IsEmpty());
-    EXPECT_THAT(Way(S::kActivating, goal), IsEmpty());
-    EXPECT_THAT(Way(S::kUnknown, goal), IsEmpty());
+    EXPECT_THAT(PathBetween(S::kFinalized, goal), IsEmpty());
+    EXPECT_THAT(PathBetween(S::kActivating, goal), IsEmpty());
+    EXPECT_THAT(PathBetween(S::kUnknown, goal), IsEmpty());
   }
 }
 

@@ -74,7 +74,7 @@ class ActuatorPeer {
   Time report_at_;
   std::uint64_t number_ = 0;
   std::optional<Reply> reply_;
-  std::optional<Reply> answer_;  // to the question
+  std::optional<Reply> answer_;  // to the query
   std::unique_ptr<transport::Subscription> status_;
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;

@@ -277,7 +277,7 @@ def main():
         every = source.valid(m for _, _, m in source.places)
         source.ordered = [m for _, _, m in source.places if m in every]
     total = sum(len(source.ordered) for source in sources)
-    number, told = 0, []
+    number, chosen = 0, []
     for source in sources:
         share = max(4, round(options.count * len(source.ordered) / total))
         source.chosen = set(random.sample(source.ordered, min(share, len(source.ordered))))
@@ -287,15 +287,15 @@ def main():
                 continue
             number += 1
             m.number = number
-            told.append({"number": number, "file": "lifecycle/" + name, "line": m.line,
-                         "function": m.function, "kind": m.kind, "original": m.original,
-                         "mutated": m.mutated})
+            chosen.append({"number": number, "file": "lifecycle/" + name, "line": m.line,
+                           "function": m.function, "kind": m.kind, "original": m.original,
+                           "mutated": m.mutated})
         text = b'#include "musher/test/mutation/mutants.hpp"\n#line 1 "' + \
             source.path.encode() + b'"\n' + source.instrumented(source.chosen)
         with open(os.path.join(options.out, name), "wb") as file:
             file.write(text)
     with open(os.path.join(options.out, "mutants.json"), "w") as file:
-        json.dump({"possible": total, "seed": options.seed, "mutants": told}, file, indent=1)
+        json.dump({"possible": total, "seed": options.seed, "mutants": chosen}, file, indent=1)
     print(f"{number} mutants of {total} in {len(sources)} files")
 
 

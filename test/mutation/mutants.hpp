@@ -1,5 +1,5 @@
 #pragma once
-// What an instrumented source asks at every place that can be changed: whether it is, in this run.
+// An instrumented source checks at every place that can be changed whether it is, in this run.
 // One binary holds all mutants; MUSHER_MUTANT=n chooses one, without it the code is as written.
 
 #include <bitset>
@@ -15,7 +15,7 @@ inline const std::size_t chosen = [] {
   return number == nullptr ? 0 : std::strtoul(number, nullptr, 10);
 }();
 
-inline std::bitset<kMost> reached;  // since somebody cleared it
+inline std::bitset<kMost> reached;  // since it was cleared
 
 inline bool Active(std::size_t mutant) {
   reached[mutant] = true;

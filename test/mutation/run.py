@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Runs the tests once for each mutant of the decision code and tells which of them no test notices.
+"""Runs the tests once for each mutant of the decision code and reports which of them no test detects.
 
 Only tests that come by a mutant can notice it, so only those are run, in three stages: the unit
 tests, then the random walk, then the simulated robots. The first failure, crash or hang ends it.
@@ -18,7 +18,7 @@ from collections import Counter
 HERE = os.path.dirname(os.path.abspath(__file__))
 WALK = "RandomWalk.LeavesEveryActuatorInItsStateAndAnswersEveryRequest"
 FAULTS = "*/Scenarios.HoldEveryInvariant/*"
-MIXED = "SeededFaultsAmongProtocols.LeaveTheMachineInOneStateOnceTheyHaveCeased"
+MIXED = "SeededFaultsAmongProtocols.LeaveTheMachineInOneStateAfterTheFaultsEnd"
 MEMORY = 2 << 30  # bytes, of one run; a mutant may want more and more
 
 
@@ -28,8 +28,8 @@ class Runs:
         self.folder = os.path.join(options.build, "test/mutation")
         self.seeds = {WALK: options.walks, FAULTS: options.robots, MIXED: options.robots // 5}
         with open(os.path.join(self.folder, "lifecycle/mutants.json")) as file:
-            told = json.load(file)
-        self.possible, self.seed, self.mutants = told["possible"], told["seed"], told["mutants"]
+            read = json.load(file)
+        self.possible, self.seed, self.mutants = read["possible"], read["seed"], read["mutants"]
 
     def run(self, tests, mutant=0, seeds=0, limit=60.0, reached=None):
         """(exit code, None for a hang; the output; seconds)"""
@@ -66,7 +66,7 @@ class Runs:
                         self.by.setdefault(int(number), set()).add(name)
             self.stages.append((names, seeds, took))
 
-    def judge(self, mutant):
+    def evaluate(self, mutant):
         """How it ends, by which test, and what that says."""
         reaching = self.by.get(mutant["number"], set())
         if not reaching:
@@ -143,7 +143,7 @@ def main():
     mutants = [m for m in runs.mutants if not only or m["number"] in only]
     results = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for mutant, (end, by, output) in zip(mutants, pool.map(runs.judge, mutants)):
+        for mutant, (end, by, output) in zip(mutants, pool.map(runs.evaluate, mutants)):
             reason = equivalent.get(key(mutant), "") if end == "survives" else ""
             results.append(dict(mutant, end=end, by=by, reason=reason))
             if only or (end == "survives" and not reason):

@@ -43,7 +43,7 @@ TEST_F(DrivingACyberdogModule, AServiceThatIsVisibleIsAModuleThatIsSetUp) {
   EXPECT_TRUE(Until([&] { return status_.incarnation != first && IsIn("SetUp"); }));
 }
 
-TEST_F(DrivingACyberdogModule, TheCodeTellsTheOutcomeAndCurrentStateIsNotBelieved) {
+TEST_F(DrivingACyberdogModule, TheCodeIsTheOutcomeAndCurrentStateIsIgnored) {
   EXPECT_EQ(Do("SelfCheck").report.state, "SelfCheck");
   EXPECT_EQ(Do("Active").report.state, "Active");
   EXPECT_EQ(Do("LowPower").report.state, "LowPower");
@@ -66,32 +66,32 @@ TEST_F(DrivingACyberdogModule, ANakedEightIsARefusal) {
   EXPECT_NE(reply.report.outcome_number, number_) << "nothing ran";
 }
 
-TEST_F(DrivingACyberdogModule, AskedItIsBusyAsLongAsItOwesAnAnswerAndNothingMoreIsSent) {
+TEST_F(DrivingACyberdogModule, WhenQueriedItIsBusyUntilItsReplyAndNothingMoreIsSent) {
   module_->script["Active"].takes = std::chrono::seconds(1);
   const std::uint64_t active = Switch("Active");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_EQ(answer_->report.busy_number, active);
   Switch("LowPower");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_EQ(reply_->verdict, Verdict::kRefused) << "fenced before it had begun";
   ASSERT_TRUE(Until([&] { return !status_.busy() && status_.outcome_number == active; }));
   EXPECT_EQ(status_.state, "Active");
   EXPECT_THAT(module_->log(), ElementsAre("Active"));
 }
 
-TEST_F(DrivingACyberdogModule, ALateFailureIsToldAsOne) {
+TEST_F(DrivingACyberdogModule, ALateFailureIsReportedAsAFailure) {
   module_->script["Active"] = {std::chrono::seconds(1), 5001};
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   ASSERT_TRUE(Until([&] { return !status_.busy() && status_.outcome_number == number_; }));
   EXPECT_EQ(status_.outcome_code, 5001);
   EXPECT_EQ(status_.state, "SetUp");
 }
 
-TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheOneThatRuns) {
+TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheRunningCommand) {
   module_->script["Active"].takes = Milliseconds(50);
   Switch("Active");
   Switch("LowPower");
@@ -105,7 +105,7 @@ TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgai
   module_->lost_replies = 1;
   Switch("Active");
   network_.RunFor(std::chrono::minutes(1));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_EQ(answer_->report.busy_number, number_);
   const std::uint64_t first = status_.incarnation;
   EndModule();
@@ -114,7 +114,7 @@ TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgai
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
 }
 
-TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
+TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExpires) {
   const std::uint64_t first = status_.incarnation;
   network_.Crash(*process_);
   EndModule();
@@ -126,12 +126,12 @@ TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOve
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-class Beating : public DrivingACyberdogModule {
+class CyberdogHeartbeats : public DrivingACyberdogModule {
  protected:
-  void HearABeat() { network_.RunFor(std::chrono::seconds(1)); }
+  void ReceiveHeartbeat() { network_.RunFor(std::chrono::seconds(1)); }
 };
 
-TEST_F(Beating, OneThatNeverBeatsIsNotMissed) {
+TEST_F(CyberdogHeartbeats, AModuleWithoutHeartbeatsIsNotLost) {
   EndModule();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   losses_.clear();
@@ -140,22 +140,23 @@ TEST_F(Beating, OneThatNeverBeatsIsNotMissed) {
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-TEST_F(Beating, OneThatBeatsUnderAnotherNameIsHeardUnderIt) {
+TEST_F(CyberdogHeartbeats, HeartbeatsUnderAnotherNameAreReceivedUnderIt) {
   config_.actuators[0].heartbeat_name = "device";
   EndModule();
   OpenLink();
   StartModule("device");
-  HearABeat();
-  module_->beats = false;
+  ReceiveHeartbeat();
+  module_->sends_heartbeats = false;
   EXPECT_TRUE(Until([&] { return !losses_.empty(); }));
 }
 
-TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilent) {
-  HearABeat();
-  module_->beats = false;
+TEST_F(CyberdogHeartbeats,
+       AModuleWhoseHeartbeatsStopIsLostAfterFivePeriodsOnceUntilTheNextHeartbeat) {
+  ReceiveHeartbeat();
+  module_->sends_heartbeats = false;
   const Time ceased = network_.now();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
-  EXPECT_THAT(losses_, ElementsAre("its heartbeats have ceased"));
+  EXPECT_THAT(losses_, ElementsAre("its heartbeats have stopped"));
   EXPECT_LE(network_.now() - ceased, Milliseconds(2600));
   EXPECT_GE(network_.now() - ceased, Milliseconds(1900));
   const int before = statuses_;
@@ -164,21 +165,21 @@ TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilen
   EXPECT_EQ(statuses_, before) << "a dead module does not read alive now and then";
 }
 
-TEST_F(Beating, OneThatBeatsAgainIsTheSameAgain) {
-  HearABeat();
+TEST_F(CyberdogHeartbeats, AModuleWhoseHeartbeatsResumeIsTheSameIncarnation) {
+  ReceiveHeartbeat();
   const std::uint64_t incarnation = status_.incarnation;
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   const int before = statuses_;
-  module_->beats = true;
+  module_->sends_heartbeats = true;
   ASSERT_TRUE(Until([&] { return statuses_ > before; }));
   EXPECT_EQ(status_.incarnation, incarnation);
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   EXPECT_TRUE(Until([&] { return losses_.size() == 2; })) << "it is watched again";
 }
 
-TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
-  HearABeat();
+TEST_F(CyberdogHeartbeats, AModuleNeedsNoHeartbeatWhileACommandRunsWithinItsTimeLimit) {
+  ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(30));
   EXPECT_EQ(Outcome(std::chrono::seconds(25)).verdict, Verdict::kDone);
@@ -186,8 +187,8 @@ TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
   EXPECT_THAT(losses_, IsEmpty());
 }
 
-TEST_F(Beating, OneThatIsSilentBeyondItsTimeIsLostAndItsLateAnswerBringsItBack) {
-  HearABeat();
+TEST_F(CyberdogHeartbeats, AModuleThatIsSilentBeyondItsTimeLimitIsLostUntilItsLateReply) {
+  ReceiveHeartbeat();
   module_->script["Active"].takes = std::chrono::seconds(22);
   Switch("Active", std::chrono::seconds(10));
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }, std::chrono::seconds(11)));

@@ -1,7 +1,7 @@
 #pragma once
 // A client as CyberDog's manager is one: switches its modules one after the other in the order of
 // its list, each with a timeout that counts as -1, and stops at the first that gives no 0; only a
-// self-check goes on. It hears their beats.
+// self-check continues. It receives their heartbeats.
 
 #include <functional>
 #include <map>
@@ -36,13 +36,13 @@ class CyberdogManager {
     heartbeats_ = transport::MakeSubscription<msg::Heartbeats>(
                       node, transport::ResolveName(name_space, "manager_heartbeats"),
                       [this](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
-                        ++heard[heartbeat.name];
+                        ++heartbeat_counts[heartbeat.name];
                       },
                       transport::kDefaultQos)
                       .value();
   }
 
-  // Whether every module is set up, which is all that a visible service tells.
+  // Whether every module is set up, which is all that a visible service shows.
   bool Ready() const {
     for (const auto& client : clients_) {
       if (!client->Ready()) return false;
@@ -52,7 +52,7 @@ class CyberdogManager {
 
   void SetState(const std::string& state, Done done) { Next(0, state, {}, std::move(done)); }
 
-  std::map<std::string, int> heard;  // beats by name
+  std::map<std::string, int> heartbeat_counts;  // by name
 
  private:
   void Next(std::size_t i, const std::string& state, std::vector<Result> results, Done done) {

@@ -66,8 +66,8 @@ TEST_F(UnderACyberdogManager, ActuatorsSendHeartbeatsToASubscriber) {
   ASSERT_TRUE(robot_.RunUntil([&] { return manager_->Ready(); }));
   robot_.RunFor(std::chrono::seconds(10));
   for (const char* name : {"a", "b"}) {
-    EXPECT_GE(manager_->heard[name], 19) << name;
-    EXPECT_LE(manager_->heard[name], 20) << name;
+    EXPECT_GE(manager_->heartbeat_counts[name], 19) << name;
+    EXPECT_LE(manager_->heartbeat_counts[name], 20) << name;
   }
 }
 

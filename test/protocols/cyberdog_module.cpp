@@ -53,7 +53,7 @@ void CyberdogModule::Run(const std::string& state, const Reply& reply) {
 }
 
 void CyberdogModule::Heartbeat() {
-  if (!beats || (busy_ && !heartbeats_while_busy)) return;
+  if (!sends_heartbeats || (busy_ && !heartbeats_while_busy)) return;
   msg::Heartbeats heartbeat;
   heartbeat.name = heartbeats_as_;
   static_cast<void>(heartbeats_->Publish(heartbeat));

@@ -1,6 +1,7 @@
 #pragma once
-// A module as CyberDog's machine library makes one: SetUp first, then the service; callbacks run on
-// the thread that answers and beats; `current_state` is never filled. Its faults are on order.
+// A module like those of CyberDog's machine library: SetUp first, then the service; callbacks run
+// on the thread that replies and sends heartbeats; `current_state` is never filled. Tests inject
+// its faults.
 
 #include <deque>
 #include <functional>
@@ -22,14 +23,14 @@ class CyberdogModule {
     std::int32_t code = 0;
   };
 
-  // `beats_as` empty: it does not beat.
+  // `heartbeats_as`: the name in its heartbeats; empty: it sends none.
   CyberdogModule(transport::Node& node, std::string name_space, std::string name,
                  std::string heartbeats_as, Duration set_up_takes = Milliseconds(5));
 
   std::map<std::string, Callback> script;
   std::vector<std::string> unknown_states;  // those not in its table
   int lost_replies = 0;                     // so many of the next are not sent
-  bool beats = true;
+  bool sends_heartbeats = true;
   bool heartbeats_while_busy = false;
   std::function<void(const std::string&)> on_callback;  // called before each
 

@@ -42,10 +42,10 @@ class LinkStage : public ::testing::Test {
     Switch(target, budget);
     return Outcome();
   }
-  // Asks how the last command stands, as when its time is over; nothing when there is no answer.
-  std::optional<event::Replied> Ask(bool stop = true) {
+  // Queries the last command, as after its deadline; nothing if there is no answer.
+  std::optional<event::Replied> Query(bool stop = true) {
     answer_.reset();
-    link_->Ask({1, number_, stop});
+    link_->Query({1, number_, stop});
     Until([&] { return answer_.has_value(); }, Milliseconds(300));
     return answer_;
   }
@@ -74,7 +74,7 @@ class LinkStage : public ::testing::Test {
     } else if (const auto* lost = std::get_if<event::Vanished>(&event)) {
       losses_.push_back(lost->how);
     } else if (const auto* replied = std::get_if<event::Replied>(&event)) {
-      (replied->ask ? answer_ : reply_) = *replied;
+      (replied->query ? answer_ : reply_) = *replied;
     }
   }
 };

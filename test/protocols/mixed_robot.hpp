@@ -44,7 +44,7 @@ class AMixedRobot : public ::testing::Test {
     ASSERT_TRUE(robot_.RunUntil([&] { return robot_.machine().phase == Phase::kRunning; }));
     ASSERT_EQ(robot_.machine().state, "Active");
     ASSERT_THAT(robot_.Degraded(), ::testing::IsEmpty());
-    robot_.RunFor(std::chrono::seconds(1));  // the first beats
+    robot_.RunFor(std::chrono::seconds(1));  // the first heartbeats
   }
   std::vector<std::int32_t> Pids() {
     std::vector<std::int32_t> pids;

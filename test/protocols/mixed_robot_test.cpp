@@ -24,7 +24,7 @@ TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(robot_.IsAlive(name)) << name;
 }
 
-TEST_F(AMixedRobot, IsBroughtBackAsOneWhenOneCannotGoUp) {
+TEST_F(AMixedRobot, IsUndoneAsAWholeWhenAnActuatorCannotGoUp) {
   BringUp();
   ASSERT_TRUE(Set("LowPower").done());
   ros_->script["activate"].outcome = RosManagedNode::Outcome::kError;
@@ -73,7 +73,7 @@ TEST_F(AMixedRobot, ANodesLostReplyIsNoFailure) {
   EXPECT_TRUE(Set("LowPower").done());
 }
 
-TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesGoOnWithoutIt) {
+TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesContinueWithoutIt) {
   BringUp();
   module_->lost_replies = 1;
   EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
@@ -83,7 +83,8 @@ TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesGoOnWithoutIt) {
     const Time begun = robot_.network().now();
     const SwitchResult result = Set(target);
     EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << result.reason;
-    EXPECT_LT(robot_.network().now() - begun, Milliseconds(50)) << "nobody waits for it";
+    EXPECT_LT(robot_.network().now() - begun, Milliseconds(50))
+        << "the switch does not wait for it";
     EXPECT_EQ(robot_.machine().actuators[2].state(), target);
   }
   EXPECT_THAT(module_->log(), ElementsAre("SelfCheck", "Active", "LowPower"))
@@ -124,12 +125,12 @@ TEST_F(AMixedRobot, NoticesTheEndOfAProcessAtOnceAndDrivesTheNextOne) {
 
 TEST_F(AMixedRobot, AModuleThatBeatsNoMoreIsLostUntilItBeatsAgain) {
   BringUp();
-  module_->beats = false;
+  module_->sends_heartbeats = false;
   ASSERT_TRUE(
       robot_.RunUntil([&] { return robot_.machine().actuators[1].presence == Presence::kLost; },
                       Milliseconds(3000)));
   EXPECT_THAT(robot_.Degraded(), ElementsAre("b"));
-  module_->beats = true;
+  module_->sends_heartbeats = true;
   robot_.RunFor(std::chrono::seconds(2));
   ExpectAllIn("Active");
 }
@@ -216,7 +217,7 @@ TEST_F(AMixedRobot, DrivesANodeBackAfterATransitionByAnotherClient) {
   robot_.RunFor(std::chrono::seconds(1));
   ExpectAllIn("Active");
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
-  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("c has gone to DeActive by itself")));
+  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("c has switched to DeActive by itself")));
   ASSERT_TRUE(Set("LowPower").done());
   ros_->Change("activate");
   robot_.RunFor(std::chrono::seconds(1));
@@ -252,7 +253,7 @@ TEST_F(AMixedRobot, IsAdoptedInTheStateOfItsMusherActuatorsThoughANodeMayBeLessA
   ExpectAllIn("Protected");
 }
 
-TEST_F(AMixedRobot, FinishesItsStartWhenTheControllerDiesDuringIt) {
+TEST_F(AMixedRobot, FinishesItsStartWhenTheControllerCrashesDuringIt) {
   robot_.StartController();
   ASSERT_TRUE(robot_.RunUntil([&] { return ros_ && ros_->state() == Ros2State::kInactive; }));
   ASSERT_EQ(robot_.machine().phase, Phase::kStarting);

@@ -104,7 +104,7 @@ TEST_P(ARealPeer, IsMissedWhenItIsKilledAndItsSuccessorIsDriven) {
   EXPECT_EQ(Do("Active"), Verdict::kDone);
 }
 
-TEST_P(ARealPeer, HasASuccessorThatIsDrivenBeforeTheDeadOneIsMissed) {
+TEST_P(ARealPeer, HasASuccessorThatIsDrivenBeforeThePreviousProcessIsLost) {
   ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
   const std::uint64_t first = status_.incarnation;
   peer_.reset();
@@ -158,7 +158,7 @@ TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndBeatsForIt) {
   const auto until = [&](const std::function<bool()>& done) {
     return loop.RunUntil(done, loop.Now() + std::chrono::seconds(20));
   };
-  ASSERT_TRUE(until([&] { return manager.Ready() && manager.heard["arm"] >= 2; }));
+  ASSERT_TRUE(until([&] { return manager.Ready() && manager.heartbeat_counts["arm"] >= 2; }));
   std::vector<CyberdogManager::Result> results;
   manager.SetState("Active", [&](auto r) { results = std::move(r); });
   ASSERT_TRUE(until([&] { return !results.empty(); }));

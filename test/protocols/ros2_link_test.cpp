@@ -60,7 +60,7 @@ TEST_F(DrivingARos2Node, TearsItDownByCleanupAndShutdown) {
               ElementsAre("configure", "activate", "deactivate", "cleanup", "shutdown"));
 }
 
-TEST_F(DrivingARos2Node, TakesItElsewhereWhereTheConfigSaysSo) {
+TEST_F(DrivingARos2Node, ReachesOtherStatesIfTheConfigMapsThem) {
   config_.actuators[0].ros2_states = {{"LowPower", Ros2State::kUnconfigured},
                                       {"Protected", Ros2State::kActive}};
   EXPECT_EQ(Do("Protected").verdict, Verdict::kDone);
@@ -71,7 +71,7 @@ TEST_F(DrivingARos2Node, TakesItElsewhereWhereTheConfigSaysSo) {
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
 }
 
-TEST_F(DrivingARos2Node, ALostReplyIsNoFailureBecauseTheEventTells) {
+TEST_F(DrivingARos2Node, ALostReplyIsNoFailureBecauseTheEventHasTheOutcome) {
   ros_->lost_change_replies = 1;
   const Time begun = network_.now();
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
@@ -80,7 +80,7 @@ TEST_F(DrivingARos2Node, ALostReplyIsNoFailureBecauseTheEventTells) {
 
 TEST_F(DrivingARos2Node, ALostReplyIsNoFailureThoughTheEventIsLostToo) {
   ros_->lost_change_replies = 1;
-  ros_->tells_events = false;
+  ros_->publishes_events = false;
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
 }
 
@@ -123,11 +123,12 @@ TEST_F(DrivingARos2Node, AFinalizedNodeIsTornDownAndComesBackByANewStartOnly) {
   EXPECT_THAT(Do("DeActive").message, HasSubstr("only a new start"));
 }
 
-TEST_F(DrivingARos2Node, OneWhoseSingleThreadIsInACallbackIsBusyWhenAskedAndItsLateEndIsTold) {
+TEST_F(DrivingARos2Node,
+       ANodeWhoseOnlyThreadIsInACallbackIsBusyWhenQueriedAndItsLateEndIsReported) {
   ros_->script["activate"].takes = std::chrono::seconds(3);
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  const auto answer = Ask();
+  const auto answer = Query();
   ASSERT_TRUE(answer) << "silence of a node that owes a transition means busy";
   EXPECT_EQ(answer->report.busy_number, number_);
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
@@ -140,16 +141,16 @@ TEST_F(DrivingARos2Node, TheLateEndIsNoticedThoughItsReplyIsLost) {
   ros_->lost_change_replies = 1;
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
 }
 
-TEST_F(DrivingARos2Node, AskedOnALongWayItGoesNoFurther) {
+TEST_F(DrivingARos2Node, AQueryEndsACommandOfSeveralTransitionsAfterTheRunningOne) {
   BringUp();
   ros_->script["deactivate"].takes = Milliseconds(500);
   Switch("TearDown");
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Query());
   const event::Replied reply = Outcome();
   EXPECT_EQ(reply.verdict, Verdict::kFailed);
   EXPECT_EQ(reply.report.state, "DeActive") << "not Active any more, not torn down";
@@ -160,7 +161,7 @@ TEST_F(DrivingARos2Node, ARequestThatNeverArrivedHadNotBegunAndWhenItDoesTheNode
   ros_->holds_changes = true;
   Switch("Active");
   network_.RunFor(Milliseconds(100));
-  const auto answer = Ask();
+  const auto answer = Query();
   ASSERT_TRUE(answer);
   EXPECT_FALSE(answer->report.busy());
   EXPECT_NE(answer->report.outcome_number, number_);
@@ -170,7 +171,7 @@ TEST_F(DrivingARos2Node, ARequestThatNeverArrivedHadNotBegunAndWhenItDoesTheNode
   EXPECT_GE(statuses_, before + 2) << "busy and free once, so that the coordinator takes note";
 }
 
-TEST_F(DrivingARos2Node, AnOrderThatNobodyAsksAboutEndsAsWell) {
+TEST_F(DrivingARos2Node, ACommandThatIsNotQueriedEndsToo) {
   ros_->holds_changes = true;
   Switch("Active");
   const std::uint64_t next = Switch("Error");
@@ -191,24 +192,24 @@ TEST_F(DrivingARos2Node, ARequestThatArrivesAfterAPartitionEndsAsItEnds) {
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
 }
 
-TEST_F(DrivingARos2Node, SilenceOfANodeThatOwesNothingIsSilence) {
+TEST_F(DrivingARos2Node, AFrozenNodeWithoutACommandAnswersNoQuery) {
   ros_->frozen = true;
-  EXPECT_FALSE(Ask(false));
+  EXPECT_FALSE(Query(false));
   Switch("SelfCheck");
   network_.RunFor(Milliseconds(100));
-  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(Query());
 }
 
-TEST_F(DrivingARos2Node, ANodeThatWasSilentIsHeardOfAgain) {
+TEST_F(DrivingARos2Node, ANodeThatWasSilentIsReportedAgain) {
   network_.Block("robot", "controller");
-  EXPECT_FALSE(Ask(false));
+  EXPECT_FALSE(Query(false));
   const int before = statuses_;
   network_.Free("robot", "controller");
   EXPECT_TRUE(Until([&] { return statuses_ > before; }));
   EXPECT_TRUE(IsIn("SetUp"));
 }
 
-TEST_F(DrivingARos2Node, ASelfCheckAsksWhetherItIsThereAndMovesNothing) {
+TEST_F(DrivingARos2Node, ASelfCheckQueriesTheNodeAndRequestsNoTransition) {
   BringUp();
   EXPECT_EQ(Do("SelfCheck").verdict, Verdict::kDone);
   EXPECT_EQ(reply_->report.state, "Active");
@@ -237,7 +238,7 @@ TEST_F(DrivingARos2Node, ATransitionByAnotherClientIsReportedAndNotCorrectedByTh
 
 TEST_F(DrivingARos2Node, IsNotTakenForActiveBecauseAnEventWasLost) {
   BringUp();
-  ros_->tells_events = false;
+  ros_->publishes_events = false;
   ros_->Change("deactivate");
   network_.RunFor(Milliseconds(50));
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
@@ -247,7 +248,7 @@ TEST_F(DrivingARos2Node, IsNotTakenForActiveBecauseAnEventWasLost) {
 TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter) {
   BringUp();
   ros_->holds_looks = true;
-  link_->Ask({1, number_, false});
+  link_->Query({1, number_, false});
   network_.RunFor(Milliseconds(50));
   ASSERT_EQ(Do("LowPower").verdict, Verdict::kDone);
   statuses_ = 0;
@@ -256,16 +257,16 @@ TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter)
   EXPECT_EQ(statuses_, 0) << "it has not become active again";
 }
 
-TEST_F(DrivingARos2Node, NobodyAnswersForAProcessOfOursThatHasEnded) {
+TEST_F(DrivingARos2Node, AQueryGetsNoAnswerAfterTheExitOfAProcessOfTheController) {
   link_->OnProcess(4711);
   network_.Crash(*process_);
   link_->OnProcessEnded(4711);
   Switch("Active");
-  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(Query());
   EXPECT_FALSE(reply_);
 }
 
-TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAgain) {
+TEST_F(DrivingARos2Node, AnExitIsDetectedAndTheSuccessorIsSetUpAgain) {
   const std::uint64_t first = status_.incarnation;
   EndNode();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
@@ -275,7 +276,7 @@ TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAgain) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure"));
 }
 
-TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
+TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExpires) {
   const std::uint64_t first = status_.incarnation;
   network_.Crash(*process_);
   EndNode();
@@ -288,7 +289,7 @@ TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
 }
 
 // A killed process stays matched for 10 s; meanwhile its successor exits with code 0.
-TEST_F(DrivingARos2Node, ADeadPredecessorIsNotTakenForTheNodeWhenItsSuccessorEnds) {
+TEST_F(DrivingARos2Node, AnExitedPredecessorIsNotTakenForTheNodeWhenItsSuccessorExits) {
   link_->OnProcess(4711);
   network_.Crash(*process_);
   EndNode();
@@ -308,9 +309,9 @@ TEST_F(DrivingARos2Node, ANodeWithACheckpointIsSilentWhenItDoesNotAnswerLongAfte
   ros_->script["activate"].takes = std::chrono::seconds(30);
   Switch("Active");
   network_.RunFor(Milliseconds(300));
-  EXPECT_TRUE(Ask()) << "it is busy";
+  EXPECT_TRUE(Query()) << "it is busy";
   network_.RunFor(Milliseconds(500));
-  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(Query());
 }
 
 class FindingARos2Node : public DrivingARos2Node {
@@ -327,24 +328,24 @@ class FindingARos2Node : public DrivingARos2Node {
   }
 };
 
-TEST_F(FindingARos2Node, AnActiveOneIsAdoptedAsActive) {
+TEST_F(FindingARos2Node, AnActiveNodeIsAdoptedAsActive) {
   Prepare({"configure", "activate"});
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }));
   EXPECT_THAT(ros_->log(), ElementsAre("configure", "activate"));
 }
 
-TEST_F(FindingARos2Node, AnInactiveOneIsAdoptedAsDeActiveWhateverItWas) {
+TEST_F(FindingARos2Node, AnInactiveNodeIsAdoptedAsDeActiveWhateverItWas) {
   Prepare({"configure"});
   EXPECT_TRUE(Until([&] { return IsIn("DeActive"); }));
 }
 
-TEST_F(FindingARos2Node, AnActiveOneThatMayBeProtectedIsTakenForProtected) {
+TEST_F(FindingARos2Node, AnActiveNodeThatMayBeProtectedIsAdoptedAsProtected) {
   config_.actuators[0].ros2_states = {{"Protected", Ros2State::kActive}};
   Prepare({"configure", "activate"});
   EXPECT_TRUE(Until([&] { return IsIn("Protected"); }));
 }
 
-TEST_F(FindingARos2Node, OneOfOursThatActivatedItselfIsBroughtBackToBeSetUp) {
+TEST_F(FindingARos2Node, ANodeOfTheControllerThatActivatedItselfIsDrivenBackToItsSetUp) {
   link_ = nullptr;
   ros_->Change("configure");
   ros_->Change("activate");
@@ -364,7 +365,7 @@ TEST_F(FindingARos2Node, ANodeStartedByAnEarlierControllerIsAdoptedInItsState) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure", "activate"));
 }
 
-TEST_F(FindingARos2Node, OneThatCannotBeConfiguredHasAFailedSetUpUntilSomebodyDoesIt) {
+TEST_F(FindingARos2Node, ANodeThatCannotBeConfiguredHasAFailedSetUpUntilAnotherClientConfiguresIt) {
   ros_->script["configure"].outcome = Outcome::kFailure;
   ASSERT_TRUE(Until([&] { return status_.outcome_code != kCodeOk; }));
   EXPECT_FALSE(status_.busy());
@@ -375,7 +376,7 @@ TEST_F(FindingARos2Node, OneThatCannotBeConfiguredHasAFailedSetUpUntilSomebodyDo
   EXPECT_TRUE(Until([&] { return IsIn("SetUp"); }));
 }
 
-TEST_F(FindingARos2Node, OneThatDidNotGetTheRequestToConfigureGetsAnother) {
+TEST_F(FindingARos2Node, ANodeThatMissedTheRequestToConfigureGetsAnother) {
   ros_->holds_changes = true;
   ASSERT_TRUE(Until([&] { return status_.target == "SetUp"; }));
   network_.RunFor(std::chrono::seconds(1));
@@ -384,7 +385,7 @@ TEST_F(FindingARos2Node, OneThatDidNotGetTheRequestToConfigureGetsAnother) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure"));
 }
 
-TEST_F(FindingARos2Node, OneThatLoadsForLongIsBusyInSetUpMeanwhile) {
+TEST_F(FindingARos2Node, ANodeThatConfiguresForLongIsBusyInSetUpMeanwhile) {
   ros_->script["configure"].takes = std::chrono::seconds(22);
   ASSERT_TRUE(Until([&] { return status_.target == "SetUp"; }));
   network_.RunFor(std::chrono::seconds(21));

@@ -55,7 +55,7 @@ static int warning_count;
 static int sample_count;
 
 // rmw's parse_key_value(): "key=value;key=value;" with alphanumeric keys, ";;" for a ';'. The value
-// of `key`, or false; `valid` tells whether the whole is well formed.
+// of `key`, or false; `valid`: whether the whole is well formed.
 static bool FindValue(const char* data, size_t size, const char* key, char* value, size_t room,
                       bool* valid) {
   bool found = false;
@@ -325,7 +325,7 @@ int main(void) {
     dds_waitset_attach(waitset, readers[i], i);
   }
   struct pollfd input = {.fd = 0, .events = POLLIN};
-  while (poll(&input, 1, 0) == 0) {  // a test has no more to ask when it closes its end
+  while (poll(&input, 1, 0) == 0) {  // a test closes its end after its last command
     dds_waitset_wait(waitset, NULL, 0, DDS_MSECS(100));
     bool changed = false;
     for (int i = 0; i < 3; ++i) {

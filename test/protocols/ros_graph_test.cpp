@@ -1,4 +1,4 @@
-// What ROS 2 processes see of ours: `ros2 node list`, `ros2 node info`, and what they log.
+// What ROS 2 processes see of Musher's: `ros2 node list`, `ros2 node info`, and what they log.
 
 #include <gmock/gmock.h>
 
@@ -98,7 +98,7 @@ TEST_F(NodesBesideRos2, HaveTheNameOfTheirProgramWithoutAnother) {
   })) << ros.text();
 }
 
-TEST_F(NodesBesideRos2, AreHiddenWhereTheyOnlyAsk) {
+TEST_F(NodesBesideRos2, AreHiddenWhereTheyOnlyCall) {
   const auto thread = Must(transport::NodeThread::Start({.hidden = true}));
   RosGraphPeer ros;
   EXPECT_TRUE(ros.Sees([](const RosGraph& graph) {
@@ -170,20 +170,21 @@ TEST_P(NodesOfADistro, AreListedInItsLayout) {
   options.node_name = "arm";
   options.ros_distro = GetParam().distro;
   const auto node = Must(transport::MakeDdsNode(loop, options));
-  msg::Bytes heard;
+  msg::Bytes received;
   transport::ReaderCallbacks callbacks;
   callbacks.on_sample = [&](std::span<const std::byte> bytes, const transport::SampleInfo&) {
-    heard.assign(bytes.begin(), bytes.end());
+    received.assign(bytes.begin(), bytes.end());
   };
   const auto reader = Must(node->MakeRawReader("ros_discovery_info",
                                                std::string(msg::ParticipantEntitiesInfo::kTypeName),
                                                transport::kLatchedQos, std::move(callbacks)));
-  ASSERT_TRUE(loop.RunUntil([&] { return !heard.empty(); }, loop.Now() + std::chrono::seconds(20)));
+  ASSERT_TRUE(
+      loop.RunUntil([&] { return !received.empty(); }, loop.Now() + std::chrono::seconds(20)));
   msg::ParticipantEntitiesInfo info;
   info.node_entities_info_seq.push_back({"/", "arm", {{}}, {}});
   const std::size_t size = GetParam().gid_bytes == 24 ? msg::Encode(msg::BeforeIron(info)).size()
                                                       : msg::Encode(info).size();
-  EXPECT_EQ(heard.size(), size);
+  EXPECT_EQ(received.size(), size);
 }
 INSTANTIATE_TEST_SUITE_P(Ros2, NodesOfADistro,
                          ::testing::Values(DistroRow{"galactic", RosDistro::kGalactic, 24},

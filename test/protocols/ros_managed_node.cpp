@@ -115,7 +115,7 @@ void RosManagedNode::MoveTo(Ros2State state) {
   event.start_state.id = static_cast<std::uint8_t>(state_);
   event.goal_state.id = static_cast<std::uint8_t>(state);
   state_ = state;
-  if (tells_events) static_cast<void>(events_->Publish(event));
+  if (publishes_events) static_cast<void>(events_->Publish(event));
 }
 
 }  // namespace musher::testing

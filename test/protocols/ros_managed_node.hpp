@@ -32,7 +32,7 @@ class RosManagedNode {
   bool recovers = true;                    // on_error succeeds
   int lost_change_replies = 0;             // so many of the next are not sent, as to a client
   int lost_get_replies = 0;                // that has not been matched
-  bool tells_events = true;
+  bool publishes_events = true;
   bool holds_changes = false;  // requests for a change are still on their way, see Release()
   bool holds_looks = false;    // answers to get_state are still on their way, see Release()
   bool frozen = false;  // nothing is taken any more, as by a callback of its own that never ends
@@ -42,7 +42,7 @@ class RosManagedNode {
   Ros2State state() const { return state_; }
   const std::vector<std::string>& log() const { return log_; }  // the callbacks that were begun
 
-  // Somebody else moves it, or it does so itself.
+  // Another client switches it, or it does so itself.
   void Change(const std::string& transition);
   // The requests and answers that were on their way arrive.
   void Release();

@@ -1,4 +1,4 @@
-// ROS 2 processes that know nothing of Musher, on real DDS: one that a controller starts, and
+// ROS 2 processes without code of Musher, on real DDS: one that a controller starts, and
 // clients that call an actuator for the first time.
 
 #include <gmock/gmock.h>

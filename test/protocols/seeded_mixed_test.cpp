@@ -1,6 +1,6 @@
 // Schedules of faults drawn from seeds against a machine of three CyberDog modules and three ROS 2
-// nodes beside one actuator of ours; then quiet, and all of them are in one state. MUSHER_SEED=n
-// runs one seed and tells its scenario; MUSHER_SEEDS=n runs that many.
+// nodes beside one actuator of Musher; then no faults, and all of them are in one state.
+// MUSHER_SEED=n runs one seed and prints its scenario; MUSHER_SEEDS=n runs that many.
 
 #include <gmock/gmock.h>
 
@@ -56,7 +56,7 @@ class MixedScenario {
     ASSERT_TRUE(robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; }));
     for (int i = 0; i < 10 && !::testing::Test::HasFailure(); ++i) TakeATurn();
     EndFaults();
-    Judge();
+    CheckResult();
     robot_.Set(State(kTearDown));
     for (const ActuatorConfig& actuator : robot_.config().actuators) {
       if (by_hand_.contains(actuator.name)) continue;
@@ -64,7 +64,7 @@ class MixedScenario {
     }
   }
 
-  void Tell() const {
+  void Print() const {
     for (const std::string& line : robot_.journal()) std::cout << line << "\n";
   }
 
@@ -83,47 +83,47 @@ class MixedScenario {
     return config;
   }
 
-  void DrawFaults() {
+  void SampleFaults() {
     for (const auto& [name, module] : modules_) {
       if (!robot_.IsAlive(name)) continue;
       for (const char* state : {"Active", "LowPower", "Protected", "DeActive", "OTA"}) {
         CyberdogModule::Callback& callback = module->script[state];
-        callback.takes = Draw(0.1) ? Milliseconds(300) : Milliseconds(5);
-        callback.code = Draw(0.1) ? 5001 : 0;
+        callback.takes = Sample(0.1) ? Milliseconds(300) : Milliseconds(5);
+        callback.code = Sample(0.1) ? 5001 : 0;
       }
     }
     for (const auto& [name, ros] : nodes_) {
       if (!robot_.IsAlive(name)) continue;
       for (const char* transition : {"configure", "activate", "deactivate", "cleanup"}) {
         RosManagedNode::Callback& callback = ros->script[transition];
-        callback.takes = Draw(0.1) ? Milliseconds(700) : Milliseconds(5);
-        callback.outcome = Draw(0.1)   ? Outcome::kError
-                           : Draw(0.1) ? Outcome::kFailure
-                                       : Outcome::kSuccess;
+        callback.takes = Sample(0.1) ? Milliseconds(700) : Milliseconds(5);
+        callback.outcome = Sample(0.1)   ? Outcome::kError
+                           : Sample(0.1) ? Outcome::kFailure
+                                         : Outcome::kSuccess;
       }
-      ros->lost_change_replies = Draw(0.2) ? 1 : 0;
-      ros->lost_get_replies = Draw(0.2) ? 2 : 0;
-      ros->tells_events = !Draw(0.2);
+      ros->lost_change_replies = Sample(0.2) ? 1 : 0;
+      ros->lost_get_replies = Sample(0.2) ? 2 : 0;
+      ros->publishes_events = !Sample(0.2);
     }
   }
-  bool Draw(double chance) { return faulty_ && random_.Chance(chance); }
+  bool Sample(double probability) { return faulty_ && random_.Bernoulli(probability); }
 
   void TakeATurn() {
-    DrawFaults();
+    SampleFaults();
     static const std::vector<State> kTargets = {"Active", "Protected", "LowPower", "DeActive",
                                                 "OTA"};
     const State target = kTargets[random_.Next() % kTargets.size()];
     const std::string& victim = robot_.config().actuators[random_.Next() % 7].name;
-    if (random_.Chance(0.1)) robot_.network().Partition("controller", victim);
-    if (random_.Chance(0.15)) robot_.CrashActuator(victim);
-    if (random_.Chance(0.1)) {
+    if (random_.Bernoulli(0.1)) robot_.network().Partition("controller", victim);
+    if (random_.Bernoulli(0.15)) robot_.CrashActuator(victim);
+    if (random_.Bernoulli(0.1)) {
       robot_.CrashController();
       robot_.RunFor(Milliseconds(50));
       robot_.StartController();
       robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; });
     }
     ASSERT_TRUE(robot_.Set(target)) << "every switch has an end";
-    if (random_.Chance(0.5)) HealAll();
+    if (random_.Bernoulli(0.5)) HealAll();
   }
 
   void HealAll() {
@@ -132,14 +132,14 @@ class MixedScenario {
     }
   }
 
-  // What nobody can repair from afar is started again: a node that is finalized or could not be
+  // What cannot be repaired remotely is restarted: a node that is finalized or could not be
   // configured.
   void EndFaults() {
     faulty_ = false;
     HealAll();
     robot_.network().SetFaults(LinkFaults{});
     robot_.RunFor(std::chrono::seconds(15));  // past every lease
-    DrawFaults();
+    SampleFaults();
     for (const auto& [name, ros] : nodes_) {
       if (!robot_.IsAlive(name)) continue;
       const bool not_set_up =
@@ -152,10 +152,10 @@ class MixedScenario {
       by_hand_.insert(actuator.name);
     }
     robot_.RunFor(std::chrono::seconds(20));
-    DrawFaults();
+    SampleFaults();
   }
 
-  void Judge() {
+  void CheckResult() {
     robot_.Set(State(kSelfCheck));
     robot_.RunFor(std::chrono::seconds(2));
     for (const char* target : {"DeActive", "Active", "LowPower", "DeActive"}) {
@@ -184,13 +184,13 @@ std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
   return value == nullptr ? otherwise : std::strtoull(value, nullptr, 10);
 }
 
-TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
+TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateAfterTheFaultsEnd) {
   const std::uint64_t only = Environment("MUSHER_SEED", 0);
   const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 500);
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
     MixedScenario scenario(seed);
     scenario.Run();
-    if (only != 0 || HasFailure()) scenario.Tell();
+    if (only != 0 || HasFailure()) scenario.Print();
     ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " protocol_test";
   }
 }

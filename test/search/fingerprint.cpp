@@ -60,17 +60,19 @@ class Mixer {
     Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
   }
   void One(const EmergencyStop& stop) { Add(stop.id); }
-  void One(const Order& o) { Add(o.number, o.target, o.deadline, o.asked); }
+  void One(const PendingCommand& o) { Add(o.number, o.target, o.deadline, o.queries); }
   void One(const Leg& l) {
     Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);
   }
-  void One(const actuator_event::ControllerHeard& heard) { Add(heard.sender, heard.epoch); }
+  void One(const actuator_event::ControllerHeartbeatReceived& heartbeat) {
+    Add(heartbeat.sender, heartbeat.epoch);
+  }
   void One(const SwitchCommand& c) {
     // Its age by the actuator's clock.
     Add(c.epoch, c.number, c.target, c.budget, c.incarnation, c.apart);
     Add(ToMilliseconds(now_ - c.status_stamp - c.since_status));
   }
-  void One(const AskCommand& a) { Add(a.epoch, a.number, a.stop); }
+  void One(const QueryCommand& a) { Add(a.epoch, a.number, a.stop); }
   void One(const ActuatorCore::Waiting& w) { Add(w.command, w.tokens); }
   void One(const Message& m) {
     Add(m.sender, m.epoch, m.what.index());
@@ -84,7 +86,7 @@ class Mixer {
     Add(p.clock.time_since_epoch().count(), p.loaded, p.battery, p.charging, p.level,
         p.stored.low_power, p.stored.lowering);
     Add(p.withheld, p.low_power, p.still, p.still_since, p.keep, p.power, p.failures, p.retry_at);
-    Add(p.battery_silent, p.invalid_told, p.calls);
+    Add(p.battery_silent, p.invalid_recorded, p.calls);
   }
   void One(const Request& r) { Add(r.target, r.replies, r.abandoned); }
 
@@ -96,7 +98,7 @@ class Mixer {
 // A message under way from an actuator: of its stamp only whether the controller has a newer one
 // counts.
 void AddReply(Mixer& mixer, const ActuatorRecord& record, const event::Replied& r) {
-  mixer.Add(r.number, r.ask, r.verdict, r.report, r.report.emergency_stop,
+  mixer.Add(r.number, r.query, r.verdict, r.report, r.report.emergency_stop,
             r.report.stamp < record.report.stamp);
 }
 
@@ -118,9 +120,10 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
             r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due,
-            r.fault.has_value(), r.tolerated.has_value(), r.order, r.health, r.restarts,
-            r.restart_at, r.healthy_at, r.given_up, r.restart_asked, r.terminating, r.terminate_at,
-            r.kill_at, r.killed, r.parked, r.outbid_at, r.blocked, r.free_by, r.elsewhere);
+            r.fault.has_value(), r.tolerated.has_value(), r.command, r.health, r.restarts,
+            r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.terminating,
+            r.terminate_at, r.kill_at, r.killed, r.suspended, r.outbid_at, r.blocked, r.free_by,
+            r.elsewhere);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 

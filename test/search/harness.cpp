@@ -14,8 +14,8 @@ constexpr Duration kClockAhead = Milliseconds(1);
 constexpr std::uint64_t kStopId = 5;
 
 // The token of a request holds its number, its kind and its sender.
-RequestToken TokenOf(std::uint64_t number, bool ask, Sender sender) {
-  return number << 8 | static_cast<RequestToken>(ask) << 7 | sender;
+RequestToken TokenOf(std::uint64_t number, bool query, Sender sender) {
+  return number << 8 | static_cast<RequestToken>(query) << 7 | sender;
 }
 Sender SenderOf(RequestToken token) {
   return token & 127;
@@ -129,16 +129,17 @@ void Harness::Deliver(const Message& message, bool held_back, bool introduced) {
   const SimActuator& actuator = world_.actuators[message.to];
   if (!actuator.alive || !actuator.visible) return;
   if (introduced) {
-    StepActuator(message.to, actuator_event::ControllerHeard{message.sender, message.epoch});
+    StepActuator(message.to,
+                 actuator_event::ControllerHeartbeatReceived{message.sender, message.epoch});
   }
   if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
     const RequestToken token = TokenOf(command->number, false, message.sender);
     StepActuator(message.to, actuator_event::SwitchArrived{token, *command, message.sender},
                  held_back);
   } else {
-    const AskCommand& ask = std::get<AskCommand>(message.what);
-    const RequestToken token = TokenOf(ask.number, true, message.sender);
-    StepActuator(message.to, actuator_event::AskArrived{token, ask, message.sender});
+    const QueryCommand& query = std::get<QueryCommand>(message.what);
+    const RequestToken token = TokenOf(query.number, true, message.sender);
+    StepActuator(message.to, actuator_event::QueryArrived{token, query, message.sender});
   }
 }
 
@@ -157,7 +158,7 @@ void Harness::EndCallback(std::size_t i, std::int32_t code, const std::string& t
 }
 
 void Harness::ReceiveStop(std::size_t i) {
-  StepActuator(i, actuator_event::EmergencyStopHeard{kStopId, true, 0});
+  StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, true, 0});
 }
 
 void Harness::Crash(std::size_t i) {
@@ -201,10 +202,10 @@ void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_
     }
     if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
       if (answer->code != kCodePermissionDenied) actuator.epoch = std::max(actuator.epoch, epoch);
-      const auto* ask = std::get_if<actuator_event::AskArrived>(&event);
-      if (ask != nullptr && answer->verdict == Verdict::kDone) {
-        actuator.epoch = std::max(actuator.epoch, ask->command.epoch);
-        actuator.queried = std::max(actuator.queried, ask->command.number);
+      const auto* query = std::get_if<actuator_event::QueryArrived>(&event);
+      if (query != nullptr && answer->verdict == Verdict::kDone) {
+        actuator.epoch = std::max(actuator.epoch, query->command.epoch);
+        actuator.queried = std::max(actuator.queried, query->command.number);
       }
     }
     Apply(i, action);
@@ -233,7 +234,7 @@ void Harness::Apply(std::size_t i, const ActuatorAction& action) {
   }
 }
 
-void Harness::Send(std::size_t i, std::variant<SwitchCommand, AskCommand> what) {
+void Harness::Send(std::size_t i, std::variant<SwitchCommand, QueryCommand> what) {
   world_.outbox.push_back({i, Controller(), world_.machine.epoch, std::move(what)});
 }
 
@@ -245,8 +246,8 @@ void Harness::Apply(const Action& action) {
     Send(send->actuator, SwitchCommand{w.machine.epoch, send->number, send->target, send->budget,
                                        record.clock_theirs, w.now - record.clock_ours,
                                        record.report.incarnation, send->apart});
-  } else if (const auto* ask = std::get_if<action::SendAsk>(&action)) {
-    Send(ask->actuator, AskCommand{w.machine.epoch, ask->number, ask->stop});
+  } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
+    Send(query->actuator, QueryCommand{w.machine.epoch, query->number, query->stop});
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(start->actuator);
     Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].core.report.pid});
@@ -265,8 +266,8 @@ void Harness::Apply(const Action& action) {
     ++w.requests[answer->request - 1].replies;
     Log("  request " + std::to_string(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
-  } else if (const auto* tell = std::get_if<action::TellEmergencyStop>(&action)) {
-    for (std::size_t i = 0; i < kActuators && tell->engaged; ++i) {
+  } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
+    for (std::size_t i = 0; i < kActuators && publish->engaged; ++i) {
       // An actuator that receives the stop late receives all of it late.
       const auto& late = w.actuators[i].late;
       const bool later = std::any_of(late.begin(), late.end(), [](const Late& l) {

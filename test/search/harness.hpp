@@ -45,7 +45,7 @@ class Harness {
   void StepActuator(std::size_t i, const ActuatorEvent& event, bool held_back = false);
   void Apply(std::size_t i, const ActuatorAction& action);
   void Apply(const Action& action);
-  void Send(std::size_t i, std::variant<SwitchCommand, AskCommand> what);
+  void Send(std::size_t i, std::variant<SwitchCommand, QueryCommand> what);
   void EndProcess(std::size_t i, bool clean);
   Sender Controller() const { return world_.generation + 1; }
 

@@ -32,8 +32,9 @@ bool IsKnown(const World& world, const ActuatorRecord& record, const ActuatorRep
 // Whether the controller awaits the end of the command in the report, which brings a newer report,
 // and nothing else can happen before.
 bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  return world.faults_left == 0 && record.presence == Presence::kPresent && record.order &&
-         record.order->number == report.number && record.order->number != report.outcome_number &&
+  return world.faults_left == 0 && record.presence == Presence::kPresent && record.command &&
+         record.command->number == report.number &&
+         record.command->number != report.outcome_number &&
          record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
          StopIsKnown(world, report);
 }
@@ -42,7 +43,7 @@ bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorR
 bool IsOver(const World& world, const SimActuator& actuator, const ActuatorRecord& record,
             const event::Replied& reply) {
   const bool waited =
-      (record.order && record.order->number == reply.number) || record.take_control_again;
+      (record.command && record.command->number == reply.number) || record.take_control_again;
   const bool published = actuator.status_due &&
                          HasSameContent(actuator.core.report, reply.report) &&
                          actuator.core.report.emergency_stop == reply.report.emergency_stop;
@@ -177,10 +178,10 @@ class Making {
              ", " + command->target;
     }
     return "the query to " + harness_.Name(message.to) + " about " +
-           std::to_string(std::get<AskCommand>(message.what).number);
+           std::to_string(std::get<QueryCommand>(message.what).number);
   }
   std::string Text(const event::Replied& reply) const {
-    return name() + "'s reply to " + (reply.ask ? "the query about " : "") +
+    return name() + "'s reply to " + (reply.query ? "the query about " : "") +
            std::to_string(reply.number);
   }
 
@@ -208,13 +209,14 @@ class Making {
 
   void End() {
     const bool failed = choice_.kind == ChoiceKind::kEndFailed;
-    const bool asked = choice_.kind == ChoiceKind::kEndOnRequest;
+    const bool requested = choice_.kind == ChoiceKind::kEndOnRequest;
     const bool overtaken = !actuator().replies.empty();
     harness_.Log((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
-                 (failed  ? " fails"
-                  : asked ? " ends because it was requested to stop"
-                          : " ends"));
-    harness_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "requested to stop" : "");
+                 (failed      ? " fails"
+                  : requested ? " ends because it was requested to stop"
+                              : " ends"));
+    harness_.EndCallback(i_, failed || requested ? kFailure : 0,
+                         requested ? "requested to stop" : "");
     if (choice_.kind == ChoiceKind::kEndCrash) {
       harness_.Log("FAULT: and its process, which is detected before its reply");
       Move(true);

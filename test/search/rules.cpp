@@ -87,7 +87,7 @@ void CheckPlace(const Model& model, const World& world, std::size_t i, Notes& no
   const ActuatorRecord& record = machine.actuators[i];
   const ActuatorConfig& own = config.actuators[i];
   const State& state = actuator.core.report.state;
-  if (record.order) notes.violations.push_back("a command to " + own.name + " has no end");
+  if (record.command) notes.violations.push_back("a command to " + own.name + " has no end");
   const auto place = config.RankOf(machine.state);
   const auto rank = config.RankOf(state);
   const bool stopped_below = machine.emergency_stop && (!rank || (place && *rank < *place));

@@ -53,7 +53,7 @@ struct Message {
   std::size_t to = 0;
   Sender sender = 0;
   std::uint64_t epoch = 0;
-  std::variant<SwitchCommand, AskCommand> what;
+  std::variant<SwitchCommand, QueryCommand> what;
 };
 
 struct StopMessage {};

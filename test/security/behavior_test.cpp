@@ -1,4 +1,4 @@
-// Where an application's state machine is, asked of a machine with [security].
+// The state of an application's state machine, queried in a machine with [security].
 
 #include <filesystem>
 
@@ -24,23 +24,23 @@ class SecuredApplication : public SecuredMachine {
   }
 };
 
-TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
+TEST_F(SecuredApplication, ShowsItsStateToParticipantsWithKeysAlsoToObservers) {
   const Ended up = UpDetached();
   ASSERT_EQ(up.exit, 0) << up.out << up.err;
   Identity("visitor", "observer");
   for (const char* identity : {"operator", "visitor"}) {
-    const Ended told = As(identity, {"behavior", "show"});
-    EXPECT_EQ(told.exit, 0) << told.err;
-    EXPECT_THAT(told.out, HasSubstr("show  WORK  NORMAL"));
+    const Ended shown = As(identity, {"behavior", "show"});
+    EXPECT_EQ(shown.exit, 0) << shown.err;
+    EXPECT_THAT(shown.out, HasSubstr("show  WORK  NORMAL"));
   }
   const Ended sent = As("operator", {"behavior", "show", "--send", "go"});
   EXPECT_EQ(sent.exit, 0) << sent.err;
   EXPECT_EQ(sent.out, "sent go to show\n");
   const Ended looker = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
-  EXPECT_NE(looker.exit, 0) << "who may only look commands nothing";
+  EXPECT_NE(looker.exit, 0) << "an observer commands nothing";
   EXPECT_THAT(looker.err, HasSubstr("visitor may not do that"));
-  const Ended nobody = As("operator", {"behavior", "shwo"});
-  EXPECT_THAT(nobody.err, HasSubstr("did you mean 'show'?"));
+  const Ended unknown = As("operator", {"behavior", "shwo"});
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'show'?"));
   unsetenv("MUSHER_KEYS");
   EXPECT_EQ(Musher({"behavior", "show"}).exit, 3)
       << "an unauthenticated participant receives nothing";

@@ -47,7 +47,7 @@ TEST_F(Keys, AreNotOverwrittenUnlessForced) {
   EXPECT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
 }
 
-TEST_F(Keys, AreListedWithRoleEndAndFate) {
+TEST_F(Keys, AreListedWithRoleExpiryAndRevocation) {
   Identity("visitor", "observer");
   EXPECT_EQ(Musher({"keys", "revoke", "visitor"}).exit, 0);
   EXPECT_EQ(Musher({"keys", "add", "guest", "--role", "operator", "--days", "3"}).exit, 0);
@@ -126,7 +126,7 @@ TEST_F(WrongKeys, ThatDoNotBelongToTheirCertificate) {
   ExpectRefusal("voice.key is not the key of " + keys_ + "/voice.cert");
 }
 
-TEST_F(WrongKeys, WithThePermissionsOfSomebodyElse) {
+TEST_F(WrongKeys, WithThePermissionsOfAnotherIdentity) {
   fs::copy_file(keys_ + "/controller.permissions", keys_ + "/voice.permissions",
                 fs::copy_options::overwrite_existing);
   ExpectRefusal("voice.permissions is for serialNumber=");

@@ -1,6 +1,6 @@
-// Those who are of the machine, and want more than they may: an actuator of it, "spy". What its own
-// process would keep it from is switched off by a plugin that lies (lying_plugin.c): here it is the
-// others who do not listen.
+// Insiders: an actuator of the machine, "spy", that exceeds its permissions. A modified plugin
+// (lying_plugin.c) switches off the checks in its own process: here the other participants have to
+// reject it.
 
 #include "musher/test/security/secured_machine.hpp"
 
@@ -13,7 +13,7 @@ class Insiders : public SecuredMachine {
  protected:
   static void AwaitItHasMetTheMachine(Process& liar) {
     ASSERT_NE(liar.LineWith("machine LowPower"), "");
-    ASSERT_NE(liar.LineWith("beats legs"), "");
+    ASSERT_NE(liar.LineWith("heartbeat legs"), "");
   }
   static std::string EndOf(Process& liar) {
     liar.Signal(SIGTERM);
@@ -26,7 +26,7 @@ class Insiders : public SecuredMachine {
   }
 };
 
-TEST_F(Insiders, AreToldByTheirOwnSideWhatTheyMayNot) {
+TEST_F(Insiders, GetALocalErrorForWhatTheirPermissionsForbid) {
   const auto spy = Peer(keys_, "spy",
                         {"announce", "command:legs", "pose:legs:legs", "pose:spy:spy",
                          "publish:chat", "publish:musher/machine_status"});
@@ -50,7 +50,7 @@ TEST_F(Insiders, CannotAnnounceThemselvesAsControllerNorCommandAnActuator) {
   EXPECT_THAT(said, Not(HasSubstr("refused")));  // on its own side all was allowed
 }
 
-TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
+TEST_F(Insiders, CannotPublishTheStatusOfAnotherActuator) {
   const auto spy =
       Liar(keys_, "spy", {"pose:legs:legs", "pose:legs", "pose:legs:*", "pose:legs:spy"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
@@ -58,26 +58,27 @@ TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
   EXPECT_THAT(EndOf(*spy), Not(HasSubstr("refused")));
 }
 
-// The last of those above is allowed as far as DDS goes: its own partition, another's name. So the
-// machine must hear what the spy says in its own name, else the test above showed nothing.
-TEST_F(Insiders, AreHeardInTheirOwnName) {
+// The last action above is permitted as far as DDS goes: its own partition, another's name. So the
+// machine must receive what the spy publishes under its own name, else the test above shows
+// nothing.
+TEST_F(Insiders, CanPublishUnderTheirOwnName) {
   const auto spy = Liar(keys_, "spy", {"publish:musher/actuator_status:spy"});
-  const auto ear = Peer(keys_, "operator", {"hear:musher/actuator_status:*"});
-  EXPECT_NE(ear->LineWith("heard musher/actuator_status spy"), "");
+  const auto subscriber = Peer(keys_, "operator", {"subscribe:musher/actuator_status:*"});
+  EXPECT_NE(subscriber->LineWith("received musher/actuator_status spy"), "");
 }
 
 TEST_F(Insiders, CannotReadCommandsToAnother) {
-  const auto spy = Liar(keys_, "spy", {"hear:chat"});
+  const auto spy = Liar(keys_, "spy", {"subscribe:chat"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
   const auto reader = Liar(keys_, "spy", {"serve:legs"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*reader));
   ExpectTheMachineIsSound();
   const std::string said = EndOf(*reader);
-  EXPECT_THAT(said, Not(HasSubstr("asked")));
+  EXPECT_THAT(said, Not(HasSubstr("called")));
   EXPECT_THAT(said, Not(HasSubstr("refused")));
 }
 
-TEST_F(Insiders, WhoMayOnlyLookCannotStopOrSwitchTheMachine) {
+TEST_F(Insiders, AsObserversCannotStopOrSwitchTheMachine) {
   Identity("visitor", "observer");
   const auto visitor = Liar(keys_, "visitor", {"stop", "set:Active"});
   ASSERT_NE(visitor->LineWith("machine LowPower"), "");
@@ -86,14 +87,14 @@ TEST_F(Insiders, WhoMayOnlyLookCannotStopOrSwitchTheMachine) {
   EXPECT_THAT(EndOf(*visitor), Not(HasSubstr("answered")));
 }
 
-TEST_F(Insiders, WhoOperateAskTheControllerAndCommandNobody) {
+TEST_F(Insiders, AsOperatorsCallTheControllerAndCommandNoActuator) {
   const auto operating = Liar(keys_, "operator", {"command:legs", "announce"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*operating));
   ExpectTheMachineIsSound();
   EXPECT_THAT(EndOf(*operating), Not(HasSubstr("answered")));
 }
 
-TEST_F(Insiders, WhoAreActuatorsMayStopEverything) {
+TEST_F(Insiders, AsActuatorsMayEngageTheEmergencyStop) {
   const auto spy = Peer(keys_, "spy", {"stop"});
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (Status()["emergency_stop"]["engaged"] != true) {

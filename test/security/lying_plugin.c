@@ -1,5 +1,5 @@
-// An access control plugin that lets its own process do whatever it likes: how one behaves who has
-// an identity and changed his program. What others let him do is theirs to judge.
+// An access control plugin that permits its own process everything: like a process with an identity
+// whose program was modified. The other participants decide what they accept from it.
 
 #include <dds/security/dds_security_api.h>
 #include <dlfcn.h>

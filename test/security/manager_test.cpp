@@ -1,4 +1,4 @@
-// Who may ask CyberDog's manager for what, where it has keys.
+// Which identity may call which services of CyberDog's manager, if it has keys.
 
 #include "musher/test/security/secured_machine.hpp"
 
@@ -18,7 +18,7 @@ TEST_F(SecuredManager, AnswersOperatorsAndKeepsActuatorsFromTheSwitch) {
   const auto spy = Peer(keys_, "spy",
                         {"trigger:poweroff", "publish:machine_state_switch", "trigger:bms_info",
                          "publish:state_switch_status", "publish:motion_status",
-                         "hear:motion_status", "trigger:low_power_exit"});
+                         "subscribe:motion_status", "trigger:low_power_exit"});
   ASSERT_NE(spy->LineWith("ready"), "");
   ASSERT_NE(spy->LineWith("answered"), "") << "by low_power_exit, which wakes the machine";
   const auto app = Peer(keys_, "operator", {"trigger:machine_state_valget"});
@@ -30,7 +30,7 @@ TEST_F(SecuredManager, AnswersOperatorsAndKeepsActuatorsFromTheSwitch) {
     EXPECT_THAT(said, HasSubstr("refused " + std::string(refused) + ": spy may not do that: "));
   }
   EXPECT_THAT(said, Not(HasSubstr("refused publish:motion_status"))) << "modules' topics are free";
-  EXPECT_THAT(said, HasSubstr("heard motion_status"));
+  EXPECT_THAT(said, HasSubstr("received motion_status"));
   EXPECT_THAT(said, Not(HasSubstr("refused trigger:low_power_exit")));
 }
 

@@ -1,23 +1,22 @@
-// A process with an identity, or without one, that a test makes speak and listen:
+// A process with an identity, or without one, that publishes, subscribes and calls for a test:
 //
 //   security_peer <domain> <keys or -> <identity> ACTION...
 //
-//   publish:<topic>[:<partition>]   "hello" every 10 ms, as long as it lives
-//   hear:<topic>[:<partition>]      says "heard <topic> <partition>" for each sample
-//   command:<actuator>              asks the actuator to go to Error, as a controller would
-//   serve:<actuator>                says "asked" for each command to the actuator, and answers it
-//   set:<state>                     asks the controller to switch the machine
-//   trigger:<service>               asks CyberDog's manager for something without parameters
-//   stop                            engages the emergency stop
-//   announce                        says that it is a controller, of a very high epoch
-//   watch                           says "machine <state>" for each status of the machine
-//   beats                           says "beats <actuator>" for each of CyberDog's heartbeats,
-//   which
-//                                   every actuator sends
-//   pose:<actuator>[:<partition>]   tells a status and signs of life of that actuator
+//   publish:<topic>[:<partition>]    "hello" every 10 ms, as long as it runs
+//   subscribe:<topic>[:<partition>]  prints "received <topic> <partition>" for each sample
+//   command:<actuator>               commands the actuator to Error, like a controller
+//   serve:<actuator>                 prints "called" for each command to the actuator, and replies
+//   set:<state>                      requests the controller to switch the machine
+//   trigger:<service>                calls a service of CyberDog's manager without parameters
+//   stop                             engages the emergency stop
+//   announce                         announces itself as a controller of a very high epoch
+//   watch                            prints "machine <state>" for each status of the machine
+//   heartbeats                       prints "heartbeat <actuator>" for each CyberDog heartbeat,
+//                                    which every actuator publishes
+//   pose:<actuator>[:<partition>]    publishes a status and heartbeats of that actuator
 //
-// Says "ready" once all is made. What is refused is said as "refused <action>: <reason>"; the rest
-// goes on.
+// Prints "ready" when all actions have begun, and "refused <action>: <reason>" for each action that
+// is refused; the others continue.
 
 #include <unistd.h>
 
@@ -45,7 +44,7 @@ namespace musher::transport {
 namespace {
 
 constexpr Duration kPeriod = Milliseconds(10);
-constexpr Duration kPatience = Milliseconds(1000);
+constexpr Duration kWaitLimit = Milliseconds(1000);
 constexpr std::uint64_t kHighEpoch = 1'000'000;
 
 std::vector<std::string> Split(const std::string& text) {
@@ -66,16 +65,16 @@ class Peer {
   Result<> Do(const std::string& action) {
     const std::vector<std::string>& words = kept_.emplace_back(Split(action));
     if (words[0] == "publish") return Publish<msg::String>(words[1], {"hello"}, words[2]);
-    if (words[0] == "hear") return Hear(words[1], words[2]);
+    if (words[0] == "subscribe") return Subscribe(words[1], words[2]);
     if (words[0] == "command") return Command(words[1]);
     if (words[0] == "serve") return Serve(words[1]);
     if (words[0] == "set") {
       msg::SetState::Request request;
       request.target = words[1];
-      return Ask<msg::SetState>(MachineService(name_space_, "set_state"), request);
+      return Call<msg::SetState>(MachineService(name_space_, "set_state"), request);
     }
     if (words[0] == "trigger") {
-      return Ask<msg::Trigger>(ResolveName(name_space_, words[1]), {});
+      return Call<msg::Trigger>(ResolveName(name_space_, words[1]), {});
     }
     if (words[0] == "stop") {
       const msg::EmergencyStop stop{7, true, "security_peer", "a test"};
@@ -91,10 +90,10 @@ class Peer {
           MachineStatusTopic(name_space_), kLatchedQos,
           [](const msg::MachineStatus& m) { return "machine " + m.state; });
     }
-    if (words[0] == "beats") {
+    if (words[0] == "heartbeats") {
       return Watch<msg::Heartbeats>(ResolveName(name_space_, "manager_heartbeats"),
                                     kSystemDefaultQos,
-                                    [](const msg::Heartbeats& m) { return "beats " + m.name; });
+                                    [](const msg::Heartbeats& m) { return "heartbeat " + m.name; });
     }
     if (words[0] == "pose") return Pose(words[1], words[2]);
     return Error{kCodeParametersInvalid, "no such action"};
@@ -113,38 +112,40 @@ class Peer {
     return Ok();
   }
 
-  Result<> Hear(const std::string& topic, const std::string& partition) {
+  Result<> Subscribe(const std::string& topic, const std::string& partition) {
     Qos qos = kDefaultQos;
     qos.partition = partition;
-    auto heard = MakeSubscription<msg::String>(
+    auto subscription = MakeSubscription<msg::String>(
         node_, topic,
         [topic](const msg::String&, const SampleInfo& info) {
-          std::cout << "heard " << topic << " " << info.partition.value_or("-") << std::endl;
+          std::cout << "received " << topic << " " << info.partition.value_or("-") << std::endl;
         },
         qos);
-    if (!heard) return heard.error();
-    subscriptions_.push_back(std::move(heard).value());
+    if (!subscription) return subscription.error();
+    subscriptions_.push_back(std::move(subscription).value());
     return Ok();
   }
 
   template <class M>
-  Result<> Watch(const std::string& topic, const Qos& qos, std::string (*tell)(const M&)) {
-    auto heard = MakeSubscription<M>(
+  Result<> Watch(const std::string& topic, const Qos& qos, std::string (*describe)(const M&)) {
+    auto subscription = MakeSubscription<M>(
         node_, topic,
-        [tell](const M& message, const SampleInfo&) { std::cout << tell(message) << std::endl; },
+        [describe](const M& message, const SampleInfo&) {
+          std::cout << describe(message) << std::endl;
+        },
         qos);
-    if (!heard) return heard.error();
-    subscriptions_.push_back(std::move(heard).value());
+    if (!subscription) return subscription.error();
+    subscriptions_.push_back(std::move(subscription).value());
     return Ok();
   }
 
   template <class S>
-  Result<> Ask(const std::string& service, const typename S::Request& request) {
+  Result<> Call(const std::string& service, const typename S::Request& request) {
     auto client = MakeClient<S>(node_, service);
     if (!client) return client.error();
     const std::shared_ptr<Client<S>> shared = std::move(client).value();
     owned_.push_back(node_.loop().Every(kPeriod, [shared, request] {
-      shared->Call(request, kPatience, [](const auto& reply) {
+      shared->Call(request, kWaitLimit, [](const auto& reply) {
         if (reply) std::cout << "answered" << std::endl;
       });
     }));
@@ -157,15 +158,15 @@ class Peer {
     request.epoch = kHighEpoch;
     request.number = 1;
     request.target = "OTA";
-    request.budget_ns = kPatience.count();
-    return Ask<msg::ActuatorCommand>(CommandService(name_space_, actuator), request);
+    request.budget_ns = kWaitLimit.count();
+    return Call<msg::ActuatorCommand>(CommandService(name_space_, actuator), request);
   }
 
   Result<> Serve(const std::string& actuator) {
     auto server = MakeServer<msg::ActuatorCommand>(
         node_, CommandService(name_space_, actuator),
         [](const msg::ActuatorCommand::Request&, auto reply, PeerId) {
-          std::cout << "asked" << std::endl;
+          std::cout << "called" << std::endl;
           reply({});
         });
     if (!server) return server.error();
@@ -201,7 +202,7 @@ int Run(int argc, char** argv) {
   LinuxEventLoop loop;
   DdsOptions options;
   options.domain_id = std::atoi(argv[1]);
-  options.impatient = true;
+  options.fast_discovery = true;
   if (argv[2] != std::string("-")) options.credentials = {argv[2], argv[3]};
   const auto node = MakeDdsNode(loop, options);
   if (!node) {

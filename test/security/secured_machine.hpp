@@ -43,10 +43,10 @@ class SecuredMachine : public MachineByCli {
     return std::make_unique<Process>(argv);
   }
 
-  // One that does not keep to its permissions, and hears what it can.
+  // A process that ignores its permissions, and receives what it can.
   static std::unique_ptr<Process> Liar(const std::string& keys, const std::string& identity,
                                        std::vector<std::string> actions) {
-    actions.insert(actions.end(), {"watch", "beats"});
+    actions.insert(actions.end(), {"watch", "heartbeats"});
     setenv("LD_LIBRARY_PATH", LYING_PLUGIN_DIR, 1);
     auto liar = Peer(keys, identity, actions);
     unsetenv("LD_LIBRARY_PATH");
@@ -59,7 +59,7 @@ class SecuredMachine : public MachineByCli {
     return name;
   }
 
-  // The machine does as it is told, and what it tells is what it was told.
+  // The machine executes commands, and its status shows their results.
   static void ExpectTheMachineIsSound() {
     const auto before = Status();
     ASSERT_FALSE(before.is_null());

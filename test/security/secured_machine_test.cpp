@@ -1,4 +1,4 @@
-// A machine with [security] does all that one without does, for those who may ask for it.
+// A machine with [security] has all functions of a machine without, for permitted callers.
 
 #include "musher/test/security/secured_machine.hpp"
 
@@ -40,18 +40,18 @@ TEST_F(SecuredMachine, DrivesAnActuatorThatWasKilledAgain) {
 TEST_F(SecuredMachine, LetsAnObserverLookAndNothingElse) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Identity("visitor", "observer");
-  for (const char* question : {"status", "history"}) {
-    const Ended look = As("visitor", {question});
+  for (const char* query : {"status", "history"}) {
+    const Ended look = As("visitor", {query});
     EXPECT_EQ(look.exit, 0) << look.err;
   }
   EXPECT_EQ(As("visitor", {"plan", "Active"}).exit, 0);
-  for (const std::vector<std::string>& wish : {std::vector<std::string>{"set", "Active"},
-                                               {"estop"},
-                                               {"estop", "--release"},
-                                               {"down"},
-                                               {"restart", "voice"}}) {
-    const Ended refused = As("visitor", wish);
-    EXPECT_EQ(refused.exit, 2) << wish[0] << refused.out;
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"set", "Active"},
+                                                  {"estop"},
+                                                  {"estop", "--release"},
+                                                  {"down"},
+                                                  {"restart", "voice"}}) {
+    const Ended refused = As("visitor", command);
+    EXPECT_EQ(refused.exit, 2) << command[0] << refused.out;
     EXPECT_THAT(refused.err, HasSubstr("visitor may not do that: " + keys_));
   }
   EXPECT_EQ(Status()["state"], "LowPower");

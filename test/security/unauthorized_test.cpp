@@ -1,4 +1,4 @@
-// Those who are not of the machine: without keys, with keys of another robot, with revoked ones.
+// Participants without permission: without keys, with keys of another robot, with revoked keys.
 //
 // That an unauthorized participant receives nothing is evidence only while others receive: each
 // test waits until a permitted process has received many of the samples that the unauthorized one
@@ -16,28 +16,29 @@ class UnauthorizedParticipants : public SecuredMachine {
   // What the participant publishes all the time, and all topics that it subscribes to.
   static std::vector<std::string> EverythingBad() {
     return {"announce", "pose:legs",  "pose:legs:legs", "command:legs",  "serve:voice",
-            "stop",     "set:Active", "hear:chat",      "publish:gossip"};
+            "stop",     "set:Active", "subscribe:chat", "publish:gossip"};
   }
   // Ends the participant; it has matched no other.
   static void ExpectWasAlone(Process& participant) {
     participant.Signal(SIGTERM);
     const std::string said = participant.Wait().out;
     EXPECT_THAT(said, HasSubstr("ready"));
-    for (const char* word : {"machine ", "beats ", "heard ", "answered", "asked", "refused"}) {
+    for (const char* word :
+         {"machine ", "heartbeat ", "received ", "answered", "called", "refused"}) {
       EXPECT_THAT(said, Not(HasSubstr(word)));
     }
   }
   // A permitted process has received many samples of a friend, and none of the participant.
   void AwaitMuchTalk() const {
     const auto talker = Peer(keys_, "voice", {"publish:chat"});
-    const auto ear = Peer(keys_, "operator", {"hear:chat", "hear:gossip"});
-    for (int i = 0; i < 200; ++i) ASSERT_NE(ear->LineWith("heard chat"), "");
-    ear->Signal(SIGTERM);
-    EXPECT_THAT(ear->Wait().out, Not(HasSubstr("heard gossip")));
+    const auto subscriber = Peer(keys_, "operator", {"subscribe:chat", "subscribe:gossip"});
+    for (int i = 0; i < 200; ++i) ASSERT_NE(subscriber->LineWith("received chat"), "");
+    subscriber->Signal(SIGTERM);
+    EXPECT_THAT(subscriber->Wait().out, Not(HasSubstr("received gossip")));
   }
 };
 
-TEST_F(UnauthorizedParticipants, WithoutKeysHearNothingAndChangeNothing) {
+TEST_F(UnauthorizedParticipants, WithoutKeysReceiveNothingAndChangeNothing) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto participant = Liar("-", "-", EverythingBad());
   ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
@@ -45,7 +46,7 @@ TEST_F(UnauthorizedParticipants, WithoutKeysHearNothingAndChangeNothing) {
   ExpectWasAlone(*participant);
 }
 
-TEST_F(UnauthorizedParticipants, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
+TEST_F(UnauthorizedParticipants, WithoutKeysGetTheMissingKeyFromTheCommandLine) {
   ASSERT_NO_FATAL_FAILURE(Start());
   unsetenv("MUSHER_KEYS");
   const Ended status = Musher({"status"});
@@ -71,7 +72,7 @@ TEST_F(UnauthorizedParticipants, OfAnotherRobotAreUnauthorizedHere) {
 }
 
 // The revoked one keeps the folder as it was, so that nothing on its own side stops it.
-TEST_F(UnauthorizedParticipants, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain) {
+TEST_F(UnauthorizedParticipants, AreThoseWithARevokedCertificateOnceTheMachineIsRestarted) {
   Identity("fired", "operator");
   const std::string kept = folder_ / "kept";
   std::filesystem::copy(keys_, kept, std::filesystem::copy_options::recursive);

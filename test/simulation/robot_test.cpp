@@ -65,7 +65,7 @@ TEST(SimRobot, IsTheSameTwiceFromTheSameSeed) {
   EXPECT_EQ(run(7), run(7));
 }
 
-TEST(SimRobot, AControllerThatSucceedsOneKilledInASwitchBringsAllActuatorsToOneState) {
+TEST(SimRobot, ASuccessorOfAControllerKilledInASwitchBringsAllActuatorsToOneState) {
   SimRobot robot(3, Robot(5));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
@@ -155,7 +155,7 @@ TEST(SimRobot, TwoReportsOfOneInstantHaveDifferentStamps) {
   EXPECT_LT(stamps[0], stamps[1]);
 }
 
-TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotAffectItsSuccessor) {
+TEST(SimRobot, AStaleStatusOfAnExitedProcessDoesNotAffectItsSuccessor) {
   SimRobot robot(5, MachineOf(1));
   robot.StartActuator("a");
   robot.StartController();

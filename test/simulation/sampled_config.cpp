@@ -15,7 +15,7 @@ const std::vector<State> kAllStates = {"SetUp",     "TearDown", "SelfCheck", "Ac
 
 // Few actuators mostly, sometimes many.
 std::size_t SampleSize(Random& random) {
-  const std::uint64_t most = random.Chance(0.1) ? 32 : (random.Chance(0.3) ? 12 : 5);
+  const std::uint64_t most = random.Bernoulli(0.1) ? 32 : (random.Bernoulli(0.3) ? 12 : 5);
   return 1 + random.Next() % most;
 }
 
@@ -36,26 +36,26 @@ ActuatorConfig SampleActuator(const MachineConfig& config, Random& random) {
   actuator.name = "a" + std::to_string(others.size());
   for (const State& state : config.states) {
     const bool dispensable = state == kOta || state == kLowPower || state == kProtected;
-    if (dispensable && random.Chance(0.05)) continue;
+    if (dispensable && random.Bernoulli(0.05)) continue;
     actuator.states.push_back(state);
     actuator.times.push_back(random.Between(Milliseconds(100), Milliseconds(1500)));
   }
-  if (random.Chance(0.8)) actuator.command = {"run", actuator.name};
+  if (random.Bernoulli(0.8)) actuator.command = {"run", actuator.name};
   if (!others.empty()) {
     const ActuatorConfig& other = others[random.Next() % others.size()];
-    if (random.Chance(0.3)) actuator.after = {other.name};
-    if (random.Chance(0.15)) actuator.binds_to = {others.front().name};
-    actuator.stage = random.Chance(0.2) ? 2 : others.back().stage;
+    if (random.Bernoulli(0.3)) actuator.after = {other.name};
+    if (random.Bernoulli(0.15)) actuator.binds_to = {others.front().name};
+    actuator.stage = random.Bernoulli(0.2) ? 2 : others.back().stage;
     for (const std::string& before : actuator.after) {
       actuator.stage = std::max(actuator.stage, others[*config.IndexOf(before)].stage);
     }
   }
-  actuator.critical = random.Chance(0.2);
-  if (actuator.critical) actuator.on_lost = random.Chance(0.8) ? kProtected : kLowPower;
-  if (!actuator.critical && random.Chance(0.1)) actuator.on_lost = kDeActive;
+  actuator.critical = random.Bernoulli(0.2);
+  if (actuator.critical) actuator.on_lost = random.Bernoulli(0.8) ? kProtected : kLowPower;
+  if (!actuator.critical && random.Bernoulli(0.1)) actuator.on_lost = kDeActive;
   actuator.restart = SampleRestart(random);
-  if (random.Chance(0.3)) actuator.checkpoint = Milliseconds(200);
-  if (random.Chance(0.2)) {
+  if (random.Bernoulli(0.3)) actuator.checkpoint = Milliseconds(200);
+  if (random.Bernoulli(0.2)) {
     actuator.controller_lost = std::chrono::seconds(1);
     actuator.on_controller_lost = kDeActive;
   }
@@ -65,18 +65,18 @@ ActuatorConfig SampleActuator(const MachineConfig& config, Random& random) {
 // Has a random generator of its own, so that robots without a policy do not depend on it.
 std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
   Random random(seed * 2 + 0x706f6c6963);
-  if (!random.Chance(0.3)) return std::nullopt;
+  if (!random.Bernoulli(0.3)) return std::nullopt;
   PolicyConfig policy;
-  if (random.Chance(0.9)) {
+  if (random.Bernoulli(0.9)) {
     BatteryPolicy& battery = policy.battery.emplace();
     battery.protected_at = 10 + static_cast<int>(random.Next() % 50);
     battery.low_power_at = 1 + static_cast<int>(random.Next() % 9);
     const int room = battery.protected_at - battery.low_power_at;
     battery.hysteresis = static_cast<int>(random.Next() % static_cast<std::uint64_t>(room) % 6);
   }
-  if (random.Chance(0.9)) {
+  if (random.Bernoulli(0.9)) {
     LowPowerPolicy& low_power = policy.low_power.emplace();
-    low_power.enabled = random.Chance(0.5);
+    low_power.enabled = random.Bernoulli(0.5);
     low_power.lying_still = random.Between(Milliseconds(500), std::chrono::seconds(5));
   }
   policy.power.delay = random.Between(Milliseconds(0), std::chrono::seconds(2));
@@ -88,7 +88,7 @@ std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
 void StartSomeByHand(MachineConfig& config, std::uint64_t seed) {
   Random random(seed * 2 + 0x68616e64);
   for (ActuatorConfig& actuator : config.actuators) {
-    if (random.Chance(0.4)) actuator.command.clear();
+    if (random.Bernoulli(0.4)) actuator.command.clear();
   }
 }
 
@@ -96,9 +96,9 @@ void StartSomeByHand(MachineConfig& config, std::uint64_t seed) {
 // machine. A fallback or the battery's ceiling may be forbidden by that.
 void RemoveTransitions(MachineConfig& config, std::uint64_t seed) {
   Random random(seed * 2 + 0x666c6f77);
-  if (!random.Chance(0.2)) return;
+  if (!random.Bernoulli(0.2)) return;
   std::erase_if(config.flow, [&random](const FlowEdge& edge) {
-    return edge.to != kActive && edge.from != kError && random.Chance(0.4);
+    return edge.to != kActive && edge.from != kError && random.Bernoulli(0.4);
   });
 }
 
@@ -115,7 +115,7 @@ MachineConfig SampleConfig(std::uint64_t seed) {
   for (const State& state : kAllStates) {
     if (const auto rank = BuiltInRank(state)) config.ranks[state] = *rank;
   }
-  if (random.Chance(0.1)) {  // one of its own, between DeActive and Protected
+  if (random.Bernoulli(0.1)) {  // one of its own, between DeActive and Protected
     config.states.emplace_back("Parked");
     config.ranks[State("Parked")] = *BuiltInRank(kDeActive);
   }
@@ -126,7 +126,7 @@ MachineConfig SampleConfig(std::uint64_t seed) {
       config.flow.push_back({State(state), State("Parked")});
     }
   }
-  if (random.Chance(0.35)) config.transport = TransportProfile::kLan;
+  if (random.Bernoulli(0.35)) config.transport = TransportProfile::kLan;
   config.policy = SamplePolicy(seed);
   const std::size_t size = SampleSize(random);
   while (config.actuators.size() < size) config.actuators.push_back(SampleActuator(config, random));

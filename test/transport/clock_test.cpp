@@ -156,7 +156,7 @@ TEST_F(TopicClock, LeavesTimersTheirRestWhenTheWorldIsRestarted) {
   EXPECT_THAT(log_, ElementsAre("restarted", "once", "tick", "tick"));
 }
 
-TEST_F(TopicClock, KnowsARestartedWorldByItsWriterHoweverYoungTheOldOneWas) {
+TEST_F(TopicClock, DetectsARestartedWorldByItsWriterHoweverShortTheLastRunWas) {
   Show(500);
   world_.reset();
   world_ = MakeWorld();

@@ -119,7 +119,7 @@ TEST_F(DdsNodes, UseTheUsersConfigurationInsteadOfTheProfile) {
 TEST_F(DdsNodes, OfOneProcessAreOneParticipant) {
   const auto here = MakeDdsNode(loop_, test_domain_);
   std::vector<PeerId> from;
-  const auto heard = MakeSubscription<msg::String>(
+  const auto subscription = MakeSubscription<msg::String>(
       *here.value(), "chat",
       [&](const msg::String&, const SampleInfo& info) { from.push_back(info.participant); });
   for (int i = 0; i < 2; ++i) {
@@ -147,27 +147,27 @@ TEST_F(DdsNodes, RefuseASampleWithoutItsHeader) {
   EXPECT_FALSE(writer.value()->Write(bytes));
 }
 
-// A program that told something and ended was not heard by a reader that knew it for too short.
+// The last sample of a program that exited was lost to a reader that had just discovered it.
 TEST_F(DdsNodes, HaveDeliveredTheirSamplesAfterAFlushThoughTheyExitThen) {
-  std::string heard;
+  std::string received;
   const auto there = MakeDdsNode(loop_, test_domain_);
   ASSERT_TRUE(there);
   const auto subscription = MakeSubscription<msg::String>(
-      *there.value(), "last_words",
-      [&](const msg::String& message, const SampleInfo&) { heard = message.data; });
+      *there.value(), "last_output",
+      [&](const msg::String& message, const SampleInfo&) { received = message.data; });
   ASSERT_TRUE(subscription);
   {
     auto here = MakeDdsNode(loop_, test_domain_);
     ASSERT_TRUE(here);
-    const auto publisher = MakePublisher<msg::String>(*here.value(), "last_words");
+    const auto publisher = MakePublisher<msg::String>(*here.value(), "last_output");
     ASSERT_TRUE(publisher);
     const auto deadline = loop_.Now() + std::chrono::seconds(10);
     ASSERT_TRUE(loop_.RunUntil([&] { return publisher.value()->MatchedReaders() == 1; }, deadline));
     ASSERT_TRUE(publisher.value()->Publish({"farewell"}));
     ASSERT_TRUE(publisher.value()->Flush(std::chrono::seconds(10)));
   }
-  loop_.RunUntil([&] { return !heard.empty(); }, loop_.Now() + std::chrono::seconds(10));
-  EXPECT_EQ(heard, "farewell");
+  loop_.RunUntil([&] { return !received.empty(); }, loop_.Now() + std::chrono::seconds(10));
+  EXPECT_EQ(received, "farewell");
 }
 
 // As a client that was stopped with Ctrl-Z, and a reply of a thousand entries: the loop of the

@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-// A reply of client 7, told apart by its last byte.
+// A reply to client 7, identified by its last byte.
 msg::Bytes ReplyOf(int number) {
   msg::Bytes bytes(32, std::byte{0});
   bytes[4] = std::byte{7};

@@ -24,7 +24,7 @@ std::string UniqueName(const std::string& name) {
   return NameLock::NameOf(0, "host_test_" + std::to_string(getpid()), name);
 }
 
-// A child that runs `work`, tells that it is done with it, and stays until it is killed.
+// A child that runs `work`, reports its end, and stays until it is killed.
 class Child {
  public:
   template <typename Work>
@@ -84,7 +84,7 @@ TEST(Pidfd, BecomesReadableWhenTheProcessEnds) {
   const auto fd = OpenPidfd(child.pid());
   ASSERT_TRUE(fd);
   pollfd watched{fd.value().get(), POLLIN, 0};
-  EXPECT_EQ(poll(&watched, 1, 0), 0) << "it lives still";
+  EXPECT_EQ(poll(&watched, 1, 0), 0) << "it still runs";
   child.Kill();
   EXPECT_EQ(poll(&watched, 1, 20000), 1);
 }
@@ -174,30 +174,30 @@ TEST(NameLock, ProvesAProcessOnlyByTheNameThatItHolds) {
 
 TEST(NameLock, DoesNotProveAProcessOfAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
-  constexpr uid_t kNobody = 65534;
+  constexpr uid_t kOtherUid = 65534;
   const std::string name = UniqueName("motion");
   Child holder([&] {
-    const bool other_user = setresuid(kNobody, kNobody, kNobody) == 0;
+    const bool other_user = setresuid(kOtherUid, kOtherUid, kOtherUid) == 0;
     return std::make_unique<Result<NameLock>>(
         NameLock::Acquire(other_user ? name : "could not become another user"));
   });
   ASSERT_TRUE(holder.ready());
   const NameLock::Holder found = NameLock::HolderOf(name);
   EXPECT_EQ(found.pid, holder.pid());
-  EXPECT_EQ(found.uid, kNobody);
+  EXPECT_EQ(found.uid, kOtherUid);
   EXPECT_FALSE(found.trusted);
   const auto proven = NameLock::CheckHolder(name, holder.pid());
   ASSERT_FALSE(proven);
   EXPECT_THAT(proven.error().message, HasSubstr("of user 65534"));
 }
 
-// The lock is another user's, even where one of ours has got hold of its descriptor.
+// The lock is another user's, even if a process of this user has its descriptor.
 TEST(NameLock, DoesNotProveAProcessThatHoldsTheNameOfAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
-  constexpr uid_t kNobody = 65534;
+  constexpr uid_t kOtherUid = 65534;
   const std::string name = UniqueName("motion");
   Child holder([&] {
-    const bool other_user = seteuid(kNobody) == 0;
+    const bool other_user = seteuid(kOtherUid) == 0;
     auto lock = std::make_unique<Result<NameLock>>(
         NameLock::Acquire(other_user ? name : "could not become another user"));
     return seteuid(0) == 0 ? std::move(lock) : nullptr;

@@ -27,7 +27,7 @@ class Keys : public ::testing::Test {
                bool force = false) {
     return Issue(folder_, name, role, {days, force});
   }
-  std::string Complaint(const std::string& name) {
+  std::string ErrorOf(const std::string& name) {
     const auto checked = Check(folder_, name);
     return checked ? "" : checked.error().message;
   }
@@ -50,8 +50,8 @@ TEST_F(Keys, AreGoodUntilTheyExpire) {
   EXPECT_GT(left, std::chrono::days(29));
   EXPECT_LE(left, std::chrono::days(30));
   ASSERT_TRUE(Add("old", Role::kActuator, -1));
-  EXPECT_THAT(Complaint("old"), AllOf(HasSubstr("old.cert has expired on "),
-                                      HasSubstr("`musher keys add old --force`")));
+  EXPECT_THAT(ErrorOf("old"), AllOf(HasSubstr("old.cert has expired on "),
+                                    HasSubstr("`musher keys add old --force`")));
 }
 
 TEST_F(Keys, NeverOutliveTheirCa) {
@@ -63,22 +63,22 @@ TEST_F(Keys, NeverOutliveTheirCa) {
 TEST_F(Keys, AreRevokedWhenTheyAreReplaced) {
   ASSERT_TRUE(Add("legs"));
   const std::string before = Text(folder_.Certificate("legs"));
-  const std::string rights = Text(folder_.Permissions("legs"));
+  const std::string permissions = Text(folder_.Permissions("legs"));
   EXPECT_FALSE(Add("legs"));
   ASSERT_TRUE(Add("legs", Role::kObserver, 30, true));
-  EXPECT_EQ(Complaint("legs"), "");
-  std::ofstream(folder_.Permissions("legs")) << rights;  // those of more power
-  EXPECT_THAT(Complaint("legs"), HasSubstr("legs.permissions is for "));
+  EXPECT_EQ(ErrorOf("legs"), "");
+  std::ofstream(folder_.Permissions("legs")) << permissions;  // those of more power
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr("legs.permissions is for "));
   std::ofstream(folder_.Certificate("legs")) << before;
-  EXPECT_THAT(Complaint("legs"), HasSubstr("is not the key of"));
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr("is not the key of"));
 }
 
 TEST_F(Keys, ThatWereRevokedStayRevokedWhileOthersAre) {
   for (const char* name : {"a", "b", "c"}) ASSERT_TRUE(Add(name));
   for (const char* name : {"a", "b", "a"}) ASSERT_TRUE(Revoke(folder_, name));
-  EXPECT_THAT(Complaint("a"), HasSubstr("is revoked"));
-  EXPECT_THAT(Complaint("b"), HasSubstr("is revoked"));
-  EXPECT_EQ(Complaint("c"), "");
+  EXPECT_THAT(ErrorOf("a"), HasSubstr("is revoked"));
+  EXPECT_THAT(ErrorOf("b"), HasSubstr("is revoked"));
+  EXPECT_EQ(ErrorOf("c"), "");
 }
 
 // With one CA for both, everybody whose certificate it has signed could sign permissions.
@@ -88,22 +88,22 @@ TEST_F(Keys, DoNotLetTheirOwnerSignPermissions) {
   ASSERT_TRUE(Issue(other, "legs", Role::kController, {}));
   ASSERT_TRUE(Add("legs"));
   std::ofstream(folder_.Permissions("legs")) << Text(other.Permissions("legs"));
-  EXPECT_THAT(Complaint("legs"), HasSubstr("was not signed by the CA of"));
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr("was not signed by the CA of"));
 }
 
 TEST_F(Keys, WithAChangedGovernanceAreRefused) {
   ASSERT_TRUE(Add("legs"));
   Replace(folder_.Governance(), "<enable_join_access_control>true",
           "<enable_join_access_control>no");
-  EXPECT_THAT(Complaint("legs"), HasSubstr("governance.p7s was not signed by the CA of"));
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr("governance.p7s was not signed by the CA of"));
 }
 
 TEST_F(Keys, ThatAreNoKeysAreNamed) {
   ASSERT_TRUE(Add("legs"));
   std::ofstream(folder_.Certificate("legs")) << "no certificate";
-  EXPECT_THAT(Complaint("legs"), HasSubstr("legs.cert is not a certificate (PEM)"));
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr("legs.cert is not a certificate (PEM)"));
   std::ofstream(folder_.Revocations()) << "";
-  EXPECT_THAT(Complaint("legs"), HasSubstr("revoked.crl is empty"));
+  EXPECT_THAT(ErrorOf("legs"), HasSubstr("revoked.crl is empty"));
 }
 
 TEST(Permissions, OfAnActuatorAreThoseOfItsOwnName) {
@@ -132,11 +132,11 @@ TEST(Permissions, ForCyberdogsManagerAreTheOperatorsExceptQueriesAndWakingUp) {
     return allowed.find("<topic>" + topic + "</topic>") != std::string::npos &&
            allowed.find("<topic>" + topic + "</topic>") < allowed.find("<subscribe>");
   };
-  for (const char* wish : {"rq/poweroffRequest", "rq/*/poweroffRequest", "rt/machine_state_switch",
-                           "rq/machine_state_switch_keepRequest"}) {
-    EXPECT_TRUE(may(Role::kOperator, wish)) << wish;
-    EXPECT_FALSE(may(Role::kActuator, wish)) << wish;
-    EXPECT_FALSE(may(Role::kObserver, wish)) << wish;
+  for (const char* topic : {"rq/poweroffRequest", "rq/*/poweroffRequest", "rt/machine_state_switch",
+                            "rq/machine_state_switch_keepRequest"}) {
+    EXPECT_TRUE(may(Role::kOperator, topic)) << topic;
+    EXPECT_FALSE(may(Role::kActuator, topic)) << topic;
+    EXPECT_FALSE(may(Role::kObserver, topic)) << topic;
   }
   for (const Role role : {Role::kOperator, Role::kActuator, Role::kObserver}) {
     EXPECT_TRUE(may(role, "rq/bms_infoRequest"));

@@ -75,7 +75,7 @@ TEST(RosProcesses, AreNotMetFromAShellWithoutAnySettings) {
 }
 
 // Of a person's own settings of Cyclone nothing is known.
-TEST(RosProcesses, AreNotJudgedByTheInterfaceWhereTheMachineHasSettingsOfItsOwn) {
+TEST(RosProcesses, AreNotCheckedForTheInterfaceIfTheMachineHasItsOwnSettings) {
   const Environment both = {{"CYCLONEDDS_URI", "file:///mine.xml"},
                             {"RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"}};
   EXPECT_THAT(RosObstacles(kLocal, both, both), IsEmpty());

@@ -113,10 +113,10 @@ TEST_F(Scheduling, ReportsAnExitedProcessBeforeAndAfterItIsReaped) {
     const Child child([] {});
     pid = child.pid();
     child.Kill();
-    EXPECT_TRUE(BecomesState(pid, ProcessRunState::kGone));
+    EXPECT_TRUE(BecomesState(pid, ProcessRunState::kExited));
     EXPECT_EQ(SampleProcess(pid, loop_.Now()), std::nullopt);
   }
-  EXPECT_EQ(RunStateOf(pid), ProcessRunState::kGone);
+  EXPECT_EQ(RunStateOf(pid), ProcessRunState::kExited);
   EXPECT_EQ(SampleProcess(pid, loop_.Now()), std::nullopt);
   EXPECT_EQ(ThreadCpuTime(pid, pid), std::nullopt);
 }
@@ -252,7 +252,8 @@ TEST(Waiting, IsNotLongerThanTheTimeBetweenTheLooks) {
   EXPECT_EQ(ThreadWait(before, after, 7), Milliseconds(999)) << "the rest was before";
 }
 
-// On two CPUs a quota takes more than there is time: who computes for ever was never found hung.
+// On two CPUs a quota takes more than there is time: a process that computes for ever was never
+// detected as hung.
 TEST(Waiting, IsNotTheTimeInWhichItRanHoweverMuchAQuotaHasTaken) {
   const ProcessSample before{At(0), {{7, Thread(10, 100, true)}}, Milliseconds(0)};
   const ProcessSample after{At(1000), {{7, Thread(410, 200, true)}}, Milliseconds(1200)};

@@ -35,7 +35,7 @@ class SimNetwork : public ::testing::Test {
     return MakeSubscription<msg::String>(
                node, "chat",
                [this](const msg::String& message, const SampleInfo&) {
-                 heard_.push_back(message.data);
+                 received_.push_back(message.data);
                },
                qos, std::move(events))
         .value();
@@ -49,7 +49,7 @@ class SimNetwork : public ::testing::Test {
   }
 
   Network network_{7};
-  Strings heard_;
+  Strings received_;
   int lost_ = 0;
   std::unique_ptr<Node> dog_ = network_.MakeNode("dog");
   std::unique_ptr<Node> desk_ = network_.MakeNode("desk");
@@ -62,9 +62,9 @@ TEST_F(SimNetwork, DelaysWithinTheLimitsOfTheLink) {
   network_.SetFaults("dog", "desk", {.delay_min = Milliseconds(3), .delay_max = Milliseconds(5)});
   Say(1, 1);
   RunFor(Milliseconds(3) - Duration(1));
-  EXPECT_THAT(heard_, IsEmpty());
+  EXPECT_THAT(received_, IsEmpty());
   RunFor(Milliseconds(2) + Duration(1));
-  EXPECT_THAT(heard_, ElementsAre("1"));
+  EXPECT_THAT(received_, ElementsAre("1"));
 }
 
 TEST_F(SimNetwork, LosesBestEffortSamples) {
@@ -72,8 +72,8 @@ TEST_F(SimNetwork, LosesBestEffortSamples) {
   network_.SetFaults({.loss = 0.5});
   Say(1, 200);
   RunFor(Milliseconds(100));
-  EXPECT_GT(heard_.size(), 60u);
-  EXPECT_LT(heard_.size(), 140u);
+  EXPECT_GT(received_.size(), 60u);
+  EXPECT_LT(received_.size(), 140u);
 }
 
 TEST_F(SimNetwork, RepeatsLostReliableSamplesLaterAndInOrder) {
@@ -81,11 +81,11 @@ TEST_F(SimNetwork, RepeatsLostReliableSamplesLaterAndInOrder) {
   network_.SetFaults({.loss = 0.5, .retransmission = Milliseconds(10)});
   Say(1, 50);
   RunFor(Milliseconds(5));
-  EXPECT_LT(heard_.size(), 50u);
+  EXPECT_LT(received_.size(), 50u);
   RunFor(Milliseconds(500));
   Strings all;
   for (int i = 1; i <= 50; ++i) all.push_back(std::to_string(i));
-  EXPECT_EQ(heard_, all);
+  EXPECT_EQ(received_, all);
 }
 
 TEST_F(SimNetwork, LosesReliableSamplesWithReliableLoss) {
@@ -93,7 +93,7 @@ TEST_F(SimNetwork, LosesReliableSamplesWithReliableLoss) {
   network_.SetFaults({.reliable_loss = 1});
   Say(1, 3);
   RunFor(std::chrono::seconds(5));
-  EXPECT_THAT(heard_, IsEmpty());
+  EXPECT_THAT(received_, IsEmpty());
 }
 
 TEST_F(SimNetwork, DuplicatesSamples) {
@@ -101,7 +101,7 @@ TEST_F(SimNetwork, DuplicatesSamples) {
   network_.SetFaults({.duplication = 1});
   Say(1, 1);
   RunFor(Milliseconds(10));
-  EXPECT_THAT(heard_, ElementsAre("1", "1"));
+  EXPECT_THAT(received_, ElementsAre("1", "1"));
 }
 
 TEST_F(SimNetwork, ReordersSamples) {
@@ -109,11 +109,11 @@ TEST_F(SimNetwork, ReordersSamples) {
   network_.SetFaults({.reordering = 0.5, .reordering_delay = Milliseconds(5)});
   Say(1, 50);
   RunFor(Milliseconds(100));
-  Strings sorted = heard_;
+  Strings sorted = received_;
   std::sort(sorted.begin(), sorted.end(),
             [](const auto& a, const auto& b) { return std::stoi(a) < std::stoi(b); });
-  EXPECT_EQ(heard_.size(), 50u);
-  EXPECT_NE(heard_, sorted);
+  EXPECT_EQ(received_.size(), 50u);
+  EXPECT_NE(received_, sorted);
 }
 
 TEST_F(SimNetwork, KeepsTheNewestReliableSamplesBackDuringAPartition) {
@@ -121,10 +121,10 @@ TEST_F(SimNetwork, KeepsTheNewestReliableSamplesBackDuringAPartition) {
   network_.Partition("dog", "desk");
   Say(1, 12);
   RunFor(Milliseconds(1000));
-  EXPECT_THAT(heard_, IsEmpty());
+  EXPECT_THAT(received_, IsEmpty());
   network_.Heal("dog", "desk");
   RunFor(Milliseconds(10));
-  EXPECT_THAT(heard_, ElementsAre("3", "4", "5", "6", "7", "8", "9", "10", "11", "12"));
+  EXPECT_THAT(received_, ElementsAre("3", "4", "5", "6", "7", "8", "9", "10", "11", "12"));
 }
 
 TEST_F(SimNetwork, LosesBestEffortSamplesDuringAPartition) {
@@ -134,7 +134,7 @@ TEST_F(SimNetwork, LosesBestEffortSamplesDuringAPartition) {
   network_.Heal("dog", "desk");
   Say(4, 4);
   RunFor(Milliseconds(10));
-  EXPECT_THAT(heard_, ElementsAre("4"));
+  EXPECT_THAT(received_, ElementsAre("4"));
 }
 
 TEST_F(SimNetwork, BlocksOneDirectionOnly) {
@@ -142,7 +142,7 @@ TEST_F(SimNetwork, BlocksOneDirectionOnly) {
   network_.Block("desk", "dog");
   Say(1, 1);
   RunFor(Milliseconds(10));
-  EXPECT_THAT(heard_, ElementsAre("1"));
+  EXPECT_THAT(received_, ElementsAre("1"));
 }
 
 TEST_F(SimNetwork, UnmatchesAfterTheLeaseOfAPartitionAndMatchesAgain) {
@@ -161,7 +161,7 @@ TEST_F(SimNetwork, UnmatchesAfterTheLeaseOfAPartitionAndMatchesAgain) {
   network_.Heal("dog", "desk");
   RunFor(Milliseconds(20));
   EXPECT_EQ(publisher_->MatchedReaders(), 1);
-  EXPECT_THAT(heard_, ElementsAre("1", "2"));
+  EXPECT_THAT(received_, ElementsAre("1", "2"));
 }
 
 TEST_F(SimNetwork, NoticesACrashWithinTheLease) {
@@ -191,10 +191,10 @@ TEST_F(SimNetwork, MakesAPausedProcessCatchUpWhenItIsResumed) {
   network_.Pause(*desk_);
   Say(1, 3);
   RunFor(Milliseconds(100));
-  EXPECT_THAT(heard_, IsEmpty());
+  EXPECT_THAT(received_, IsEmpty());
   network_.Resume(*desk_);
   RunFor(Milliseconds(1));
-  EXPECT_THAT(heard_, ElementsAre("1", "2", "3"));
+  EXPECT_THAT(received_, ElementsAre("1", "2", "3"));
 }
 
 TEST_F(SimNetwork, LetsTheTwoSidesOfAMatchLearnOfEachOtherAtTheirOwnTime) {
@@ -301,7 +301,7 @@ TEST(SimService, LosesNoReplyWhileDiscoveryIsHalfDone) {
   }
 }
 
-// Found by a simulated client that asked for two switches: the reader of the first was taken for
+// Found by a simulated client that requested two switches: the reader of the first was taken for
 // that of the second.
 TEST(SimService, LosesNoReplyWhenAnotherClientOfTheSameProcessEndsMeanwhile) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {

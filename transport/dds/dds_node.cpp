@@ -73,7 +73,7 @@ class DdsNode : public Node {
     return Ok();
   }
 
-  // What failed with a topic; where the permissions forbid it, whose they are.
+  // The error of a topic; if the permissions forbid it, with the identity that they are for.
   Error Named(const std::string& topic_name, const Error& error) const {
     const auto& credentials = participant_->credentials();
     if (!credentials || error.code != kCodePermissionDenied) {
@@ -84,7 +84,7 @@ class DdsNode : public Node {
                             " does not allow " + topic_name};
   }
 
-  // On readers of replies, by which our servers know their own clients.
+  // On readers of replies: servers of Musher recognise its clients by it.
   static std::string OwnTag(const std::string& topic) {
     return topic.starts_with("rr/") ? std::string(dds::kOwnTag) : "";
   }
@@ -99,23 +99,23 @@ class DdsNode : public Node {
 
 namespace {
 
-// DDS chooses its network interface when a process joins the domain, and keeps it: one that starts
-// before the network does is alone with its host for good, which nothing else tells.
+// DDS chooses its network interface when a process joins the domain, and keeps it: a process that
+// starts before the network is up reaches only its own host for good, and nothing else reports it.
 void WarnWithoutNetwork() {
-  static std::once_flag told;
+  static std::once_flag logged;
   const char* uri = std::getenv("CYCLONEDDS_URI");
   const bool own_settings = uri != nullptr && *uri != '\0';
   if (own_settings || HasNetwork()) return;
-  std::call_once(told, [] {
+  std::call_once(logged, [] {
     std::fputs(
-        "no network interface is up but the loopback: in the lan profile this process is heard on "
-        "this host only, until it is started again. Start it after the network (systemd: Wants= "
-        "and After=network-online.target)\n",
+        "no network interface is up but the loopback: in the lan profile this process is reachable "
+        "on this host only, until it is restarted. Start it after the network (systemd: Wants= and "
+        "After=network-online.target)\n",
         stderr);
   });
 }
 
-// Unique on a host, for nodes that were given no name; ROS 2 hides names that begin with '_'.
+// Unique on a host, for nodes without a name; ROS 2 hides names that begin with '_'.
 std::string NodeName(const DdsOptions& options) {
   if (!options.node_name.empty()) return options.node_name;
   const std::string program = program_invocation_short_name;
@@ -177,7 +177,7 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   const Result<TransportProfile> profile = Profile(options);
   if (!profile) return profile.error();
   if (options.credentials) {
-    constexpr int kHighestSecured = 230;  // that Cyclone's reader of governance documents takes
+    constexpr int kHighestSecured = 230;  // accepted by Cyclone's reader of governance documents
     if (domain_id.value() > kHighestSecured) {
       return Error{kCodeParametersInvalid, "DDS Security knows the domains 0 to 230, not " +
                                                std::to_string(domain_id.value())};
@@ -185,13 +185,14 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
     const keys::KeyFolder folder(options.credentials->keys);
     if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
   }
-  const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
+  const bool fast_discovery =
+      options.fast_discovery || std::getenv("MUSHER_FAST_DISCOVERY") != nullptr;
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   const char* uri = std::getenv("CYCLONEDDS_URI");
   const bool own_settings = uri != nullptr && ReplacesProfile(profile.value(), uri);
   auto participant = dds::OpenParticipant(
       domain_id.value(),
-      own_settings ? "" : dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
+      own_settings ? "" : dds::SettingsXml(profile.value(), options.lease, fast_discovery, unicast),
       options.credentials, ChosenDistro(options.ros_distro));
   if (!participant) return participant.error();
   if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();

@@ -1,8 +1,8 @@
 #pragma once
-// A node on Cyclone DDS: speaks ROS 2's wire. Nothing of Cyclone is needed to include this.
+// A node on Cyclone DDS, compatible with ROS 2 on the wire. This header needs no header of Cyclone.
 //
-// The nodes of a process that are in the same domain are one participant, with the configuration of
-// the first.
+// All nodes of a process in one domain share one participant, with the configuration of the first
+// node.
 
 #include <memory>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace musher::transport {
 
-// Who a process is, and the folder with the keys that prove it (see transport/keys/).
+// The identity of a process, and the folder with the keys that prove it (see transport/keys/).
 struct Credentials {
   std::string keys;      // absolute
   std::string identity;  // "controller", "operator", or an actuator's name
@@ -22,62 +22,62 @@ struct Credentials {
 };
 
 struct DdsOptions {
-  // Of the domain; none: that of ROS_DOMAIN_ID, else 0.
+  // The domain's id; none: ROS_DOMAIN_ID, else 0.
   std::optional<int> domain_id = std::nullopt;
   // MUSHER_TRANSPORT=local|lan overrides it, and the user's own CYCLONEDDS_URI overrides both.
   TransportProfile profile = TransportProfile::kLocal;
-  // After how long a silent process is taken for lost; none: the profile's.
+  // The lease: a process that is silent for longer counts as lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
-  // Repeats at once what a process that it has just met may have missed. For those of which a robot
-  // has few, controllers and command lines; a hundred actuators that start together settle sooner
-  // when they are patient. MUSHER_IMPATIENT in the environment says the same: a controller sets it
-  // for a process that it starts again while the others stay.
-  bool impatient = false;
-  // Gets the samples that it reads sent to itself alone. By default a sample that several processes
-  // read goes out once, by multicast, and the kernel copies it to every process of the domain,
-  // whether it reads that topic or not: right for what is small, dear for pictures. For programs
-  // that read pictures; MUSHER_UNICAST in the environment says the same.
+  // Repeats at once what a newly discovered process may have missed. For programs of which a robot
+  // has few: controllers and command lines. When a hundred actuators start together, discovery
+  // settles sooner with the default timing. MUSHER_FAST_DISCOVERY in the environment has the same
+  // effect: a controller sets it for a process that it restarts while the others keep running.
+  bool fast_discovery = false;
+  // Receives its samples by unicast. By default a sample with several readers is sent once, by
+  // multicast, and the kernel copies it to every process of the domain, whether it reads that topic
+  // or not: good for small samples, expensive for pictures. For programs that read pictures;
+  // MUSHER_UNICAST in the environment has the same effect.
   bool unicast = false;
-  // With them the node meets only those whose certificate is of the same CA, and may do only what
-  // its permissions say; without them only those without. All nodes of a process that are in one
-  // domain have the same.
+  // With credentials the node discovers only participants whose certificate is of the same CA, and
+  // may do only what its permissions permit; without credentials it discovers only participants
+  // without. All nodes of a process in one domain have the same.
   std::optional<Credentials> credentials = std::nullopt;
-  // As what ROS 2 lists the node (`ros2 node list`): its name, none: that of the program with its
-  // process id, and its namespace ("" or "dog1"). What ROS 2 does not accept in a name becomes '_'.
+  // The node's name in ROS 2 (`ros2 node list`), none: the program's name with its process id; and
+  // its namespace ("" or "dog1"). A character that ROS 2 does not accept in a name becomes '_'.
   std::string node_name = {};
   std::string name_space = {};
-  // Without a name: a hidden node, which `ros2 node list` lists with --all only. For command lines,
-  // which exit once they are answered.
+  // For a node without a name: listed only among hidden nodes. For command lines, which exit after
+  // their reply.
   bool hidden = false;
-  // The layout of ros_discovery_info; none: see ChosenDistro().
+  // The ROS 2 distribution whose message layout lists the nodes; none: see ChosenDistro().
   std::optional<RosDistro> ros_distro = std::nullopt;
 };
 
-// What the config says of a process that is `identity`, with `node_name` as its node in the
+// The options that the config has for the process `identity`, with `node_name` as its node in the
 // machine's namespace.
 DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
                       const std::string& node_name);
 
-// Those of `identity` where the config has keys.
+// The credentials of `identity`, if the config has keys.
 std::optional<Credentials> CredentialsFor(const MachineConfig& config, const std::string& identity);
 inline constexpr const char* kControllerIdentity = "controller";
 
 // The ROS 2 node of a controller, in the namespace of its machine: its services are `/musher/…`.
 inline constexpr const char* kControllerNode = "musher";
 
-// The domain that `options` and the environment give; an Error when it is not one of 0 to 232.
+// The domain from `options` and the environment; an Error when it is not within 0 to 232.
 Result<int> DomainId(const DdsOptions& options);
 
-// The ROS 2 distribution whose message layouts are spoken: `configured`, else that of ROS_DISTRO,
-// else Jazzy, whose layouts newer ones have, too.
+// The ROS 2 distribution whose message layouts are used: `configured`, else ROS_DISTRO, else Jazzy,
+// whose layouts newer distributions use, too.
 RosDistro ChosenDistro(std::optional<RosDistro> configured);
 
-// The profile that `options` and the environment give; an Error when the environment's is none.
+// The profile from `options` and the environment; an Error when the environment's is invalid.
 Result<TransportProfile> Profile(const DdsOptions& options);
 
-// Joins the domain. Fails when the configuration is bad or the network can't be used, with
-// Cyclone's reason; and when the credentials are, with the file and what is wrong with it. The loop
-// must outlive the node.
+// Joins the domain. Fails if the configuration is invalid or the network cannot be used, with
+// Cyclone's reason; and if the credentials are invalid, with the file and its error. The loop must
+// outlive the node.
 Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options = {});
 
 }  // namespace musher::transport

@@ -50,7 +50,7 @@ void ReaderCore::OnSampleLost(dds_entity_t, dds_sample_lost_status_t status, voi
   CountLostSamples(static_cast<std::uint64_t>(std::max(status.total_count_change, 0)));
 }
 
-// New writers are learnt before their samples are delivered, lost ones are told after their last.
+// Reports new writers before their samples are delivered, lost ones after their last sample.
 void ReaderCore::Visit() {
   if (closed_) return;
   const bool match_changed = match_changed_.exchange(false);
@@ -72,7 +72,7 @@ void ReaderCore::Visit() {
   if (match_changed && callbacks_.on_match_changed) callbacks_.on_match_changed();
 }
 
-// Delivers what has come, up to a limit; says whether there may be more.
+// Delivers the received samples, up to a limit; returns whether there may be more.
 bool ReaderCore::Take() {
   std::array<ddsi_serdata*, kSamplesPerVisit> samples{};
   std::array<dds_sample_info_t, kSamplesPerVisit> infos{};
@@ -87,7 +87,7 @@ bool ReaderCore::Take() {
   return count == kSamplesPerVisit;
 }
 
-// Adds the writers that are matched by now; returns those that no longer are.
+// Adds newly matched writers; returns the writers that are no longer matched.
 std::vector<PeerId> ReaderCore::LearnWriters() {
   const std::vector<PeerId> matched = MatchedHandles(reader_.get(), dds_get_matched_publications);
   for (const PeerId writer : matched) {

@@ -18,16 +18,16 @@
 
 namespace musher::transport::dds {
 
-// What a reader's callbacks use. Shared with a visit that runs, so that a callback may drop the
-// reader.
+// The state that a reader's callbacks use. Shared with a running visit, so that a callback may
+// destroy the reader.
 class ReaderCore : public Notifier {
  public:
-  // `all_partitions`: each sample is to come with the partition it was written in.
+  // `all_partitions`: each sample is delivered with the partition that it was written in.
   ReaderCore(EventLoop& loop, ReaderCallbacks callbacks, bool all_partitions)
       : Notifier(loop), callbacks_(std::move(callbacks)), all_partitions_(all_partitions) {}
 
   Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
-  // No callback runs after it, also when a callback calls it.
+  // No callback runs afterwards, also if a callback calls it.
   void Close();
 
   const PeerTable& writers() const { return writers_; }
@@ -49,7 +49,7 @@ class ReaderCore : public Notifier {
   std::atomic<bool> match_changed_ = false;
   bool closed_ = false;
   PeerTable writers_;
-  std::map<PeerId, std::string> partitions_;  // of writers, where they are asked for
+  std::map<PeerId, std::string> partitions_;  // of writers, if requested
   Entity topic_;
   Entity reader_;
 };

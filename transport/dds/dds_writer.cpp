@@ -11,7 +11,7 @@ namespace musher::transport::dds {
 
 namespace {
 
-// Whether a reader is that of a client of ours.
+// Whether a reader belongs to a client of Musher.
 bool IsOurs(dds_builtintopic_endpoint_t* reader) {
   if (reader == nullptr) return false;
   void* data = nullptr;

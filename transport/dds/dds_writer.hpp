@@ -17,14 +17,14 @@
 
 namespace musher::transport::dds {
 
-// What a writer's callback uses. Shared with a visit that runs, so that the callback may drop the
-// writer.
+// The state that a writer's callback uses. Shared with a running visit, so that the callback may
+// destroy the writer.
 class WriterCore : public Notifier {
  public:
   WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks);
 
   Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
-  // No callback runs after it, also when a callback calls it.
+  // No callback runs afterwards, also if a callback calls it.
   void Close();
 
   Result<> Write(msg::Bytes bytes);

@@ -1,7 +1,7 @@
 #pragma once
-// The sole owner of a Cyclone entity. Before it deletes the entity it takes the listener away,
-// which waits for callbacks that run: nothing they use may go before, and no lock they want may be
-// held.
+// The sole owner of a Cyclone entity. Before it deletes the entity it removes the listener, which
+// waits for running callbacks: nothing that they use may be destroyed before, and no lock that they
+// take may be held.
 
 #include <dds/dds.h>
 

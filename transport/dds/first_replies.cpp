@@ -11,7 +11,7 @@ namespace {
 constexpr Duration kNew = Milliseconds(500);
 constexpr Duration kHold = Milliseconds(12);
 constexpr Duration kFollowUpDelay =
-    Milliseconds(110);  // ROS 2's readers ask again after 100 at least
+    Milliseconds(110);  // ROS 2's readers repeat a request after 100 ms at least
 // Fewer than a writer keeps, so that each can be repeated for the new reader.
 constexpr std::size_t kMostHeld = 8;
 constexpr std::size_t kLargestFollowUp = 4096;
@@ -50,7 +50,7 @@ void FirstReplies::FollowUp(const msg::Bytes& reply) {
   msg::Bytes copy = reply;
   std::fill(copy.begin() + kClientIdBegin, copy.begin() + kClientIdEnd, std::byte{0});
   follow_up_ = loop_.At(loop_.Now() + kFollowUpDelay, [this, copy = std::move(copy)] {
-    const Result<> sent = send_(copy);  // if it is not, the next heartbeat comes later
+    const Result<> sent = send_(copy);  // if it fails, the next heartbeat comes later
     static_cast<void>(sent);
   });
 }

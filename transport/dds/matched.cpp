@@ -20,8 +20,8 @@ PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
   // Not its instance handle: that changes when a participant returns after an outage longer than
   // its lease, and an actuator that is attached to one participant would refuse it.
   const dds_guid_t& guid = endpoint->participant_key;
-  const PeerId participant =
-      Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) | 1U;  // not 0: nobody
+  const PeerId participant = Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) |
+                             1U;  // not 0, which means no peer
   dds_builtintopic_free_endpoint(endpoint);
   return participant;
 }

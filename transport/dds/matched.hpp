@@ -1,5 +1,5 @@
 #pragma once
-// What Cyclone knows of the endpoints that one of ours is matched with.
+// What Cyclone knows of the endpoints that a local endpoint is matched with.
 
 #include <dds/dds.h>
 
@@ -20,10 +20,10 @@ using ListenerPtr = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 using GetMatched = dds_return_t (*)(dds_entity_t, dds_instance_handle_t*, std::size_t);
 std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get);
 
-// The participant of an endpoint that was asked for, which is freed; 0 when it has gone meanwhile.
+// The participant of an endpoint from `get`, which is freed; 0 if it was lost meanwhile.
 PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint);
 
-// The partition of such an endpoint, likewise; empty when it has none, or more than one.
+// The partition of such an endpoint, likewise; empty if it has none, or more than one.
 std::string PartitionIn(dds_builtintopic_endpoint_t* endpoint);
 
 }  // namespace musher::transport::dds

@@ -64,7 +64,7 @@ void NodeGraph::Remove(Nodes::iterator node, Kind kind, const msg::Gid& endpoint
   std::erase(EndpointsOf(*node, kind), endpoint);
 }
 
-// A participant without nodes publishes nothing: it is about to be deleted.
+// When its last node is destroyed, nothing is published: the participant is destroyed, too.
 void NodeGraph::Publish() {
   const std::lock_guard lock(mutex_);
   if (!std::exchange(changed_, false) || writer_.get() <= 0 || nodes_.empty()) return;

@@ -1,13 +1,13 @@
 #pragma once
-// Which nodes a participant has and which endpoints are theirs, in the form of ROS 2: one
-// latched sample of the whole participant on `ros_discovery_info`. By it `ros2 node list`, `ros2
-// node info` and rqt's graph show our processes by name.
+// Which nodes a participant has and which endpoints are theirs, in the form of ROS 2: one latched
+// sample of the whole participant on `ros_discovery_info`. With it `ros2 node list`, `ros2 node
+// info` and rqt's graph show the processes of Musher by name.
 //
 //   NodeGraph (one of a participant) <-- ListedNode (one of a node) <-- ListedEndpoint (of an
 //   endpoint)
 //
-// Changes of one turn of the loop are one sample. Where permissions forbid the topic (keys made by
-// an older Musher), nothing is written and nothing else is missing.
+// The changes of one turn of the loop are one sample. If permissions forbid the topic (keys made by
+// an older Musher), no sample is written and everything else works.
 //
 // Threads: any; a sample is written on the loop of a node that has changed.
 
@@ -32,7 +32,7 @@ msg::Gid EntityGid(dds_entity_t entity);
 
 class NodeGraph {
  public:
-  // `distro`: whose layout the sample has.
+  // `distro`: the distribution whose layout the sample has.
   NodeGraph(dds_entity_t participant, RosDistro distro);
 
   // Whether the topic is written; permissions may forbid it.
@@ -40,7 +40,7 @@ class NodeGraph {
 
   enum class Kind { kReader, kWriter };
 
-  // What the nodes call. Publish() writes the sample if it differs from the last one.
+  // Called by the nodes. Publish() writes the sample if it differs from the last one.
   using Nodes = std::list<msg::NodeEntitiesInfo>;
   Nodes::iterator Add(const std::string& name_space, const std::string& name);
   void Remove(Nodes::iterator node);
@@ -51,7 +51,7 @@ class NodeGraph {
  private:
   const msg::Gid participant_;
   const RosDistro distro_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   Nodes nodes_;
   bool changed_ = false;
   Entity topic_;

@@ -1,7 +1,7 @@
 #pragma once
-// Turns Cyclone's callbacks into one visit of the loop. The callbacks run on Cyclone's threads (or
+// Turns Cyclone's callbacks into one visit on the loop. The callbacks run on Cyclone's threads (or
 // on the loop's, inside a call of Cyclone), where nothing may be written, created or deleted; so
-// all they do is ask for a visit.
+// they only request a visit.
 
 #include <atomic>
 #include <memory>
@@ -16,24 +16,24 @@ class Notifier : public std::enable_shared_from_this<Notifier> {
   explicit Notifier(EventLoop& loop) : loop_(loop) {}
   virtual ~Notifier() = default;
 
-  // Asks for a visit unless one is under way. From any thread while the listener is set.
+  // Requests a visit unless one is under way. From any thread while the listener is set.
   void Notify() {
-    if (asked_.exchange(true)) return;
+    if (requested_.exchange(true)) return;
     loop_.Post([weak = weak_from_this()] {
       if (const auto self = weak.lock()) {
-        self->asked_ = false;
+        self->requested_ = false;
         self->Visit();
       }
     });
   }
 
  protected:
-  // Looks what there is to do and does it, on the loop.
+  // Handles what has happened since the last visit, on the loop.
   virtual void Visit() = 0;
 
  private:
   EventLoop& loop_;
-  std::atomic<bool> asked_ = false;
+  std::atomic<bool> requested_ = false;
 };
 
 }  // namespace musher::transport::dds

@@ -15,7 +15,7 @@ namespace musher::transport::dds {
 
 namespace {
 
-// Collects what Cyclone logs while it is there: dds_create_domain() says only that it failed. There
+// Collects what Cyclone logs during its lifetime: dds_create_domain() itself gives no reason. There
 // is one sink in a process; needs the lock of OpenParticipant().
 class LogCapture {
  public:
@@ -48,7 +48,7 @@ constexpr const char* kPluginsHint =
     "Debian package libddsc0debian)";
 
 // A domain has 250 UDP ports, from 7400 + 250 * its number on. Linux gives the ports 32768 to 60999
-// to any socket that asks for none in particular.
+// to any socket without a fixed port.
 bool SharesItsPorts(int domain_id) {
   return domain_id >= 102 && domain_id <= 214;
 }
@@ -68,14 +68,15 @@ Error SetupError(int domain_id, dds_return_t code, LogCapture& log) {
 }
 
 std::string NameOf(const std::optional<Credentials>& credentials) {
-  return credentials ? credentials->identity + " of " + credentials->keys : "nobody";
+  return credentials ? credentials->identity + " of " + credentials->keys
+                     : "a participant without credentials";
 }
 
 Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture& log) {
   if (settings.empty()) return Entity();
   const dds_entity_t entity =
       dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
-  // One that exists was made by other code of this process, and is used as it is.
+  // An existing domain was made by other code of this process, and is used as it is.
   if (entity < 0 && entity != DDS_RETCODE_PRECONDITION_NOT_MET) {
     return SetupError(domain_id, entity, log);
   }
@@ -84,7 +85,7 @@ Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture
 
 Result<Participant*> Join(int domain_id, const std::string& settings,
                           const std::optional<Credentials>& credentials, RosDistro distro) {
-  LogCapture log(credentials ? TellOnceAMinute : nullptr);
+  LogCapture log(credentials ? LogOnceAMinute : nullptr);
   auto domain = OpenDomain(domain_id, settings, log);
   if (!domain) return domain.error();
   const QosPtr qos(dds_create_qos());
@@ -100,7 +101,7 @@ Result<Participant*> Join(int domain_id, const std::string& settings,
   }
   auto participant =
       std::make_unique<Participant>(std::move(domain).value(), Entity(entity), credentials, distro);
-  // Keys made by an older Musher do not allow it; nothing else is missing then.
+  // Keys made by an older Musher do not permit it; everything else works then.
   if (!participant->graph().open()) log.Take();
   return participant.release();
 }
@@ -110,11 +111,11 @@ Result<Participant*> Join(int domain_id, const std::string& settings,
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,
                                                      RosDistro distro) {
-  // One that goes takes its domain along, and whatever another thread opened in it meanwhile: so
-  // they come and go one after the other.
+  // A participant that is destroyed deletes its domain with everything that another thread has
+  // opened in it meanwhile: so they are created and destroyed one after the other.
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<Participant>> participants;
-  std::shared_ptr<Participant> participant;  // may be the last, and goes after the lock
+  std::shared_ptr<Participant> participant;  // may be the last; destroyed after the lock
   const std::lock_guard lock(mutex);
   participant = participants[domain_id].lock();
   if (!participant) {

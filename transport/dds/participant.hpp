@@ -1,5 +1,5 @@
 #pragma once
-// Opens the domain of a process and takes part in it.
+// Opens the domain of a process and joins it.
 
 #include <atomic>
 #include <memory>
@@ -14,9 +14,9 @@
 
 namespace musher::transport::dds {
 
-// This process's part in a domain. There is one participant for all nodes of the process, which
-// goes with the last of them: Cyclone 0.10 may miss endpoints of a process that it meets while
-// another participant of its own goes (eclipse-cyclonedds/cyclonedds#1874).
+// This process's participant in a domain, for all its nodes; it is destroyed with the last of them:
+// Cyclone 0.10 may miss endpoints of a process that it discovers while another participant of this
+// process is being destroyed (eclipse-cyclonedds/cyclonedds#1874).
 class Participant {
  public:
   Participant(Entity domain, Entity participant, std::optional<Credentials> credentials,
@@ -36,15 +36,15 @@ class Participant {
   int NextNode() { return next_node_++; }
 
  private:
-  Entity domain_;  // its configuration; none where the user brings it
+  Entity domain_;  // its configuration; none if the user provides it
   Entity participant_;
   const std::optional<Credentials> credentials_;
   NodeGraph graph_;
   std::atomic<int> next_node_ = 0;
 };
 
-// Fails with Cyclone's own words. `settings` are Cyclone's XML, empty: those of CYCLONEDDS_URI. The
-// first node of the process in this domain determines them and `distro`, the layout of
+// Fails with Cyclone's own message. `settings` are Cyclone's XML, empty: those of CYCLONEDDS_URI.
+// The first node of the process in this domain determines them and `distro`, the layout of
 // ros_discovery_info. From any thread.
 Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
                                                      const std::optional<Credentials>& credentials,

@@ -15,7 +15,7 @@ QosPtr MakeQos(const Qos& qos, const std::string& user_data) {
   dds_qset_durability(out.get(),
                       latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   if (qos.lifespan > Duration{}) dds_qset_lifespan(out.get(), qos.lifespan.count());
-  if (latched) {  // how much a late joiner gets
+  if (latched) {  // how many samples a late joiner gets
     dds_qset_durability_service(out.get(), 0, history, depth, DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }

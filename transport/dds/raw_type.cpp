@@ -14,7 +14,7 @@ namespace musher::transport::dds {
 
 namespace {
 
-// Cyclone may read up to the next multiple of four, so there is that much room.
+// Cyclone may read up to the next multiple of four, so the buffer has that size.
 constexpr std::size_t Padded(std::size_t size) {
   return (size + 3) & ~std::size_t{3};
 }
@@ -31,7 +31,7 @@ struct RawData : ddsi_serdata {
   msg::Bytes bytes;
 };
 
-// For so many bytes, so that padding moves nothing; a picture is large.
+// Reserves so many bytes, so that padding does not reallocate; a picture is large.
 msg::Bytes Room(std::size_t size) {
   msg::Bytes bytes;
   bytes.reserve(Padded(size));
@@ -50,7 +50,7 @@ std::uint32_t SizeOf(const ddsi_serdata* data) {
   return static_cast<std::uint32_t>(AsRaw(data).size);
 }
 
-// Fragments come in order and may overlap.
+// Fragments arrive in order and may overlap.
 ddsi_serdata* FromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind,
                             const nn_rdata* fragment, std::size_t size) {
   msg::Bytes bytes = Room(size);
@@ -108,7 +108,7 @@ ddsi_serdata* ToKey(const ddsi_serdata* data) {
   return key;
 }
 
-// Samples are only ever taken as they are (dds_takecdr).
+// Samples are only taken as serialised data (dds_takecdr).
 bool ToSample(const ddsi_serdata*, void*, void**, void*) {
   return false;
 }
@@ -161,7 +161,7 @@ std::uint32_t HashType(const ddsi_sertype*) {
   return 0;
 }
 
-// What is left null is for types that Cyclone encodes itself, or for shared memory.
+// The null functions are for types that Cyclone encodes itself, or for shared memory.
 const ddsi_sertype_ops kTypeOps = [] {
   ddsi_sertype_ops ops{};
   ops.version = ddsi_sertype_v0;

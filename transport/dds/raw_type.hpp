@@ -1,6 +1,6 @@
 #pragma once
 // A DDS type whose samples are plain bytes: the encapsulation header and the CDR that follows it,
-// as they are on the wire. Keyless, XCDR version 1. Cyclone only ever sees its name.
+// as they are on the wire. Keyless, XCDR version 1. Cyclone knows only its name.
 //
 // Threads: any; samples are immutable and counted by Cyclone.
 
@@ -22,12 +22,12 @@ namespace musher::transport::dds {
 dds_entity_t CreateRawTopic(dds_entity_t participant, const std::string& name,
                             const std::string& type_name);
 
-// What dds_write() takes for a raw topic; it takes the bytes away.
+// The sample that dds_write() expects for a raw topic; moves the bytes out.
 struct RawSample {
   msg::Bytes& bytes;
 };
 
-// The bytes in a sample that dds_takecdr() has given, for as long as the sample is held.
+// The bytes of a sample from dds_takecdr(), valid as long as the sample is held.
 std::span<const std::byte> BytesOf(const ddsi_serdata* sample);
 
 }  // namespace musher::transport::dds

@@ -8,11 +8,11 @@
 
 namespace musher::transport::dds {
 
-// Makes a participant's QoS that of the identity.
+// Sets a participant's QoS for the identity.
 void SetCredentials(dds_qos_t* qos, const Credentials& credentials);
 
-// A log sink of Cyclone that writes each line once a minute: an unauthenticated participant retries
-// for ever, with a line for each attempt. From any thread.
-void TellOnceAMinute(void* unused, const dds_log_data_t* data);
+// A log sink of Cyclone that writes each line at most once a minute: an unauthenticated participant
+// retries for ever, with a line for each attempt. From any thread.
+void LogOnceAMinute(void* unused, const dds_log_data_t* data);
 
 }  // namespace musher::transport::dds

@@ -1,7 +1,7 @@
 #pragma once
 // The USER_DATA by which ROS 2 recognises the two endpoints of a service client or server as one:
-// "clientid=<id>;" or "serviceid=<id>;", the same on both. A ROS 2 server waits with its reply for
-// the reader with the client's id. Endpoints of other topics have none.
+// "clientid=<id>;" or "serviceid=<id>;", the same on both. A ROS 2 server delays its reply until
+// the reader with the client's id is matched. Endpoints of other topics have none.
 
 #include <dds/dds.h>
 
@@ -12,11 +12,11 @@ namespace musher::transport::dds {
 
 class ServiceTags {
  public:
-  // `node`: its number among the nodes of the participant.
+  // `node`: the number of the node in the participant.
   ServiceTags(dds_entity_t participant, int node);
 
-  // Of the next writer or reader of a topic; the n-th writer of a service pairs with its n-th
-  // reader.
+  // The tag of the next writer or reader of a topic; the n-th writer of a service pairs with its
+  // n-th reader.
   std::string ForWriter(const std::string& topic) { return Tag(topic, writers_); }
   std::string ForReader(const std::string& topic) { return Tag(topic, readers_); }
 

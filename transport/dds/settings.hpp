@@ -1,5 +1,5 @@
 #pragma once
-// Cyclone's configuration for the two kinds of network that robots have.
+// Cyclone's configuration for the two network profiles.
 
 #include <optional>
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace musher::transport::dds {
 
-// The profile that is to be used: MUSHER_TRANSPORT's, else `configured`.
+// The profile to use: MUSHER_TRANSPORT's, else `configured`.
 Result<TransportProfile> ChosenProfile(TransportProfile configured);
 
-// The XML for a profile. `lease` is how long a silent process lives; none: 10 s local, 2 s lan. For
-// `impatient` and `unicast` see DdsOptions.
+// The XML for a profile. `lease`: a process that is silent for longer is lost; none: 10 s local, 2
+// s lan. For `fast_discovery` and `unicast` see DdsOptions.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
-                        bool impatient = false, bool unicast = false);
+                        bool fast_discovery = false, bool unicast = false);
 
 }  // namespace musher::transport::dds

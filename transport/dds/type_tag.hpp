@@ -7,7 +7,7 @@
 namespace musher::transport::dds {
 
 // `type`: its name on DDS. A type of a robot's own, whose hash Musher does not know, gets a tag
-// that ROS 2 takes without a word and shows as an unknown hash.
+// that ROS 2 accepts without a warning and shows as an unknown hash.
 std::string TypeTag(const std::string& type);
 
 }  // namespace musher::transport::dds

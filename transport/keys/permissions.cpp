@@ -153,27 +153,27 @@ std::vector<Criteria> OfController() {
 }
 
 std::vector<Criteria> OfActuator(const std::string& name) {
-  const Topics asked = kManagerQueries + kManagerWakeUp;
+  const Topics called = kManagerQueries + kManagerWakeUp;
   return {{"publish", kStatuses, name},
           {"publish",
-           kStops + Replies(ServicesOf(name)) + DataTopics(kManagerSubscribes) + Requests(asked)},
+           kStops + Replies(ServicesOf(name)) + DataTopics(kManagerSubscribes) + Requests(called)},
           {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name)) +
-                            DataTopics(kManagerPublishes) + Replies(asked)}};
+                            DataTopics(kManagerPublishes) + Replies(called)}};
 }
 
 std::vector<Criteria> OfOperator() {
-  const Topics asked = kManagerQueries + kManagerWakeUp + kManagerOperatorServices;
-  return {{"publish", kStops + Requests({kAllMachineServices}) + Requests(asked) +
+  const Topics called = kManagerQueries + kManagerWakeUp + kManagerOperatorServices;
+  return {{"publish", kStops + Requests({kAllMachineServices}) + Requests(called) +
                           DataTopics(kManagerSubscribes + kManagerSwitchTopics)},
           {"subscribe", kMachine + kStatuses + kStops + kAnnouncements +
-                            Replies({kAllMachineServices}) + Replies(asked) +
+                            Replies({kAllMachineServices}) + Replies(called) +
                             DataTopics(kManagerPublishes)}};
 }
 
 std::vector<Criteria> OfObserver() {
-  const Topics asked = Queries() + kManagerQueries + kBehaviorQueries;
-  return {{"publish", Requests(asked) + kNodeGraph},
-          {"subscribe", kMachine + kStatuses + Replies(asked) +
+  const Topics called = Queries() + kManagerQueries + kBehaviorQueries;
+  return {{"publish", Requests(called) + kNodeGraph},
+          {"subscribe", kMachine + kStatuses + Replies(called) +
                             DataTopics(kManagerPublishes + kBehaviorPublishes)}};
 }
 

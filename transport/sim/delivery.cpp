@@ -56,20 +56,20 @@ void Delivery::Send(const std::shared_ptr<Channel>& channel, const Payload& payl
     return;
   }
   const LinkFaults& faults = links_.Faults(writer.host, reader.host);
-  if (random_.Chance(reliable ? faults.reliable_loss : faults.loss)) return;
+  if (random_.Bernoulli(reliable ? faults.reliable_loss : faults.loss)) return;
 
   Time arrival = scheduler_.now() + random_.Between(faults.delay_min, faults.delay_max);
-  for (int i = 0; reliable && i < kMostLosses && random_.Chance(faults.loss); ++i) {
+  for (int i = 0; reliable && i < kMostLosses && random_.Bernoulli(faults.loss); ++i) {
     arrival += faults.retransmission;
   }
-  if (random_.Chance(faults.reordering)) {
+  if (random_.Bernoulli(faults.reordering)) {
     arrival += random_.Between(Duration::zero(), faults.reordering_delay);
   } else {
     arrival = std::max(arrival, channel->last_arrival);
     channel->last_arrival = arrival;
   }
   ArriveAt(arrival, channel, payload);
-  if (random_.Chance(faults.duplication)) {
+  if (random_.Bernoulli(faults.duplication)) {
     ArriveAt(arrival + random_.Between(faults.delay_min, faults.delay_max), channel, payload);
   }
 }

@@ -21,7 +21,7 @@ class Random {
   }
 
   // True with `probability`; takes no sample if that is certain.
-  bool Chance(double probability) {
+  bool Bernoulli(double probability) {
     if (probability <= 0) return false;
     if (probability >= 1) return true;
     constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53

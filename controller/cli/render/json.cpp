@@ -46,7 +46,7 @@ Json Of(const std::map<std::string, Running::Actuator>& running) {
                        {"pid", s.pid},
                        {"target", s.target},
                        {"host", s.host},
-                       {"heard", actuator.heard},
+                       {"heard", actuator.has_status},
                        {"code", s.outcome_code},
                        {"message", s.outcome_message},
                        {"emergency_stop", s.emergency_stop != 0},

@@ -9,7 +9,7 @@ namespace musher::cli {
 namespace {
 
 std::string NoteOf(const Running::Actuator& actuator) {
-  if (!actuator.heard) return "its process publishes no status";
+  if (!actuator.has_status) return "its process publishes no status";
   const msg::ActuatorStatus status = Printable(actuator.status);
   std::string note;
   const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : "; ") + text; };
@@ -29,7 +29,7 @@ std::string NoteOf(const Running::Actuator& actuator) {
 std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour) {
   Table table({"ACTUATOR", "STATE", "PID", "NOTE"});
   for (const auto& [name, actuator] : running) {
-    const std::string state = actuator.heard ? Printable(actuator.status.state) : "-";
+    const std::string state = actuator.has_status ? Printable(actuator.status.state) : "-";
     table.Add({{Printable(name)},
                {state, StyleOfState(state)},
                {actuator.status.pid == 0 ? "-" : std::to_string(actuator.status.pid)},

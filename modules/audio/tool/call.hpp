@@ -24,7 +24,7 @@ inline constexpr Duration kLongestCall = std::chrono::seconds(15);
 template <msg::Service S>
 CallEnd<typename S::Response> Call(program::ToolLink& link, const std::string& service,
                                    const typename S::Request& request) {
-  constexpr Duration kForever = std::chrono::hours(1);  // of steady time, while the clock goes on
+  constexpr Duration kForever = std::chrono::hours(1);  // of steady time, while the clock runs
   const auto client = transport::MakeClient<S>(link.node(), link.Name(service));
   if (!client) return {{}, ExitCode::kUsage, client.error()};
   if (!link.AwaitClock()) {
@@ -41,7 +41,7 @@ CallEnd<typename S::Response> Call(program::ToolLink& link, const std::string& s
   const auto over = link.clock().At(deadline, [&] { late = true; });
   link.RunUntil([&] { return reply || late; }, kForever);
   if (link.interrupted()) {
-    return {{}, ExitCode::kInterrupted, {kCodeFailed, "interrupted; the sound goes on"}};
+    return {{}, ExitCode::kInterrupted, {kCodeFailed, "interrupted; the sound continues"}};
   }
   if (!reply) return {{}, ExitCode::kNotDone, {kCodeTimeout, "the audio module does not answer"}};
   if (!*reply) return {{}, ExitCode::kNotDone, reply->error()};

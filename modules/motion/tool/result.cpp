@@ -37,7 +37,7 @@ ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
     return Fail(ExitCode::kNotDone, link.value()->NotFound("motion manager"));
   }
   if (!link.value()->RunUntil([&] { return reply.has_value(); }, kLongestMotion * 2)) {
-    return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted; the motion goes on"});
+    return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted; the motion continues"});
   }
   if (!*reply) return Fail(ExitCode::kNotDone, reply->error());
   const auto& response = reply->value();

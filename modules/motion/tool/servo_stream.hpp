@@ -11,8 +11,8 @@
 
 namespace musher::motion::tool {
 
-// Publishes frames of a servo motion and receives the responses. The destructor and End() tell the
-// body to stop.
+// Publishes frames of a servo motion and receives the responses. The destructor and End() stop the
+// body.
 class ServoStream {
  public:
   static Result<std::unique_ptr<ServoStream>> Open(program::ToolLink& link, std::int32_t id,

@@ -2,8 +2,8 @@
 // A servo motion by frames, 20 a second of the link's clock, until the speeds end.
 //
 //   Streaming ── Open() ── Run(next) ──▶ nothing: it came to its end
-//                    └──────────┴──────▶ the exit code, the reason on stderr; the body has been
-//                                        told to stop
+//                    └──────────┴──────▶ the exit code, the reason on stderr; the body has
+//                                        received a stop
 
 #include <functional>
 #include <memory>

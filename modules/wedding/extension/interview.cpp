@@ -11,9 +11,9 @@ Interview::Interview(ShowData& data, const InterviewRules& rules)
   }
 }
 
-void Interview::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  idle_ = ways.To(state::kIdle, "all questions asked, or the face is lost");
+void Interview::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  idle_ = transitions.To(state::kIdle, "all questions asked, or the face is lost");
 }
 
 void Interview::OnEnter(const fsm::Tick& tick) {
@@ -100,11 +100,12 @@ void Interview::Persist(fsm::Archive& archive) {
   archive.Field("spoke_at", spoke_at_);
 }
 
-void InterviewingTracking::Declare(fsm::Ways& ways) {
-  Tracking::Declare(ways);
-  command_ = ways.On(command::kInterview);
-  interview_ = ways.To(state::kInterview, rules_.unasked ? "a guest stays, or command interview"
-                                                         : "command interview");
+void InterviewingTracking::Declare(fsm::Transitions& transitions) {
+  Tracking::Declare(transitions);
+  command_ = transitions.On(command::kInterview);
+  interview_ =
+      transitions.To(state::kInterview,
+                     rules_.unasked ? "a guest stays, or command interview" : "command interview");
 }
 
 void InterviewingTracking::OnEnter(const fsm::Tick& tick) {

@@ -56,7 +56,7 @@ class Interview : public WeddingState {
 
   Interview(ShowData& data, const InterviewRules& rules);
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void Run(const fsm::Tick& tick) override;
   void OnExit(const fsm::Tick& tick) override;
@@ -89,7 +89,7 @@ class InterviewingTracking : public Tracking {
                        const InterviewRules& interview)
       : Tracking(data, tracking), rules_(interview) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void Persist(fsm::Archive& archive) override { archive.Field("stable", stable_); }
 

@@ -5,10 +5,10 @@
 
 namespace musher::wedding {
 
-void Search::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  tracking_ = ways.To(state::kTracking, "a face stays");
-  idle_ = ways.To(state::kIdle, "no face is seen, or timeout");
+void Search::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  tracking_ = transitions.To(state::kTracking, "a face stays");
+  idle_ = transitions.To(state::kIdle, "no face is seen, or timeout");
 }
 
 void Search::OnEnter(const fsm::Tick& /*tick*/) {
@@ -28,10 +28,10 @@ fsm::Next Search::Decide(const fsm::Tick& tick) {
   return fsm::Next::Stay();
 }
 
-void SearchingIdle::Declare(fsm::Ways& ways) {
-  Idle::Declare(ways);
-  command_ = ways.On(command::kSearch);
-  search_ = ways.To(state::kSearch, "a face is seen, or command search");
+void SearchingIdle::Declare(fsm::Transitions& transitions) {
+  Idle::Declare(transitions);
+  command_ = transitions.On(command::kSearch);
+  search_ = transitions.To(state::kSearch, "a face is seen, or command search");
 }
 
 // Of a face alone: the command tracking does not get here.

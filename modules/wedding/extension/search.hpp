@@ -30,7 +30,7 @@ class Search : public WeddingState {
   Search(ShowData& data, const SearchRules& rules)
       : WeddingState(data, state::kSearch), rules_(rules) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void Run(const fsm::Tick& tick) override;
 
@@ -48,7 +48,7 @@ class SearchingIdle : public Idle {
  public:
   using Idle::Idle;
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
 
  protected:
   fsm::Next Decide(const fsm::Tick& tick) override;

@@ -15,12 +15,12 @@ void SecondGeneration::Open(transport::Endpoints& topics, Show& show,
   set_motion_ = topics.Advertise<msg::String>(topic::kSetMotion);
   target_face_id_ = topics.Advertise<msg::String>(topic::kTargetFaceId);
   debug_log_ = topics.Advertise<msg::String>(topic::kDebugLog);
-  topics.Hear<msg::Bool>(
+  topics.Subscribe<msg::Bool>(
       topic::kReady, [this](const auto& ready) { ready_ = ready.data; }, transport::kLatchedQos);
-  topics.Hear<msg::PointStamped>(topic::kSetLookAt, [&show, now](const auto& look) {
+  topics.Subscribe<msg::PointStamped>(topic::kSetLookAt, [&show, now](const auto& look) {
     show.OnLookAt({look.point.x, look.point.y}, now());
   });
-  topics.Hear<msg::CameraInfo>(
+  topics.Subscribe<msg::CameraInfo>(
       topic::kCameraInfo,
       [&show, now](const auto& camera) {
         show.OnCamera(camera.width, camera.height, camera.k[0], now());

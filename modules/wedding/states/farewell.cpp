@@ -2,9 +2,9 @@
 
 namespace musher::wedding {
 
-void Farewell::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  idle_ = ways.To(state::kIdle, "it has waved");
+void Farewell::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  idle_ = transitions.To(state::kIdle, "it has waved");
 }
 
 void Farewell::OnEnter(const fsm::Tick& /*tick*/) {

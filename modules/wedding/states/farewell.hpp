@@ -11,7 +11,7 @@ class Farewell : public WeddingState {
   Farewell(ShowData& data, const FarewellRules& rules)
       : WeddingState(data, state::kFarewell), rules_(rules) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void OnExit(const fsm::Tick& tick) override;
 

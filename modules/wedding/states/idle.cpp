@@ -5,9 +5,9 @@
 
 namespace musher::wedding {
 
-void Idle::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  tracking_ = ways.To(state::kTracking, "a face is seen");
+void Idle::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  tracking_ = transitions.To(state::kTracking, "a face is seen");
 }
 
 void Idle::OnEnter(const fsm::Tick& /*tick*/) {

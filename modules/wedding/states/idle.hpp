@@ -10,7 +10,7 @@ class Idle : public WeddingState {
  public:
   Idle(ShowData& data, const IdleRules& rules) : WeddingState(data, state::kIdle), rules_(rules) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void Run(const fsm::Tick& tick) override;
 

@@ -21,9 +21,9 @@ PhotoPosing::PhotoPosing(ShowData& data, const PhotoRules& rules)
       ends_{rules.confirm, rules.confirm + rules.pose, rules.confirm + rules.pose + rules.countdown,
             rules.confirm + rules.pose + rules.countdown + rules.shutter} {}
 
-void PhotoPosing::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  tracking_ = ways.To(state::kTracking, "the picture is taken");
+void PhotoPosing::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  tracking_ = transitions.To(state::kTracking, "the picture is taken");
 }
 
 void PhotoPosing::OnEnter(const fsm::Tick& /*tick*/) {

@@ -16,7 +16,7 @@ class PhotoPosing : public WeddingState {
 
   PhotoPosing(ShowData& data, const PhotoRules& rules);
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void OnExit(const fsm::Tick& tick) override;
   void Persist(fsm::Archive& archive) override { archive.Field("phase", phase_); }

@@ -2,10 +2,10 @@
 
 namespace musher::wedding {
 
-void SafeStop::Declare(fsm::Ways& ways) {
-  stop_ = ways.On(command::kStop);
-  idle_ = ways.On(command::kIdle);
-  to_idle_ = ways.To(state::kIdle, "no guest is too close for a while");
+void SafeStop::Declare(fsm::Transitions& transitions) {
+  stop_ = transitions.On(command::kStop);
+  idle_ = transitions.On(command::kIdle);
+  to_idle_ = transitions.To(state::kIdle, "no guest is too close for a while");
 }
 
 void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {

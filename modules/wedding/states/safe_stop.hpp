@@ -13,7 +13,7 @@ class SafeStop : public fsm::State {
  public:
   SafeStop(ShowData& data, const SafeStopRules& rules) : data_(data), rules_(rules) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   fsm::Next CheckTransition(const fsm::Tick& tick) override;
   void OnExit(const fsm::Tick& tick) override;

@@ -2,10 +2,10 @@
 
 namespace musher::wedding {
 
-void Tracking::Declare(fsm::Ways& ways) {
-  WeddingState::Declare(ways);
-  photo_ = ways.To(state::kPhotoPosing, "a heart or a V");
-  farewell_ = ways.To(state::kFarewell, "the face is lost");
+void Tracking::Declare(fsm::Transitions& transitions) {
+  WeddingState::Declare(transitions);
+  photo_ = transitions.To(state::kPhotoPosing, "a heart or a V");
+  farewell_ = transitions.To(state::kFarewell, "the face is lost");
 }
 
 void Tracking::OnEnter(const fsm::Tick& /*tick*/) {
@@ -18,9 +18,9 @@ void Tracking::Run(const fsm::Tick& tick) {
 
 fsm::Next Tracking::Decide(const fsm::Tick& tick) {
   const PerceptionData& seen = data().perception;
-  const bool asks = (seen.gesture == Gesture::kHeart || seen.gesture == Gesture::kV) &&
-                    seen.gesture_confidence > rules_.gesture_threshold;
-  if (asks && seen.gesture_number != data().gesture_answered) return fsm::Next::To(photo_);
+  const bool wants_photo = (seen.gesture == Gesture::kHeart || seen.gesture == Gesture::kV) &&
+                           seen.gesture_confidence > rules_.gesture_threshold;
+  if (wants_photo && seen.gesture_number != data().gesture_answered) return fsm::Next::To(photo_);
   if (Lost(tick) >= rules_.lost) return fsm::Next::To(farewell_);
   return fsm::Next::Stay();
 }

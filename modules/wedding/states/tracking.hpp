@@ -11,7 +11,7 @@ class Tracking : public WeddingState {
   Tracking(ShowData& data, const TrackingRules& rules)
       : WeddingState(data, state::kTracking), rules_(rules) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   void OnEnter(const fsm::Tick& tick) override;
   void Run(const fsm::Tick& tick) override;
 

@@ -4,14 +4,16 @@
 
 namespace musher::wedding {
 
-void WeddingState::Declare(fsm::Ways& ways) {
-  stop_ = ways.On(command::kStop);
-  idle_ = ways.On(command::kIdle);
-  photo_ = ways.On(command::kPhoto);
-  tracking_ = ways.On(command::kTracking);
-  if (name_ != state::kIdle) to_idle_ = ways.To(state::kIdle, "command stop or idle");
-  if (name_ != state::kPhotoPosing) to_photo_ = ways.To(state::kPhotoPosing, "command photo");
-  if (name_ != state::kTracking) to_tracking_ = ways.To(state::kTracking, "command tracking");
+void WeddingState::Declare(fsm::Transitions& transitions) {
+  stop_ = transitions.On(command::kStop);
+  idle_ = transitions.On(command::kIdle);
+  photo_ = transitions.On(command::kPhoto);
+  tracking_ = transitions.On(command::kTracking);
+  if (name_ != state::kIdle) to_idle_ = transitions.To(state::kIdle, "command stop or idle");
+  if (name_ != state::kPhotoPosing)
+    to_photo_ = transitions.To(state::kPhotoPosing, "command photo");
+  if (name_ != state::kTracking)
+    to_tracking_ = transitions.To(state::kTracking, "command tracking");
 }
 
 fsm::Next WeddingState::CheckTransition(const fsm::Tick& tick) {

@@ -11,7 +11,7 @@ class WeddingState : public fsm::State {
   // `name` is the name it is registered under: no transition leads to the same state.
   WeddingState(ShowData& data, std::string_view name) : data_(data), name_(name) {}
 
-  void Declare(fsm::Ways& ways) override;
+  void Declare(fsm::Transitions& transitions) override;
   // stop and idle lead to IDLE, photo to PHOTO_POSING, tracking to TRACKING; else Decide() is
   // called.
   fsm::Next CheckTransition(const fsm::Tick& tick) final;

@@ -136,7 +136,7 @@ class Grammar {
 
 }  // namespace
 
-int Tell(int argc, const char* const* argv) {
+int PublishInput(int argc, const char* const* argv) {
   return Grammar().Run(argc, argv);
 }
 

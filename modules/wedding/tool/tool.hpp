@@ -9,6 +9,6 @@ namespace musher::wedding::tool {
 int Replay(int argc, const char* const* argv);
 // musher-wedding tell gesture heart: publishes an input of the show, in place of a guest, a
 // detector or an operator.
-int Tell(int argc, const char* const* argv);
+int PublishInput(int argc, const char* const* argv);
 
 }  // namespace musher::wedding::tool

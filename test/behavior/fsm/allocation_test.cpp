@@ -12,9 +12,9 @@ namespace musher::fsm::allocation_test {
 class Rover : public State {
  public:
   explicit Rover(std::string next) : next_name_(std::move(next)) {}
-  void Declare(Ways& ways) override {
-    next_ = ways.To(next_name_, "it is time");
-    go_ = ways.On("go");
+  void Declare(Transitions& transitions) override {
+    next_ = transitions.To(next_name_, "it is time");
+    go_ = transitions.On("go");
   }
   Next CheckTransition(const Tick& tick) override {
     if (tick.command == go_) return Next::To(next_);
@@ -39,9 +39,9 @@ std::unique_ptr<Machine> Roving(int depth) {
     class Outer : public Nested {
      public:
       using Nested::Nested;
-      void Declare(Ways& ways) override {
-        Nested::Declare(ways);
-        back_ = ways.To("ONE STATE WITH A NAME THAT IS LONG", "later");
+      void Declare(Transitions& transitions) override {
+        Nested::Declare(transitions);
+        back_ = transitions.To("ONE STATE WITH A NAME THAT IS LONG", "later");
       }
       Next Decide(const Tick& tick) override {
         return tick.elapsed > Milliseconds(200) ? Next::To(back_) : Next::Stay();
@@ -83,7 +83,7 @@ TEST(Tick, TakesNoMemory) {
   ASSERT_TRUE(machine->Force("ONE STATE WITH A NAME THAT IS LONG"));
   recorder.Input("face", "here is something of some length, as a face may have it in a text");
 
-  const std::size_t before = testing::AskedOfNew().times;
+  const std::size_t before = testing::AllocationsOfNew().times;
   for (int i = 1; i < 5000; ++i) {
     if (i % 7 == 0) {
       ASSERT_TRUE(machine->Send(events[i / 7 % 3]));
@@ -92,7 +92,7 @@ TEST(Tick, TakesNoMemory) {
     safe = i % 400 > 5;
     machine->RunOnce(Time(Milliseconds(20 * i)));
   }
-  EXPECT_EQ(testing::AskedOfNew().times - before, 0U);
+  EXPECT_EQ(testing::AllocationsOfNew().times - before, 0U);
   EXPECT_GT(watcher.changes, 300);
   EXPECT_GT(watcher.unhandled, 50);
   EXPECT_GT(written, 100'000U);
@@ -100,9 +100,9 @@ TEST(Tick, TakesNoMemory) {
 
 // The counter counts.
 TEST(Build, TakesMemory) {
-  const std::size_t before = testing::AskedOfNew().times;
+  const std::size_t before = testing::AllocationsOfNew().times;
   const auto machine = Roving(0);
-  EXPECT_GT(testing::AskedOfNew().times, before + 5);
+  EXPECT_GT(testing::AllocationsOfNew().times, before + 5);
 }
 
 }  // namespace musher::fsm::allocation_test

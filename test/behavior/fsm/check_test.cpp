@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 
 // A chart, written as "A>B, B>A"; a name with ! is final, one with * is safe. The first is the
 // start.
-Chart Drawn(const std::vector<std::string>& states, const std::vector<std::string>& ways) {
+Chart Drawn(const std::vector<std::string>& states, const std::vector<std::string>& transitions) {
   Chart chart;
   chart.name = "show";
   chart.start = StateId{0};
@@ -28,9 +28,10 @@ Chart Drawn(const std::vector<std::string>& states, const std::vector<std::strin
     ids[name] = static_cast<StateId>(chart.states.size());
     chart.states.push_back({name, role, {}});
   }
-  for (const std::string& way : ways) {
-    const std::size_t arrow = way.find('>');
-    chart.ways.push_back({ids.at(way.substr(0, arrow)), ids.at(way.substr(arrow + 1)), ""});
+  for (const std::string& transition : transitions) {
+    const std::size_t arrow = transition.find('>');
+    chart.transitions.push_back(
+        {ids.at(transition.substr(0, arrow)), ids.at(transition.substr(arrow + 1)), ""});
   }
   return chart;
 }
@@ -49,7 +50,7 @@ TEST(Check, FindsNothingInAShowThatAlwaysReturnsToItsStart) {
       IsEmpty());
 }
 
-TEST(Check, FindsNothingInOneThatEnds) {
+TEST(Check, FindsNothingInAMachineThatEnds) {
   EXPECT_THAT(ProblemsOf(Drawn({"A", "B", "END!"}, {"A>B", "B>END"})), IsEmpty());
 }
 
@@ -103,7 +104,7 @@ TEST(Check, WarnsOfASafeStateThatOnlyAForceOrAResetEnds) {
 TEST(Check, WarnsOfATransitionThatIsDeclaredTwiceWithTheSameTextOnly) {
   Chart chart = Drawn({"A", "B"}, {"A>B", "A>B", "B>A"});
   EXPECT_THAT(ProblemsOf(chart), ElementsAre("warning: A: declares its transition to B twice"));
-  chart.ways[1].when = "something else";
+  chart.transitions[1].when = "something else";
   EXPECT_THAT(ProblemsOf(chart), IsEmpty());
 }
 
@@ -118,7 +119,7 @@ TEST(Check, ChecksMachinesInsideAndReportsThePath) {
 }
 
 TEST(Check, RefusesAChartWithoutAStart) {
-  EXPECT_THAT(ProblemsOf(Chart{.name = "show", .states = {}, .ways = {}, .start = kNoState}),
+  EXPECT_THAT(ProblemsOf(Chart{.name = "show", .states = {}, .transitions = {}, .start = kNoState}),
               ElementsAre("error: show: has no start state"));
 }
 

@@ -11,7 +11,7 @@ std::atomic<std::size_t> bytes{0};
 
 namespace musher::testing {
 
-Asked AskedOfNew() {
+Allocations AllocationsOfNew() {
   return {times, bytes};
 }
 

@@ -5,12 +5,12 @@
 
 namespace musher::testing {
 
-struct Asked {
+struct Allocations {
   std::size_t times = 0;
   std::size_t bytes = 0;
 };
 
 // Since the program began.
-Asked AskedOfNew();
+Allocations AllocationsOfNew();
 
 }  // namespace musher::testing

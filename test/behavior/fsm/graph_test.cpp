@@ -11,7 +11,7 @@ using ::testing::Not;
 Chart Photo() {
   return {.name = "photo",
           .states = {{"CONFIRM", Role::kNormal, {}}, {"DONE", Role::kFinal, {}}},
-          .ways = {{StateId{0}, StateId{1}, "yes"}},
+          .transitions = {{StateId{0}, StateId{1}, "yes"}},
           .start = StateId{0}};
 }
 
@@ -20,10 +20,10 @@ Chart Show() {
           .states = {{"IDLE", Role::kNormal, {}},
                      {"PHOTO", Role::kNormal, {Photo()}},
                      {"SAFE_STOP", Role::kSafe, {}}},
-          .ways = {{StateId{0}, StateId{1}, "a heart is seen"},
-                   {StateId{1}, StateId{0}, "finished"},
-                   {StateId{1}, StateId{1}, "again"},
-                   {StateId{2}, StateId{0}, ""}},
+          .transitions = {{StateId{0}, StateId{1}, "a heart is seen"},
+                          {StateId{1}, StateId{0}, "finished"},
+                          {StateId{1}, StateId{1}, "again"},
+                          {StateId{2}, StateId{0}, ""}},
           .start = StateId{0}};
 }
 
@@ -94,7 +94,7 @@ TEST(Dot, TakesAnyNameAndAnyWords) {
   Chart chart = Show();
   chart.name = "a \"show\"";
   chart.states[0].name = "\\N & \"x\"";
-  chart.ways[0].when = "one\ntwo\x01";
+  chart.transitions[0].when = "one\ntwo\x01";
   const std::string dot = ToDot(chart);
   EXPECT_THAT(dot, HasSubstr(R"(digraph "a \"show\"" {)"));
   EXPECT_THAT(dot, HasSubstr(R"(s0 [label="\\N &amp; \"x\""])"));
@@ -104,14 +104,14 @@ TEST(Dot, TakesAnyNameAndAnyWords) {
 TEST(Mermaid, TakesAnyNameAndAnyWords) {
   Chart chart = Show();
   chart.states[0].name = "a \"b\"; c";
-  chart.ways[0].when = "x: 1 < 2\n%% #{} & \\ `";
+  chart.transitions[0].when = "x: 1 < 2\n%% #{} & \\ `";
   const std::string text = ToMermaid(chart);
   EXPECT_THAT(text, HasSubstr("state \"a #34;b#34;#59; c\" as s0\n"));
   EXPECT_THAT(text, HasSubstr(" : x#58; 1 #60; 2 #37;#37; #35;#123;#125; #38; #92; #96;\n"));
 }
 
 TEST(Graph, DrawsAChartWithoutAStart) {
-  const Chart empty{.name = "none", .states = {}, .ways = {}, .start = kNoState};
+  const Chart empty{.name = "none", .states = {}, .transitions = {}, .start = kNoState};
   EXPECT_THAT(ToDot(empty), HasSubstr("digraph \"none\""));
   EXPECT_EQ(ToMermaid(empty), "stateDiagram-v2\n");
 }

@@ -16,11 +16,11 @@ using Log = std::vector<std::string>;
 
 class LoggingState : public State {
  public:
-  LoggingState(std::string name, Log& log, std::vector<std::string> ways = {})
-      : name_(std::move(name)), log_(log), ways_(std::move(ways)) {}
+  LoggingState(std::string name, Log& log, std::vector<std::string> transitions = {})
+      : name_(std::move(name)), log_(log), transitions_(std::move(transitions)) {}
 
-  void Declare(Ways& ways) override {
-    for (const std::string& way : ways_) ids_[way] = ways.To(way, "commanded");
+  void Declare(Transitions& transitions) override {
+    for (const std::string& way : transitions_) ids_[way] = transitions.To(way, "commanded");
   }
   void OnEnter(const Tick& tick) override { Do("enter", tick); }
   void Run(const Tick& tick) override { Do("run", tick); }
@@ -54,7 +54,7 @@ class LoggingState : public State {
   const std::string name_;
   Log& log_;
   Next next_ = Next::Stay();
-  const std::vector<std::string> ways_;
+  const std::vector<std::string> transitions_;
   std::map<std::string, StateId> ids_;
 };
 

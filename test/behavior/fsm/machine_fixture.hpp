@@ -18,9 +18,9 @@ inline constexpr Duration kStep = Milliseconds(20);
 
 class MachineFixture : public ::testing::Test {
  protected:
-  LoggingState& Add(const std::string& name, std::vector<std::string> ways = {},
+  LoggingState& Add(const std::string& name, std::vector<std::string> transitions = {},
                     Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(ways));
+    auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
     LoggingState& added = *state;
     machine_.Add(name, std::move(state), role);
     return added;

@@ -133,7 +133,7 @@ TEST_F(MachineFound, RefusesNamesThatAPathOrALineCannotHold) {
 
 TEST_F(MachineFound, IsNotBuiltWhenAStateThrowsWhileItDeclares) {
   class Throwing : public State {
-    void Declare(Ways&) override { throw std::runtime_error("no file"); }
+    void Declare(Transitions&) override { throw std::runtime_error("no file"); }
   };
   machine_.Add("IDLE", std::make_unique<Throwing>());
   const Result<> built = machine_.Build("IDLE");

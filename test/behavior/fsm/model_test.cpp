@@ -52,8 +52,8 @@ class ScriptedState : public State {
  public:
   ScriptedState(std::uint64_t seed, int state, std::vector<std::string>& log)
       : seed_(seed), state_(state), log_(log) {}
-  void Declare(Ways& ways) override {
-    for (int i = 0; i < kStates; ++i) ways.To(std::to_string(i), "");
+  void Declare(Transitions& transitions) override {
+    for (int i = 0; i < kStates; ++i) transitions.To(std::to_string(i), "");
   }
   void OnEnter(const Tick& tick) override { Do(Phase::kEnter, tick); }
   void Run(const Tick& tick) override { Do(Phase::kRun, tick); }

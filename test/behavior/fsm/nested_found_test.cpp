@@ -24,9 +24,9 @@ class NestedFound : public MachineFixture {
    public:
     Show(std::unique_ptr<Machine> inner, Options options, Log& log)
         : Nested(std::move(inner), "CONFIRM", std::move(options)), log_(log) {}
-    void Declare(Ways& ways) override {
-      Nested::Declare(ways);
-      ways.To("IDLE", "commanded");
+    void Declare(Transitions& transitions) override {
+      Nested::Declare(transitions);
+      transitions.To("IDLE", "commanded");
     }
     void OnEnter(const Tick& tick) override {
       Nested::OnEnter(tick);
@@ -73,9 +73,9 @@ class NestedFound : public MachineFixture {
     log_.clear();
   }
 
-  LoggingState* AddInner(const std::string& name, std::vector<std::string> ways,
+  LoggingState* AddInner(const std::string& name, std::vector<std::string> transitions,
                          Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(ways));
+    auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
     LoggingState* const added = state.get();
     inner_->Add(name, std::move(state), role);
     return added;

@@ -19,10 +19,10 @@ class NestedTest : public MachineFixture {
    public:
     Show(std::unique_ptr<Machine> inner, Options options)
         : Nested(std::move(inner), "CONFIRM", std::move(options)) {}
-    void Declare(Ways& ways) override {
-      Nested::Declare(ways);
-      idle_ = ways.To("IDLE", "commanded");
-      stop_ = ways.Find("stop").value_or(kNoEvent);
+    void Declare(Transitions& transitions) override {
+      Nested::Declare(transitions);
+      idle_ = transitions.To("IDLE", "commanded");
+      stop_ = transitions.Find("stop").value_or(kNoEvent);
     }
     Next Decide(const Tick& tick) override {
       if (tick.command != kNoEvent && tick.command == stop_) return Next::To(idle_);
@@ -59,9 +59,9 @@ class NestedTest : public MachineFixture {
     Run();
   }
 
-  LoggingState* AddInner(const std::string& name, std::vector<std::string> ways,
+  LoggingState* AddInner(const std::string& name, std::vector<std::string> transitions,
                          Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(ways));
+    auto state = std::make_unique<LoggingState>(name, log_, std::move(transitions));
     LoggingState* const added = state.get();
     inner_->Add(name, std::move(state), role);
     return added;
@@ -187,7 +187,7 @@ TEST_F(NestedTest, CountsACommandAsUnhandledWhereItEndsUp) {
   EXPECT_EQ(inner_->counts().unhandled, 1U);
 }
 
-TEST_F(NestedTest, GoesOnOnceTheInnerMachineHasFinishedAndKeepsTheCommandOfThatTick) {
+TEST_F(NestedTest, ContinuesOnceTheInnerMachineHasFinishedAndKeepsTheCommandOfThatTick) {
   Make({.finished = "IDLE"});
   Enter();
   confirm_->Go("TAKE");

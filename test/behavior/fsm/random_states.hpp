@@ -34,9 +34,10 @@ class RandomState : public State {
   RandomState(std::uint64_t seed, Facts& facts, Machine& machine)
       : seed_(seed), facts_(facts), machine_(machine) {}
 
-  void Declare(Ways& ways) override {
-    for (const char* state : kRandomStates) ways_.push_back(ways.To(state, "at random"));
-    ways_.push_back(StateId{77});  // unknown
+  void Declare(Transitions& transitions) override {
+    for (const char* state : kRandomStates)
+      transitions_.push_back(transitions.To(state, "at random"));
+    transitions_.push_back(StateId{77});  // unknown
   }
   void OnEnter(const Tick& tick) override { Maybe(tick, 1); }
   void Run(const Tick& tick) override { Maybe(tick, 2); }
@@ -48,7 +49,7 @@ class RandomState : public State {
   Next CheckTransition(const Tick& tick) override {
     const std::uint64_t bits = Maybe(tick, 5);
     if (bits % 8 < 5) return bits % 8 < 2 ? Next::Handle() : Next::Stay();
-    const StateId to = ways_[(bits >> 8) % (bits % 1024 == 7 ? 6 : 5)];
+    const StateId to = transitions_[(bits >> 8) % (bits % 1024 == 7 ? 6 : 5)];
     const Next next = Next::To(to, Milliseconds((bits >> 16) % 3 == 0 ? (bits >> 24) % 90 : 0));
     return (bits >> 32) % 4 == 0 ? next.KeepCommand() : next;
   }
@@ -79,7 +80,7 @@ class RandomState : public State {
   const std::uint64_t seed_;
   const Facts& facts_;
   Machine& machine_;
-  std::vector<StateId> ways_;
+  std::vector<StateId> transitions_;
   std::int64_t calls_ = 0;
   Duration seen_{};
   double share_ = 0.1;
@@ -103,9 +104,9 @@ inline std::unique_ptr<Machine> RandomMachine(std::uint64_t seed, Facts& facts, 
       class Outer : public Nested {
        public:
         using Nested::Nested;
-        void Declare(Ways& ways) override {
-          Nested::Declare(ways);
-          back_ = ways.To("A", "later");
+        void Declare(Transitions& transitions) override {
+          Nested::Declare(transitions);
+          back_ = transitions.To("A", "later");
         }
         Next Decide(const Tick& tick) override {
           return tick.elapsed > Milliseconds(400) ? Next::To(back_) : Next::Stay();
@@ -122,7 +123,7 @@ inline std::unique_ptr<Machine> RandomMachine(std::uint64_t seed, Facts& facts, 
     }
   }
   machine->AddSafetyCheck("number", [&facts](const Tick&) {
-    if (facts.number == 13) throw std::runtime_error("unlucky");
+    if (facts.number == 13) throw std::runtime_error("thirteen");
     return facts.number % 11 != 5;
   });
   machine->AddData("facts", [&facts](Archive& archive) { archive.Field("number", facts.number); });

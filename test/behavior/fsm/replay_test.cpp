@@ -193,7 +193,7 @@ TEST(Replay, FailsWhereTheMachineLacksARecordedStateOrCommand) {
             "show.record:1: error: it was recorded from machine race, not from show");
 }
 
-TEST(Replay, TakesARecordingWhoseWriterDied) {
+TEST(Replay, AcceptsARecordingWhoseWriterCrashed) {
   const std::string whole(kRecorded);
   for (std::size_t size = whole.find('\n') + 1; size < whole.size(); ++size) {
     SCOPED_TRACE(size);

@@ -109,7 +109,7 @@ TEST(Snapshot, BringsAnotherMachineToTheSameStateWithoutEnteringIt) {
   EXPECT_EQ(other.machine.elapsed(), 3 * kStep);
 }
 
-TEST(Snapshot, GoesOnWithATransitionWhereItWas) {
+TEST(Snapshot, ContinuesWithATransitionWhereItWas) {
   Show show;
   ASSERT_TRUE(show.machine.Start(show.now));
   show.idle->Go("TRACKING", 3 * kStep);
@@ -307,7 +307,7 @@ TEST(Snapshot, UndoesWhatItHadRestoredWhenALaterStateFails) {
   EXPECT_EQ(other.tracking->last, "Bea");
 }
 
-RC_GTEST_PROP(Snapshot, LetsAnotherMachineGoOnAlikeWheneverItIsTaken, (std::uint64_t seed)) {
+RC_GTEST_PROP(Snapshot, LetsAnotherMachineContinueAlikeWheneverItIsTaken, (std::uint64_t seed)) {
   const std::vector<RandomInput> before = AnyInputs();
   const std::vector<RandomInput> after = AnyInputs();
   const auto ignore = [](std::int64_t) {};

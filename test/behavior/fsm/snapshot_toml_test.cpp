@@ -13,7 +13,7 @@ namespace musher::fsm::snapshot_toml_test {
 // A show of IDLE and SHOW; SHOW holds PHOTO, which persists its count.
 class Photo : public State {
  public:
-  void Declare(Ways& ways) override { done_ = ways.To("DONE", "taken"); }
+  void Declare(Transitions& transitions) override { done_ = transitions.To("DONE", "taken"); }
   Next CheckTransition(const Tick& tick) override {
     return tick.command != kNoEvent ? Next::To(done_, Milliseconds(100)) : Next::Stay();
   }
@@ -30,17 +30,17 @@ class Photo : public State {
   StateId done_ = kNoState;
 };
 
-class Way : public State {
+class GoesTo : public State {
  public:
-  explicit Way(std::string to) : to_(std::move(to)) {}
-  void Declare(Ways& ways) override { way_ = ways.To(to_, "asked"); }
+  explicit GoesTo(std::string to) : to_(std::move(to)) {}
+  void Declare(Transitions& transitions) override { target_ = transitions.To(to_, "requested"); }
   Next CheckTransition(const Tick& tick) override {
-    return tick.command != kNoEvent ? Next::To(way_) : Next::Stay();
+    return tick.command != kNoEvent ? Next::To(target_) : Next::Stay();
   }
 
  private:
   const std::string to_;
-  StateId way_ = kNoState;
+  StateId target_ = kNoState;
 };
 
 struct Show {
@@ -52,7 +52,7 @@ struct Show {
     photo = photo_state.get();
     inner->Add("PHOTO", std::move(photo_state));
     inner->Add("DONE", std::make_unique<State>(), Role::kFinal);
-    machine.Add("IDLE", std::make_unique<Way>("SHOW"));
+    machine.Add("IDLE", std::make_unique<GoesTo>("SHOW"));
     machine.Add("SHOW", std::make_unique<Nested>(std::move(inner), "PHOTO",
                                                  Nested::Options{.finished = "IDLE"}));
     machine.AddData("robot", [this](Archive& archive) { archive.Field("ready", ready); });

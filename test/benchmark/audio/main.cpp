@@ -1,6 +1,6 @@
-// From a text to its first sound: musher-audio-manager as a process, asked over DDS, its sound not
-// heard but timed (output "silent"), so that the sound device's own delay is not in it. Beside it
-// the same way for a service that says nothing.
+// From a text to its first sound: musher-audio-manager as a process, called over DDS, its sound
+// timed and not played (output "silent"), so that the sound device's own delay is not in it. Beside
+// it the same for a service that plays nothing.
 //
 //   benchmark_audio [ROUNDS]
 
@@ -28,7 +28,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr Duration kPatience = std::chrono::seconds(30);
+constexpr Duration kWaitLimit = std::chrono::seconds(30);
 constexpr int kWarm = 3;  // rounds that do not count
 
 constexpr const char* kMachine = R"([controller]
@@ -84,17 +84,17 @@ class Voice {
   Duration Say(const std::string& text) {
     const Time begun = loop_.Now();
     bool over = false;
-    text_->Call({"benchmark", true, {}, text}, kPatience, [&](const auto&) { over = true; });
+    text_->Call({"benchmark", true, {}, text}, kWaitLimit, [&](const auto&) { over = true; });
     Await("the first sound", [this] { return sounds_; });
-    const Time heard = sounds_since_;
-    stop_->Call({}, kPatience, [](const auto&) {});
+    const Time first_sound = sounds_since_;
+    stop_->Call({}, kWaitLimit, [](const auto&) {});
     Await("silence", [&] { return over && !sounds_; });
-    return heard - begun;
+    return first_sound - begun;
   }
-  Duration AskForTheVolume() {
+  Duration QueryVolume() {
     const Time begun = loop_.Now();
     bool over = false;
-    volume_->Call({}, kPatience, [&](const auto&) { over = true; });
+    volume_->Call({}, kWaitLimit, [&](const auto&) { over = true; });
     Await("the volume", [&] { return over; });
     return loop_.Now() - begun;
   }
@@ -121,7 +121,7 @@ class Voice {
     return std::move(made).value();
   }
   void Await(const std::string& what, const std::function<bool()>& is_so) {
-    if (!loop_.RunUntil(is_so, loop_.Now() + kPatience)) Fail("no " + what);
+    if (!loop_.RunUntil(is_so, loop_.Now() + kWaitLimit)) Fail("no " + what);
   }
 
   const std::filesystem::path folder_;
@@ -148,12 +148,12 @@ void Main(int rounds) {
       const double took = Milli(voice.Say(texts[i].text));
       if (round >= 0) times[i].push_back(took);
     }
-    const double took = Milli(voice.AskForTheVolume());
+    const double took = Milli(voice.QueryVolume());
     if (round >= 0) plain.push_back(took);
   }
   const Table table("From a text to its first sound");
   for (std::size_t i = 0; i < texts.size(); ++i) table.Row(texts[i].what, times[i], "ms");
-  table.Row("the volume is asked for and told", plain, "ms");
+  table.Row("the volume is queried and returned", plain, "ms");
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ Seen Read(const std::string& file) {
   return seen;
 }
 
-// A process whose share of a core is told.
+// A process whose share of a core is measured.
 struct Payer {
   std::string name;
   pid_t pid = 0;
@@ -79,7 +79,7 @@ struct Setting {
   std::string what;
   int sinks = 1;
   int bystanders = 0;
-  bool unicast = false;  // the sinks ask for it
+  bool unicast = false;  // requested by the sinks
   bool manager = false;  // between cameras and sinks
 };
 

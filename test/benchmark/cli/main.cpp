@@ -2,7 +2,7 @@
 //
 //   benchmark_cli CONFIG [rounds]
 //
-// CONFIG is judged by `musher check`; `status` and `set` speak to a controller of eight actuators.
+// `musher check` runs on CONFIG; `status` and `set` call a controller of eight actuators.
 
 #include <cstdlib>
 #include <memory>

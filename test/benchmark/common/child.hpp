@@ -16,8 +16,8 @@ class Child {
 
   enum class Output { kOurs, kNowhere, kPiped };  // kNowhere: errors too
 
-  // Starts the program argv[0] with `env` on top of ours. Ends the benchmark with a message when
-  // that fails.
+  // Starts the program argv[0] with `env` added to this environment. Ends the benchmark with a
+  // message when that fails.
   explicit Child(const std::vector<std::string>& argv, const Environment& env = {},
                  Output output = Output::kOurs);
   // SIGKILL, and waits for its end.
@@ -43,11 +43,12 @@ std::string Program(const std::string& name);
 // Ends the benchmark with a message.
 [[noreturn]] void Fail(const std::string& why);
 
-// Makes a process that somebody else starts for us (a controller) end with its starter.
+// Makes a process that another process (a controller) starts for the benchmark exit with its
+// starter.
 void DieWithParent();
 
 // A DDS domain that only this run is in, up to its end: processes of an earlier run, killed, are
-// still known in theirs. `number` tells up to 60 domains of a run apart; then they come again.
+// still known in theirs. `number` distinguishes up to 60 domains of a run; then they repeat.
 int Domain(int number = 0);
 
 }  // namespace musher::benchmark

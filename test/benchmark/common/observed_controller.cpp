@@ -13,7 +13,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr auto kPatience = std::chrono::minutes(2);
+constexpr auto kWaitLimit = std::chrono::minutes(2);
 
 MachineConfig ConfigOf(const std::string& file) {
   auto config = ReadValidConfig(file);
@@ -27,7 +27,7 @@ ObservedController::ObservedController(const std::string& config_file)
     : config_(ConfigOf(config_file)) {
   transport::DdsOptions dds;
   dds.profile = config_.transport;
-  dds.impatient = true;
+  dds.fast_discovery = true;
   auto node = transport::NodeThread::Start(dds);
   if (!node) Fail(node.error().message);
   node_ = std::move(node).value();
@@ -93,7 +93,7 @@ void ObservedController::Watch(
 
 void ObservedController::Await(const std::string& what,
                                const std::function<bool(const Machine&)>& is_so) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kWaitLimit;
   while (!is_so(Snapshot())) {
     if (std::chrono::steady_clock::now() > deadline) Fail("it does not come about: " + what);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -125,7 +125,7 @@ SwitchResult ObservedController::Switch(const State& target) {
 }
 
 Time MomentOf(std::future<Time>& moment, const std::string& what) {
-  if (moment.wait_for(kPatience) != std::future_status::ready) Fail("not on record: " + what);
+  if (moment.wait_for(kWaitLimit) != std::future_status::ready) Fail("not on record: " + what);
   return moment.get();
 }
 
@@ -133,7 +133,7 @@ bool IsThere(const Machine& machine, std::size_t actuator) {
   const ActuatorRecord& record = machine.actuators[actuator];
   return machine.phase == Phase::kRunning && !machine.current &&
          record.presence == Presence::kPresent && record.state() == machine.state &&
-         record.health == Health::kWell && record.checked && !record.due && !record.order;
+         record.health == Health::kWell && record.checked && !record.due && !record.command;
 }
 
 ObservedController::Condition IsOnRecord(std::size_t actuator, Health health) {

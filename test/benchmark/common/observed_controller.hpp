@@ -19,7 +19,7 @@ namespace musher::benchmark {
 
 class ObservedController {
  public:
-  // Asked at each record; the machine is as it is after the whole decision.
+  // Evaluated at each record; the machine is as it is after the whole decision.
   using Condition = std::function<bool(const action::Record& record, const Machine& machine)>;
 
   explicit ObservedController(const std::string& config_file);
@@ -28,7 +28,7 @@ class ObservedController {
   ObservedController(const ObservedController&) = delete;
   ObservedController& operator=(const ObservedController&) = delete;
 
-  // When the first record from now on that meets the condition was made. Ask before the fault.
+  // When the first record from now on that meets the condition was made. Call it before the fault.
   std::future<Time> Next(Condition condition);
   // The same, for each record until the controller's end, which the watcher must outlive.
   void Watch(std::function<void(const action::Record& record, const Machine& machine)> watcher);
@@ -47,7 +47,7 @@ class ObservedController {
   MachineConfig config_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<Controller> controller_;
-  std::list<Condition> waiting_;  // on the loop; one that is true is done
+  std::list<Condition> waiting_;  // on the loop; a true condition is removed
 };
 
 // Waits for what Next() gave.

@@ -52,14 +52,14 @@ PlainEnd::~PlainEnd() {
   dds_delete(writer_);
 }
 
-void PlainEnd::AskUntil(const std::function<bool()>& answered) const {
+void PlainEnd::CallUntil(const std::function<bool()>& answered) const {
   do {
-    Ask(0);
+    Call(0);
     std::this_thread::sleep_for(Milliseconds(5));
   } while (!answered());
 }
 
-void PlainEnd::Ask(std::int64_t sequence) const {
+void PlainEnd::Call(std::int64_t sequence) const {
   static char target[] = "DeActive";
   PlainRequest request{};
   request.client_id = 1;

@@ -1,6 +1,6 @@
 #pragma once
 // The command service of an actuator with nothing but Cyclone's C API and idlc's types: same names,
-// QoS, sizes and settings as Musher's, so that what Musher adds can be told from what DDS costs.
+// QoS, sizes and settings as Musher's, so that the cost of Musher is separate from the cost of DDS.
 
 #include <dds/dds.h>
 #include <musher_msgs.h>
@@ -40,12 +40,12 @@ class PlainEnd {
   ~PlainEnd();
 
   dds_entity_t reader() const { return reader_; }
-  // Asks with sequence number 0 until there is an answer. Being matched would not be enough: the
-  // server may not know of our reader yet, and its reply be lost.
-  void AskUntil(const std::function<bool()>& answered) const;
+  // Calls with sequence number 0 until there is a reply. Being matched would not be enough: the
+  // server may not have discovered the reader yet, and its reply would be lost.
+  void CallUntil(const std::function<bool()>& answered) const;
 
   // A command with the sequence number as the client sends it, and the reply to it.
-  void Ask(std::int64_t sequence) const;
+  void Call(std::int64_t sequence) const;
   void Answer(std::int64_t sequence) const;
 
   // The sequence number of the next sample; -1 when there is none.

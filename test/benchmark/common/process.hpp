@@ -1,5 +1,5 @@
 #pragma once
-// What a process costs, as /proc tells.
+// What a process costs, by /proc.
 
 #include <sys/types.h>
 

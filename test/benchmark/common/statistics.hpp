@@ -1,5 +1,5 @@
 #pragma once
-// Measured values and how they are told: a Markdown table on stdout with medians and spread.
+// Measured values and their report: a Markdown table on stdout with medians and spread.
 
 #include <cstddef>
 #include <string>

@@ -24,7 +24,7 @@ double Milliseconds(Clock::time_point since) {
   return Microseconds(Clock::now() - since) / 1000;
 }
 
-// As many servers, each a process, and a client that asks them all at once.
+// As many servers, each a process, and a client that calls them all at once.
 class PlainFleet {
  public:
   PlainFleet(int domain, const std::vector<std::string>& names)
@@ -35,12 +35,12 @@ class PlainFleet {
       ends_.push_back(std::make_unique<PlainEnd>(participant_, name, PlainEnd::Role::kClient));
       waitset_.Attach(*ends_.back(), ends_.size() - 1);
     }
-    for (const auto& end : ends_) end->AskUntil([&] { return end->Take() == 0; });
+    for (const auto& end : ends_) end->CallUntil([&] { return end->Take() == 0; });
   }
 
   void Round() {
     ++sequence_;
-    for (const auto& end : ends_) end->Ask(sequence_);
+    for (const auto& end : ends_) end->Call(sequence_);
     for (std::size_t left = ends_.size(); left > 0;) {
       for (const std::size_t i : waitset_.Wait()) {
         for (auto answer = ends_[i]->Take(); answer >= 0; answer = ends_[i]->Take()) {

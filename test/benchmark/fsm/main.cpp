@@ -28,7 +28,7 @@ using fsm::Machine;
 constexpr Duration kStep = Milliseconds(20);
 constexpr int kStates = 5;
 
-// Such a loop as written by hand: it asks the present state, with the time since it
+// Such a loop as written by hand: it checks the present state, with the time since it
 // was entered, and runs it or takes another. It has no commands, safety checks, faults, listeners
 // or transitions that take time. That it stands in this file is in its favour: the compiler puts it
 // into the loop that measures, which it cannot do with a machine.
@@ -124,14 +124,14 @@ void MeasureTicks(int turns) {
   for (std::vector<double>* values : {&plain_ns, &bare_ns, &watched_ns, &checked_ns}) {
     values->reserve(static_cast<std::size_t>(turns));
   }
-  const std::size_t before = testing::AskedOfNew().times;
+  const std::size_t before = testing::AllocationsOfNew().times;
   for (int i = 0; i < turns; ++i) {
     plain_ns.push_back(TurnOf(plain, plain_now));
     bare_ns.push_back(TurnOf(bare, bare_now));
     watched_ns.push_back(TurnOf(watched, watched_now));
     checked_ns.push_back(TurnOf(checked, checked_now));
   }
-  const std::size_t asked = testing::AskedOfNew().times - before;
+  const std::size_t allocations = testing::AllocationsOfNew().times - before;
   const Table table("A tick, with a change of state in 100, beside a plain virtual-call loop");
   table.Row("plain loop", plain_ns, "ns");
   table.Row("machine", bare_ns, "ns");
@@ -141,16 +141,16 @@ void MeasureTicks(int turns) {
   table.Row("machine with history and a listener / plain loop", Ratios(watched_ns, plain_ns), "x",
             4);
   table.Row("the same with two safety checks / plain loop", Ratios(checked_ns, plain_ns), "x");
-  table.Row("allocations in all these ticks", {static_cast<double>(asked)}, "");
+  table.Row("allocations in all these ticks", {static_cast<double>(allocations)}, "");
 }
 
 void MeasureMemory() {
   const auto bytes_of = [](std::size_t history) {
-    const std::size_t before = testing::AskedOfNew().bytes;
+    const std::size_t before = testing::AllocationsOfNew().bytes;
     const Walker walker({.history = history});
-    return static_cast<double>(testing::AskedOfNew().bytes - before);
+    return static_cast<double>(testing::AllocationsOfNew().bytes - before);
   };
-  const Table table("Memory asked for by a machine of five states, states and all");
+  const Table table("Memory allocated by a machine of five states, states and all");
   table.Row("without history", {bytes_of(0)}, "");
   table.Row("with a history of 64 changes", {bytes_of(64)}, "");
 }

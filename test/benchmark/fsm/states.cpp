@@ -28,7 +28,9 @@ class PlainJump : public PlainWalk {
 class Walk : public fsm::State {
  public:
   Walk(Robot& robot, int next) : robot_(robot), next_name_(std::to_string(next)) {}
-  void Declare(fsm::Ways& ways) override { next_ = ways.To(next_name_, "it is time"); }
+  void Declare(fsm::Transitions& transitions) override {
+    next_ = transitions.To(next_name_, "it is time");
+  }
   void OnEnter(const fsm::Tick&) override { robot_.wants_out = false; }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
     return robot_.wants_out || tick.elapsed > kStay ? fsm::Next::To(next_) : fsm::Next::Stay();

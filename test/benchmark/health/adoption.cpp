@@ -10,7 +10,7 @@ namespace musher::benchmark {
 namespace {
 
 constexpr int kActuators = 32;
-// So long after the adoption nobody may have been told to do anything.
+// For so long after the adoption no actuator may be commanded.
 constexpr Duration kAfterwards = Milliseconds(500);
 
 std::int64_t Callbacks(const HandStarted& actuators) {
@@ -44,7 +44,7 @@ void Adoption(int rounds) {
   const Table table("A new controller adopts 32 actuators in Active");
   table.Row("its start → all present, at rest, machine running", times, "ms");
   table.Row("callbacks that ran meanwhile", disturbed, "");
-  if (Quantile(disturbed, 1) > 0) Fail("somebody was disturbed by the adoption");
+  if (Quantile(disturbed, 1) > 0) Fail("the adoption has disturbed an actuator");
 }
 
 }  // namespace musher::benchmark

@@ -22,7 +22,7 @@ double Kill(ObservedController& controller, std::size_t actuator) {
 std::vector<double> OfChildren(int rounds) {
   const Fleet fleet(
       [](const Fleet& self, const std::string& name) {
-        return CommandKey(self.Module(name, 0)) + kPatientKeys + "restart_delay_ms = 0\n";
+        return CommandKey(self.Module(name, 0)) + kUnlimitedRestartKeys + "restart_delay_ms = 0\n";
       },
       kCrashActuators);
   ObservedController controller(fleet.config_file());
@@ -35,7 +35,8 @@ std::vector<double> OfChildren(int rounds) {
 }
 
 std::vector<double> OfOthers(int rounds) {
-  const Fleet fleet([](const Fleet&, const std::string&) { return kPatientKeys; }, kCrashActuators);
+  const Fleet fleet([](const Fleet&, const std::string&) { return kUnlimitedRestartKeys; },
+                    kCrashActuators);
   HandStarted actuators(fleet);
   ObservedController controller(fleet.config_file());
   std::vector<double> times;

@@ -41,7 +41,8 @@ class HandStarted {
   std::vector<std::unique_ptr<Child>> children_;
 };
 
-// For actuators that are killed again and again: nobody is given up.
-inline constexpr const char* kPatientKeys = "restart_limit = 10000\nrestart_reset_ms = 1\n";
+// For actuators that are killed repeatedly: none is given up.
+inline constexpr const char* kUnlimitedRestartKeys =
+    "restart_limit = 10000\nrestart_reset_ms = 1\n";
 
 }  // namespace musher::benchmark

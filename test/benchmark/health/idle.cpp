@@ -138,8 +138,8 @@ void Idle(int seconds) {
   table.Row("idle, CPU of all beyond bare participants", {machine.cpu() - bare.cpu()},
             "% of a core", 0.5);
   Print(table, "with checkpoint_ms = 200", checked);
-  // A beat each 50 ms instead of 500 is all that differs.
-  table.Row("idle, CPU of the actuators' beats: a ninth of what ten times as many cost more",
+  // A heartbeat each 50 ms instead of 500 is all that differs.
+  table.Row("idle, CPU of the actuators' heartbeats: a ninth of what ten times as many cost more",
             {(checked.cpu() - machine.cpu()) / 9}, "% of a core");
   if (!own_network) std::printf("\nTraffic is that of the whole host: no network of our own.\n");
 }

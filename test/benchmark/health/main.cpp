@@ -1,5 +1,5 @@
 // Health, recovery and authority with real processes: how soon a loss is known, how soon it is made
-// good, what that costs while nothing happens, and who is taken for lost by mistake.
+// good, what that costs while nothing happens, and which actuators are wrongly detected as lost.
 //
 //   benchmark_health                                    all parts
 //   benchmark_health crash|remote|hang|recovery|adoption [ROUNDS]

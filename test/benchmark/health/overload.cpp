@@ -122,7 +122,7 @@ void Run(ObservedController& controller, const Losses& losses, Board& loader, in
   }
 }
 
-// What is told apart from load must still be found under load.
+// What is distinguished from load must still be found under load.
 double RealHang(ObservedController& controller, Board& board) {
   AwaitCheckpoint(board);
   std::fprintf(stderr, "a0 hangs now, on purpose:\n");
@@ -141,7 +141,7 @@ void Print(const Losses::Counts& counts, const Switches& switches, double up_s, 
   table.Row("false verdicts: partitioned", whole(counts.partitioned), "");
   table.Row("actuators lost", whole(counts.lost), "");
   table.Row("actuators restarted", whole(counts.restarted), "");
-  table.Row("starved (told, nothing done)", whole(counts.starved), "");
+  table.Row("starved (reported, no action)", whole(counts.starved), "");
   table.Row("switches that were not done", whole(switches.not_done), "");
   table.Row("a switch of all", switches.times, "ms");
   table.Row("a self-check in which one loads", switches.load_times, "ms");

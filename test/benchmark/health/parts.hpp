@@ -15,10 +15,10 @@ void Recovery(int rounds);
 void Adoption(int rounds);
 // CPU, context switches and traffic of a machine at rest.
 void Idle(int seconds);
-// Who is taken for lost on a machine with `factor` times its cores busy; an actuator loads for
-// `load_ms` in its SetUp, and now and then in its SelfCheck.
+// Which actuators are detected as lost on a machine with `factor` times its cores busy; an actuator
+// loads for `load_ms` in its SetUp, and now and then in its SelfCheck.
 void Overload(double minutes, double factor, int load_ms);
-// One of those that keep a core busy; never returns.
+// Keeps one core busy; never returns.
 [[noreturn]] void Burn();
 
 }  // namespace musher::benchmark

@@ -100,7 +100,7 @@ Times OfHangs(ObservedController& controller, const std::vector<Board*>& boards,
     const Time silent = FromBoard(board.checkpoint_at);
     const Time traced = comeback.backtrace();
     const Time ended = comeback.ended();
-    board.silent = false;  // not before: one that comes to itself lives on
+    board.silent = false;  // not before: an actuator that recovers is not killed
     const Time started = comeback.started();
     const Time back = comeback.back();
     const Time set_up = FromBoard(board.set_up_at);
@@ -127,7 +127,7 @@ void PrintEnd(const Table& table, const Times& times) {
 void Recovery(int rounds) {
   const Fleet fleet(
       [](const Fleet& self, const std::string& name) {
-        return CommandKey(self.Module(name, kRecoveryHz)) + kPatientKeys +
+        return CommandKey(self.Module(name, kRecoveryHz)) + kUnlimitedRestartKeys +
                "restart_delay_ms = 0\ncheckpoint_ms = 200\n";
       },
       kRecoveryActuators);

@@ -25,8 +25,8 @@ using transport::NameLock;
 
 constexpr int kVictims = 8;
 
-// A pid namespace counts as a host of its own: pids of one mean nothing in the other, so nothing
-// but messages tells of an end. Its init is the program that is given.
+// A pid namespace counts as a host of its own: pids of one mean nothing in the other, so only
+// messages report an exit. Its init is the given program.
 std::vector<std::string> OnOtherHost(std::vector<std::string> argv) {
   std::vector<std::string> whole = {"/usr/bin/unshare", "--pid", "--fork", "--mount-proc",
                                     "--kill-child"};
@@ -53,7 +53,7 @@ std::map<std::string, pid_t> FindModules() {
   return found;
 }
 
-// Actuators of the fleet on a host of their own, for as long as this lives.
+// Actuators of the fleet on a host of their own, for as long as this object exists.
 class Host {
  public:
   Host(const Fleet& fleet, const std::vector<std::size_t>& actuators) {
@@ -67,8 +67,8 @@ class Host {
     child_ = std::make_unique<Child>(OnOtherHost({"/bin/sh", "-c", script + "wait"}),
                                      Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}});
   }
-  // Waits until the names of all are free. (One that is dying has no command line any more, and may
-  // still hold its name.)
+  // Waits until the names of all are free. (A process that is exiting has no command line any more,
+  // and may still hold its name.)
   ~Host() {
     child_ = nullptr;
     while (std::any_of(locks_.begin(), locks_.end(), NameLock::IsHeld)) {
@@ -117,8 +117,8 @@ void Remote(int rounds) {
     return;
   }
   // The last one survives.
-  const Fleet fleet([](const Fleet&, const std::string&) { return kPatientKeys; }, kVictims + 1,
-                    "[transport]\nprofile = \"lan\"\n");
+  const Fleet fleet([](const Fleet&, const std::string&) { return kUnlimitedRestartKeys; },
+                    kVictims + 1, "[transport]\nprofile = \"lan\"\n");
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i <= kVictims; ++i) all.push_back(i);
   ObservedController controller(fleet.config_file());

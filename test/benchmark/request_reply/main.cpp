@@ -30,11 +30,11 @@ class Raw {
   explicit Raw(const PlainParticipant& participant)
       : end_(participant, "raw", PlainEnd::Role::kClient), waitset_(participant) {
     waitset_.Attach(end_, 0);
-    end_.AskUntil([this] { return end_.Take() == 0; });
+    end_.CallUntil([this] { return end_.Take() == 0; });
   }
 
   void Call() {
-    end_.Ask(++sequence_);
+    end_.Call(++sequence_);
     for (auto answer = end_.Take(); answer != sequence_; answer = end_.Take()) {
       if (answer < 0) waitset_.Wait();
     }
@@ -59,13 +59,13 @@ class HandedOff {
             }
           });
         }) {
-    end_.AskUntil([this] { return found_.load(); });
+    end_.CallUntil([this] { return found_.load(); });
   }
 
   void Call() {
     std::promise<void> answered;
     answered_ = &answered;
-    loop_.Give([this] { end_.Ask(++sequence_); });
+    loop_.Give([this] { end_.Call(++sequence_); });
     answered.get_future().wait();
   }
 

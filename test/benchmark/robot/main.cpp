@@ -1,6 +1,6 @@
-// The robot of config/robot.toml with real processes: how soon the body does what it is told, how
-// soon it stops when nobody tells it any more, how fast its world can go, what the robot costs at
-// rest, and which states a falling battery leads through.
+// The robot of config/robot.toml with real processes: how soon the body executes a command, how
+// soon it stops when commands cease, how fast its world can run, what the robot costs at rest, and
+// which states a falling battery leads through.
 //
 //   benchmark_robot [ROUNDS [IDLE SECONDS [--smoke]]]
 
@@ -27,7 +27,7 @@ void Streams(Robot& robot, int rounds, const Table& table) {
   if (robot.Do(msg::MotionId::kRecoveryStand).code != kCodeOk) Fail("the robot does not stand up");
   std::vector<double> to_board;
   std::vector<double> to_body;
-  std::vector<double> stop_told;
+  std::vector<double> stop_sent;
   std::vector<double> stopped;
   for (int round = 0; round < rounds; ++round) {
     Time begun{};
@@ -38,25 +38,28 @@ void Streams(Robot& robot, int rounds, const Table& table) {
       const float vx = round % 2 == 0 ? speed : -speed;
       last = robot.Walk(vx);
       if (frame == 0) begun = last;
-      const Time told = robot.Await("the frame at the board", [&](const Robot::Heard& heard) {
-        return !heard.command.vel_des.empty() && heard.command.vel_des[0] == vx;
-      });
-      to_board.push_back(Milli(told - last));
+      const Time received_at =
+          robot.Await("the frame at the board", [&](const Robot::Received& received) {
+            return !received.command.vel_des.empty() && received.command.vel_des[0] == vx;
+          });
+      to_board.push_back(Milli(received_at - last));
       if (frame + 1 < kFrames) robot.AwaitUntil(last + kFrame);
     }
-    const Time told = robot.Await("the board to be stopped", [](const Robot::Heard& heard) {
-      return heard.command.vel_des.empty() || heard.command.vel_des[0] == 0;
-    });
-    stop_told.push_back(Milli(told - last));
-    const Robot::Heard walking = robot.Now();
+    const Time received_at =
+        robot.Await("the board to be stopped", [](const Robot::Received& received) {
+          return received.command.vel_des.empty() || received.command.vel_des[0] == 0;
+        });
+    stop_sent.push_back(Milli(received_at - last));
+    const Robot::Received walking = robot.Now();
     if (!walking.moves) Fail("the body does not move");
     to_body.push_back(Milli(walking.moves_since - begun));
-    robot.Await("the body to stand", [](const Robot::Heard& heard) { return !heard.moves; });
+    robot.Await("the body to stand",
+                [](const Robot::Received& received) { return !received.moves; });
     stopped.push_back(Milli(robot.Now().moves_since - last));
   }
   table.Row("a servo frame → the board has it", to_board, "ms");
   table.Row("the first servo frame → the body moves", to_body, "ms");
-  table.Row("the last servo frame → the board is told to stop", stop_told, "ms");
+  table.Row("the last servo frame → the board receives a stop", stop_sent, "ms");
   table.Row("the last servo frame → the body stands", stopped, "ms");
 }
 
@@ -74,8 +77,8 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
   };
   const auto each = [&] {
     std::vector<Cost> costs;
-    const Robot::Heard heard = robot.Now();
-    for (const auto& actuator : heard.machine->actuators) {
+    const Robot::Received received = robot.Now();
+    for (const auto& actuator : received.machine->actuators) {
       costs.push_back(CostOf(actuator.pid));
     }
     return costs;
@@ -89,9 +92,9 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
             {100 * Seconds(after.cpu - before.cpu) / Seconds(ended - begun)}, "% of a core");
   table.Row("the whole robot in " + state + ": memory (PSS)", {after.proportional_mb}, "MB");
   const std::vector<Cost> each_after = each();
-  const Robot::Heard heard = robot.Now();
+  const Robot::Received received = robot.Now();
   for (std::size_t i = 0; i < each_after.size(); ++i) {
-    const std::string& name = heard.machine->actuators[i].name;
+    const std::string& name = received.machine->actuators[i].name;
     table.Row("  " + name + ": CPU",
               {100 * Seconds(each_after[i].cpu - each_before[i].cpu) / Seconds(ended - begun)},
               "% of a core");
@@ -105,13 +108,14 @@ void Speeds(Robot& robot, bool smoke, const Table& table) {
     robot.AwaitUntil(std::chrono::steady_clock::now() + Milliseconds(smoke ? 50 : 500));
     robot.Forget();
     const Duration measured = Milliseconds(smoke ? 100 : 4000);
-    robot.Await("the world's clock to go on", [&](const Robot::Heard& heard) {
-      return heard.clock_first_at != Time{} && heard.clock_at - heard.clock_first_at >= measured;
+    robot.Await("the world's clock to go on", [&](const Robot::Received& received) {
+      return received.clock_first_at != Time{} &&
+             received.clock_at - received.clock_first_at >= measured;
     });
-    const Robot::Heard heard = robot.Now();
-    table.Row("world speed asked for: " + std::to_string(factor) + "; reached",
-              {Seconds(*heard.clock - heard.clock_first) /
-               Seconds(heard.clock_at - heard.clock_first_at)},
+    const Robot::Received received = robot.Now();
+    table.Row("requested world speed: " + std::to_string(factor) + "; reached",
+              {Seconds(*received.clock - received.clock_first) /
+               Seconds(received.clock_at - received.clock_first_at)},
               "×");
   }
   robot.SetSpeed(10);
@@ -121,19 +125,19 @@ void Speeds(Robot& robot, bool smoke, const Table& table) {
 void Fall(Robot& robot, int step) {
   robot.SetBattery(100);
   robot.Await("Active with a full battery",
-              [](const Robot::Heard& heard) { return heard.machine->state == kActive; });
+              [](const Robot::Received& received) { return received.machine->state == kActive; });
   robot.Forget();
   for (int percent = 100; percent > 0; percent -= step) {
     robot.SetBattery(static_cast<float>(percent));
     // The device manager looks once in a world second, and twice at a jump.
     const Duration begun = *robot.Now().clock;
-    robot.Await("the world to go on", [&](const Robot::Heard& heard) {
-      return *heard.clock - begun > Milliseconds(step > 1 ? 3000 : 1100);
+    robot.Await("the world to go on", [&](const Robot::Received& received) {
+      return *received.clock - begun > Milliseconds(step > 1 ? 3000 : 1100);
     });
   }
   robot.SetBattery(1);
-  robot.Await("LowPower with an empty battery", [](const Robot::Heard& heard) {
-    return heard.machine->state == kLowPower && heard.machine->target.empty();
+  robot.Await("LowPower with an empty battery", [](const Robot::Received& received) {
+    return received.machine->state == kLowPower && received.machine->target.empty();
   });
   std::cout << "\nA battery that falls from 100 to 1 % in steps of " << step << " %: ";
   const std::vector<State> states = robot.Now().states;

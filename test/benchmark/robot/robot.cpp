@@ -11,7 +11,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr Duration kPatience = std::chrono::seconds(120);
+constexpr Duration kWaitLimit = std::chrono::seconds(120);
 constexpr double kMoving_m_s = 0.02;
 
 // Of the one robot that is up in a benchmark; empty: there is none.
@@ -50,12 +50,13 @@ Robot::Robot(const std::filesystem::path& configs) {
   std::atexit(TakeDown);  // Fail() ends the process without destructors
   Run({"up", "--detach", config_});
   Run({"low-power", "off"});  // at a hundred times the speed half a minute is soon over
-  Await("the machine and all its actuators in Active", [](const Heard& heard) {
-    return heard.machine && heard.machine->state == kActive && heard.body && heard.clock &&
-           std::all_of(heard.machine->actuators.begin(), heard.machine->actuators.end(),
+  Await("the machine and all its actuators in Active", [](const Received& received) {
+    return received.machine && received.machine->state == kActive && received.body &&
+           received.clock &&
+           std::all_of(received.machine->actuators.begin(), received.machine->actuators.end(),
                        [](const auto& actuator) { return actuator.state == kActive; });
   });
-  Await("the hand to reach the robot", [this](const Heard&) {
+  Await("the hand to reach the robot", [this](const Received&) {
     return servo_->MatchedReaders() > 0 && battery_->MatchedReaders() > 0 &&
            speed_->MatchedReaders() > 0;
   });
@@ -64,7 +65,7 @@ Robot::Robot(const std::filesystem::path& configs) {
 Robot::~Robot() {
   TakeDown();
   node_->RunOnLoop([this] {
-    ears_.clear();
+    subscriptions_.clear();
     result_.reset();
     speed_.reset();
     battery_.reset();
@@ -80,58 +81,59 @@ void Robot::Listen() {
   speed_ = Must(transport::MakePublisher<msg::Float32>(node, "world/speed"));
   result_ = Must(transport::MakeClient<msg::MotionResultCmd>(node, "motion_result_cmd"));
   const auto now = [this] { return node_->loop().Now(); };
-  const auto hear = [&]<class M>(const std::string& topic, const transport::Qos& qos,
-                                 std::function<void(Heard&, const M&)> take) {
-    ears_.push_back(Must(transport::MakeSubscription<M>(
+  const auto subscribe = [&]<class M>(const std::string& topic, const transport::Qos& qos,
+                                      std::function<void(Received&, const M&)> take) {
+    subscriptions_.push_back(Must(transport::MakeSubscription<M>(
         node, topic,
         [this, take = std::move(take)](const M& message, const transport::SampleInfo&) {
-          Hear([&](Heard& heard) { take(heard, message); });
+          Change([&](Received& received) { take(received, message); });
         },
         qos)));
   };
-  hear.operator()<msg::MachineStatus>(
+  subscribe.operator()<msg::MachineStatus>(
       transport::MachineStatusTopic(""), transport::kLatchedQos,
-      [](Heard& heard, const msg::MachineStatus& status) {
-        if (!heard.machine || heard.machine->state != status.state) {
-          heard.states.push_back(status.state);
+      [](Received& received, const msg::MachineStatus& status) {
+        if (!received.machine || received.machine->state != status.state) {
+          received.states.push_back(status.state);
         }
-        heard.machine = status;
+        received.machine = status;
       });
-  hear.operator()<msg::BodyState>("world/body_state", transport::kDefaultQos,
-                                  [now](Heard& heard, const msg::BodyState& body) {
-                                    heard.body = body;
-                                    const bool moves = std::abs(body.twist.linear.x) > kMoving_m_s;
-                                    if (moves != heard.moves) heard.moves_since = now();
-                                    heard.moves = moves;
-                                  });
-  hear.operator()<msg::MotionCustomCommand>(
+  subscribe.operator()<msg::BodyState>("world/body_state", transport::kDefaultQos,
+                                       [now](Received& received, const msg::BodyState& body) {
+                                         received.body = body;
+                                         const bool moves =
+                                             std::abs(body.twist.linear.x) > kMoving_m_s;
+                                         if (moves != received.moves) received.moves_since = now();
+                                         received.moves = moves;
+                                       });
+  subscribe.operator()<msg::MotionCustomCommand>(
       "world/body_command", transport::kDefaultQos,
-      [now](Heard& heard, const msg::MotionCustomCommand& command) {
-        heard.command = command;
-        heard.command_at = now();
+      [now](Received& received, const msg::MotionCustomCommand& command) {
+        received.command = command;
+        received.command_at = now();
       });
-  hear.operator()<msg::Clock>("clock", transport::kHeartbeatQos,
-                              [now](Heard& heard, const msg::Clock& clock) {
-                                heard.clock = msg::FromStamp(clock.clock);
-                                heard.clock_at = now();
-                                if (heard.clock_first_at == Time{}) {
-                                  heard.clock_first = *heard.clock;
-                                  heard.clock_first_at = heard.clock_at;
-                                }
-                              });
+  subscribe.operator()<msg::Clock>("clock", transport::kHeartbeatQos,
+                                   [now](Received& received, const msg::Clock& clock) {
+                                     received.clock = msg::FromStamp(clock.clock);
+                                     received.clock_at = now();
+                                     if (received.clock_first_at == Time{}) {
+                                       received.clock_first = *received.clock;
+                                       received.clock_first_at = received.clock_at;
+                                     }
+                                   });
 }
 
-void Robot::Hear(const std::function<void(Heard&)>& change) {
+void Robot::Change(const std::function<void(Received&)>& change) {
   {
     const std::lock_guard lock(mutex_);
-    change(heard_);
+    change(received_);
   }
   changed_.notify_all();
 }
 
-Time Robot::Await(const std::string& what, const std::function<bool(const Heard&)>& is_so) {
+Time Robot::Await(const std::string& what, const std::function<bool(const Received&)>& is_so) {
   std::unique_lock lock(mutex_);
-  if (!changed_.wait_for(lock, kPatience, [&] { return is_so(heard_); })) {
+  if (!changed_.wait_for(lock, kWaitLimit, [&] { return is_so(received_); })) {
     Fail("waited in vain for " + what);
   }
   return std::chrono::steady_clock::now();
@@ -147,15 +149,15 @@ Time Robot::AwaitUntil(Time when) {
   return now;
 }
 
-Robot::Heard Robot::Now() {
+Robot::Received Robot::Now() {
   const std::lock_guard lock(mutex_);
-  return heard_;
+  return received_;
 }
 
 void Robot::Forget() {
-  Hear([](Heard& heard) {
-    heard.states.clear();
-    heard.clock_first_at = Time{};
+  Change([](Received& received) {
+    received.states.clear();
+    received.clock_first_at = Time{};
   });
 }
 
@@ -181,7 +183,7 @@ msg::MotionResultCmd::Response Robot::Do(std::int32_t motion_id) {
   request.motion_id = motion_id;
   std::promise<msg::MotionResultCmd::Response> answer;
   OnLoop([&]() -> Result<> {
-    result_->Call(request, kPatience,
+    result_->Call(request, kWaitLimit,
                   [&](auto reply) { answer.set_value(Must(std::move(reply))); });
     return Ok();
   });
@@ -201,9 +203,9 @@ void Robot::Set(const State& state) {
 }
 
 std::vector<pid_t> Robot::Processes() {
-  const Heard heard = Now();
-  std::vector<pid_t> pids = {heard.machine->pid};
-  for (const auto& actuator : heard.machine->actuators) pids.push_back(actuator.pid);
+  const Received received = Now();
+  std::vector<pid_t> pids = {received.machine->pid};
+  for (const auto& actuator : received.machine->actuators) pids.push_back(actuator.pid);
   return pids;
 }
 

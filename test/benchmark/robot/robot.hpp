@@ -1,7 +1,7 @@
 #pragma once
-// The robot of config/robot.toml as real processes, with a hand and an ear in its domain.
+// The robot of config/robot.toml as real processes, with a publisher and subscribers in its domain.
 //
-// Threads: calls from the benchmark's thread; what is heard comes on the loop and is kept behind a
+// Threads: calls from the benchmark's thread; samples arrive on the loop and are kept behind a
 // mutex. Errors: what does not come in time ends the benchmark with a message.
 
 #include <condition_variable>
@@ -33,8 +33,8 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  // What has been heard last, and when.
-  struct Heard {
+  // The last samples, and when they were received.
+  struct Received {
     std::optional<msg::MachineStatus> machine;
     std::vector<State> states;  // of the machine, each change
     std::optional<msg::BodyState> body;
@@ -47,12 +47,12 @@ class Robot {
     Duration clock_first{};
     Time clock_first_at{};
   };
-  // Waits until it is so, and gives when that was heard.
-  Time Await(const std::string& what, const std::function<bool(const Heard&)>& is_so);
+  // Waits until it is so, and returns when that was received.
+  Time Await(const std::string& what, const std::function<bool(const Received&)>& is_so);
   // Waits for a timer of the loop: the pace of a stream, and how long is measured. Not for anything
   // that the robot does.
   Time AwaitUntil(Time when);
-  Heard Now();
+  Received Now();
   // Forgets the states and the beginning of the clock.
   void Forget();
 
@@ -66,7 +66,7 @@ class Robot {
 
  private:
   void Run(const std::vector<std::string>& arguments) const;
-  void Hear(const std::function<void(Heard&)>& change);
+  void Change(const std::function<void(Received&)>& change);
   void Listen();
   Time OnLoop(const std::function<Result<>()>& work);
 
@@ -75,12 +75,12 @@ class Robot {
   std::shared_ptr<transport::NodeThread> node_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  Heard heard_;
+  Received received_;
   std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> servo_;
   std::unique_ptr<transport::Publisher<msg::Float32>> battery_;
   std::unique_ptr<transport::Publisher<msg::Float32>> speed_;
   std::unique_ptr<transport::Client<msg::MotionResultCmd>> result_;
-  std::vector<std::unique_ptr<transport::Subscription>> ears_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
 }  // namespace musher::benchmark

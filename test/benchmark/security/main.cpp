@@ -101,8 +101,8 @@ void Main(int trials, int switches, int actuators) {
   }
   const std::string all = std::to_string(actuators);
   const Table table("What keys cost");
-  const auto tell = [&](const std::string& what, const std::string& unit,
-                        std::vector<double> Mode::*values) {
+  const auto add_row = [&](const std::string& what, const std::string& unit,
+                           std::vector<double> Mode::*values) {
     for (const Mode& mode : modes) table.Row(what + ", " + mode.name, mode.*values, unit);
     for (const Mode& mode : modes) {
       if (!mode.protection) continue;
@@ -110,10 +110,10 @@ void Main(int trials, int switches, int actuators) {
                 "×");
     }
   };
-  tell("one warm switch of one actuator", "µs", &Mode::switch_of_one_us);
-  tell("one warm switch of " + all, "µs", &Mode::switch_of_all_us);
-  tell("from the start of one actuator until it is Active", "ms", &Mode::first_ms);
-  tell("from the start of " + all + " until all are Active", "ms", &Mode::up_ms);
+  add_row("one warm switch of one actuator", "µs", &Mode::switch_of_one_us);
+  add_row("one warm switch of " + all, "µs", &Mode::switch_of_all_us);
+  add_row("from the start of one actuator until it is Active", "ms", &Mode::first_ms);
+  add_row("from the start of " + all + " until all are Active", "ms", &Mode::up_ms);
 }
 
 }  // namespace

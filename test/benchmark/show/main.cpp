@@ -33,10 +33,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Duration kPatience = std::chrono::seconds(30);
+constexpr Duration kWaitLimit = std::chrono::seconds(30);
 constexpr Duration kFrame = std::chrono::microseconds(33'333);  // 30 Hz
 constexpr Duration kQuiet = Milliseconds(200);         // the last picture has been looked at
-constexpr Duration kNobody{};                          // of the scene: the hall is empty
+constexpr Duration kEmptyHall{};                       // of the scene: the hall is empty
 constexpr Duration kGuest = std::chrono::seconds(10);  // and now one stands there
 
 constexpr const char* kMachine = R"([controller]
@@ -119,7 +119,7 @@ msg::Image PictureAt(Duration time, msg::CameraInfo& info) {
 class Show {
  public:
   Show() {
-    nobody_ = PictureAt(kNobody, info_);
+    empty_ = PictureAt(kEmptyHall, info_);
     guest_ = PictureAt(kGuest, info_);
     folder_of_show = fs::temp_directory_path() / ("musher-show-" + std::to_string(getpid()));
     std::atexit(TakeDown);
@@ -152,7 +152,7 @@ class Show {
     AwaitState("IDLE");
     return took;
   }
-  // From the word that a face is there.
+  // From the sample with a face.
   Duration ByTarget() {
     msg::PointStamped target;
     target.header.frame_id = "camera";
@@ -163,8 +163,8 @@ class Show {
     AwaitState("IDLE");
     return took;
   }
-  // From the word that somebody is too close. Without pictures: vision would say at once that
-  // nobody is.
+  // From the sample that a guest is too close. Without pictures: vision would publish at once that
+  // no guest is.
   Duration ByDanger() {
     frames_.reset();
     loop_.RunUntil([] { return false; }, loop_.Now() + kQuiet);
@@ -205,7 +205,7 @@ class Show {
         }));
   }
   void Shoot() {
-    msg::Image& picture = guest_is_there_ ? guest_ : nobody_;
+    msg::Image& picture = guest_is_there_ ? guest_ : empty_;
     picture.header.stamp = msg::ToStamp(
         std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()));
     info_.header = picture.header;
@@ -233,12 +233,12 @@ class Show {
     Await([&] { return shown_ == state; }, "the state " + state);
   }
   void Await(const std::function<bool()>& done, const std::string& what) {
-    if (!loop_.RunUntil(done, loop_.Now() + kPatience)) Fail("waited in vain for " + what);
+    if (!loop_.RunUntil(done, loop_.Now() + kWaitLimit)) Fail("waited in vain for " + what);
   }
 
   transport::LinuxEventLoop loop_;
   std::unique_ptr<transport::Node> node_;
-  msg::Image nobody_;
+  msg::Image empty_;
   msg::Image guest_;
   msg::CameraInfo info_;
   bool guest_is_there_ = false;

@@ -1,11 +1,11 @@
 // The face detector over the frames of the wedding scene: how much of a CPU a picture takes it,
-// which of the guests who look at the robot it finds, what it finds where nobody is, and how far
-// off its distances are.
+// which of the guests who look at the robot it finds, what it finds where no guest is, and the
+// error of its distances.
 //
 //   benchmark_vision [SECONDS [MODEL]]
 //
 // The robot stands and looks ahead, a picture each 200 ms of the world's time. Guests whose face is
-// hidden, by the edge of the picture or by another one, are not asked for.
+// hidden, by the edge of the picture or by another one, are not counted.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr double kFaceM = 0.2;  // distances are told as shares of those with the fitting one
+constexpr double kFaceM = 0.2;  // distances are given as shares of those with the fitting one
 
 struct Truth {
   Eigen::Vector2d at{0, 0};  // in the picture, shares of it
@@ -49,7 +49,7 @@ msg::Image Message(world::Image image) {
   return picture;
 }
 
-// Those who are in the picture, or partly.
+// The guests in the picture, or partly in it.
 std::vector<Truth> GuestsIn(const world::World& world, const world::Camera& camera) {
   const auto from_place = world.CameraPose(0).inverse();
   const auto& lens = camera.intrinsics();
@@ -127,17 +127,17 @@ bool IsAt(const Truth& guest, const vision::FaceBox& face) {
 }
 
 struct Score {
-  int asked = 0;
+  int counted = 0;
   int found = 0;
-  int turned = 0;        // who do not look at the robot
+  int turned = 0;        // guests that do not look at the robot
   int found_turned = 0;  // and are found
   int false_finds = 0;
   std::vector<double> ratios;  // of a distance to the true one, by kFaceM
 };
 
 // Of guests from `from_m` to `to_m` away.
-Score Judge(const Found& found, const std::vector<Frame>& frames, const vision::Lens& lens,
-            double from_m, double to_m) {
+Score ScoreOf(const Found& found, const std::vector<Frame>& frames, const vision::Lens& lens,
+              double from_m, double to_m) {
   Score score;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto& faces = found.faces[i];
@@ -147,7 +147,7 @@ Score Judge(const Found& found, const std::vector<Frame>& frames, const vision::
       const auto face = std::find_if(faces.begin(), faces.end(),
                                      [&](const auto& each) { return IsAt(guest, each); });
       const bool is_found = face != faces.end();
-      (guest.looks ? score.asked : score.turned) += 1;
+      (guest.looks ? score.counted : score.turned) += 1;
       (guest.looks ? score.found : score.found_turned) += is_found ? 1 : 0;
       if (!guest.looks || !is_found) continue;
       score.ratios.push_back(DistanceM(lens, *face, face->height, kFaceM) / guest.distance_m);
@@ -183,13 +183,13 @@ void Run(int seconds, const std::string& model) {
     char setting[64];
     std::snprintf(setting, sizeof setting, "%d px wide, steps of %.1f", width_px, step);
     const Found found = Look(*detector.value(), frames);
-    const Score all = Judge(found, frames, lens, 0, 1e9);
+    const Score all = ScoreOf(found, frames, lens, 0, 1e9);
     table.Row(setting, found.times_ms, "ms");
     std::string line = std::string("| ") + setting;
     for (const auto& [from_m, to_m] :
          {std::pair(0.0, 0.7), std::pair(0.7, 2.0), std::pair(2.0, 2.5), std::pair(2.5, 9.0)}) {
-      const Score score = Judge(found, frames, lens, from_m, to_m);
-      line += " | " + std::to_string(score.found) + " of " + std::to_string(score.asked);
+      const Score score = ScoreOf(found, frames, lens, from_m, to_m);
+      line += " | " + std::to_string(score.found) + " of " + std::to_string(score.counted);
     }
     line += " | " + std::to_string(all.found_turned) + " of " + std::to_string(all.turned) + " | " +
             std::to_string(all.false_finds);

@@ -52,7 +52,7 @@ TEST_F(CheckCommand, LetsWarningsPass) {
   EXPECT_THAT(ran.out, HasSubstr("\nok: "));
 }
 
-TEST_F(CheckCommand, JudgesAllOfSeveralFiles) {
+TEST_F(CheckCommand, ChecksAllOfSeveralFiles) {
   const std::string good = Write("good.toml", kRobotToml);
   const std::string bad = Write("bad.toml", "x = 1\n");
   const Ran ran = RunProgram({"check", bad, good});
@@ -135,7 +135,7 @@ TEST_F(CheckedPrograms, AcceptsAnExistingProgram) {
   EXPECT_EQ(Check("command = [\"true\"]").out, "ok: 2 actuators, 6 states, 2 stages\n");
 }
 
-TEST_F(CheckedPrograms, AreJudgedBesideAFaultOfTheConfigToo) {
+TEST_F(CheckedPrograms, AreCheckedAlsoIfTheConfigHasAnError) {
   const std::string world = Write("musher-world",
                                   "#!/bin/sh\necho \"$3:1:2: error: of the state config\"\n"
                                   "echo 'scene.toml:3:4: error: of the scene'\nexit 2\n");

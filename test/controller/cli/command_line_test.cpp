@@ -24,7 +24,7 @@ CommandLine Parsed(std::vector<const char*> arguments) {
   return {};
 }
 
-// The complaint about a command line that must be wrong.
+// The error of a command line that must be wrong.
 std::string Wrong(std::vector<const char*> arguments) {
   const auto parsed = Parse(std::move(arguments));
   const auto* end = std::get_if<ParseEnd>(&parsed);

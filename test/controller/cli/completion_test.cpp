@@ -89,8 +89,8 @@ TEST_F(Completion, OffersEveryOptionThatTheHelpShows) {
 TEST_F(Completion, OffersTheWordsThatAnOptionTakes) {
   EXPECT_THAT(Offered({"status", "--transport", ""}), ElementsAre("local", "lan"));
   EXPECT_THAT(Offered({"keys", "add", "guest", "--role", "ob"}), ElementsAre("observer"));
-  EXPECT_THAT(Offered({"graph", "--format=s"}), ElementsAre("--format=svg")) << "as zsh asks";
-  EXPECT_THAT(Offered({"graph", "--format", "=", "s"}), ElementsAre("svg")) << "as bash asks";
+  EXPECT_THAT(Offered({"graph", "--format=s"}), ElementsAre("--format=svg")) << "as zsh does";
+  EXPECT_THAT(Offered({"graph", "--format", "=", "s"}), ElementsAre("svg")) << "as bash does";
   EXPECT_THAT(Offered({"low-power", ""}), ElementsAre("on", "off"));
   EXPECT_THAT(Offered({"history", "--limit", ""}), IsEmpty());
 }

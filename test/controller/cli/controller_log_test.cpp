@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
 
-constexpr Duration kPatience = std::chrono::seconds(20);
+constexpr Duration kWaitLimit = std::chrono::seconds(20);
 
 class Log : public ::testing::Test {
  protected:
@@ -50,7 +50,7 @@ class Log : public ::testing::Test {
   void LetDiskWork() {
     disk_works_.set_value();
     disk_works_ = {};
-    EXPECT_TRUE(disk_->Flush(kPatience));
+    EXPECT_TRUE(disk_->Flush(kWaitLimit));
   }
 
   const transport::UniqueFd stdout_{dup(STDOUT_FILENO)};
@@ -66,14 +66,14 @@ class Log : public ::testing::Test {
 TEST_F(Log, HasEachLineWithItsTimeAndCode) {
   log_.Write("robot is up");
   log_.Write("legs is lost", 42);
-  ASSERT_TRUE(disk_->Flush(kPatience));
+  ASSERT_TRUE(disk_->Flush(kWaitLimit));
   EXPECT_THAT(Text(), MatchesRegex("20..-..-.. ..:..:..\\.... info: robot is up\n"
                                    "20..-..-.. ..:..:..\\.... warning: legs is lost.*\n"));
 }
 
 TEST_F(Log, AlsoHasWhatIsPrinted) {
   log_.Write("robot is up");
-  ASSERT_TRUE(disk_->Flush(kPatience));
+  ASSERT_TRUE(disk_->Flush(kWaitLimit));
   ASSERT_GT(dprintf(STDERR_FILENO, "a library warns\n"), 0);
   EXPECT_THAT(Text(), EndsWith("a library warns\n"));
 }
@@ -85,7 +85,7 @@ TEST_F(Log, DoesNotHoldUpTheLoopWhileTheDiskStallsAndSaysHowMuchItDropped) {
   EXPECT_FALSE(fs::exists(path_));
   LetDiskWork();
   log_.Write("robot is up");
-  ASSERT_TRUE(disk_->Flush(kPatience));
+  ASSERT_TRUE(disk_->Flush(kWaitLimit));
   const std::string text = Text();
   EXPECT_LE(text.size(), 1'100'000U);
   EXPECT_THAT(text, HasSubstr("x0\n"));
@@ -97,10 +97,10 @@ TEST_F(Log, DoesNotHoldUpTheLoopWhileTheDiskStallsAndSaysHowMuchItDropped) {
 
 TEST_F(Log, ThatWasRemovedIsMadeAgain) {
   log_.Write("one");
-  ASSERT_TRUE(disk_->Flush(kPatience));
+  ASSERT_TRUE(disk_->Flush(kWaitLimit));
   fs::remove_all(folder_ / "state");
   log_.Write("two");
-  ASSERT_TRUE(disk_->Flush(kPatience));
+  ASSERT_TRUE(disk_->Flush(kWaitLimit));
   EXPECT_THAT(Text(), EndsWith(" info: two\n"));
   EXPECT_THAT(Text(), Not(HasSubstr("one")));
 }
@@ -108,9 +108,9 @@ TEST_F(Log, ThatWasRemovedIsMadeAgain) {
 TEST_F(Log, KeepsWhatTheDiskDidNotTakeUntilItDoes) {
   std::ofstream(folder_ / "state") << "in the way";
   log_.Write("one");
-  EXPECT_FALSE(disk_->Flush(kPatience));
+  EXPECT_FALSE(disk_->Flush(kWaitLimit));
   fs::remove(folder_ / "state");
-  EXPECT_TRUE(disk_->Flush(kPatience));
+  EXPECT_TRUE(disk_->Flush(kWaitLimit));
   EXPECT_THAT(Text(), EndsWith(" info: one\n"));
 }
 

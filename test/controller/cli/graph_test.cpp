@@ -114,7 +114,7 @@ class GraphCommand : public ::testing::Test {
   const std::string config_ = folder_ / "dog.toml";
 };
 
-TEST_F(GraphCommand, PrintsTheFlowInDotUnlessToldOtherwise) {
+TEST_F(GraphCommand, PrintsTheFlowInDotByDefault) {
   const Ran ran = RunProgram({"graph", config_});
   EXPECT_EQ(ran.exit, 0);
   EXPECT_EQ(ran.out, FlowDot(RobotConfig()));

@@ -90,7 +90,7 @@ TEST_F(Stop, ReachesAllActuatorsWithoutAController) {
               HasSubstr("2 actuators are stopped; no controller leads here: `musher up FILE`"));
 }
 
-TEST_F(Stop, ReachesOneThatComesLater) {
+TEST_F(Stop, ReachesAnActuatorThatStartsLater) {
   legs_.reset();
   Engage();
   EXPECT_EQ(AfterASecond().actuators.size(), 1U);
@@ -110,7 +110,7 @@ TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
   EXPECT_EQ(EstopError(report), "stop not confirmed: eyes");
 }
 
-TEST_F(Stop, IsNotCompleteWithoutOneThatOnlyTheControllerKnows) {
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerKnows) {
   legs_.reset();
   Engage();
   msg::MachineStatus controller = Controller();
@@ -151,7 +151,7 @@ TEST_F(Stop, NamesAnActuatorWhoseProtocolHasNoStopAndDoesNotWaitForIt) {
               HasSubstr("legs  emergency stop not supported (cyberdog)\n"));
 }
 
-TEST_F(Stop, DoesNotWaitForOneThatHasCrashed) {
+TEST_F(Stop, DoesNotWaitForACrashedActuator) {
   legs_.reset();
   Engage();
   msg::MachineStatus controller = Controller();
@@ -197,7 +197,7 @@ TEST_F(Stop, ReportsTheOriginOfAnEarlierStop) {
                 "2 actuators are stopped; no upward switch until `musher estop --release`\n");
 }
 
-TEST_F(Stop, IsToldInJson) {
+TEST_F(Stop, IsPrintedAsJson) {
   legs_->Latch(3);
   eyes_.reset();
   Engage();

@@ -24,7 +24,7 @@
 
 namespace musher {
 
-// Nobody reads it but Take(): it gets full, and then takes no more.
+// Only Take() reads it: it gets full, and then accepts no more.
 class NotifySocket {
  public:
   // `path`: in a folder of the test's own, or an abstract one that begins with '@'.

@@ -37,7 +37,7 @@ class RepeatedLines : public ::testing::Test {
   Repetitions repetitions_;
 };
 
-TEST_F(RepeatedLines, OfOneThatEndsAgainAndAgainAreCountedUntilThereIsNews) {
+TEST_F(RepeatedLines, OfARepeatedlyCrashingActuatorAreCountedUntilAnotherLine) {
   EXPECT_THAT(Crash(1),
               ElementsAre("legs started (pid 401)", "legs is degraded: crashed: exit code 1",
                           "legs: restarting in 100 ms (1 of 5)"));

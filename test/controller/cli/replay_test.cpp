@@ -53,7 +53,7 @@ TEST_F(Replaying, RepeatsTheDecisionsAndReportsThatTheyAreEqual) {
               MatchesRegex("[0-9]+ inputs, [0-9]+ decisions: all as recorded"));
 }
 
-TEST_F(Replaying, EndsWithOneWhenADecisionIsAnother) {
+TEST_F(Replaying, ExitsWithOneWhenADecisionDiffers) {
   auto items = RecordedLife();
   for (JournalItem& item : items) {
     auto* entry = std::get_if<JournalEntry>(&item);

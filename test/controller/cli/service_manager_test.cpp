@@ -29,7 +29,7 @@ class Service : public ::testing::Test {
 
   void Listen() { socket_ = std::make_unique<NotifySocket>(folder_ / "notify"); }
   // The messages sent within a second without any event.
-  std::vector<std::string> ToldInASecond() {
+  std::vector<std::string> ReceivedInASecond() {
     const ServiceManager manager(loop_, config_);
     network_.RunFor(std::chrono::seconds(1));
     return socket_->Take();
@@ -104,28 +104,28 @@ TEST_F(Service, SendsThatAnotherControllerLeadsTheMachineNow) {
 TEST_F(Service, ServesItsWatchdogThreeTimesInAPeriod) {
   Listen();
   setenv("WATCHDOG_USEC", "900000", 1);
-  EXPECT_THAT(ToldInASecond(), ElementsAre("WATCHDOG=1", "WATCHDOG=1", "WATCHDOG=1"));
+  EXPECT_THAT(ReceivedInASecond(), ElementsAre("WATCHDOG=1", "WATCHDOG=1", "WATCHDOG=1"));
   setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
-  EXPECT_EQ(ToldInASecond().size(), 3U);
+  EXPECT_EQ(ReceivedInASecond().size(), 3U);
 }
 
 TEST_F(Service, PingsTheWatchdogOfTheLauncherItsParent) {
   Listen();
   setenv("WATCHDOG_USEC", "900000", 1);
   setenv("WATCHDOG_PID", std::to_string(getppid()).c_str(), 1);
-  EXPECT_EQ(ToldInASecond().size(), 3U);
+  EXPECT_EQ(ReceivedInASecond().size(), 3U);
 }
 
 TEST_F(Service, DoesNotPingTheWatchdogOfAnotherProcess) {
   Listen();
   setenv("WATCHDOG_USEC", "900000", 1);
   setenv("WATCHDOG_PID", std::to_string(getpid() + 1).c_str(), 1);
-  EXPECT_THAT(ToldInASecond(), IsEmpty());
+  EXPECT_THAT(ReceivedInASecond(), IsEmpty());
 }
 
 TEST_F(Service, HasNoWatchdogUnlessTheUnitHas) {
   Listen();
-  EXPECT_THAT(ToldInASecond(), IsEmpty());
+  EXPECT_THAT(ReceivedInASecond(), IsEmpty());
 }
 
 TEST_F(Service, DoesNothingWithoutAServiceManager) {
@@ -141,11 +141,11 @@ TEST_F(Service, DoesNothingWithoutAServiceManager) {
   EXPECT_THAT(socket_->Take(), IsEmpty());
 }
 
-// What has come, without signs of life.
-std::vector<std::string> Told(NotifySocket& socket) {
-  std::vector<std::string> told = socket.Take();
-  std::erase(told, "WATCHDOG=1");
-  return told;
+// The received messages, without heartbeats.
+std::vector<std::string> TakeReceived(NotifySocket& socket) {
+  std::vector<std::string> messages = socket.Take();
+  std::erase(messages, "WATCHDOG=1");
+  return messages;
 }
 
 // It used to stand still until systemd had read something, and the machine with it.
@@ -153,16 +153,17 @@ TEST_F(Service, DoesNotWaitForAServiceManagerThatReadsNothing) {
   Listen();
   setenv("WATCHDOG_USEC", "3000", 1);
   ServiceManager manager(loop_, config_);
-  network_.RunFor(std::chrono::seconds(5));  // far more signs of life than a socket takes
+  network_.RunFor(std::chrono::seconds(5));  // far more heartbeats than a socket accepts
   manager.Update(machine_);
   manager.StartUpEnded({true, "the machine is Active"});
   machine_.state = kLowPower;
   manager.Update(machine_);
   manager.Fenced("process 7 leads");
   network_.RunFor(std::chrono::seconds(1));
-  EXPECT_THAT(Told(*socket_), IsEmpty()) << "there was no room for it";
+  EXPECT_THAT(TakeReceived(*socket_), IsEmpty()) << "there was no room for it";
   network_.RunFor(std::chrono::seconds(1));
-  EXPECT_THAT(Told(*socket_), ElementsAre("READY=1", "STOPPING=1", "STATUS=process 7 leads"))
+  EXPECT_THAT(TakeReceived(*socket_),
+              ElementsAre("READY=1", "STOPPING=1", "STATUS=process 7 leads"))
       << "the latest of each kind";
   network_.RunFor(Milliseconds(2));
   EXPECT_THAT(socket_->Take(), Contains("WATCHDOG=1")) << "shows life again";

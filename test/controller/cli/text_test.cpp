@@ -84,7 +84,7 @@ class Note : public Text {
   }
 };
 
-TEST_F(Note, BeginsWithTheHealthOfOneThatIsNotWell) {
+TEST_F(Note, BeginsWithTheHealthOfAnActuatorThatIsNotWell) {
   EXPECT_EQ(Of([](auto& legs) { legs.health = "starved"; }), "  starved\n");
   EXPECT_EQ(Of([](auto& legs) {
               legs.health = "hung";

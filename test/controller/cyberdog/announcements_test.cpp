@@ -1,4 +1,4 @@
-// What CyberDog's manager tells by itself.
+// What CyberDog's manager publishes by itself.
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
@@ -9,7 +9,7 @@ class CyberdogAnnouncements : public ManagedRobot {
   explicit CyberdogAnnouncements(MachineConfig config = ManagedMachine(),
                                  simulation::Script script = {})
       : ManagedRobot(std::move(config), std::move(script)) {
-    Hear<msg::Bool>("ready_notify", [this](const msg::Bool& ready) {
+    Subscribe<msg::Bool>("ready_notify", [this](const msg::Bool& ready) {
       EXPECT_TRUE(ready.data);
       ++times_ready_;
     });
@@ -39,7 +39,7 @@ class ARobotThatFails : public CyberdogAnnouncements {
   ARobotThatFails()
       : CyberdogAnnouncements(Critical(), [this](const std::string& name, const State& state) {
           simulation::Act act;
-          if (name == "b" && state == fails_in_) act.error = {5001, "told to"};
+          if (name == "b" && state == fails_in_) act.error = {5001, "by the test"};
           return act;
         }) {}
   static MachineConfig Critical() {
@@ -65,7 +65,7 @@ TEST_F(ARobotThatFails, PublishesTheCodeOfADegradedSwitch) {
   EXPECT_EQ(States(), "2 2(5001)");
 }
 
-TEST_F(ARobotThatFails, SaysThatACriticalOneKeepsItFromStarting) {
+TEST_F(ARobotThatFails, SaysThatACriticalActuatorPreventsItsStart) {
   fails_in_ = kSelfCheck;
   robot_.StartController();
   robot_.RunFor(std::chrono::seconds(5));
@@ -91,7 +91,7 @@ TEST_F(CyberdogAnnouncements, TheSelfCheckIsPublishedEverySecond) {
   EXPECT_EQ(self_checks_.back().code, msg::SelfCheckStatus::kAllFine);
 }
 
-// One that takes two seconds to check itself, and one of the second stage that takes as long.
+// An actuator whose self-check takes two seconds, and one of the second stage that takes as long.
 class ASlowRobot : public CyberdogAnnouncements {
  protected:
   ASlowRobot()

@@ -37,18 +37,19 @@ TEST_F(CyberdogInformation, TheBatteryIsTheLastReceivedSample) {
 
 TEST_F(CyberdogInformation, ErrorsOfModulesArePassedOnAsJson) {
   BringUp();
-  std::vector<std::string> told;
-  Hear<msg::String>("manager_errors", [&](const msg::String& text) { told.push_back(text.data); });
-  const auto error = Tell<msg::NodeError>("node_errors");
+  std::vector<std::string> received;
+  Subscribe<msg::String>("manager_errors",
+                         [&](const msg::String& text) { received.push_back(text.data); });
+  const auto error = PublishFunction<msg::NodeError>("node_errors");
   Settle();
   error({"audio", 5009});
   error({"a \"name\"\n\xff", -3});
   error({std::string(100'000, 'x'), 1});
   Settle();
-  ASSERT_EQ(told.size(), 3U);
-  EXPECT_EQ(told[0], R"({"name":"audio","code":5009})");
-  EXPECT_EQ(Json::parse(told[1])["code"], -3);
-  EXPECT_LT(told[2].size(), 1000U);
+  ASSERT_EQ(received.size(), 3U);
+  EXPECT_EQ(received[0], R"({"name":"audio","code":5009})");
+  EXPECT_EQ(Json::parse(received[1])["code"], -3);
+  EXPECT_LT(received[2].size(), 1000U);
 }
 
 TEST_F(CyberdogInformation, OnlyRequestedFieldsAreAnswered) {
@@ -77,15 +78,15 @@ TEST_F(CyberdogInformation, WhatIsNotKnownIsNull) {
 }
 
 TEST_F(CyberdogInformation, TheSerialNumberAndTheAccountAreAnsweredAndPublished) {
-  std::vector<std::string> told;
-  Hear<msg::String>("dog_sn", [&](const msg::String& text) { told.push_back(text.data); });
+  std::vector<std::string> received;
+  Subscribe<msg::String>("dog_sn", [&](const msg::String& text) { received.push_back(text.data); });
   BringUp();
   robot_.RunFor(std::chrono::seconds(70));
-  EXPECT_NEAR(static_cast<double>(told.size()), 600, 20) << "for a minute";
-  EXPECT_EQ(told[0], "SIMULATED-1");
+  EXPECT_NEAR(static_cast<double>(received.size()), 600, 20) << "for a minute";
+  EXPECT_EQ(received[0], "SIMULATED-1");
   EXPECT_EQ(Trigger("get_dog_sn").message, "SIMULATED-1");
   EXPECT_EQ(Call<msg::UidSn>("uid_sn"), (msg::UidSn::Response{"", "SIMULATED-1", 0}));
-  const auto set_uid = Tell<msg::String>("uid_set");
+  const auto set_uid = PublishFunction<msg::String>("uid_set");
   Settle();
   set_uid({"account 7"});
   Settle();

@@ -34,11 +34,11 @@ class ManagedRobot : public ::testing::Test {
  protected:
   explicit ManagedRobot(MachineConfig config = ManagedMachine(), simulation::Script script = {})
       : robot_(1, std::move(config), std::move(script)), app_(robot_.network().MakeNode("app")) {
-    Hear<msg::StateSwitchStatus>("state_switch_status",
-                                 [this](const auto& status) { states_.push_back(status); });
-    Hear<msg::SelfCheckStatus>("self_check_status",
-                               [this](const auto& status) { self_checks_.push_back(status); });
-    battery_ = Tell<msg::BmsStatus>("bms_status");
+    Subscribe<msg::StateSwitchStatus>("state_switch_status",
+                                      [this](const auto& status) { states_.push_back(status); });
+    Subscribe<msg::SelfCheckStatus>("self_check_status",
+                                    [this](const auto& status) { self_checks_.push_back(status); });
+    battery_ = PublishFunction<msg::BmsStatus>("bms_status");
     robot_.on_record = [this](const action::Record& record) { records_.push_back(record); };
   }
 
@@ -73,7 +73,7 @@ class ManagedRobot : public ::testing::Test {
   msg::SetBool::Response SetBool(const std::string& name, bool data) {
     return Call<msg::SetBool>(name, {data});
   }
-  // Asks for a state by its number, to be kept for so many seconds.
+  // Requests a state by its number, to be kept for so many seconds.
   msg::MachineState::Response Keep(std::uint8_t number, std::uint16_t ticks = 0) {
     return Call<msg::MachineState>("machine_state_switch_keep", {number, ticks});
   }
@@ -87,13 +87,13 @@ class ManagedRobot : public ::testing::Test {
   }
 
   template <msg::Message M>
-  std::function<void(const M&)> Tell(const std::string& name) {
+  std::function<void(const M&)> PublishFunction(const std::string& name) {
     return [publisher = std::shared_ptr(transport::MakePublisher<M>(*app_, "dog/" + name).value())](
                const M& sample) { ASSERT_TRUE(publisher->Publish(sample).ok()); };
   }
   template <msg::Message M>
-  void Hear(const std::string& name, std::function<void(const M&)> handler) {
-    heard_.push_back(
+  void Subscribe(const std::string& name, std::function<void(const M&)> handler) {
+    subscriptions_.push_back(
         transport::MakeSubscription<M>(
             *app_, "dog/" + name,
             [handler](const M& sample, const transport::SampleInfo&) { handler(sample); })
@@ -120,7 +120,7 @@ class ManagedRobot : public ::testing::Test {
 
   simulation::SimRobot robot_;
   std::unique_ptr<transport::Node> app_;
-  std::vector<std::unique_ptr<transport::Subscription>> heard_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
   std::function<void(const msg::BmsStatus&)> battery_;
   std::vector<msg::StateSwitchStatus> states_;
   std::vector<msg::SelfCheckStatus> self_checks_;

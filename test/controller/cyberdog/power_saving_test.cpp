@@ -107,9 +107,9 @@ TEST_F(PowerSavingTest, DoesNotHoldUpATearDown) {
   Take("LowPower");
   Calls();
   refusals_ = 100;
-  const auto tell = Tell<msg::UInt8>("machine_state_switch");
+  const auto publish = PublishFunction<msg::UInt8>("machine_state_switch");
   Settle();
-  tell({4});  // CyberDog's number of TearDown
+  publish({4});  // CyberDog's number of TearDown
   robot_.RunFor(Milliseconds(500));
   EXPECT_EQ(state(), "TearDown");
 }

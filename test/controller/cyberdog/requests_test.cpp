@@ -1,4 +1,4 @@
-// What the dog's app asks its manager for, and the answers by CyberDog's tables.
+// The requests of the dog's app to its manager, and the replies by CyberDog's tables.
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
@@ -14,7 +14,7 @@ constexpr std::uint8_t kActiveNumber = 0, kProtectNumber = 1, kLowPowerNumber = 
 class CyberdogRequests : public ManagedRobot {
  protected:
   void SwitchTo(std::uint8_t number) {
-    if (!switch_) switch_ = Tell<msg::UInt8>("machine_state_switch");
+    if (!switch_) switch_ = PublishFunction<msg::UInt8>("machine_state_switch");
     Settle();
     switch_({number});
     Settle();
@@ -76,15 +76,16 @@ TEST_F(CyberdogRequests, ADirectSwitchOutsideTheFlowIsRefusedWithACodeAndARecord
 }
 
 // CyberDog's table of rules: where the robot is, what is wanted, what comes of it.
-struct Wish {
+struct StateRequest {
   const char* from;
   std::uint8_t number;
   const char* to;  // empty: refused
 };
 
-class WishFrom : public CyberdogRequests, public ::testing::WithParamInterface<Wish> {};
+class StateRequestFrom : public CyberdogRequests,
+                         public ::testing::WithParamInterface<StateRequest> {};
 
-TEST_P(WishFrom, IsFulfilledOrRefusedAsTheTableSays) {
+TEST_P(StateRequestFrom, IsFulfilledOrRefusedAsTheTableSays) {
   const auto [from, number, to] = GetParam();
   const bool refused = std::string(to).empty();
   BringUp();
@@ -95,22 +96,29 @@ TEST_P(WishFrom, IsFulfilledOrRefusedAsTheTableSays) {
   EXPECT_EQ(state(), refused ? from : to);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Table, WishFrom,
-    ::testing::Values(
-        Wish{"OTA", kActiveNumber, ""}, Wish{"OTA", kProtectNumber, ""},
-        Wish{"OTA", kLowPowerNumber, ""}, Wish{"OTA", kOtaNumber, "OTA"},
-        Wish{"OTA", kShutdownNumber, ""}, Wish{"LowPower", kActiveNumber, "Active"},
-        Wish{"LowPower", kProtectNumber, "Protected"},
-        Wish{"LowPower", kLowPowerNumber, "LowPower"}, Wish{"LowPower", kOtaNumber, "OTA"},
-        Wish{"LowPower", kShutdownNumber, "TearDown"}, Wish{"Active", kActiveNumber, "Active"},
-        Wish{"Active", kProtectNumber, "Protected"}, Wish{"Active", kLowPowerNumber, "LowPower"},
-        Wish{"Active", kOtaNumber, "OTA"}, Wish{"Active", kShutdownNumber, "TearDown"},
-        Wish{"Protected", kActiveNumber, "Active"}, Wish{"Protected", kLowPowerNumber, "LowPower"},
-        Wish{"Protected", kOtaNumber, "OTA"}),
-    [](const auto& wish) {
-      return std::string(wish.param.from) + "To" + std::to_string(wish.param.number);
-    });
+INSTANTIATE_TEST_SUITE_P(Table, StateRequestFrom,
+                         ::testing::Values(StateRequest{"OTA", kActiveNumber, ""},
+                                           StateRequest{"OTA", kProtectNumber, ""},
+                                           StateRequest{"OTA", kLowPowerNumber, ""},
+                                           StateRequest{"OTA", kOtaNumber, "OTA"},
+                                           StateRequest{"OTA", kShutdownNumber, ""},
+                                           StateRequest{"LowPower", kActiveNumber, "Active"},
+                                           StateRequest{"LowPower", kProtectNumber, "Protected"},
+                                           StateRequest{"LowPower", kLowPowerNumber, "LowPower"},
+                                           StateRequest{"LowPower", kOtaNumber, "OTA"},
+                                           StateRequest{"LowPower", kShutdownNumber, "TearDown"},
+                                           StateRequest{"Active", kActiveNumber, "Active"},
+                                           StateRequest{"Active", kProtectNumber, "Protected"},
+                                           StateRequest{"Active", kLowPowerNumber, "LowPower"},
+                                           StateRequest{"Active", kOtaNumber, "OTA"},
+                                           StateRequest{"Active", kShutdownNumber, "TearDown"},
+                                           StateRequest{"Protected", kActiveNumber, "Active"},
+                                           StateRequest{"Protected", kLowPowerNumber, "LowPower"},
+                                           StateRequest{"Protected", kOtaNumber, "OTA"}),
+                         [](const auto& request) {
+                           return std::string(request.param.from) + "To" +
+                                  std::to_string(request.param.number);
+                         });
 
 class CyberdogBusy : public ManagedRobot {
  protected:
@@ -207,7 +215,7 @@ TEST_F(CyberdogRequests, LowPowerHasASwitchAndAWayOut) {
 
 TEST_F(CyberdogRequests, TheWakeWordWakesItFromLowPowerAsFarAsTheBatteryAllows) {
   BringUp();
-  const auto wake = Tell<msg::Bool>("dog_wakeup");
+  const auto wake = PublishFunction<msg::Bool>("dog_wakeup");
   Settle();
   SetBattery(80);
   Records();

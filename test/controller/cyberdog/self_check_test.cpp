@@ -61,7 +61,7 @@ TEST_F(SelfChecks, OfADegradedActiveActuatorNameThePartAndThatTheStartContinues)
   EXPECT_EQ(SelfCheckOf(config_, machine_).code, msg::SelfCheckStatus::kFailedStarted);
 }
 
-TEST_F(SelfChecks, KnowNothingOfOneThatHasNotBeenChecked) {
+TEST_F(SelfChecks, KnowNothingOfAnUncheckedActuator) {
   machine_.actuators[0].checked = false;
   machine_.actuators[1].checked = false;
   const Json json = Described();
@@ -85,9 +85,10 @@ TEST_F(SelfChecks, SplitASumIntoTheDevicesThatFailed) {
   EXPECT_EQ(json["sensor"], Json({{"lidar", 2109}, {"tof", 2209}, {"others", 0}}));
 }
 
-// Found when the device manager gave one code for several devices: the others were told to be well.
+// Found when the device manager gave one code for several devices: the others were reported as
+// well.
 TEST_F(SelfChecks, FindThePartsThatOnlyTheMessageNames) {
-  machine_.actuators[1].fault = Error{1109, "led: nobody shows it, 1109; uwb: silent, 1609"};
+  machine_.actuators[1].fault = Error{1109, "led: no driver, 1109; uwb: silent, 1609"};
   machine_.actuators[2].fault = Error{2309, "ultrasonic: silent, 2309; gps: silent, 2409"};
   const Json json = Described();
   EXPECT_EQ(json["device"]["led"], 1109);

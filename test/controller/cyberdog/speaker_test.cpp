@@ -1,5 +1,5 @@
-// The manager's voice on the wire: a simulated robot with an audio module that writes down what it
-// is asked to play.
+// The manager's voice on the wire: a simulated robot with an audio module that records its play
+// requests.
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
@@ -18,9 +18,9 @@ class ASpeakingRobot : public ManagedRobot {
  protected:
   explicit ASpeakingRobot(MachineConfig config = WithAudio(), simulation::Script script = {})
       : ManagedRobot(std::move(config), std::move(script)),
-        tap_(Tell<msg::TouchStatus>("touch_status")),
-        app_connects_(Tell<msg::Bool>("app_connection_state")),
-        wake_word_(Tell<msg::Bool>("dog_wakeup")) {}
+        tap_(PublishFunction<msg::TouchStatus>("touch_status")),
+        app_connects_(PublishFunction<msg::Bool>("app_connection_state")),
+        wake_word_(PublishFunction<msg::Bool>("dog_wakeup")) {}
 
   static MachineConfig WithAudio() {
     MachineConfig config = ManagedMachine();
@@ -95,7 +95,7 @@ TEST_F(ASpeakingRobot, SaysTheLevelsOfItsBatteryAndThatItIsTornDown) {
   EXPECT_THAT(Said(), ElementsAre("10030", "10020", "10005"));
   SetBattery(0);
   EXPECT_THAT(Said(seconds(0)), ElementsAre("10000"));
-  EXPECT_EQ(state(), kLowPower) << "the word is heard before the voice is torn down";
+  EXPECT_EQ(state(), kLowPower) << "the word is played before the voice is torn down";
   EXPECT_TRUE(robot_.RunUntil([&] { return state() == kTearDown; }, seconds(3)));
 }
 

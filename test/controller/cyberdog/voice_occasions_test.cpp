@@ -8,23 +8,23 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// --- who touches it ---
+// --- touches ---
 
 TEST_F(Voices, ADoubleTapIsAnsweredWithTheChargeAtMostEveryTwoSeconds) {
   BringUp();
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   Wait(Milliseconds(1999));
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   Wait(Milliseconds(1));
   EXPECT_THAT(Said(seconds(0)), ElementsAre("1080"));
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), ElementsAre("1080"));
 }
 
 TEST_F(Voices, ATapIsAnsweredBeforeWhatElseWaits) {
   machine_.battery = 50;
   Start();
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), ElementsAre("9000", "1050", "60"));
 }
 
@@ -32,7 +32,7 @@ TEST_F(Voices, AnUnknownChargeIsSaidAsASentence) {
   BringUp();
   machine_.battery_silent = true;
   Show();
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), ElementsAre("the charge of the battery is not known"));
 }
 
@@ -98,30 +98,30 @@ TEST_F(Voices, ALongSentenceIsCutBetweenCharacters) {
 
 TEST_F(Voices, TheFirstAppIsGreetedAndThenTheRobotStandsUp) {
   BringUp();
-  Hear(voice_event::AppConnected{});
+  Feed(voice_event::AppConnected{});
   EXPECT_THAT(Said(), ElementsAre("2002", "stand up"));
-  Hear(voice_event::AppConnected{});
+  Feed(voice_event::AppConnected{});
   EXPECT_THAT(Said(), IsEmpty());
 }
 
 TEST_F(Voices, ARobotThatIsChargedOrRestsOrStartsDoesNotStandUpForTheApp) {
   machine_.phase = Phase::kStarting;
   Show();
-  Hear(voice_event::AppConnected{});
+  Feed(voice_event::AppConnected{});
   BringUp();
   SetBattery(80, true);
-  Hear(voice_event::AppConnected{});
+  Feed(voice_event::AppConnected{});
   SetBattery(80, false);
   machine_.state = kLowPower;
   Show();
-  Hear(voice_event::AppConnected{});
+  Feed(voice_event::AppConnected{});
   EXPECT_THAT(Said(), IsEmpty());
 }
 
 TEST_F(Voices, TheRobotStandsUpForTheAppAlsoWithoutAVoice) {
   BringUp();
-  Hear(voice_event::PlayerMatched{false});
-  Hear(voice_event::AppConnected{});
+  Feed(voice_event::PlayerMatched{false});
+  Feed(voice_event::AppConnected{});
   EXPECT_THAT(Said(), ElementsAre("stand up"));
 }
 
@@ -131,8 +131,8 @@ TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreSaid) {
   SetBattery(3);
   Record("policy", 0, 113, "refused");
   Record("switch", 4, 2112, "undone");
-  Hear(voice_event::AppConnected{});
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::AppConnected{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), ElementsAre("1003"));
 }
 
@@ -142,7 +142,7 @@ TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndSaysTheRestAwake) {
   machine_.state = kLowPower;
   SetBattery(18);
   Record("policy", 0, 113, "wake-up refused");
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), ElementsAre("1018"));
   machine_.state = kProtected;
   Show();
@@ -151,7 +151,7 @@ TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndSaysTheRestAwake) {
 
 TEST_F(Voices, ATornDownRobotSaysNothingMore) {
   BringUp();
-  Hear(voice_event::PlayReported{true});
+  Feed(voice_event::PlayReported{true});
   SetBattery(15);
   machine_.phase = Phase::kStopping;
   Show();
@@ -163,11 +163,11 @@ TEST_F(Voices, ATornDownRobotSaysNothingMore) {
 TEST_F(Voices, AWorldThatBeginsAgainTakesNoTimeFromWhatWaits) {
   answers_ = false;
   BringUp();
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   Wait(seconds(2));
   now_ = Time{seconds(5)};
-  Hear(voice_event::TimePassed{});
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::TimePassed{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(Milliseconds(3999)), ElementsAre("1080"));
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("1080"));
 }

@@ -62,7 +62,7 @@ VoiceEvent Anything(const VoiceState& voice) {
   }
 }
 
-// Lives on: something is heard after up to three seconds, deadlines come in between.
+// Advances the time: an event arrives after up to three seconds, deadlines pass in between.
 class Life {
  public:
   void Live(int steps) {
@@ -122,13 +122,13 @@ RC_GTEST_PROP(VoiceProperty, AQuietSleeperIsQuiet, ()) {
   config.policy->voice.quiet_asleep = true;
   VoiceState voice;
   Time now{std::chrono::seconds(100)};
-  const auto hear = [&](const VoiceEvent& what) { return Speak(config, voice, what, now); };
+  const auto feed = [&](const VoiceEvent& what) { return Speak(config, voice, what, now); };
   MachineView machine;
   machine.phase = Phase::kRunning;
   machine.state = kLowPower;
   machine.adopted = true;
   machine.battery = 50;
-  hear(voice_event::MachineSeen{machine});
+  feed(voice_event::MachineSeen{machine});
   for (int i = 0; i < 50; ++i) {
     VoiceEvent what = Anything(voice);
     if (auto* seen = std::get_if<voice_event::MachineSeen>(&what)) {
@@ -136,7 +136,7 @@ RC_GTEST_PROP(VoiceProperty, AQuietSleeperIsQuiet, ()) {
       seen->machine.state = kLowPower;
     }
     now += Milliseconds(*rc::gen::inRange(0, 3000));
-    for (const VoiceAction& action : hear(what)) {
+    for (const VoiceAction& action : feed(what)) {
       const auto* play = std::get_if<voice_action::Play>(&action);
       if (play == nullptr) continue;
       const std::uint16_t id = play->utterance.id;

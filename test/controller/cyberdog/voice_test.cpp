@@ -67,18 +67,18 @@ TEST_F(Voices, AControllerThatAdoptsARunningRobotDoesNotSayReadyAgain) {
 }
 
 TEST_F(Voices, ReadyWaitsUntilTheAudioIsFree) {
-  Hear(voice_event::PlayReported{true});
+  Feed(voice_event::PlayReported{true});
   Start();
   for (int i = 0; i < 6; ++i) {
     EXPECT_THAT(Said(Milliseconds(500)), IsEmpty());
-    Hear(voice_event::PlayReported{true});
+    Feed(voice_event::PlayReported{true});
   }
-  Hear(voice_event::PlayReported{false});
+  Feed(voice_event::PlayReported{false});
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
 }
 
 TEST_F(Voices, AReporterThatFallsSilentPlaysNoMore) {
-  Hear(voice_event::PlayReported{true});
+  Feed(voice_event::PlayReported{true});
   Start();
   EXPECT_THAT(Said(Milliseconds(799)), IsEmpty());
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("9000"));
@@ -87,19 +87,19 @@ TEST_F(Voices, AReporterThatFallsSilentPlaysNoMore) {
 // --- a player that is not there, or does not answer ---
 
 TEST_F(Voices, WithoutAPlayerNothingIsSaidAndThatIsReportedOnce) {
-  Hear(voice_event::PlayerMatched{false});
+  Feed(voice_event::PlayerMatched{false});
   Start();
   EXPECT_THAT(Said(), ElementsAre("(dropped)"));
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(), IsEmpty());
   EXPECT_EQ(NextVoiceDeadline(voice_), std::nullopt);
 }
 
 TEST_F(Voices, APlayerThatComesInTimeIsStillUsed) {
-  Hear(voice_event::PlayerMatched{false});
+  Feed(voice_event::PlayerMatched{false});
   Start();
   EXPECT_THAT(Said(seconds(5)), IsEmpty());
-  Hear(voice_event::PlayerMatched{true});
+  Feed(voice_event::PlayerMatched{true});
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
 }
 
@@ -108,16 +108,16 @@ TEST_F(Voices, ASilentPlayerIsWaitedForSixSecondsAndThenTheNextIsSent) {
   Start();
   EXPECT_THAT(Said(Milliseconds(5999)), ElementsAre("9000"));
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("60"));
-  Hear(voice_event::PlayEnded{1});  // the first one answers after all
-  Hear(voice_event::DoubleTapped{});
+  Feed(voice_event::PlayEnded{1});  // the first one answers after all
+  Feed(voice_event::DoubleTapped{});
   EXPECT_THAT(Said(Milliseconds(5999)), IsEmpty()) << "one at a time";
 }
 
 TEST_F(Voices, APlayerThatIsLostEndsItsUtterance) {
   answers_ = false;
   Start();
-  Hear(voice_event::PlayerMatched{false});
-  Hear(voice_event::PlayerMatched{true});
+  Feed(voice_event::PlayerMatched{false});
+  Feed(voice_event::PlayerMatched{true});
   EXPECT_THAT(Said(seconds(0)), ElementsAre("9000", "60"));
 }
 

@@ -26,10 +26,10 @@ class Voices : public ::testing::Test {
  protected:
   Voices() {
     machine_.state = kActive;
-    Hear(voice_event::PlayerMatched{true});
+    Feed(voice_event::PlayerMatched{true});
   }
 
-  void Hear(const VoiceEvent& event) {
+  void Feed(const VoiceEvent& event) {
     for (const VoiceAction& action : Speak(config_, voice_, event, now_)) {
       if (const auto* play = std::get_if<voice_action::Play>(&action)) {
         const Utterance& u = play->utterance;
@@ -42,7 +42,7 @@ class Voices : public ::testing::Test {
       }
     }
   }
-  void Show() { Hear(voice_event::MachineSeen{machine_}); }
+  void Show() { Feed(voice_event::MachineSeen{machine_}); }
   void Wait(Duration duration) {
     const Time end = now_ + duration;
     while (true) {
@@ -52,9 +52,9 @@ class Voices : public ::testing::Test {
       now_ = std::max(now_, at);
       if (answer_at_ && *answer_at_ <= now_) {
         answer_at_.reset();
-        Hear(voice_event::PlayEnded{voice_.number});
+        Feed(voice_event::PlayEnded{voice_.number});
       } else {
-        Hear(voice_event::TimePassed{});
+        Feed(voice_event::TimePassed{});
       }
       if (now_ >= end) break;
     }
@@ -89,7 +89,7 @@ class Voices : public ::testing::Test {
   }
   void Record(const std::string& kind, std::uint64_t number, std::int32_t code,
               const std::string& message = "") {
-    Hear(voice_event::Recorded{{kind, std::nullopt, number, code, message}});
+    Feed(voice_event::Recorded{{kind, std::nullopt, number, code, message}});
   }
 
   MachineConfig config_ = ManagedConfig();

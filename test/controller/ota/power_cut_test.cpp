@@ -1,4 +1,4 @@
-// The power goes at any moment of an upgrade. Whatever the disk then makes of what was not synced,
+// The power fails at any time of an upgrade. Whatever the disk has kept of the unsynced data,
 // the robot starts a version that is whole, and can be upgraded.
 
 #include <set>
@@ -12,7 +12,7 @@ using Lost = SimDisk::Lost;
 // Goes through a robot's life and cuts the power at each of its steps.
 class Life {
  public:
-  // `seeds`: so many ways in which some is lost, for each moment.
+  // `seeds`: the number of random losses for each time.
   Life(std::unique_ptr<SimDisk> disk, int seeds) : seeds_(seeds), disk_(std::move(disk)) {
     disk_->on_step = [this](const std::string& what) { CutHere(what); };
   }
@@ -50,12 +50,12 @@ class Life {
   }
 
   void CutHere(const std::string& what) {
-    Judge(what, Lost::kAll, 0);
-    Judge(what, Lost::kNothing, 0);
-    for (int i = 0; i < seeds_; ++i) Judge(what, Lost::kSome, seed_++);
+    CheckAfterCut(what, Lost::kAll, 0);
+    CheckAfterCut(what, Lost::kNothing, 0);
+    for (int i = 0; i < seeds_; ++i) CheckAfterCut(what, Lost::kSome, seed_++);
   }
 
-  void Judge(const std::string& what, Lost lost, std::uint64_t seed) {
+  void CheckAfterCut(const std::string& what, Lost lost, std::uint64_t seed) {
     ++cuts_;
     const auto disk = disk_->AfterPowerCut(lost, seed);
     const std::string fault = FaultOf(*disk);

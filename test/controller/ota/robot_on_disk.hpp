@@ -80,7 +80,7 @@ inline Result<> Install(Disk& disk, const std::string& bundle, InstallOptions op
   return steps.MarkTrialBoot();
 }
 
-// Whether a slot has exactly the files of a version, judged without the code under test.
+// Whether a slot has exactly the files of a version, checked without the code under test.
 inline bool Holds(const SimDisk& disk, Slot slot, const std::string& version) {
   const std::string folder = std::string(kRoot) + "/slots/" + std::string(SlotName(slot));
   for (const auto& [path, content] : FilesOf(version)) {

@@ -41,12 +41,12 @@ class SimDisk::SimWriter : public Disk::Writer {
       return step;
     }
     const std::size_t begin = node_->data.size();
-    std::size_t told = 0;
+    std::size_t reported = 0;
     for (const std::size_t part : {std::size_t{1}, bytes.size() / 2, bytes.size() - 1}) {
-      if (part <= told || part >= bytes.size()) continue;
+      if (part <= reported || part >= bytes.size()) continue;
       node_->data.resize(begin);
       node_->data += bytes.substr(0, part);
-      told = part;
+      reported = part;
       if (disk_.on_step) disk_.on_step("write " + path_ + ", after " + std::to_string(part));
     }
     node_->data.resize(begin);

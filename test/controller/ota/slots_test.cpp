@@ -67,7 +67,7 @@ TEST(SlotStates, SurviveTheDisk) {
   }
 }
 
-TEST(SlotStates, ThatWereAlteredAnywhereAreNotBelieved) {
+TEST(SlotStates, ThatWereAlteredAnywhereAreRejected) {
   const std::string whole = FormatState({Slot::kB, true, false, true, {}});
   for (std::size_t i = 0; i < whole.size(); ++i) {
     std::string altered = whole;

@@ -1,4 +1,4 @@
-// Whether a new version stays, judged from the machine.
+// Whether a new version stays, by the state of the machine.
 
 #include "musher/controller/ota/trial_boot.hpp"
 
@@ -69,7 +69,7 @@ TEST_F(Trials, WaitForACriticalActuatorThatIsStartedAgain) {
   EXPECT_EQ(Verdict(), "not known");
 }
 
-TEST_F(Trials, EndWellWithoutOneThatIsNotCritical) {
+TEST_F(Trials, SucceedWithoutANonCriticalActuator) {
   machine_.actuators[1].fault = Error{kCodeFailed, "no loudspeaker"};
   machine_.actuators[1].presence = Presence::kLost;
   EXPECT_EQ(Verdict(), "kept");

@@ -78,27 +78,27 @@ TEST(Encoding, OfTheEndOfAProcessHasItsExitCodeAndReadsEndsWithoutOne) {
 }
 
 TEST(Encoding, SaysWhereItCannotBeRead) {
-  const auto complaint = [](const char* text) {
+  const auto error_of = [](const char* text) {
     const auto read = DecodeEvent(text);
     return read.ok() ? "" : read.error().message;
   };
-  EXPECT_EQ(complaint(R"({"event":"Slept","now":1})"), "event: 'Slept' is not known");
-  EXPECT_EQ(complaint(R"({"event":"TimePassed"})"),
+  EXPECT_EQ(error_of(R"({"event":"Slept","now":1})"), "event: 'Slept' is not known");
+  EXPECT_EQ(error_of(R"({"event":"TimePassed"})"),
             "now: expected a whole number that fits, found null");
-  EXPECT_EQ(complaint(R"([])"), "expected an object, found []");
-  EXPECT_EQ(complaint(R"({"event":"StatusSeen","now":1,"report":{"pid":"x"}})"),
+  EXPECT_EQ(error_of(R"([])"), "expected an object, found []");
+  EXPECT_EQ(error_of(R"({"event":"StatusSeen","now":1,"report":{"pid":"x"}})"),
             "report.pid: expected a whole number that fits, found \"x\"");
-  EXPECT_EQ(complaint(R"({"event":"StatusSeen","now":1,"report":{"pid":4294967296}})"),
+  EXPECT_EQ(error_of(R"({"event":"StatusSeen","now":1,"report":{"pid":4294967296}})"),
             "report.pid: expected a whole number that fits, found 4294967296");
-  EXPECT_EQ(complaint(R"({"event":"Begin","now":1,"running":[true,2]})"),
+  EXPECT_EQ(error_of(R"({"event":"Begin","now":1,"running":[true,2]})"),
             "running[1]: expected true or false, found 2");
-  EXPECT_EQ(complaint(R"({"event":"Replied","now":1,"verdict":"maybe"})"),
+  EXPECT_EQ(error_of(R"({"event":"Replied","now":1,"verdict":"maybe"})"),
             "verdict: expected one of done, refused, failed, found \"maybe\"");
-  EXPECT_EQ(complaint(R"({"event":"Vanished","now":1,"how":{"hex":"0g"}})"),
+  EXPECT_EQ(error_of(R"({"event":"Vanished","now":1,"how":{"hex":"0g"}})"),
             "how: expected pairs of hex digits, found \"0g\"");
-  EXPECT_EQ(complaint(R"({"event":"TimePassed","now":-9223372036854775807})"),
+  EXPECT_EQ(error_of(R"({"event":"TimePassed","now":-9223372036854775807})"),
             "now: expected a time that can be computed with, found -9223372036854775807");
-  EXPECT_THAT(complaint(R"({"event":)"), HasSubstr("line 1, column 10"));
+  EXPECT_THAT(error_of(R"({"event":)"), HasSubstr("line 1, column 10"));
 }
 
 }  // namespace musher::recording::encoding_test

@@ -112,9 +112,9 @@ void Link::Take(int from, int to, const LinkImpairment& impairment) {
   for (int i = 0; i < kBatch; ++i) {
     const ssize_t size = read(from, frame.data(), frame.size());
     if (size <= 0) return;
-    const int copies = random_.Chance(impairment.duplicate_percent) ? 2 : 1;
+    const int copies = random_.Bernoulli(impairment.duplicate_percent) ? 2 : 1;
     for (int copy = 0; copy < copies; ++copy) {
-      if (random_.Chance(impairment.loss_percent)) continue;
+      if (random_.Bernoulli(impairment.loss_percent)) continue;
       const Duration more = impairment.jitter > Duration::zero()
                                 ? Duration(random_.Between(0, impairment.jitter.count()))
                                 : Duration::zero();

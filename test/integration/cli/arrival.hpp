@@ -5,7 +5,7 @@
 
 namespace musher::testing {
 
-// Every actuator is there and at rest, and in the machine's state if it may go up.
+// Every actuator is present and at rest, and in the machine's state if it may go up.
 inline bool AllHaveArrived(const nlohmann::json& status) {
   for (const auto& actuator : status["actuators"]) {
     if (actuator["presence"] != "present" || actuator["target"] != "") return false;

@@ -1,4 +1,4 @@
-// What the robot can do now, as people and scripts ask for it.
+// What the robot can do now, as people and scripts query it.
 
 #include "musher/test/integration/cli/machine.hpp"
 

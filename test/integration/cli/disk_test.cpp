@@ -20,7 +20,7 @@ class Disk : public MachineByCli {
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");
   }
   // Of legs, which is restarted on failure.
-  void ExpectThatOneThatDiesComesBack() const {
+  void ExpectACrashedActuatorIsRestarted() const {
     const pid_t before = Status()["actuators"]["legs"]["pid"];
     kill(before, SIGKILL);
     ASSERT_NE(up_->LineWith("legs: Active done"), "");
@@ -48,7 +48,7 @@ TEST_F(Disk, WithAFileSizeLimitIsReportedAndDoesNotEndTheController) {
 TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {
   ASSERT_NO_FATAL_FAILURE(Start());
   std::filesystem::remove_all(folder_ / "state");
-  ExpectThatOneThatDiesComesBack();
+  ExpectACrashedActuatorIsRestarted();
   // The controller looks once a second.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   const std::string log = folder_ / "state/logs/legs.log";

@@ -22,7 +22,7 @@ class EmergencyStop : public MachineByCli {
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");
     ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
   }
-  // The controller dies, its actuators go on.
+  // The controller exits, its actuators continue.
   void LoseController() {
     kill(Status()["pid"].get<pid_t>(), SIGKILL);
     EXPECT_EQ(up_->Wait().exit, 1);
@@ -39,18 +39,19 @@ class EmergencyStop : public MachineByCli {
     EXPECT_THAT(set.err, HasSubstr("an emergency stop is engaged"));
   }
 
-  // Until an actuator tells something that is so, half a minute at most; whether one has.
+  // Waits until the status of an actuator is so, half a minute at most; returns whether one was.
   bool AwaitReport(const std::function<bool(const msg::ActuatorStatus&)>& is_so) const {
     transport::LinuxEventLoop loop;
     const auto node = transport::MakeDdsNode(loop, {}).value();
-    bool told = false;
-    const auto reports =
-        transport::MakeSubscription<msg::ActuatorStatus>(
-            *node, transport::ActuatorStatusTopic(name_space_),
-            [&](const msg::ActuatorStatus& report, const auto&) { told = told || is_so(report); },
-            transport::kLatchedFromManyQos)
-            .value();
-    return loop.RunUntil([&] { return told; }, loop.Now() + std::chrono::seconds(30));
+    bool reported = false;
+    const auto reports = transport::MakeSubscription<msg::ActuatorStatus>(
+                             *node, transport::ActuatorStatusTopic(name_space_),
+                             [&](const msg::ActuatorStatus& report, const auto&) {
+                               reported = reported || is_so(report);
+                             },
+                             transport::kLatchedFromManyQos)
+                             .value();
+    return loop.RunUntil([&] { return reported; }, loop.Now() + std::chrono::seconds(30));
   }
 
   // Until the controller has recorded it, half a minute at most.
@@ -82,7 +83,7 @@ TEST_F(EmergencyStop, IsLatchedByEveryActuatorAndLetsNothingGoUp) {
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("EMERGENCY STOP by "));
 }
 
-// Two panels on the wall, which go on saying "engaged", and a controller that is started again.
+// Two panels on the wall, which continue to publish "engaged", and a restarted controller.
 TEST_F(EmergencyStop, AReleasedStopStaysReleasedForTheNextControllerThoughItsPanelsLiveOn) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto panels = transport::NodeThread::Start({}).value();
@@ -157,7 +158,7 @@ TEST_F(EmergencyStop, HoldsAnActiveRobotUntilItsStateIsSetAgainAfterTheRelease) 
   EXPECT_EQ(Status()["held_by_stop"], nlohmann::json::array());
 }
 
-TEST_F(EmergencyStop, SurvivesTheDeathOfTheController) {
+TEST_F(EmergencyStop, SurvivesACrashOfTheController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto report = Estop();
   LoseController();
@@ -176,7 +177,7 @@ TEST_F(EmergencyStop, IsLatchedByAnActuatorThatIsRestartedMeanwhile) {
   ASSERT_NE(up_->LineWith("voice: SelfCheck done"), "");
   ASSERT_TRUE(AwaitReport([voice](const msg::ActuatorStatus& report) {
     return report.name == "voice" && report.pid != voice && report.emergency_stop != 0;
-  })) << "it has not latched the stop that it was told of as it came";
+  })) << "it has not latched the stop that was engaged when it was matched";
   const auto second = Estop();
   EXPECT_EQ(second["actuators"]["voice"]["before"], true) << second;
   EXPECT_EQ(Status()["actuators"]["voice"]["state"], "SelfCheck");  // it does not come up

@@ -1,4 +1,4 @@
-// The controller dies in the middle of a switch that a person waits for: `musher set` waited for
+// The controller crashes in the middle of a switch that a person waits for: `musher set` waited for
 // 60 s and then blamed the next controller for not answering.
 
 #include <signal.h>
@@ -42,7 +42,8 @@ TEST_F(InterruptedSwitch, IsReportedAtOnceAndTheSuccessorReportsTheMachinesState
   const Ended set = set_->Wait();
   EXPECT_EQ(set.exit, 1);
   EXPECT_THAT(set.out, AllOf(HasSubstr("interrupted"), HasSubstr("LowPower")));
-  EXPECT_THAT(set.err, HasSubstr("the controller of epoch 2 goes on with the machine in LowPower"));
+  EXPECT_THAT(set.err,
+              HasSubstr("the controller of epoch 2 continues with the machine in LowPower"));
   Release();
 }
 

@@ -18,7 +18,7 @@ class PowerOff : public MachineByCli {
     up_ = std::make_unique<Process>(Command({"up", config_}));
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");
   }
-  msg::Trigger::Response Ask(const std::string& service) {
+  msg::Trigger::Response CallTrigger(const std::string& service) {
     const auto node = transport::NodeThread::Start().value();
     std::promise<Result<msg::Trigger::Response>> promise;
     std::unique_ptr<transport::Client<msg::Trigger>> client;
@@ -40,7 +40,7 @@ TEST_F(PowerOff, TearsTheMachineDownAndRunsTheCommand) {
   const std::string mark = folder_ / "off";
   ASSERT_NO_FATAL_FAILURE(
       Start("command = [\"sh\", \"-c\", \"echo good night; touch " + mark + "\"]\n"));
-  EXPECT_TRUE(Ask("poweroff").success);
+  EXPECT_TRUE(CallTrigger("poweroff").success);
   EXPECT_EQ(up_->Wait().exit, 0);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!std::ifstream(mark).good()) {
@@ -53,7 +53,7 @@ TEST_F(PowerOff, TearsTheMachineDownAndRunsTheCommand) {
 
 TEST_F(PowerOff, WithoutACommandIsATearDown) {
   ASSERT_NO_FATAL_FAILURE(Start(""));
-  EXPECT_TRUE(Ask("poweroff").success);
+  EXPECT_TRUE(CallTrigger("poweroff").success);
   EXPECT_EQ(up_->Wait().exit, 0);
   EXPECT_THAT(Musher({"history", "--journal", folder_ / "state" + "/journal.sqlite"}).out,
               ::testing::HasSubstr("no command is configured"));

@@ -18,7 +18,7 @@
 namespace musher::testing {
 namespace {
 
-constexpr int kPatienceMs = 30'000;  // between two pieces of output
+constexpr int kWaitLimitMs = 30'000;  // between two pieces of output
 
 // Its offset is the child's too, and stays where it is.
 std::string Content(int file) {
@@ -72,7 +72,7 @@ void Process::CloseOutput() {
 bool Process::ReadMore() {
   if (out_ < 0) return false;
   pollfd readable{out_, POLLIN, 0};
-  if (poll(&readable, 1, kPatienceMs) != 1) return false;
+  if (poll(&readable, 1, kWaitLimitMs) != 1) return false;
   std::array<char, 4096> part{};
   const ssize_t size = read(out_, part.data(), part.size());
   if (size <= 0) return false;
@@ -94,7 +94,7 @@ std::string Process::LineWith(const std::string& text) {
 }
 
 bool Process::AwaitError(const std::string& text) const {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatienceMs);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kWaitLimitMs);
   while (Content(err_).find(text) == std::string::npos) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::yield();
@@ -135,7 +135,7 @@ bool AwaitNoChildren() {
   for (auto children = Children(); !children.empty(); children = Children()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     for (const pid_t child : children)
-      waitpid(child, nullptr, WNOHANG);  // orphans that are ours now
+      waitpid(child, nullptr, WNOHANG);  // orphans that are children of the test now
     std::this_thread::yield();
   }
   return true;
@@ -145,7 +145,7 @@ bool AwaitEnd(pid_t pid) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (kill(pid, 0) == 0) {
     if (std::chrono::steady_clock::now() > deadline) return false;
-    waitpid(pid, nullptr, WNOHANG);  // one that is ours now
+    waitpid(pid, nullptr, WNOHANG);  // a child of the test now
     std::this_thread::yield();
   }
   return true;

@@ -1,5 +1,5 @@
 #pragma once
-// A program that a test runs and talks to: its output line by line, its signals, its end.
+// A program that a test runs: its output line by line, its signals, its end.
 
 #include <sys/types.h>
 
@@ -54,9 +54,9 @@ Ended RunToEnd(const std::vector<std::string>& argv);
 void AdoptOrphans();
 // The processes that this one is the parent of.
 std::vector<pid_t> Children();
-// Waits until that process, of any parent, is gone; for 10 s at most.
+// Waits until that process, of any parent, has exited; for 10 s at most.
 bool AwaitEnd(pid_t pid);
-// What ends on its own is given a moment.
+// Waits a moment for a process that exits on its own.
 bool AwaitNoChildren();
 // Kills all children, and theirs, until none is left.
 void KillChildren();

@@ -92,10 +92,10 @@ TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce
 // setsid makes it a session, and so a process group, of its own. tail would end by itself when the
 // pipe that a command of musher-exec writes to has no reader any more.
 TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
-  const std::string told = folder_ / "told";
-  ASSERT_EQ(mkfifo(told.c_str(), 0600), 0);
-  Does("voice", "[state.SetUp]\nshell = \"setsid -f sh -c 'echo $$ > " + told +
-                    "; exec tail -f /dev/null > /dev/null 2>&1'; cat " + told + " > " +
+  const std::string fifo = folder_ / "fifo";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  Does("voice", "[state.SetUp]\nshell = \"setsid -f sh -c 'echo $$ > " + fifo +
+                    "; exec tail -f /dev/null > /dev/null 2>&1'; cat " + fifo + " > " +
                     (folder_ / "daemon") + "\"\n");
   ASSERT_EQ(UpDetached().exit, 0);
   pid_t daemon = 0;

@@ -47,7 +47,7 @@ TEST_F(Restart, ByHandEndsWhenTheActuatorIsBack) {
   EXPECT_EQ(Voice()["restarts"], 0);  // those by hand do not count
 }
 
-TEST_F(Restart, ByHandEndsWithOneAndTheReasonWhenItDoesNotComeBack) {
+TEST_F(Restart, ByHandExitsWithOneAndTheReasonWhenTheActuatorStaysLost) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Does("voice", "[state.SelfCheck]\nshell = \"echo no sound; exit 7\"\n");
   const Ended restart = Musher({"restart", "voice", "--json"});
@@ -67,7 +67,7 @@ TEST_F(Restart, ByHandSaysWhichNameWasMeant) {
   EXPECT_EQ(Voice()["pid"], voice_);
 }
 
-TEST_F(Restart, FollowsTheDeathOfAProcess) {
+TEST_F(Restart, FollowsACrashOfAProcess) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(voice_, SIGKILL);
   ASSERT_NE(up_->LineWith("voice is degraded: crashed: "), "");
@@ -83,9 +83,9 @@ TEST_F(Restart, OfAnActuatorWithAConfigurationErrorWorksOnceItIsFixed) {
   Does("voice", "[state.Activ]\nrun = [\"true\"]\n");
   kill(voice_, SIGKILL);
   ASSERT_NE(up_->LineWith("voice: restarting in 100 ms"), "");
-  const std::string told = up_->LineWith("voice is degraded: exit code 2: ");
-  EXPECT_THAT(told, HasSubstr("voice.toml:1:8: error: "));
-  EXPECT_THAT(told, HasSubstr("not restarted automatically, because exit code 2 means a "
+  const std::string line = up_->LineWith("voice is degraded: exit code 2: ");
+  EXPECT_THAT(line, HasSubstr("voice.toml:1:8: error: "));
+  EXPECT_THAT(line, HasSubstr("not restarted automatically, because exit code 2 means a "
                               "configuration error; restart it with `musher restart voice`"));
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("exit code 2: "));
   const Ended in_vain = Musher({"restart", "voice"});
@@ -109,7 +109,7 @@ TEST_F(Restart, FollowsAHangOnceItIsKnownWhatTheProcessWasDoing) {
   ASSERT_NE(up_->LineWith("voice: Active done"), "");
   ExpectVoiceIsBack();
   if (std::system("command -v eu-stack >/dev/null || command -v gdb >/dev/null") != 0)
-    GTEST_SKIP() << "nobody to ask";
+    GTEST_SKIP() << "no debugger";
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("epoll_wait"));
 }
 

@@ -16,7 +16,7 @@ class UpAsAService : public MachineByCli {
  protected:
   UpAsAService() { setenv("WATCHDOG_USEC", "300000", 1); }
 
-  // The front is the main process, so it is the one that systemd names.
+  // The launcher is the main process, so systemd names it.
   std::vector<std::string> Unit(const std::string& options = "") const {
     return {"sh", "-c",
             "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + options + config_};
@@ -44,10 +44,10 @@ TEST_F(UpAsAService, IsNotReadyWhenTheStartFails) {
   Does("legs", "[state.SelfCheck]\nrun = [\"false\"]\n");
   const Ended up = RunToEnd(Unit());
   EXPECT_EQ(up.exit, 1);
-  std::string told;
-  for (const std::string& message : systemd_.Take()) told += message + "\n";
-  EXPECT_THAT(told, HasSubstr("STATUS=start-up failed, the machine stays in SelfCheck"));
-  EXPECT_THAT(told, Not(HasSubstr("READY=1")));
+  std::string messages;
+  for (const std::string& message : systemd_.Take()) messages += message + "\n";
+  EXPECT_THAT(messages, HasSubstr("STATUS=start-up failed, the machine stays in SelfCheck"));
+  EXPECT_THAT(messages, Not(HasSubstr("READY=1")));
 }
 
 TEST_F(UpAsAService, HidesTheNotifySocketFromActuators) {
@@ -94,8 +94,8 @@ TEST_F(UpAsAService, IsReadyBeforeItStopsWhereItOnlyFinishesATearDown) {
   unsetenv("RUNTIME_DIRECTORY");
 }
 
-// The watchdog sends SIGABRT to the main process, the front. What follows is as after any death of
-// the controller: systemd starts `musher up` again.
+// The watchdog sends SIGABRT to the main process, the launcher. What follows is as after any crash
+// of the controller: systemd starts `musher up` again.
 TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNext) {
   pid_t legs = 0;
   {

@@ -56,7 +56,7 @@ TEST_F(SharedProcess, ItsEndIsSeenAtOnceForBoth) {
   BothAre("Active", pid_);
 }
 
-TEST_F(SharedProcess, IsRestartedWholeByARestartOfTheOneThatItWasStartedFor) {
+TEST_F(SharedProcess, IsRestartedWholeByARestartOfTheActuatorThatItWasStartedFor) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended restart = Musher({"restart", "arm"});
   EXPECT_EQ(restart.exit, 0) << restart.err;

@@ -10,7 +10,7 @@ using ::testing::HasSubstr;
 
 class Set : public MachineByCli {
  protected:
-  // Starts the machine and waits until its second stage is there, too.
+  // Starts the machine and waits until its second stage is started, too.
   void Start() {
     up_ = std::make_unique<Process>(Command({"up", config_}));
     ASSERT_NE(up_->LineWith("eyes: Active done"), "");
@@ -37,7 +37,7 @@ TEST_F(Set, SwitchesTheMachineAndReportsEachActuatorsOutcome) {
 }
 
 // Also when it is restarted before the slow actuator has switched.
-TEST_F(Set, IsNotDoneWhenAnActuatorExitsAfterItsPartWhileASlowOneStillSwitches) {
+TEST_F(Set, IsNotDoneWhenAnActuatorExitsAfterItsSwitchWhileASlowOneStillSwitches) {
   Blocks("voice", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
   Process set(Command({"set", "LowPower", "--json"}));
@@ -52,7 +52,7 @@ TEST_F(Set, IsNotDoneWhenAnActuatorExitsAfterItsPartWhileASlowOneStillSwitches) 
   Release();
   const Ended ended = set.Wait();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_THAT(ended.err, HasSubstr("legs: it has gone to SetUp since"));
+  EXPECT_THAT(ended.err, HasSubstr("legs: it has switched to SetUp since"));
   const auto result = Json(ended.out);
   EXPECT_EQ(result["outcome"], "done-degraded");
   EXPECT_EQ(result["actuators"]["legs"]["outcome"], "lost") << result;
@@ -71,7 +71,7 @@ TEST_F(Set, SwitchesOneActuatorWhichThenIsHeld) {
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("held"));
 }
 
-TEST_F(Set, EndsWithOneAndAReasonWhenItIsRefused) {
+TEST_F(Set, ExitsWithOneAndAReasonWhenItIsRefused) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended set = Musher({"set", "LowPwer", "--json"});
   EXPECT_EQ(set.exit, 1);
@@ -92,7 +92,7 @@ TEST_F(Set, EndsWithOneAndAReasonWhenItIsRefused) {
   EXPECT_EQ(Status()["state"], "Active");
 }
 
-TEST_F(Set, EndsWithOneWhenItIsUndone) {
+TEST_F(Set, ExitsWithOneWhenItIsUndone) {
   Does("voice", "module = 5000\n[state.Active]\nshell = \"test ! -e " + (folder_ / "mute") +
                     " || exit 1\"\n");
   ASSERT_NO_FATAL_FAILURE(Start());
@@ -108,7 +108,7 @@ TEST_F(Set, EndsWithOneWhenItIsUndone) {
   EXPECT_EQ(result["actuators"]["legs"]["state"], "LowPower");
 }
 
-TEST_F(Set, EndsWithOneWhenItIsDoneWithoutSome) {
+TEST_F(Set, ExitsWithOneWhenItIsDoneDegraded) {
   Does("voice", "[state.LowPower]\nrun = [\"false\"]\n");
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended set = Musher({"set", "LowPower", "--json"});

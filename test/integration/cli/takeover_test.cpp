@@ -76,7 +76,7 @@ TEST_F(Takeover, EndsTheFirstWhichSaysWhyAndKeepsItsActuators) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-TEST_F(Takeover, EndsOneThatLeadsFromAnotherFolder) {
+TEST_F(Takeover, EndsAControllerThatLeadsFromAnotherFolder) {
   ASSERT_NO_FATAL_FAILURE(Start());
   MoveToOtherFolder();
   const Ended second = TakeOver(config_);
@@ -116,7 +116,7 @@ TEST_F(Takeover, RobotsOfOneNameInTwoNamespacesDoNotMeet) {
   EXPECT_EQ(Status(), before_);
 }
 
-TEST_F(Takeover, EndsOneThatIsStopped) {
+TEST_F(Takeover, EndsAStoppedController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   kill(before_["pid"].get<pid_t>(), SIGSTOP);
   const Ended second = TakeOver(config_);
@@ -127,7 +127,7 @@ TEST_F(Takeover, EndsOneThatIsStopped) {
   ExpectAdopted();
 }
 
-TEST_F(Takeover, IsToldInJson) {
+TEST_F(Takeover, IsPrintedAsJson) {
   Process first(Command({"up", config_, "--json"}));
   ASSERT_NE(first.LineWith(R"("kind":"start-up")"), "");
   ASSERT_EQ(TakeOver(config_).exit, 0);

@@ -81,7 +81,7 @@ TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) 
   const Ended ended = again.Wait();
   EXPECT_EQ(ended.exit, 0) << ended.err << "as systemd would start it again otherwise";
   EXPECT_THAT(ended.out, Not(HasSubstr("the machine is Active")));
-  down.Signal(SIGINT);  // its controller is gone
+  down.Signal(SIGINT);  // its controller has exited
   down.Wait();
   EXPECT_TRUE(AwaitNoChildren());
   // Nor does the next one, with nothing left that runs.
@@ -196,7 +196,7 @@ TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 
-TEST_F(Up, EndsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
+TEST_F(Up, ExitsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
   Does("legs", "[state.SetUp]\nshell = \"sleep 5\"\n");
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("legs started (pid"), "");

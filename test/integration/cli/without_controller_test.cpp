@@ -23,7 +23,7 @@ class WithoutController : public MachineByCli {
            ")";
   }
   // In legs.log, where its TearDown is written down.
-  void TellsItsTearDown() const {
+  void ReportsItsTearDown() const {
     Does("legs", "[state.TearDown]\nshell = \"echo torn >> " + (folder_ / "torn") + "\"\n");
   }
   bool LegsWereTornDown() const { return std::filesystem::exists(folder_ / "torn"); }
@@ -46,7 +46,7 @@ TEST_F(WithoutController, TheRunningActuatorsAreListedFromWhatTheyLatched) {
 }
 
 TEST_F(WithoutController, DownTearsTheActuatorsDownAndEndsTheirProcesses) {
-  TellsItsTearDown();
+  ReportsItsTearDown();
   ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
   const Ended down = Musher({"down", "--without-controller"});
   EXPECT_EQ(down.exit, 0) << down.out << down.err;

@@ -1,5 +1,5 @@
-// The guide's first module, as a reader has it: its folder, its config, its processes. What the
-// guide promises is tried here.
+// The guide's first module, as a reader has it: its folder, its config, its processes. The
+// commands of the guide are tested here.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ class FirstModule : public ::testing::Test {
   MachineController controller_;
 };
 
-std::string Told(const SwitchResult& result) {
+std::string DescribeResult(const SwitchResult& result) {
   return std::string(OutcomeName(result.outcome)) + " " + result.reason;
 }
 
@@ -66,18 +66,18 @@ TEST_F(FirstModule, GoesToActiveToLowPowerAndToTearDown) {
   ASSERT_NO_FATAL_FAILURE(Start());
   for (const char* state : {"SelfCheck", "Active"}) {
     const SwitchResult result = controller_.Switch(state);
-    ASSERT_TRUE(result.done()) << state << ": " << Told(result);
+    ASSERT_TRUE(result.done()) << state << ": " << DescribeResult(result);
   }
   EXPECT_EQ(Lamp(), "on\n");
   EXPECT_THAT(GripperLog(), HasSubstr("power on"));
 
   const SwitchResult low_power = controller_.Switch("LowPower");
-  ASSERT_TRUE(low_power.done()) << Told(low_power);
+  ASSERT_TRUE(low_power.done()) << DescribeResult(low_power);
   EXPECT_EQ(Lamp(), "off\n");
   EXPECT_THAT(GripperLog(), HasSubstr("power off"));
 
   const SwitchResult tear_down = controller_.Switch("TearDown");
-  ASSERT_TRUE(tear_down.done()) << Told(tear_down);
+  ASSERT_TRUE(tear_down.done()) << DescribeResult(tear_down);
   EXPECT_FALSE(fs::exists(robot_ + "/lamp"));
 }
 
@@ -111,7 +111,7 @@ TEST_F(FirstModule, DoesNotBecomeActiveAfterAFailedSelfCheck) {
   std::ofstream(robot_ + "/temperature") << "91\n";
   controller_.SetState("SelfCheck");
   const SwitchResult result = controller_.Switch("Active");
-  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused) << Told(result);
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused) << DescribeResult(result);
   EXPECT_EQ(controller_.GetMachineState(), "SelfCheck");
 }
 

@@ -186,7 +186,7 @@ TEST_F(Upgrade, RequestsOtaFromThePolicy) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
-TEST_F(Upgrade, IsToldAsJson) {
+TEST_F(Upgrade, IsPrintedAsJson) {
   Make("1.1.0", {});
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended installed = Musher({"ota", "install", Bundle("1.1.0"), "--json"});

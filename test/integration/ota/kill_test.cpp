@@ -54,7 +54,7 @@ TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));
   ASSERT_NE(installer.LineWith("enter OTA"), "");
   installer.Signal(SIGINT);
-  state.reset();  // it goes on, and sees with the first bytes that it is to end
+  state.reset();  // it continues, and detects with the first bytes that it is to end
   const Ended ended = installer.Wait();
   EXPECT_EQ(ended.exit, 130) << ended.err;
   EXPECT_EQ(Where(), "Active from a");
@@ -68,7 +68,7 @@ TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
-TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneFromTheVersionBefore) {
+TEST_F(Killed, ControllerInTheTrialBootIsFollowedByAControllerOfThePreviousVersion) {
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(UpDetached().exit, 0);
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));

@@ -51,7 +51,7 @@ TEST_F(Adopting, FinishesASwitchDownInWhichThePreviousControllerDied) {
   ActuatorNamed(config, "a").after = {"b"};  // so b goes down after a
   Harness& t = In("Active", config);
   t.On("b", "LowPower").takes = Milliseconds(90);
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(40));
   ASSERT_EQ(t.StateOf("a"), "LowPower");
   ASSERT_EQ(t.StateOf("b"), "Active") << "busy with it";
@@ -93,7 +93,7 @@ TEST_F(Adopting, RecordsAnUnfinishedSwitchOnlyWhereThereWasOne) {
 TEST_F(Adopting, GoesToTheTargetOfADownwardSwitchThoughNoActuatorIsThereYet) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "LowPower").takes = Milliseconds(90);
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(40));
   Restart(t);
   EXPECT_EQ(t.machine().state, "LowPower");
@@ -103,7 +103,7 @@ TEST_F(Adopting, GoesToTheTargetOfADownwardSwitchThoughNoActuatorIsThereYet) {
 TEST_F(Adopting, UndoesASwitchUpInWhichThePreviousControllerDied) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(90);
-  t.Ask("Active");
+  t.RequestSwitch("Active");
   t.RunFor(Milliseconds(40));
   ASSERT_EQ(t.StateOf("a"), "Active");
   Restart(t);
@@ -168,7 +168,7 @@ TEST_F(Adopting, DoesNotTakeASwitchOutOfARequestedCheckForAStart) {
     ASSERT_TRUE(t.Set("SelfCheck").done());
     for (const char* name : {"a", "b", "c"}) t.On(name, state).takes = Milliseconds(90);
     t.ClearLog();
-    t.Ask(state);
+    t.RequestSwitch(state);
     t.RunFor(Milliseconds(40));
     Restart(t);
     EXPECT_EQ(t.machine().state, state) << "Active was not requested";
@@ -180,7 +180,7 @@ TEST_F(Adopting, DoesNotTakeASwitchOutOfARequestedCheckForAStart) {
 TEST_F(Adopting, DetectsThatACallbackOfThePreviousControllerNeverEnds) {
   Harness& t = In("Active", MachineOf(3));
   t.On("a", "DeActive").hangs = true;
-  t.Ask("DeActive");
+  t.RequestSwitch("DeActive");
   t.RunFor(Milliseconds(20));
   Restart(t);
   EXPECT_EQ(t.machine().state, "DeActive");
@@ -188,11 +188,11 @@ TEST_F(Adopting, DetectsThatACallbackOfThePreviousControllerNeverEnds) {
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
 }
 
-TEST_F(Adopting, ListsAllActuatorsAfterOneThatDoesNotStart) {
+TEST_F(Adopting, ListsAllActuatorsAfterAnActuatorThatDoesNotStart) {
   Harness& t = In("Error", Chain());
   ASSERT_TRUE(t.Set("SelfCheck").done());
   t.On("c", "DeActive").hangs = true;
-  t.Ask("DeActive");
+  t.RequestSwitch("DeActive");
   t.RunFor(Milliseconds(20));
   Restart(t);
   EXPECT_EQ(t.machine().state, "DeActive");
@@ -203,7 +203,7 @@ TEST_F(Adopting, ListsAllActuatorsAfterOneThatDoesNotStart) {
 TEST_F(Adopting, LearnsHowACallbackOfThePreviousControllerEndedThoughTheStatusIsMissed) {
   Harness& t = In("LowPower", MachineOf(3));
   t.On("a", "Active").takes = Milliseconds(60);
-  t.Ask("Active");
+  t.RequestSwitch("Active");
   t.RunFor(Milliseconds(20));
   t.RestartController();
   t.RunFor(Milliseconds(20));
@@ -218,7 +218,7 @@ TEST_F(Adopting, LearnsHowACallbackOfThePreviousControllerEndedThoughTheStatusIs
 TEST_F(Adopting, FinishesATearDownInWhichThePreviousControllerDied) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(40));
   Restart(t);
   EXPECT_TRUE(t.stopped());
@@ -272,7 +272,7 @@ TEST_F(Adopting, AnActuatorFoundInErrorLaterIsListedAndNotDrivenWithoutARequest)
 TEST_F(Adopting, AnActuatorLeavingErrorIsBroughtBackByASwitchToError) {
   Harness& t = In("Error", Ours(3));
   t.On("c", "SelfCheck").takes = Milliseconds(90);
-  t.Ask("SelfCheck");
+  t.RequestSwitch("SelfCheck");
   t.RunFor(Milliseconds(40));
   t.RestartController();
   t.RunFor(Milliseconds(20));

@@ -22,7 +22,7 @@ class Authority : public Switching {
     ActuatorReport report = t.CoreOf(name).report;
     report.stamp = t.now();
     change(report);
-    t.Tell(event::StatusSeen{*t.config().IndexOf(name), report});
+    t.Feed(event::StatusSeen{*t.config().IndexOf(name), report});
   }
 };
 
@@ -30,7 +30,7 @@ class Authority : public Switching {
 
 TEST_F(Authority, AControllerWithAHigherEpochTakesOverAtOnce) {
   Harness& t = In("Active", Ours(3));
-  t.HearRival(t.machine().epoch + 1);
+  t.ReceiveRivalHeartbeat(t.machine().epoch + 1);
   ASSERT_TRUE(t.fenced);
   EXPECT_THAT(*t.fenced, HasSubstr("process 1 elsewhere"));
   EXPECT_EQ(t.machine().phase, Phase::kFenced);
@@ -41,23 +41,23 @@ TEST_F(Authority, AControllerWithALowerOrInvalidEpochIsIgnored) {
   Harness& t = In("Active");
   t.RestartController();
   t.Rest();
-  t.HearRival(t.machine().epoch - 1);
-  t.HearRival(t.machine().epoch);  // without precedence
-  t.HearRival(std::numeric_limits<std::uint64_t>::max());
+  t.ReceiveRivalHeartbeat(t.machine().epoch - 1);
+  t.ReceiveRivalHeartbeat(t.machine().epoch);  // without precedence
+  t.ReceiveRivalHeartbeat(std::numeric_limits<std::uint64_t>::max());
   EXPECT_FALSE(t.fenced);
-  t.Tell(event::RivalHeard{t.machine().epoch, "process 2", true});
+  t.Feed(event::RivalSeen{t.machine().epoch, "process 2", true});
   EXPECT_TRUE(t.fenced);
 }
 
 TEST_F(Authority, EveryCallerIsAnsweredWhenTheControllerIsFenced) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
-  const RequestId one = t.Ask("LowPower");
-  const RequestId same = t.Ask("LowPower");
+  const RequestId one = t.RequestSwitch("LowPower");
+  const RequestId same = t.RequestSwitch("LowPower");
   t.Crash("c");
   const RequestId restart = t.Restart("a");
   t.RunFor(Milliseconds(1));
-  t.HearRival(99);
+  t.ReceiveRivalHeartbeat(99);
   for (const RequestId request : {one, same}) {
     ASSERT_EQ(t.answers.count(request), 1U);
     EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kSuperseded);
@@ -71,11 +71,11 @@ TEST_F(Authority, EveryCallerThatWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown
   Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").code = 3001;
   t.On("b", "TERM").hangs = true;
-  const RequestId request = t.Ask("TearDown");
+  const RequestId request = t.RequestSwitch("TearDown");
   t.RunFor(std::chrono::seconds(2));
   ASSERT_FALSE(t.machine().current);
   ASSERT_EQ(t.answers.count(request), 0U);
-  t.HearRival(99);
+  t.ReceiveRivalHeartbeat(99);
   EXPECT_EQ(t.answers.count(request), 1U);
   t.signals.clear();
   t.Rest();
@@ -87,7 +87,7 @@ TEST_F(Authority, AFencedControllerChangesNothingAndRefusesEveryRequest) {
   t.StopAll(5);
   t.Find("b", Health::kHung);
   t.RunFor(Milliseconds(10));
-  t.HearRival(99);
+  t.ReceiveRivalHeartbeat(99);
   const Machine before = t.machine();
   t.Crash("a");
   t.StopAll(6);
@@ -98,9 +98,10 @@ TEST_F(Authority, AFencedControllerChangesNothingAndRefusesEveryRequest) {
   EXPECT_EQ(t.Set("LowPower").code, kCodePermissionDenied);
   EXPECT_EQ(t.calls.at(t.Restart("a")).error().code, kCodePermissionDenied);
   EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodePermissionDenied);
-  t.Tell(event::SetUpAwaited{777});
+  t.Feed(event::SetUpAwaited{777});
   EXPECT_EQ(t.calls.at(777).error().code, kCodePermissionDenied);
-  EXPECT_FALSE(t.stops_on_disk.engaged.empty()) << "not released by one that does not lead";
+  EXPECT_FALSE(t.stops_on_disk.engaged.empty())
+      << "not released by a controller that does not lead";
 }
 
 TEST_F(Authority, AControllerReceivedBeforeItsEpochIsExceededLeads) {
@@ -110,7 +111,7 @@ TEST_F(Authority, AControllerReceivedBeforeItsEpochIsExceededLeads) {
   t.RestartController(/*lost_disk=*/true);
   t.RunFor(Milliseconds(1000));
   EXPECT_EQ(t.machine().epoch, 1U) << "another controller may lead with it";
-  t.HearRival(2);
+  t.ReceiveRivalHeartbeat(2);
   t.Rest();
   EXPECT_TRUE(t.fenced);
   EXPECT_EQ(t.CoreOf("a").report.epoch, 2U) << "no actuator was commanded";
@@ -120,10 +121,10 @@ TEST_F(Authority, AControllerReceivedBeforeItsEpochIsExceededLeads) {
 
 TEST_F(Authority, AReplyThatContradictsTheReportedStateIsAFailure) {
   Harness& t = In("Protected");
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   ActuatorReport report = t.CoreOf("b").report;
   report.stamp = t.now();
-  t.Tell(event::Replied{1, t.RecordOf("b").order->number, false, Verdict::kDone, 0, "", report});
+  t.Feed(event::Replied{1, t.RecordOf("b").command->number, false, Verdict::kDone, 0, "", report});
   t.Rest();
   const SwitchResult& result = t.answers.at(request);
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
@@ -133,9 +134,9 @@ TEST_F(Authority, AReplyThatContradictsTheReportedStateIsAFailure) {
 
 TEST_F(Authority, AStatusThatContradictsItsOutcomeIsAFailure) {
   Harness& t = In("Protected");
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   Say(t, "b", [&](ActuatorReport& report) {
-    report.outcome_number = t.RecordOf("b").order->number;
+    report.outcome_number = t.RecordOf("b").command->number;
     report.outcome_code = kCodeOk;
   });
   t.Rest();
@@ -145,7 +146,7 @@ TEST_F(Authority, AStatusThatContradictsItsOutcomeIsAFailure) {
 TEST_F(Authority, AnActuatorThatChangesItsStateByItselfIsRecordedAndDrivenBack) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.state = "LowPower"; });
-  EXPECT_THAT(t.records, Contains("b has gone to LowPower by itself"));
+  EXPECT_THAT(t.records, Contains("b has switched to LowPower by itself"));
   t.Rest();
   EXPECT_EQ(t.RecordOf("b").state(), "Active");
 }
@@ -167,14 +168,14 @@ TEST_F(Authority, AnActuatorOfTheSameNameOnAnotherHostIsIgnoredWhileTheFirstAnsw
   });
   EXPECT_EQ(t.RecordOf("b").report, before);
   EXPECT_THAT(t.records, Contains(HasSubstr("another process publishes as b")));
-  t.Tell(event::Vanished{1, before.incarnation + 1000, false, "connection lost"});
+  t.Feed(event::Vanished{1, before.incarnation + 1000, false, "connection lost"});
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
   EXPECT_TRUE(t.Set("LowPower").done());
 }
 
 // Its status is latched: it was published once, while the process from before the reboot still
 // counted.
-TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenTheOneFromBeforeIsLost) {
+TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenItsPreviousProcessIsLost) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "the host's next boot";
@@ -196,7 +197,7 @@ TEST_F(Authority, ALostActuatorOfAnotherHostIsNotUsed) {
     report.host = "elsewhere";
     report.incarnation = 1;
   });
-  t.Tell(event::Vanished{1, 1, false, "connection lost"});
+  t.Feed(event::Vanished{1, 1, false, "connection lost"});
   t.Find("b", Health::kPartitioned, true);
   EXPECT_EQ(t.RecordOf("b").report.incarnation, before.incarnation);
 }
@@ -213,11 +214,12 @@ TEST_F(Authority, IncarnationsOfUnknownHostsAreNotCompared) {
 
 TEST_F(Authority, AnAnswerOfAnotherProcessIsIgnored) {
   Harness& t = In("Active");
-  const RequestId request = t.Ask("LowPower");
+  const RequestId request = t.RequestSwitch("LowPower");
   ActuatorReport report = t.CoreOf("b").report;
   report.incarnation += 1;
   report.state = "LowPower";
-  t.Tell(event::Replied{1, t.RecordOf("b").order->number, false, Verdict::kFailed, 5, "", report});
+  t.Feed(
+      event::Replied{1, t.RecordOf("b").command->number, false, Verdict::kFailed, 5, "", report});
   t.Rest();
   EXPECT_TRUE(t.answers.at(request).done());
 }

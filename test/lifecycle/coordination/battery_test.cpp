@@ -100,7 +100,7 @@ TEST_F(BatteryRule, ConnectingTheChargerDoesNotRaiseAMachineInLowPower) {
   Battery(3, true);
   Battery(6, true);
   EXPECT_EQ(state(), "LowPower");
-  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("113: "));
+  EXPECT_THAT(RequestAndWait(PolicyRequest::kWakeUp), StartsWith("113: "));
 }
 
 TEST_F(BatteryRule, AnEmptyBatteryTearsTheMachineDownOnceAndPowersItOff) {
@@ -156,7 +156,7 @@ TEST_F(BatteryRule, APersonsLowPowerStaysWhenTheBatteryIsCharged) {
   Battery(3);
   Battery(90);
   EXPECT_EQ(state(), "LowPower");
-  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "ok");
   EXPECT_EQ(state(), "Active");
 }
 
@@ -170,7 +170,7 @@ TEST_F(BatteryRule, AMachineTakenDownFromDeActiveIsBroughtBackToIt) {
 TEST_F(BatteryRule, ASwitchUnderWayIsNotSuperseded) {
   EXPECT_TRUE(robot().Set("DeActive").done());
   robot().On("a", "Active").takes = Milliseconds(90);
-  const RequestId request = robot().Ask("Active");
+  const RequestId request = robot().RequestSwitch("Active");
   Battery(3);
   EXPECT_TRUE(robot().answers.at(request).done());
   EXPECT_THAT(states(), ElementsAre("Active", "DeActive", "Active", "LowPower"));
@@ -201,7 +201,7 @@ TEST_F(BatteryRule, ValuesOutOfRangeAreIgnoredAndRecordedOnce) {
 
 TEST_F(BatteryRule, ASilentBatteryIsRecordedAndItsLastLevelStaysInEffect) {
   Battery(10);
-  robot().Tell(event::InputSilent{PolicyInput::kBattery});
+  robot().Feed(event::InputSilent{PolicyInput::kBattery});
   EXPECT_TRUE(IsRecorded("no battery sample for 10 s; its last value, 10 %, stays in effect"));
   EXPECT_EQ(robot().Set("Active").code, kCodeProtectedError);
   Battery(10);
@@ -216,12 +216,12 @@ TEST_F(BatteryRule, TheJournalSaysWhyTheMachineIsInLowPower) {
 }
 
 TEST_F(BatteryRule, RulesWaitInOtaAndApplyAfterIt) {
-  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, true), "ok");
   Battery(10);
   Battery(0);
   EXPECT_EQ(state(), "OTA");
   Battery(10);
-  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, false), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, false), "ok");
   EXPECT_EQ(state(), "Protected");
   Battery(50);
   EXPECT_EQ(state(), "Active") << "what the battery had withheld";
@@ -255,7 +255,7 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
   t.On("b", "SetUp").takes = Milliseconds(90);
   t.Begin();
   t.RunUntil([&] { return t.machine().state == "Active"; });
-  t.Tell(event::BatterySeen{3, false});
+  t.Feed(event::BatterySeen{3, false});
   EXPECT_FALSE(t.machine().policy.loaded);
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_FALSE(t.machine().current);
@@ -307,7 +307,7 @@ TEST_F(Rules, ARefusedSwitchDownIsRecordedOnceAndNotRetriedInALoop) {
   Robot("Active", config);
   int steps = 0;
   robot().after_step = [&] { ++steps; };
-  Ask(PolicyRequest::kLowPowerSwitch, true);
+  RequestPolicy(PolicyRequest::kLowPowerSwitch, true);
   Motion(0);  // it lies down
   robot().RunFor(std::chrono::minutes(10));
   EXPECT_LT(steps, 40);

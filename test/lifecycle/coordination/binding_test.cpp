@@ -1,4 +1,4 @@
-// binds_to: an actuator is suspended while one that it needs is not up.
+// binds_to: an actuator is suspended while an actuator that it needs is not up.
 
 #include <gmock/gmock.h>
 
@@ -130,8 +130,8 @@ TEST_F(Binding, OfTwoToEachOtherKeepsNeitherDownForEver) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
 }
 
-TEST_F(Binding, AHungOneTakesItsDependentsDownToo) {
-  MachineConfig config = MachineOf(2);  // not ours to restart
+TEST_F(Binding, AHungActuatorTakesItsDependentsDownToo) {
+  MachineConfig config = MachineOf(2);  // without a command: the controller cannot restart them
   ActuatorNamed(config, "b").binds_to = {"a"};
   Harness& t = In("Active", config);
   t.Find("a", Health::kHung);
@@ -157,7 +157,7 @@ TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentSuspended) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Binding, ASuspendedActuatorIsLeftOutOfASwitchUpAndTheResultSaysSo) {
+TEST_F(Binding, ASuspendedActuatorIsLeftOutOfASwitchUpAndListedInTheResult) {
   Harness& t = In("Protected", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
@@ -203,7 +203,7 @@ TEST_F(Binding, AnActuatorThatIsSlowToGoDownIsSuspendedAnyway) {
 TEST_F(Binding, WaitsForASwitchUnderWay) {
   Harness& t = In("Active", Bound());
   t.On("c", "Protected").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Protected");
+  const RequestId request = t.RequestSwitch("Protected");
   t.RunFor(Milliseconds(30));
   t.Crash("a");
   t.Rest();
@@ -231,8 +231,8 @@ TEST_F(BoundPair, NoActuatorIsSuspendedBecauseOfItself) {
   StartUp();
   Of(0).given_up = true;
   Do(event::TimePassed{});
-  EXPECT_FALSE(Of(0).parked);
-  EXPECT_TRUE(Of(1).parked);
+  EXPECT_FALSE(Of(0).suspended);
+  EXPECT_TRUE(Of(1).suspended);
 }
 
 }  // namespace musher::testing::binding_test

@@ -55,7 +55,7 @@ TEST_F(Causes, AStartIsExplainedFromItsBeginning) {
                           "3 actuators are set up", StartsWith("controller started: epoch 1")));
 }
 
-TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
+TEST_F(Causes, AnUndoneSwitchIsCausedByTheFailedActuator) {
   Harness& t = In("Protected");
   t.On("b", "Active").code = 3009;
   t.Set("Active");
@@ -70,7 +70,7 @@ TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
 
 TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
   Harness& t = In("Active");
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.Set("Protected");
   EXPECT_THAT(Chain(t, "switch to Protected refused"),
               ElementsAre(HasSubstr("switch 3 (to LowPower) is under way"),
@@ -79,7 +79,7 @@ TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
 
 TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
   Harness& t = In("Active");
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.Mute("b", true, true);
   t.Rest();
   EXPECT_THAT(Chain(t, "b is degraded"),
@@ -92,7 +92,7 @@ TEST_F(Causes, NoQueryIsRecordedForAnActuatorThatCannotBeQueried) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").protocol = Protocol::kCyberdog;
   Harness& t = In("Active", config);
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.Mute("b", true, true);
   t.Rest();
   EXPECT_THAT(t.records, Contains("b did not answer within 100 ms; its protocol has no query for "
@@ -102,7 +102,7 @@ TEST_F(Causes, NoQueryIsRecordedForAnActuatorThatCannotBeQueried) {
 
 TEST_F(Causes, ASwitchThatTookOverIsNamed) {
   Harness& t = In("Active");
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.Set("Error");
   EXPECT_THAT(Chain(t, "switch 3 is superseded"),
               ElementsAre(StartsWith("switch 3 is superseded"), "switch to Error requested"));
@@ -143,7 +143,7 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
                                  StartsWith("a's process ")));
 }
 
-TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedOneNamesItsCause) {
+TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
   Harness t(Config());
   t.On("a", "SetUp").code = 3001;
   t.Begin();

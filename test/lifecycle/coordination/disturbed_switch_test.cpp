@@ -44,7 +44,7 @@ TEST_F(Switching, AnOverdueActuatorOfASwitchUpIsRolledBackWithTheOthers) {
 
 TEST_F(Switching, AnOverdueCallbackIsRequestedToStop) {
   Harness& t = In("Protected");
-  t.On("b", "Active").ends_when_asked = true;
+  t.On("b", "Active").ends_when_requested = true;
   EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kUndone);
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Protected");
@@ -53,7 +53,7 @@ TEST_F(Switching, AnOverdueCallbackIsRequestedToStop) {
 
 TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchSaysDone) {
   Harness& t = In("Active");
-  t.Ask("LowPower");
+  t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(5));
   t.Mute("b", false, true);  // neither its reply nor its latched status arrives …
   t.RunFor(Milliseconds(90));
@@ -80,10 +80,10 @@ TEST_F(Switching, AHungActuatorDelaysTheSwitchNoLongerThanItsTimeAndTheQuery) {
   EXPECT_LT(t.now() - begun, Milliseconds(110));
 }
 
-TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
+TEST_F(Switching, AnActuatorThatCrashesDuringTheSwitchIsDetectedAtOnce) {
   Harness& t = In("Protected");
   t.On("b", "Active").hangs = true;
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(20));
   t.Crash("b");
   t.RunUntil([&] { return t.answers.count(request) > 0; });
@@ -94,12 +94,12 @@ TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
 }
 
 // A switch is not "done" when an actuator has exited after its part, while others switch.
-TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
+TEST_F(Switching, AnActuatorThatCrashesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
   for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
     for (const bool ours : {false, true}) {
       Harness& t = In("Protected", ours ? Ours(3) : MachineOf(3));
       t.On("c", target).takes = Milliseconds(80);
-      const RequestId request = t.Ask(target);
+      const RequestId request = t.RequestSwitch(target);
       t.RunFor(Milliseconds(40));
       t.Crash("a");
       t.RunUntil([&] { return t.answers.count(request) > 0; });
@@ -122,7 +122,7 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
       }
       Harness& t = In("Protected", config);
       t.On("c", target).takes = Milliseconds(1000);
-      const RequestId request = t.Ask(target);
+      const RequestId request = t.RequestSwitch(target);
       t.RunFor(Milliseconds(40));
       t.Crash("b");
       t.RunUntil([&] { return t.answers.count(request) > 0; });
@@ -130,7 +130,7 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
       const SwitchResult& result = t.answers.at(request);
       EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << target << critical;
       EXPECT_EQ(result.code, kCodeNetError) << target << critical;
-      EXPECT_EQ(result.reason, "b: it has gone to SetUp since, and is being driven back");
+      EXPECT_EQ(result.reason, "b: it has switched to SetUp since, and is being driven back");
       EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kLost) << target << critical;
       t.Rest();
       EXPECT_EQ(t.StateOf("b"), t.machine().state) << target << critical;
@@ -138,13 +138,13 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
   }
 }
 
-TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachineDown) {
+TEST_F(Switching, ACriticalActuatorThatCrashesAfterItsPartIsMissingAndTakesTheMachineDown) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").critical = true;
   ActuatorNamed(config, "a").on_lost = "Protected";
   Harness& t = In("Protected", config);
   t.On("c", "Active").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(40));
   t.Crash("a");
   t.Rest();
@@ -208,7 +208,7 @@ TEST_F(Switching, AFailedCheckStaysRecordedUntilOnePasses) {
 
 TEST_F(Switching, RefusesAnotherSwitchWhileOneIsUnderWay) {
   Harness& t = In("Active");
-  const RequestId first = t.Ask("LowPower");
+  const RequestId first = t.RequestSwitch("LowPower");
   const SwitchResult second = t.Set("Protected");
   EXPECT_EQ(second.outcome, SwitchOutcome::kRefused);
   EXPECT_EQ(second.code, kCodeTargetBusy);
@@ -218,18 +218,18 @@ TEST_F(Switching, RefusesAnotherSwitchWhileOneIsUnderWay) {
 
 TEST_F(Switching, TheSameRequestTwiceIsOneSwitch) {
   Harness& t = In("Active");
-  const RequestId first = t.Ask("LowPower");
-  const RequestId again = t.Ask("LowPower");
+  const RequestId first = t.RequestSwitch("LowPower");
+  const RequestId again = t.RequestSwitch("LowPower");
   t.Rest();
   EXPECT_TRUE(t.answers.at(first).done());
   EXPECT_EQ(t.answers.at(first).number, t.answers.at(again).number);
   EXPECT_THAT(t.log(), ElementsAre("a:LowPower", "b:LowPower", "c:LowPower"));
 }
 
-TEST_F(Switching, AMoreUrgentOneSupersedesAtOnceAndTheNewestCommandWaits) {
+TEST_F(Switching, AMoreUrgentSwitchSupersedesAtOnceAndTheNewestCommandWaits) {
   Harness& t = In("Protected");
   t.On("b", "Active").takes = Milliseconds(50);
-  const RequestId first = t.Ask("Active");
+  const RequestId first = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(20));
   const SwitchResult error = t.Set("Error");
   EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
@@ -272,7 +272,7 @@ TEST_F(Switching, OneActuatorThatFailsKeepsItsState) {
 
 TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
   Harness& t = In("Active");
-  t.Inject("b", actuator_event::AskArrived{999'999, {t.machine().epoch, 500, false}, 1});
+  t.Inject("b", actuator_event::QueryArrived{999'999, {t.machine().epoch, 500, false}, 1});
   t.Rest();
   const SwitchResult result = t.Set("LowPower");
   EXPECT_TRUE(result.done()) << result.reason;

@@ -11,14 +11,14 @@ class EmergencyStopOrigin : public Switching {
  protected:
   EmergencyStopOrigin() : machine_(In("Active").machine()) {}
 
-  std::vector<Action> Tell(const Event& event) {
+  std::vector<Action> Feed(const Event& event) {
     return Step(config_, machine_, event, machine_.actuators[1].report.stamp + Milliseconds(1));
   }
-  std::vector<Action> TellThatBHasLatched(std::uint64_t id) {
+  std::vector<Action> ReportThatBHasLatched(std::uint64_t id) {
     ActuatorReport report = machine_.actuators[1].report;
     report.emergency_stop = id;
     report.stamp += Milliseconds(1);
-    return Tell(event::StatusSeen{1, report});
+    return Feed(event::StatusSeen{1, report});
   }
 
   const MachineConfig config_ = MachineOf(3);
@@ -26,7 +26,7 @@ class EmergencyStopOrigin : public Switching {
 };
 
 TEST_F(EmergencyStopOrigin, IsUnknownWhileOnlyAnActuatorHasReportedIt) {
-  TellThatBHasLatched(7);
+  ReportThatBHasLatched(7);
   EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "", "b had latched it"}));
 }
 
@@ -36,14 +36,14 @@ TEST_F(EmergencyStopOrigin, IsKnownFromAnActuatorThatHasLatchedIt) {
   report.emergency_stop_by = "alice";
   report.emergency_stop_reason = "smoke";
   report.stamp += Milliseconds(1);
-  Tell(event::StatusSeen{1, report});
+  Feed(event::StatusSeen{1, report});
   EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "alice", "smoke"}));
 }
 
 TEST_F(EmergencyStopOrigin, IsTakenFromTheParticipantThatEngagedItOnceReceived) {
-  TellThatBHasLatched(7);
+  ReportThatBHasLatched(7);
   const EmergencyStop stop{7, "alice", "smoke"};
-  const auto actions = Tell(event::EmergencyStopSeen{stop});
+  const auto actions = Feed(event::EmergencyStopSeen{stop});
   EXPECT_EQ(machine_.emergency_stop, stop);
   EXPECT_TRUE(std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
     const auto* save = std::get_if<action::SaveEmergencyStops>(&action);
@@ -53,10 +53,10 @@ TEST_F(EmergencyStopOrigin, IsTakenFromTheParticipantThatEngagedItOnceReceived) 
 }
 
 TEST_F(EmergencyStopOrigin, StaysThatOfTheFirstWhenAnotherIsEngaged) {
-  TellThatBHasLatched(7);
-  Tell(event::EmergencyStopSeen{{7, "alice", "smoke"}});
-  Tell(event::EmergencyStopSeen{{8, "bob", "fire"}});
-  Tell(event::EmergencyStopSeen{{7, "carol", ""}});
+  ReportThatBHasLatched(7);
+  Feed(event::EmergencyStopSeen{{7, "alice", "smoke"}});
+  Feed(event::EmergencyStopSeen{{8, "bob", "fire"}});
+  Feed(event::EmergencyStopSeen{{7, "carol", ""}});
   EXPECT_EQ(machine_.emergency_stop->by, "alice");
   EXPECT_EQ(machine_.other_stops, (std::vector<EmergencyStop>{{8, "bob", "fire"}}));
 }

@@ -69,8 +69,8 @@ TEST_F(EmergencyStopped, RefusesOneActuatorToGoUp) {
 
 TEST_F(EmergencyStopped, UndoesASwitchUpUnderWay) {
   Harness& t = In("Protected", Chain());
-  t.On("b", "Active").ends_when_asked = true;
-  const RequestId request = t.Ask("Active");
+  t.On("b", "Active").ends_when_requested = true;
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   ASSERT_EQ(t.StateOf("c"), "Active");
   const Time begun = t.now();
@@ -84,7 +84,7 @@ TEST_F(EmergencyStopped, UndoesASwitchUpUnderWay) {
 
 TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAnyway) {
   Harness& t = In("Protected");
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(5));
   Stop(t);
   t.Rest();
@@ -92,9 +92,9 @@ TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAnyway) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
 }
 
-TEST_F(EmergencyStopped, LetsASwitchDownGoOn) {
+TEST_F(EmergencyStopped, LetsASwitchDownContinue) {
   Harness& t = In("Active", Chain());
-  const RequestId request = t.Ask("LowPower");
+  const RequestId request = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(15));
   Stop(t);
   t.Rest();
@@ -129,7 +129,7 @@ TEST_F(EmergencyStopped, ARestartedActuatorIsCheckedAndWaitsForTheRelease) {
 
 TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
   Harness& t = In("Active", Ours(2));
-  t.On("b", "Active").ends_when_asked = true;
+  t.On("b", "Active").ends_when_requested = true;
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("b").report.target == "Active"; }));
   Stop(t);
@@ -203,7 +203,7 @@ TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
 
 TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndReportsWhatToDo) {
   Harness t(Ours(2));
-  t.stops_on_disk.engaged = {{kStop, "somebody", "smoke"}};
+  t.stops_on_disk.engaged = {{kStop, "operator", "smoke"}};
   t.Begin();
   t.Rest();
   EXPECT_EQ(t.machine().phase, Phase::kFailed);
@@ -230,7 +230,7 @@ TEST(EmergencyStopAtTheStart, EndsAStartInTheMiddleOfItsCheck) {
 
 TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
   Harness t(Ours(2));
-  t.On("b", "Active").ends_when_asked = true;
+  t.On("b", "Active").ends_when_requested = true;
   t.Begin();
   ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("a") == "Active"; }));
   t.StopAll(kStop);
@@ -247,7 +247,7 @@ TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
 
 TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   Harness& t = In("Active");
-  t.Inject("a", actuator_event::EmergencyStopHeard{6, true, 0});  // it received the second first
+  t.Inject("a", actuator_event::EmergencyStopReceived{6, true, 0});  // it received the second first
   Stop(t, 5);
   Stop(t, 6);
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, 6U);
@@ -282,7 +282,7 @@ TEST_F(EmergencyStopped, TheReleaseIsPublishedAgainToAnActuatorThatMissedIt) {
   t.Release();
   t.Crash("b");
   t.Rest();  // the new controller has received no release
-  t.Inject("b", actuator_event::EmergencyStopHeard{kStop, true, 0});
+  t.Inject("b", actuator_event::EmergencyStopReceived{kStop, true, 0});
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop);
   t.Rest();
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, 0U);
@@ -294,7 +294,7 @@ TEST_F(EmergencyStopped, TheReleaseIsPublishedAgainToAnActuatorThatMissedIt) {
 TEST_F(EmergencyStopped, AStopEngagedDuringAReleaseStaysEngaged) {
   Harness& t = In("Active");
   Stop(t);
-  t.Inject("a", actuator_event::EmergencyStopHeard{kStop + 1, true, 0});
+  t.Inject("a", actuator_event::EmergencyStopReceived{kStop + 1, true, 0});
   t.Release();
   t.Rest();
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kStop + 1);
@@ -306,7 +306,7 @@ TEST_F(EmergencyStopped, AStopEngagedDuringAReleaseStaysEngaged) {
 TEST_F(EmergencyStopped, AStopDuringAnUpwardCallbackUndoesTheSwitch) {
   Harness& t = In("DeActive");
   t.On("b", "Active").takes = Milliseconds(80);  // it ignores the request to stop
-  const RequestId up = t.Ask("Active");
+  const RequestId up = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(40));
   Stop(t);
   t.Rest();
@@ -354,7 +354,7 @@ TEST(EmergencyStopBeforeBegin, IsKeptAndPublishedOnceTheControllerLeads) {
   const auto actions = Step(config, machine, begin, Time());
   EXPECT_EQ(std::count_if(actions.begin(), actions.end(),
                           [](const Action& action) {
-                            return std::holds_alternative<action::TellEmergencyStop>(action);
+                            return std::holds_alternative<action::PublishEmergencyStop>(action);
                           }),
             2);
   EXPECT_EQ(machine.emergency_stop, (EmergencyStop{7, "a panel", ""}));
@@ -389,7 +389,7 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
 TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {
   Harness& t = In("Active", Ours(2));
   for (const char* name : {"a", "b"}) {
-    t.Inject(name, actuator_event::EmergencyStopHeard{kStop, true, 0});
+    t.Inject(name, actuator_event::EmergencyStopReceived{kStop, true, 0});
   }
   t.RestartController();
   t.Rest();

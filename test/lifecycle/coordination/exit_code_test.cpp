@@ -25,7 +25,7 @@ class ExitCode : public Switching {
     t.On("b", "exec").exit_code = kUsageExitCode;
     t.On("b", "exec").message = kWords;
   }
-  static void Mend(Harness& t) { t.On("b", "exec").exit_code = 0; }
+  static void Fix(Harness& t) { t.On("b", "exec").exit_code = 0; }
 
   static std::ptrdiff_t StartsOf(const Harness& t, const std::string& name) {
     return std::count_if(t.records.begin(), t.records.end(), [&](const std::string& record) {
@@ -76,7 +76,7 @@ TEST_F(ExitCode, OtherCodesAndSignalsAreRestarted) {
 // So that a recording from before the field exit_code existed is replayed unchanged.
 TEST_F(ExitCode, ThatIsUnknownIsNotReadFromTheText) {
   Harness& t = In("Active", Ours(2));
-  t.Tell(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
+  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
   EXPECT_TRUE(t.RecordOf("b").restart_at);
 }
 
@@ -112,7 +112,7 @@ TEST_F(ExitCode, CountsForAlwaysToo) {
   EXPECT_FALSE(t.IsAlive("b"));
 }
 
-TEST_F(ExitCode, OfACriticalOneTakesTheMachineToItsOnLostAtOnce) {
+TEST_F(ExitCode, OfACriticalActuatorTakesTheMachineToItsOnLostAtOnce) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Exit("b", 2, kWords);
   t.RunFor(Milliseconds(50));
@@ -146,7 +146,7 @@ TEST_F(ExitCode, InACrashLoopEndsIt) {
 TEST_F(ExitCode, InASwitchUpUndoesIt) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   t.Exit("b", 2, kWords);
   t.Rest();
@@ -174,7 +174,7 @@ TEST_F(ExitCode, IsClearedByARestartRequest) {
   ASSERT_FALSE(in_vain);
   EXPECT_THAT(in_vain.error().message, HasSubstr(kWords));
   EXPECT_EQ(StartsOf(t, "b"), 2) << "once for each request";
-  Mend(t);
+  Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   EXPECT_FALSE(t.RecordOf("b").given_up);
   EXPECT_EQ(t.StateOf("b"), "Protected") << "where the machine is";
@@ -204,7 +204,7 @@ TEST_F(ExitCode, IsRetriedByTheNextController) {
 
 // While the machine starts
 
-TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
+TEST_F(ExitCode, AtTheStartOfACriticalActuatorFailsTheStartUpAtOnce) {
   Harness t(OursWithCriticalB());
   Misconfigure(t);
   t.Begin();
@@ -214,14 +214,14 @@ TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
   EXPECT_THAT(t.start_up()->message, HasSubstr(std::string("critical b: 101 (Robot: Failed), ") +
                                                "exit code 2: " + kWords));
   EXPECT_EQ(StartsOf(t, "b"), 1);
-  Mend(t);
+  Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
 }
 
-TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
+TEST_F(ExitCode, AtTheStartOfANonCriticalActuatorLeavesTheMachineWithoutIt) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "c").after = {"b"};
   Harness t(config);
@@ -232,14 +232,14 @@ TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
   EXPECT_EQ(t.StateOf("a"), "Active");
   EXPECT_FALSE(t.IsAlive("c"));
   EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("needs b, which is degraded: exit code 2"));
-  Mend(t);
+  Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   t.Rest();
   EXPECT_EQ(t.StateOf("c"), "Active") << "what was missing is there";
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
-TEST_F(ExitCode, OfOneThatComesInALaterStageLeavesTheFirstAsItIs) {
+TEST_F(ExitCode, OfAnActuatorOfALaterStageLeavesTheFirstStageAsItIs) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").stage = 2;
   Harness t(config);

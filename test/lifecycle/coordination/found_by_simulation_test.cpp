@@ -38,7 +38,7 @@ TEST_F(FoundBySimulation, ARollbackTakesNoActuatorAboveTheMachine) {
   EXPECT_EQ(t.StateOf("a"), "Protected");
 }
 
-TEST_F(FoundBySimulation, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLost) {
+TEST_F(FoundBySimulation, ACriticalActuatorOfALaterStageThatIsNeverStartedCountsAsLost) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").stage = 2;
   ActuatorNamed(config, "b").after = {"a"};
@@ -53,7 +53,7 @@ TEST_F(FoundBySimulation, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLos
   EXPECT_NE(t.machine().state, "Active");
 }
 
-TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatOneIsPresent) {
+TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatActuatorIsPresent) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").command.clear();  // started by hand, and late
   ActuatorNamed(config, "b").after = {"a"};
@@ -70,7 +70,7 @@ TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatOneIsPresen
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedOneReportsThat) {
+TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedActuatorReportsThat) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").binds_to = {"a"};
   ActuatorNamed(config, "c").after = {"b"};
@@ -84,12 +84,12 @@ TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedOneReportsThat) {
   EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which is suspended"));
 }
 
-TEST_F(FoundBySimulation, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
+TEST_F(FoundBySimulation, TearDownOfAnActuatorBeforeTheMachineIsSetUpIsRefused) {
   Harness t(Ours(2));
   t.On("a", "SetUp").takes = Milliseconds(80);
   t.Begin();
   t.RunUntil([&] { return t.RecordOf("b").presence == Presence::kPresent; });
-  const RequestId request = t.Ask("TearDown", "b");
+  const RequestId request = t.RequestSwitch("TearDown", "b");
   t.Rest();
   ASSERT_EQ(t.answers.count(request), 1U);
   EXPECT_EQ(t.answers[request].outcome, SwitchOutcome::kRefused);
@@ -120,9 +120,9 @@ TEST_F(FoundBySimulation, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   t.On("a", "SelfCheck") = {};
   t.On("a", "SelfCheck").takes = Milliseconds(60);
   t.Mute("a", false, true);  // the report that it is busy with its check is lost
-  t.Ask("SelfCheck");
+  t.RequestSwitch("SelfCheck");
   t.RunFor(Milliseconds(20));
-  const RequestId error = t.Ask("Error");
+  const RequestId error = t.RequestSwitch("Error");
   t.RunFor(Milliseconds(20));
   t.Mute("a", false, false);
   t.Rest();
@@ -156,9 +156,9 @@ TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsRecorded) 
   ASSERT_EQ(t.machine().phase, Phase::kFailed);
   t.On("a", "SelfCheck") = {};
   t.On("a", "SelfCheck").hangs = true;
-  t.Ask("SelfCheck");
+  t.RequestSwitch("SelfCheck");
   t.RunFor(Milliseconds(5));
-  t.Ask("Error");
+  t.RequestSwitch("Error");
   t.Rest();
   ASSERT_TRUE(t.RecordOf("a").fault);
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with SelfCheck"));
@@ -189,7 +189,7 @@ TEST_F(FoundBySimulation, AControllerThatLeadsIgnoresReleasesOfOtherParticipants
   Harness& t = In("Active");
   t.StopAll(7);
   t.Rest();
-  t.Tell(event::EmergencyStopSeen{{7, "", ""}, false});
+  t.Feed(event::EmergencyStopSeen{{7, "", ""}, false});
   EXPECT_TRUE(t.machine().emergency_stop);
 }
 
@@ -210,7 +210,7 @@ TEST_F(FoundBySimulation, AnActuatorTornDownAloneInASharedProcessUndoesNoSwitchU
   EXPECT_TRUE(t.Set("TearDown").done()) << "it is where the machine goes";
 }
 
-TEST_F(FoundBySimulation, AnActuatorBoundToATornDownOneInASharedProcessIsSuspended) {
+TEST_F(FoundBySimulation, AnActuatorBoundToATornDownActuatorInASharedProcessIsSuspended) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").binds_to = {"b"};
   Harness& t = In("Active", config);
@@ -220,7 +220,8 @@ TEST_F(FoundBySimulation, AnActuatorBoundToATornDownOneInASharedProcessIsSuspend
   EXPECT_EQ(t.StateOf("a"), "DeActive");
 }
 
-TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMachineFromGoingUp) {
+TEST_F(FoundBySimulation,
+       ACriticalActuatorThatIsTornDownInASharedProcessKeepsTheMachineFromGoingUp) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;
   Harness& t = In("Protected", config);
@@ -261,7 +262,7 @@ TEST_F(FoundBySimulation,
   const auto publish = [&](const State& state) {
     report.state = state;
     report.stamp = t.now();
-    t.Tell(event::StatusSeen{0, report});
+    t.Feed(event::StatusSeen{0, report});
     t.RunFor(Milliseconds(1));
   };
   publish("TearDown");
@@ -287,7 +288,7 @@ TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasE
   const RequestId request = t.Ask("TearDown");
   t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process == 0; });
   ASSERT_EQ(t.machine().phase, Phase::kStopping) << "a is torn down, b does not end";
-  t.HearRival(99);
+  t.ReceiveRivalHeartbeat(99);
   ASSERT_TRUE(t.answers.contains(request));
   const SwitchResult& result = t.answers.at(request);
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);

@@ -1,5 +1,5 @@
-// A hung process gets a backtrace, is killed and restarted where it is ours, and is listed where
-// not.
+// A hung process gets a backtrace, is killed and restarted if this controller has started it, and
+// is listed where not.
 
 #include <gmock/gmock.h>
 
@@ -31,7 +31,7 @@ TEST_F(Hang, LeavesABacktraceThenTheProcessIsKilledRestartedAndDrivenAgain) {
 TEST_F(Hang, IsKilledThoughThereIsNoBacktrace) {
   Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung, true);
-  t.Tell(event::BacktraceTaken{1, 1, "of some other process"});
+  t.Feed(event::BacktraceTaken{1, 1, "of some other process"});
   EXPECT_THAT(t.signals, ElementsAre());
   t.RunFor(std::chrono::seconds(6));
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
@@ -121,10 +121,10 @@ TEST_F(Hang, OfAProcessThatSigkillDoesNotEndIsAssumedToHaveExitedAfterAWhile) {
   EXPECT_EQ(t.machine().state, "Protected") << "and not: waited for in Active for ever";
 }
 
-TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
+TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedActuatorFollows) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").hangs = true;
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   t.Find("b", Health::kHung);
   t.Rest();
@@ -156,7 +156,8 @@ TEST_F(Hang, AStarvedProcessIsRecordedAndNotKilled) {
   EXPECT_TRUE(t.Set("LowPower").done());
 }
 
-TEST_F(Hang, OneOfAnotherHostThatIsCutOffTakesACriticalMachineDownAndJoinsWhenItIsBack) {
+TEST_F(Hang,
+       ADisconnectedCriticalActuatorOfAnotherHostTakesTheMachineDownAndJoinsAfterReconnection) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;
   ActuatorNamed(config, "b").on_lost = "Protected";
@@ -177,7 +178,7 @@ TEST_F(Hang, VerdictsOfAProcessThatHasExitedChangeNothing) {
   t.Crash("b");
   t.Rest();
   t.signals.clear();
-  t.Tell(event::HealthChanged{1, gone, Health::kHung, true, "late"});
+  t.Feed(event::HealthChanged{1, gone, Health::kHung, true, "late"});
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre());
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("after its deadline"))));

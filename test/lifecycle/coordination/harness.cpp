@@ -54,7 +54,7 @@ bool Harness::StepTime(Time limit) {
   if (next > limit) return false;
   now_ = std::max(now_, next);
   if (timer_first) {
-    Tell(event::TimePassed{});
+    Feed(event::TimePassed{});
   } else {
     const auto what = std::move(later_.begin()->second);
     later_.erase(later_.begin());
@@ -84,7 +84,7 @@ bool Harness::RunUntil(const std::function<bool()>& done) {
   return true;
 }
 
-void Harness::Tell(const Event& event) {
+void Harness::Feed(const Event& event) {
   for (const Action& action : Step(config_, machine_, event, now_)) Do(action);
   if (after_step) after_step();
 }
@@ -97,7 +97,7 @@ void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
     }
     running.push_back(fakes_[i].alive);
   }
-  Tell(event::Begin{by_hand,
+  Feed(event::Begin{by_hand,
                     epoch,
                     running,
                     "here",
@@ -108,13 +108,13 @@ void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
                     restarted});
 }
 
-// A disk thread that died with the controller's process does not answer the next one.
+// A disk thread that ended with the controller's process does not answer the next one.
 template <class T>
 void Harness::Save(Stored what, std::uint64_t save, T& stored, T value) {
   const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {
     if (generation != generation_) return;
     if (disk_fails.empty()) stored = value;
-    Tell(event::SaveEnded{what, save, disk_fails.empty(), disk_fails});
+    Feed(event::SaveEnded{what, save, disk_fails.empty(), disk_fails});
   };
   if (disk_takes) After(*disk_takes, end);
 }
@@ -126,14 +126,14 @@ void Harness::RestartController(bool lost_disk, bool restarted) {
   Begin(false, lost_disk ? 0 : epoch_on_disk_, restarted);
   for (std::size_t i = 0; i < fakes_.size(); ++i) {
     if (!fakes_[i].alive) continue;
-    After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latched status
+    After(kWire, [this, i] { Feed(event::StatusSeen{i, ReportOf(i)}); });  // the latched status
   }
 }
 
-RequestId Harness::AskPolicy(event::PolicyRequested asked) {
-  asked.request = next_request_++;
-  Tell(asked);
-  return asked.request;
+RequestId Harness::SendPolicyRequest(event::PolicyRequested requested) {
+  requested.request = next_request_++;
+  Feed(requested);
+  return requested.request;
 }
 
 void Harness::StartActuator(const std::string& name) {
@@ -150,7 +150,7 @@ void Harness::StartActuator(const std::string& name) {
     if (fakes_[i].pid != pid) return;
     StepCore(i, actuator_event::Started{});
     for (const std::uint64_t stop : latched_stops_) {
-      StepCore(i, actuator_event::EmergencyStopHeard{stop, true, 0});
+      StepCore(i, actuator_event::EmergencyStopReceived{stop, true, 0});
     }
   });
 }
@@ -169,50 +169,49 @@ void Harness::EndProcess(std::size_t i, bool clean, const std::string& how, int 
   fake.alive = false;
   After(kWire, [=, this, pid = fake.pid] {
     const bool ours = machine_.actuators[i].process == pid;
-    if (ours) return Tell(event::ProcessEnded{i, pid, clean, how, exit_code});
-    Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
+    if (ours) return Feed(event::ProcessEnded{i, pid, clean, how, exit_code});
+    Feed(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
   });
 }
 
 // Its last heartbeat was a while ago, or its heartbeat reports that its work thread hangs.
 void Harness::Find(const std::string& name, Health health, bool silent) {
   const std::size_t i = Index(name);
-  Tell(event::HealthChanged{i, fakes_[i].core.report.incarnation, health, silent,
+  Feed(event::HealthChanged{i, fakes_[i].core.report.incarnation, health, silent,
                             "as the test says"});
 }
 
 void Harness::StopAll(std::uint64_t id, const std::string& by) {
   latched_stops_.insert(id);
-  for (std::size_t i = 0; i < fakes_.size(); ++i) {
-    After(kWire, [this, i, id] { StepCore(i, actuator_event::EmergencyStopHeard{id, true, 0}); });
-  }
-  After(kWire, [this, id, by] { Tell(event::EmergencyStopSeen{{id, by, ""}}); });
+  const actuator_event::EmergencyStopReceived stop{id, true, 0};
+  for (std::size_t i = 0; i < fakes_.size(); ++i) After(kWire, [=, this] { StepCore(i, stop); });
+  After(kWire, [this, id, by] { Feed(event::EmergencyStopSeen{{id, by, ""}}); });
 }
 
-void Harness::TellActuators(const action::TellEmergencyStop& stop) {
+void Harness::PublishToActuators(const action::PublishEmergencyStop& stop) {
   if (stop.engaged) latched_stops_.insert(stop.stop.id);
   if (!stop.engaged) latched_stops_.erase(stop.stop.id);
   for (std::size_t i = 0; i < fakes_.size(); ++i) {
     After(kWire, [=, this, sender = ControllerId()] {
-      StepCore(i, actuator_event::EmergencyStopHeard{stop.stop.id, stop.engaged, sender});
+      StepCore(i, actuator_event::EmergencyStopReceived{stop.stop.id, stop.engaged, sender});
     });
   }
 }
 
 RequestId Harness::Restart(const std::string& name) {
   const RequestId request = next_request_++;
-  Tell(event::RestartRequested{request, name});
+  Feed(event::RestartRequested{request, name});
   return request;
 }
 
 RequestId Harness::Release() {
   const RequestId request = next_request_++;
-  Tell(event::ReleaseRequested{request, "the test"});
+  Feed(event::ReleaseRequested{request, "the test"});
   return request;
 }
 
-void Harness::HearRival(std::uint64_t epoch) {
-  Tell(event::RivalHeard{epoch, "process 1 elsewhere", false});
+void Harness::ReceiveRivalHeartbeat(std::uint64_t epoch) {
+  Feed(event::RivalSeen{epoch, "process 1 elsewhere", false});
 }
 
 void Harness::Mute(const std::string& name, bool to_actuator, bool from_actuator) {
@@ -220,14 +219,14 @@ void Harness::Mute(const std::string& name, bool to_actuator, bool from_actuator
   fakes_[Index(name)].tx_blocked = from_actuator;
 }
 
-RequestId Harness::Ask(const State& target, std::optional<std::string> actuator) {
+RequestId Harness::RequestSwitch(const State& target, std::optional<std::string> actuator) {
   const RequestId request = next_request_++;
-  Tell(event::SetStateRequested{request, target, std::move(actuator)});
+  Feed(event::SetStateRequested{request, target, std::move(actuator)});
   return request;
 }
 
 SwitchResult Harness::Set(const State& target, std::optional<std::string> actuator) {
-  const RequestId request = Ask(target, std::move(actuator));
+  const RequestId request = RequestSwitch(target, std::move(actuator));
   RunUntil([&] { return answers.count(request) > 0; });
   return answers.at(request);
 }
@@ -283,8 +282,8 @@ void Harness::Do(std::size_t i, const ActuatorAction& action) {
                                 : common != fake.script.end() ? common->second
                                                               : Behaviour{};
     ++fake.run;
-    fake.hanging = behaviour.ends_when_asked;
-    if (!behaviour.hangs && !behaviour.ends_when_asked) {
+    fake.hanging = behaviour.ends_when_requested;
+    if (!behaviour.hangs && !behaviour.ends_when_requested) {
       After(behaviour.takes, end_callback({behaviour.code, behaviour.message,
                                            behaviour.degraded_code, behaviour.degraded_reason}));
     }
@@ -295,15 +294,15 @@ void Harness::Do(std::size_t i, const ActuatorAction& action) {
     const auto request = fake.requests.extract(answer->token);
     if (request.empty() || fake.tx_blocked) return;
     After(kWire + fake.delay, [this, i, answer = *answer, number = request.mapped().first,
-                               ask = request.mapped().second, report = ReportOf(i),
+                               query = request.mapped().second, report = ReportOf(i),
                                generation = generation_] {
       if (generation != generation_) return;
-      Tell(event::Replied{i, number, ask, answer.verdict, answer.code, answer.message, report});
+      Feed(event::Replied{i, number, query, answer.verdict, answer.code, answer.message, report});
     });
   } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
     if (fake.tx_blocked) return;
     After(kWire + fake.delay, [this, i, report = ReportOf(i)] {
-      Tell(event::StatusSeen{i, report});
+      Feed(event::StatusSeen{i, report});
     });
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
     fake.visible = true;
@@ -316,13 +315,13 @@ void Harness::Do(std::size_t i, const ActuatorAction& action) {
 }
 
 void Harness::Do(const Action& action) {
-  const auto deliver = [this](std::size_t i, std::uint64_t number, bool ask, auto make_event) {
+  const auto deliver = [this](std::size_t i, std::uint64_t number, bool query, auto make_event) {
     const RequestToken token = next_token_++;
     After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
       FakeActuator& fake = fakes_[i];
       if (!fake.alive || !fake.visible || fake.rx_blocked) return;
-      fake.requests[token] = {number, ask};
-      StepCore(i, actuator_event::ControllerHeard{sender, epoch});
+      fake.requests[token] = {number, query};
+      StepCore(i, actuator_event::ControllerHeartbeatReceived{sender, epoch});
       StepCore(i, make_event(token));
     });
   };
@@ -340,23 +339,23 @@ void Harness::Do(const Action& action) {
     deliver(send->actuator, send->number, false, [command, sender](RequestToken token) {
       return ActuatorEvent{actuator_event::SwitchArrived{token, command, sender}};
     });
-  } else if (const auto* ask = std::get_if<action::SendAsk>(&action)) {
-    const AskCommand command{machine_.epoch, ask->number, ask->stop};
-    deliver(ask->actuator, ask->number, true, [command, sender](RequestToken token) {
-      return ActuatorEvent{actuator_event::AskArrived{token, command, sender}};
+  } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
+    const QueryCommand command{machine_.epoch, query->number, query->stop};
+    deliver(query->actuator, query->number, true, [command, sender](RequestToken token) {
+      return ActuatorEvent{actuator_event::QueryArrived{token, command, sender}};
     });
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     const Behaviour exec = fakes_[start->actuator].script["exec"];
-    if (exec.code != kCodeOk) return Tell(event::ProcessNotStarted{start->actuator, exec.message});
+    if (exec.code != kCodeOk) return Feed(event::ProcessNotStarted{start->actuator, exec.message});
     StartActuator(config_.actuators[start->actuator].name);
-    Tell(event::ProcessStarted{start->actuator, fakes_[start->actuator].pid});
+    Feed(event::ProcessStarted{start->actuator, fakes_[start->actuator].pid});
     if (exec.exit_code != 0) {
       Exit(config_.actuators[start->actuator].name, exec.exit_code, exec.message);
     }
   } else if (std::holds_alternative<action::FindProcesses>(action)) {
     event::ProcessesFound found;
     for (const FakeActuator& fake : fakes_) found.processes.push_back(fake.alive ? fake.pid : 0);
-    Tell(found);
+    Feed(found);
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     signals.push_back(config_.actuators[signal->actuator].name +
                       (signal->kill ? ":KILL" : ":TERM"));
@@ -370,10 +369,10 @@ void Harness::Do(const Action& action) {
     calls.emplace(call->request, call->result);
   } else if (const auto* take = std::get_if<action::TakeBacktrace>(&action)) {
     After(Milliseconds(50), [this, take = *take] {
-      Tell(event::BacktraceTaken{take.actuator, take.pid, "in its main loop"});
+      Feed(event::BacktraceTaken{take.actuator, take.pid, "in its main loop"});
     });
-  } else if (const auto* stop = std::get_if<action::TellEmergencyStop>(&action)) {
-    TellActuators(*stop);
+  } else if (const auto* stop = std::get_if<action::PublishEmergencyStop>(&action)) {
+    PublishToActuators(*stop);
   } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
     Save(Stored::kEmergencyStops, stops->save, stops_on_disk, stops->stops);
   } else if (const auto* policy = std::get_if<action::SavePolicy>(&action)) {

@@ -23,8 +23,8 @@ struct Behaviour {
   std::int32_t degraded_code = kCodeOk;  // of a self-check that passes as degraded
   std::string degraded_reason;
   bool hangs = false;
-  bool ends_when_asked = false;  // a long callback that honours RequestStop, ending with Failed
-  int exit_code = 0;             // of "exec": the process exits with it before its first status
+  bool ends_when_requested = false;  // a long callback that honours RequestStop, ending with Failed
+  int exit_code = 0;                 // of "exec": the process exits with it before its first status
 };
 
 class Harness {
@@ -53,20 +53,20 @@ class Harness {
   void StopAll(std::uint64_t id, const std::string& by = "the test");
   RequestId Release();
   // A heartbeat of another controller arrives.
-  void HearRival(std::uint64_t epoch);
+  void ReceiveRivalHeartbeat(std::uint64_t epoch);
   // Any other event for the controller.
-  void Tell(const Event& event);
+  void Feed(const Event& event);
   // Requests a restart of an actuator; the answer is stored in `calls`.
   RequestId Restart(const std::string& name);
   // Sends a request to the policy; the answer is stored in `calls`.
-  RequestId AskPolicy(event::PolicyRequested asked);
+  RequestId SendPolicyRequest(event::PolicyRequested requested);
   // A new controller takes over; the old one is dropped at any point of its work.
   // `lost_disk`: it does not know the previous epochs.
   // `restarted`: by a supervisor.
   void RestartController(bool lost_disk = false, bool restarted = false);
 
   // Requests a switch and returns at once; the answer is stored in `answers`.
-  RequestId Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
+  RequestId RequestSwitch(const State& target, std::optional<std::string> actuator = std::nullopt);
   // Requests a switch and advances time until the answer.
   SwitchResult Set(const State& target, std::optional<std::string> actuator = std::nullopt);
 
@@ -117,7 +117,7 @@ class Harness {
     int run = 0;  // counts callbacks, so that the end of an old one does not count for a new one
     bool hanging = false;
     ActuatorCore core;
-    std::map<RequestToken, std::pair<std::uint64_t, bool>> requests;  // number, ask
+    std::map<RequestToken, std::pair<std::uint64_t, bool>> requests;  // number, query
     std::map<std::string, Behaviour> script;
   };
 
@@ -126,7 +126,7 @@ class Harness {
   void StepCore(std::size_t i, const ActuatorEvent& event);
   void Do(std::size_t i, const ActuatorAction& action);
   void Do(const Action& action);
-  void TellActuators(const action::TellEmergencyStop& stop);
+  void PublishToActuators(const action::PublishEmergencyStop& stop);
   template <class T>
   void Save(Stored what, std::uint64_t save, T& stored, T value);
   Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }

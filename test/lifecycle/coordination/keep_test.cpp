@@ -65,7 +65,7 @@ TEST_F(KeepRule, TheBatteryRuleDoesNotApplyMeanwhileAndAppliesAfterwards) {
   EXPECT_EQ(KeepAndWait("Active", 30), "ok");
   Battery(3);
   EXPECT_EQ(state(), "Active");
-  EXPECT_TRUE(robot().Set("Active").done()) << "nor in what people ask for";
+  EXPECT_TRUE(robot().Set("Active").done()) << "nor in what people request";
   Battery(0);
   EXPECT_EQ(state(), "Active");
   Battery(3);
@@ -92,7 +92,7 @@ TEST_F(KeepRule, ASwitchElsewhereThatIsUndoneLeavesTheKeep) {
   EXPECT_TRUE(policy().keep);
 }
 
-TEST_F(KeepRule, ASwitchThereAndOneOfASingleActuatorLeaveTheKeep) {
+TEST_F(KeepRule, ASwitchToThatStateAndASwitchOfOneActuatorLeaveTheKeep) {
   Robot();
   KeepAndWait("Active", 60);
   EXPECT_EQ(robot().Set("Active").reason, "");
@@ -130,14 +130,14 @@ TEST_F(KeepRule, WakeUpOtaAndPowerOffAreRefusedMeanwhile) {
   EXPECT_EQ(KeepAndWait("LowPower", 60), "ok");
   for (const auto what : {PolicyRequest::kWakeUp, PolicyRequest::kOta, PolicyRequest::kPowerOff,
                           PolicyRequest::kReboot}) {
-    EXPECT_THAT(AskAndWait(what, true), StartsWith("103: the machine is kept in LowPower"));
+    EXPECT_THAT(RequestAndWait(what, true), StartsWith("103: the machine is kept in LowPower"));
   }
   EXPECT_EQ(state(), "LowPower");
 }
 
 TEST_F(KeepRule, LyingStillDoesNotCountMeanwhile) {
   Robot();
-  Ask(PolicyRequest::kLowPowerSwitch, true);
+  RequestPolicy(PolicyRequest::kLowPowerSwitch, true);
   KeepAndWait("Active", 60);
   Motion(101);
   robot().RunFor(std::chrono::seconds(59));

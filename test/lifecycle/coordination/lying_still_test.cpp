@@ -14,7 +14,7 @@ class LyingStill : public Rules {
  protected:
   void SetUp() override {
     Robot();
-    Ask(PolicyRequest::kLowPowerSwitch, true);
+    RequestPolicy(PolicyRequest::kLowPowerSwitch, true);
   }
   void Pass(int seconds) { robot().RunFor(std::chrono::seconds(seconds)); }
 };
@@ -59,7 +59,7 @@ TEST_F(LyingStill, LyingDownAndLyingAreOneStillness) {
 TEST_F(LyingStill, SilenceIsNotStillness) {
   Motion(kLying);
   Pass(20);
-  robot().Tell(event::InputSilent{PolicyInput::kMotion});
+  robot().Feed(event::InputSilent{PolicyInput::kMotion});
   Pass(60);
   EXPECT_EQ(state(), "Active");
 }
@@ -78,7 +78,7 @@ TEST_F(LyingStill, RestartsTheCountAfterLowPower) {
   Pass(31);
   ASSERT_EQ(state(), "LowPower");
   Pass(60);
-  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "ok");
   Pass(25);
   EXPECT_EQ(state(), "Active");
   Pass(5);
@@ -89,7 +89,7 @@ TEST_F(LyingStill, TurningTheSwitchOffEndsTheRuleAndWakesUp) {
   Motion(kLying);
   Pass(31);
   ASSERT_EQ(state(), "LowPower");
-  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
   EXPECT_EQ(state(), "Active");
   Pass(60);
   EXPECT_EQ(state(), "Active");
@@ -98,7 +98,7 @@ TEST_F(LyingStill, TurningTheSwitchOffEndsTheRuleAndWakesUp) {
 TEST_F(LyingStill, TurningTheSwitchOffDoesNotRaiseAMachineThatTheBatteryTookDown) {
   Battery(3);
   ASSERT_EQ(state(), "LowPower");
-  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
   EXPECT_EQ(state(), "LowPower");
 }
 
@@ -115,7 +115,7 @@ TEST_F(LyingStill, TheStoredSwitchSurvivesTheControllerTheOtherDoesNot) {
   robot().RestartController();
   Pass(1);
   EXPECT_FALSE(policy().low_power) << "off by default";
-  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerStore, true), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kLowPowerStore, true), "ok");
   robot().RestartController();
   Pass(1);
   EXPECT_TRUE(policy().low_power);
@@ -137,7 +137,7 @@ TEST_F(LyingStill, WithoutTheRuleItsSwitchIsRefused) {
   MachineConfig config = WithPolicy();
   config.policy->low_power.reset();
   Robot("Active", config);
-  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, true),
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kLowPowerSwitch, true),
             "108: the config has no [policy.low_power]");
 }
 
@@ -152,7 +152,7 @@ class OnClockTopic : public Rules {
     Robot("Active", config);
   }
   void Clock(int seconds) {
-    robot().Tell(event::ClockHeard{Time(std::chrono::seconds(seconds))});
+    robot().Feed(event::ClockReceived{Time(std::chrono::seconds(seconds))});
     robot().RunFor(Milliseconds(500));
   }
 };

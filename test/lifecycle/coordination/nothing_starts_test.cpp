@@ -53,7 +53,7 @@ class NothingStarts : public ::testing::TestWithParam<Combination> {
   void Start(Harness& t) const {
     for (const char* name : {"a", "b"}) t.On(name, reason().state) = reason().behaviour;
     t.Begin(std::get<2>(GetParam()));
-    if (std::get<2>(GetParam())) t.Tell(event::SetUpAwaited{99});
+    if (std::get<2>(GetParam())) t.Feed(event::SetUpAwaited{99});
     t.Rest();
   }
 };

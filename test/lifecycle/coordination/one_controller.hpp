@@ -67,20 +67,20 @@ class OneController : public ::testing::Test {
   }
   // It has executed its command.
   void Obey(std::size_t i) {
-    const Order order = Of(i).order.value();
-    ActuatorReport report = Report(i, order.target);
+    const PendingCommand command = Of(i).command.value();
+    ActuatorReport report = Report(i, command.target);
     report.incarnation = Of(i).report.incarnation;
-    report.number = report.outcome_number = order.number;
-    Do(event::Replied{i, order.number, false, Verdict::kDone, kCodeOk, "", report});
+    report.number = report.outcome_number = command.number;
+    Do(event::Replied{i, command.number, false, Verdict::kDone, kCodeOk, "", report});
   }
   // All actuators execute their commands until none is sent.
   void ObeyAll() {
     for (int rounds = 0; rounds < 10; ++rounds) {
       for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
-        if (Of(i).order) Obey(i);
+        if (Of(i).command) Obey(i);
       }
     }
-    for (const ActuatorRecord& record : machine_.actuators) EXPECT_FALSE(record.order);
+    for (const ActuatorRecord& record : machine_.actuators) EXPECT_FALSE(record.command);
   }
   // All actuators start and execute their commands until none is sent.
   void StartUp() {

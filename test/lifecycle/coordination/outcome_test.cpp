@@ -10,15 +10,15 @@ using ::testing::SizeIs;
 
 class Outcomes : public OneController {
  protected:
-  void Ask(const State& target, std::optional<std::string> actuator = {}) {
+  void RequestSwitch(const State& target, std::optional<std::string> actuator = {}) {
     Do(event::SetStateRequested{++request_, target, std::move(actuator)});
   }
   void Fail(std::size_t i, std::int32_t code) {
-    const Order order = Of(i).order.value();
+    const PendingCommand command = Of(i).command.value();
     ActuatorReport report = Report(i, Of(i).state());
-    report.number = report.outcome_number = order.number;
+    report.number = report.outcome_number = command.number;
     report.outcome_code = code;
-    Do(event::Replied{i, order.number, false, Verdict::kFailed, code, "it stumbled", report});
+    Do(event::Replied{i, command.number, false, Verdict::kFailed, code, "it stumbled", report});
   }
   SwitchResult Result() {
     for (const auto& answer : Did<action::AnswerSetState>()) {
@@ -29,7 +29,7 @@ class Outcomes : public OneController {
   }
   void In(const State& state) {
     StartUp();
-    Ask(state);
+    RequestSwitch(state);
     ObeyAll();
     EXPECT_EQ(machine_.state, state);
     Forget();
@@ -37,10 +37,10 @@ class Outcomes : public OneController {
   RequestId request_ = 0;
 };
 
-TEST_F(Outcomes, NameTheOneThatFailedAndNotOneThatWasSkippedForIt) {
+TEST_F(Outcomes, NameTheFailedActuatorAndNotTheActuatorsSkippedBecauseOfIt) {
   config_.actuators[0].after = {"b"};
   In("LowPower");
-  Ask("Active");
+  RequestSwitch("Active");
   Fail(1, 5001);
   Obey(1);  // it is rolled back
   EXPECT_EQ(Result().reason, "b: failed with 5001 (AudioNX: Failed), it stumbled");
@@ -48,14 +48,14 @@ TEST_F(Outcomes, NameTheOneThatFailedAndNotOneThatWasSkippedForIt) {
   EXPECT_EQ(Result().actuators[0].code, kCodeStatusError);
 }
 
-TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayGoOn) {
+TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   config_ = MachineOf(3);
   config_.actuators[0].after = {"b"};
   In("LowPower");
   Of(0).fault = Of(1).fault = Error{kCodeFailed, "it was degraded before"};
-  Ask("Active");
+  RequestSwitch("Active");
   Fail(1, 5001);
-  EXPECT_TRUE(Of(2).order);
+  EXPECT_TRUE(Of(2).command);
   Obey(2);
   EXPECT_EQ(Result().actuators[0].message, "needs b, which failed");
   EXPECT_EQ(machine_.state, kActive);
@@ -65,7 +65,7 @@ TEST_F(Outcomes, DependOnThePresentStatesAndNotOnAnEarlierFault) {
   StartUp();
   Of(1).fault = Error{kCodeFailed, "its last check had failed"};
   Of(1).checked = false;
-  Ask("LowPower");
+  RequestSwitch("LowPower");
   ObeyAll();
   EXPECT_EQ(Of(1).state(), "LowPower");
   EXPECT_EQ(Result().outcome, SwitchOutcome::kDone);
@@ -76,7 +76,7 @@ TEST_F(Outcomes, OfAnActuatorInAnotherStateWithAReasonAreDoneDegraded) {
   StartUp();
   Do(event::Vanished{1, kFirst + 1, true, "its process ended"});
   Forget();
-  Ask("LowPower");
+  RequestSwitch("LowPower");
   ObeyAll();
   EXPECT_EQ(Result().outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_EQ(Result().reason, "b: crashed: its process ended");
@@ -84,7 +84,7 @@ TEST_F(Outcomes, OfAnActuatorInAnotherStateWithAReasonAreDoneDegraded) {
 
 TEST_F(Outcomes, OfTwoEquallySevereFailuresNameTheFirst) {
   StartUp();
-  Ask("LowPower");
+  RequestSwitch("LowPower");
   Fail(0, 5001);
   Fail(1, 5002);
   EXPECT_EQ(Result().code, 5001);
@@ -92,7 +92,7 @@ TEST_F(Outcomes, OfTwoEquallySevereFailuresNameTheFirst) {
 
 TEST_F(Outcomes, NameTheActuatorsThatAreBackAndThatFailed) {
   In("LowPower");
-  Ask("Active");
+  RequestSwitch("Active");
   Obey(0);
   Fail(1, 5001);
   Obey(0);
@@ -106,7 +106,7 @@ TEST_F(Outcomes, NameTheActuatorsThatAreBackAndThatFailed) {
 
 TEST_F(Outcomes, ReportAnActuatorAsBackOnlyWhenItIs) {
   In("LowPower");
-  Ask("Active");
+  RequestSwitch("Active");
   Obey(0);
   Fail(1, 5001);
   Fail(0, 5003);
@@ -119,27 +119,27 @@ TEST_F(Outcomes, ReportAnActuatorAsBackOnlyWhenItIs) {
 TEST_F(Outcomes, OfASupersededSwitchNameTheActuatorsUnderWayAndNotCommanded) {
   config_.actuators[1].after = {"a"};
   In("LowPower");
-  Ask("Active");
+  RequestSwitch("Active");
   const RequestId up = request_;
-  Ask("Error");
+  RequestSwitch("Error");
   EXPECT_EQ(Did<action::AnswerSetState>()[0].request, up);
   const SwitchResult result = Did<action::AnswerSetState>()[0].result;
   EXPECT_EQ(result.outcome, SwitchOutcome::kSuperseded);
   EXPECT_EQ(result.code, kCodeTargetBusy);
   EXPECT_EQ(result.actuators[0].message, "was under way");
   EXPECT_EQ(result.actuators[1].message, "nothing was sent");
-  EXPECT_FALSE(Of(0).order) << "it comes after b on the way down";
-  ASSERT_TRUE(Of(1).order);
-  EXPECT_EQ(Of(1).order->target, "Error");
+  EXPECT_FALSE(Of(0).command) << "it comes after b on the way down";
+  ASSERT_TRUE(Of(1).command);
+  EXPECT_EQ(Of(1).command->target, "Error");
 }
 
-TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingOneSkipped) {
+TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingActuatorSkipped) {
   config_ = MachineOf(3);
   config_.actuators[2].stage = 2;
   StartUp();
   Do(event::Vanished{0, kFirst, true, "its process ended"});
   Of(2).presence = Presence::kStarting;
-  Ask("LowPower");
+  RequestSwitch("LowPower");
   Obey(1);
   EXPECT_EQ(Result().actuators[0].outcome, ActuatorOutcome::kLost);
   EXPECT_EQ(Result().actuators[2].outcome, ActuatorOutcome::kSkipped);
@@ -148,31 +148,31 @@ TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingOneSkipped) {
 TEST_F(Outcomes, OfARefusalNameTheDegradedActuators) {
   StartUp();
   Of(1).fault = Error{kCodeFailed, "it stumbled"};
-  Ask("Nowhere");
+  RequestSwitch("Nowhere");
   EXPECT_THAT(Result().degraded, ElementsAre("b"));
 }
 
 TEST_F(Outcomes, KeepAnActuatorDetachedUntilASwitchIsDoneNotUndone) {
   In("Protected");
-  Ask("LowPower", "a");
+  RequestSwitch("LowPower", "a");
   Obey(0);
   ASSERT_TRUE(Of(0).held);
-  Ask("Active");
+  RequestSwitch("Active");
   Obey(0);
   Fail(1, 5001);
   Obey(0);
   Obey(1);
   EXPECT_EQ(Of(0).state(), "LowPower");
   EXPECT_TRUE(Of(0).held);
-  Ask("DeActive");
+  RequestSwitch("DeActive");
   Obey(0);
   Obey(1);
   EXPECT_FALSE(Of(0).held);
 }
 
-TEST_F(Outcomes, ACheckOfOneThatFailsIsDoneDegradedAndNotUndone) {
+TEST_F(Outcomes, AFailedCheckOfOneActuatorIsDoneDegradedAndNotUndone) {
   StartUp();
-  Ask("SelfCheck", "a");
+  RequestSwitch("SelfCheck", "a");
   Fail(0, 5009);
   EXPECT_EQ(Result().outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_FALSE(Of(0).checked);
@@ -180,7 +180,7 @@ TEST_F(Outcomes, ACheckOfOneThatFailsIsDoneDegradedAndNotUndone) {
 
 TEST_F(Outcomes, OfAnActuatorThatKeepsItsStateAreUndone) {
   StartUp();
-  Ask("LowPower", "a");
+  RequestSwitch("LowPower", "a");
   Fail(0, 5001);
   EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
 }
@@ -188,10 +188,10 @@ TEST_F(Outcomes, OfAnActuatorThatKeepsItsStateAreUndone) {
 TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {
   config_.actuators[1].after = {"a"};
   In("LowPower");
-  Ask("Active");
+  RequestSwitch("Active");
   Obey(0);
   Fail(1, 5001);
-  ASSERT_TRUE(Of(1).order) << "the reverse order";
+  ASSERT_TRUE(Of(1).command) << "the reverse order";
   ActuatorReport report = Report(0);
   report.incarnation += 100;
   report.epoch = 0;
@@ -199,7 +199,7 @@ TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {
   report.epoch = machine_.epoch;
   Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
   Obey(1);
-  EXPECT_EQ(Of(0).order.value().target, "SelfCheck");
+  EXPECT_EQ(Of(0).command.value().target, "SelfCheck");
   ObeyAll();
   EXPECT_FALSE(Of(0).fault);
   EXPECT_EQ(Of(0).state(), "LowPower");
@@ -220,15 +220,15 @@ TEST_F(Outcomes, AnActuatorFoundInAnotherStateWithoutACheckHasItsOwnCode) {
 
 TEST_F(Outcomes, TheNameOfAnUnknownActuatorIsShortened) {
   StartUp();
-  Ask("LowPower", std::string(100, 'x'));
+  RequestSwitch("LowPower", std::string(100, 'x'));
   EXPECT_NE(Result().reason.find("'" + std::string(64, 'x') + "'"), std::string::npos);
 }
 
 TEST_F(Outcomes, AContradictingStateIsShortened) {
   StartUp();
-  Ask("LowPower");
-  const Order order = Of(0).order.value();
-  Do(event::Replied{0, order.number, false, Verdict::kDone, kCodeOk, "",
+  RequestSwitch("LowPower");
+  const PendingCommand command = Of(0).command.value();
+  Do(event::Replied{0, command.number, false, Verdict::kDone, kCodeOk, "",
                     Report(0, std::string(100, 'x'))});
   EXPECT_NE(RecordWith("a: LowPower failed").message.find(" " + std::string(64, 'x')),
             std::string::npos);

@@ -36,20 +36,20 @@ class Rules : public Switching {
   std::vector<State>& states() { return states_; }
 
   void Battery(int percent, bool charging = false) {
-    robot().Tell(event::BatterySeen{percent, charging});
+    robot().Feed(event::BatterySeen{percent, charging});
     robot().RunFor(std::chrono::seconds(2));
   }
-  void Motion(std::int32_t id) { robot().Tell(event::MotionSeen{id}); }
+  void Motion(std::int32_t id) { robot().Feed(event::MotionSeen{id}); }
 
-  RequestId Ask(PolicyRequest what, bool enable = false) {
-    return robot().AskPolicy({0, what, "", 0, enable});
+  RequestId RequestPolicy(PolicyRequest what, bool enable = false) {
+    return robot().SendPolicyRequest({0, what, "", 0, enable});
   }
   RequestId Keep(const State& wanted, std::int64_t seconds) {
-    return robot().AskPolicy({0, PolicyRequest::kKeep, wanted, seconds, false});
+    return robot().SendPolicyRequest({0, PolicyRequest::kKeep, wanted, seconds, false});
   }
   // Sends a request, and returns the answer after two seconds.
-  std::string AskAndWait(PolicyRequest what, bool enable = false) {
-    return AnswerTo(Ask(what, enable));
+  std::string RequestAndWait(PolicyRequest what, bool enable = false) {
+    return AnswerTo(RequestPolicy(what, enable));
   }
   std::string KeepAndWait(const State& wanted, std::int64_t seconds) {
     return AnswerTo(Keep(wanted, seconds));

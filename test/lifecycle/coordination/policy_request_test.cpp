@@ -12,14 +12,14 @@ class Requests : public Rules {};
 TEST_F(Requests, WhileASwitchIsUnderWayAllAreRefused) {
   Robot();
   robot().On("a", "DeActive").takes = Milliseconds(90);
-  robot().Ask("DeActive");
+  robot().RequestSwitch("DeActive");
   const std::string busy = "111: switch 3 (to DeActive) is under way";
   for (const char* state : {"Active", "Protected", "LowPower", "OTA", "TearDown"}) {
     const RequestId request = Keep(state, 0);
     EXPECT_EQ(Text(robot().calls.at(request)), busy);
   }
   for (const auto what : {PolicyRequest::kWakeUp, PolicyRequest::kOta}) {
-    EXPECT_EQ(Text(robot().calls.at(Ask(what))), busy);
+    EXPECT_EQ(Text(robot().calls.at(RequestPolicy(what))), busy);
   }
 }
 
@@ -30,10 +30,11 @@ TEST_F(Requests, OtaIsLeftByItsOwnServiceOrByHandOnly) {
   }
   EXPECT_EQ(KeepAndWait("OTA", 0), "ok");
   EXPECT_EQ(state(), "OTA");
-  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, false), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, false), "ok");
   EXPECT_EQ(state(), "Active");
   robot().Set("OTA");
-  const RequestId direct = robot().AskPolicy({0, PolicyRequest::kSwitch, "Active", 0, false});
+  const RequestId direct =
+      robot().SendPolicyRequest({0, PolicyRequest::kSwitch, "Active", 0, false});
   EXPECT_EQ(AnswerTo(direct), "ok");
   EXPECT_EQ(state(), "Active");
 }
@@ -41,15 +42,15 @@ TEST_F(Requests, OtaIsLeftByItsOwnServiceOrByHandOnly) {
 TEST_F(Requests, OtaIsEnteredFromAnywhereAndOnce) {
   for (const char* from : {"Active", "Protected", "LowPower", "DeActive"}) {
     Robot(from);
-    EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
+    EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, true), "ok");
     EXPECT_EQ(state(), "OTA");
-    EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
+    EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, true), "ok");
   }
 }
 
 TEST_F(Requests, OtaCannotBeLeftFromElsewhere) {
   Robot();
-  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, false),
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, false),
             "103: the machine is not in OTA, it is in Active");
 }
 
@@ -90,7 +91,7 @@ TEST_F(Requests, DeActiveSelfCheckAndErrorCanBeCommanded) {
 TEST_F(Requests, ADirectSwitchIsOneLikeAnyOther) {
   Robot();
   const auto direct = [this](const State& wanted) {
-    return AnswerTo(robot().AskPolicy({0, PolicyRequest::kSwitch, wanted, 0, false}));
+    return AnswerTo(robot().SendPolicyRequest({0, PolicyRequest::kSwitch, wanted, 0, false}));
   };
   EXPECT_EQ(direct("Protected"), "ok");
   EXPECT_THAT(direct("SetUp"), StartsWith("103: "));
@@ -101,14 +102,14 @@ TEST_F(Requests, ADirectSwitchIsOneLikeAnyOther) {
 
 TEST_F(Requests, WakeUpLeadsToActive) {
   Robot("LowPower");
-  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "ok");
   EXPECT_EQ(state(), "Active");
 }
 
 TEST_F(Requests, WakeUpAtTenPercentLeadsToProtectedAndTheRestComesWithTheCharge) {
   Robot("LowPower");
   Battery(10);
-  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "ok");
   EXPECT_EQ(state(), "Protected");
   Battery(40, true);
   EXPECT_EQ(state(), "Active");
@@ -117,7 +118,7 @@ TEST_F(Requests, WakeUpAtTenPercentLeadsToProtectedAndTheRestComesWithTheCharge)
 TEST_F(Requests, WakeUpAtThreePercentIsRefusedWithWhatToDo) {
   Robot("LowPower");
   Battery(3);
-  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp),
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp),
             "113: the battery is at 3 %: the machine is limited to LowPower until it is charged "
             "to 7 %");
   EXPECT_EQ(state(), "LowPower");
@@ -126,7 +127,7 @@ TEST_F(Requests, WakeUpAtThreePercentIsRefusedWithWhatToDo) {
 TEST_F(Requests, WakeUpIsRefusedInOtherStates) {
   for (const char* from : {"Active", "Protected", "OTA", "DeActive"}) {
     Robot(from);
-    EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp),
+    EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp),
               "103: the machine is not in LowPower, it is in " + std::string(from));
   }
 }
@@ -134,19 +135,19 @@ TEST_F(Requests, WakeUpIsRefusedInOtherStates) {
 TEST_F(Requests, WakeUpIsRefusedDuringAnEmergencyStop) {
   Robot("LowPower");
   robot().StopAll(7);
-  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("113: an emergency stop"));
+  EXPECT_THAT(RequestAndWait(PolicyRequest::kWakeUp), StartsWith("113: an emergency stop"));
 }
 
 TEST_F(Requests, AFailedWakeUpIsNotCalledASuccess) {
   Robot("LowPower");
   robot().On("a", "Active").code = 3009;
-  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("3009: a: failed"));
+  EXPECT_THAT(RequestAndWait(PolicyRequest::kWakeUp), StartsWith("3009: a: failed"));
   EXPECT_EQ(state(), "LowPower");
 }
 
 TEST_F(Requests, ARefusalIsRecordedWithItsRequest) {
   Robot();
-  AskAndWait(PolicyRequest::kWakeUp);
+  RequestAndWait(PolicyRequest::kWakeUp);
   EXPECT_THAT(Why("wake-up refused"),
               ElementsAre("wake-up refused: the machine is not in LowPower, it is in Active",
                           "wake-up requested"));
@@ -154,27 +155,27 @@ TEST_F(Requests, ARefusalIsRecordedWithItsRequest) {
 
 TEST_F(Requests, WithoutAPolicyAllAreRefused) {
   Robot("Active", MachineOf(1));
-  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "108: the config has no [policy]");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "108: the config has no [policy]");
 }
 
 TEST_F(Requests, BeforeTheMachineBeginsAndAfterItsEndAllAreAnswered) {
   Harness t(WithPolicy());
-  const RequestId before = t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  const RequestId before = t.SendPolicyRequest({0, PolicyRequest::kPowerOff, "", 0, false});
   EXPECT_EQ(Text(t.calls.at(before)), "104: the machine is not set up yet");
   t.Begin();
   t.Rest();
   t.Set("TearDown");
   t.Rest();
-  const RequestId after = t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  const RequestId after = t.SendPolicyRequest({0, PolicyRequest::kPowerOff, "", 0, false});
   EXPECT_THAT(Text(t.calls.at(after)), StartsWith("103: the machine is torn down"));
 }
 
 TEST_F(Requests, AFencedControllerAnswersAnyway) {
   Robot("LowPower");
-  const RequestId under_way = Ask(PolicyRequest::kWakeUp);
-  robot().HearRival(100);
+  const RequestId under_way = RequestPolicy(PolicyRequest::kWakeUp);
+  robot().ReceiveRivalHeartbeat(100);
   EXPECT_THAT(Text(robot().calls.at(under_way)), StartsWith("106: "));
-  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("106: "));
+  EXPECT_THAT(RequestAndWait(PolicyRequest::kWakeUp), StartsWith("106: "));
 }
 
 }  // namespace musher::testing::policy_request_test

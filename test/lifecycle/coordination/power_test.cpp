@@ -17,7 +17,7 @@ class Power : public Rules {
 TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
   Robot();
   const Time begun = robot().now();
-  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
+  EXPECT_EQ(Text(robot().calls.at(RequestPolicy(PolicyRequest::kPowerOff))), "ok");
   robot().RunFor(Milliseconds(1999));
   EXPECT_EQ(state(), "Active");
   EXPECT_EQ(robot().machine().phase, Phase::kRunning);
@@ -35,7 +35,7 @@ TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
   MachineConfig config = WithPolicy();
   config.policy->power.reboot_command = {"reboot", "now"};
   Robot("Active", config);
-  EXPECT_EQ(AskAndWait(PolicyRequest::kReboot), "ok");
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kReboot), "ok");
   robot().RunFor(seconds(20));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_TRUE(robot().power[0].second);
@@ -51,7 +51,7 @@ TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
   Robot("Active", config);
   robot().On("a", "TearDown").hangs = true;
   const Time begun = robot().now();
-  Ask(PolicyRequest::kPowerOff);
+  RequestPolicy(PolicyRequest::kPowerOff);
   robot().RunFor(seconds(60));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_EQ(After(begun), seconds(15));
@@ -65,8 +65,8 @@ TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {
   }
   Robot("Active", config);
   robot().On("a", "LowPower").takes = seconds(5);
-  const RequestId request = robot().Ask("LowPower");
-  Ask(PolicyRequest::kPowerOff);
+  const RequestId request = robot().RequestSwitch("LowPower");
+  RequestPolicy(PolicyRequest::kPowerOff);
   robot().RunFor(seconds(20));
   EXPECT_TRUE(robot().answers.at(request).done());
   EXPECT_THAT(states(), ElementsAre("Active", "LowPower", "TearDown"));
@@ -76,15 +76,15 @@ TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {
 TEST_F(Power, InOtaItIsRefused) {
   Robot("OTA");
   for (const auto what : {PolicyRequest::kPowerOff, PolicyRequest::kReboot}) {
-    EXPECT_EQ(AskAndWait(what), "103: the machine is in OTA; leave OTA first");
+    EXPECT_EQ(RequestAndWait(what), "103: the machine is in OTA; leave OTA first");
   }
 }
 
 TEST_F(Power, RequestedTwiceItIsOnePowerOff) {
   Robot();
-  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
-  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
-  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kReboot))),
+  EXPECT_EQ(Text(robot().calls.at(RequestPolicy(PolicyRequest::kPowerOff))), "ok");
+  EXPECT_EQ(Text(robot().calls.at(RequestPolicy(PolicyRequest::kPowerOff))), "ok");
+  EXPECT_EQ(Text(robot().calls.at(RequestPolicy(PolicyRequest::kReboot))),
             "111: the robot is about to be powered off");
   robot().RunFor(seconds(30));
   EXPECT_EQ(robot().power.size(), 1U);
@@ -92,7 +92,7 @@ TEST_F(Power, RequestedTwiceItIsOnePowerOff) {
 
 TEST_F(Power, MeanwhileNothingGoesUp) {
   Robot("Protected");
-  Ask(PolicyRequest::kPowerOff);
+  RequestPolicy(PolicyRequest::kPowerOff);
   const SwitchResult up = robot().Set("Active");
   EXPECT_EQ(up.code, kCodeProtectedError);
   EXPECT_EQ(up.reason, "the robot is about to be powered off");
@@ -101,7 +101,7 @@ TEST_F(Power, MeanwhileNothingGoesUp) {
 TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {
   Robot();
   robot().StopAll(7);
-  Ask(PolicyRequest::kPowerOff);
+  RequestPolicy(PolicyRequest::kPowerOff);
   robot().RunFor(seconds(20));
   EXPECT_EQ(robot().power.size(), 1U);
 }
@@ -110,7 +110,7 @@ TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {
 TEST_F(Power, OffDuringTheStartTearsTheMachineDown) {
   Harness t(WithPolicy());
   t.Begin();
-  t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  t.SendPolicyRequest({0, PolicyRequest::kPowerOff, "", 0, false});
   t.On("a", "SelfCheck").hangs = true;
   t.RunFor(seconds(20));
   EXPECT_TRUE(t.stopped());
@@ -123,7 +123,7 @@ TEST_F(Power, AMachineWithoutTearDownIsSwitchedOffWhenTheTimeIsOver) {
   std::erase(config.states, "TearDown");
   Robot("Active", config);
   const Time begun = robot().now();
-  Ask(PolicyRequest::kPowerOff);
+  RequestPolicy(PolicyRequest::kPowerOff);
   robot().RunFor(seconds(60));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_EQ(After(begun), seconds(15));

@@ -71,14 +71,14 @@ TEST_F(Processes, WithoutAHostAreNotSignalledEither) {
   EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
 }
 
-TEST_F(Processes, OfOursThatExitWhileAnotherOfThisHostIsPresentAreNotLosses) {
+TEST_F(Processes, OfTheControllerThatExitWhileAnotherOfThisHostIsPresentAreNotLosses) {
   StartUpOurs();
   Of(0).report.pid = 900;  // 700 was only its launcher
   Do(event::ProcessEnded{0, 700, true, "exit code 0"});
   EXPECT_EQ(Of(0).presence, Presence::kPresent);
 }
 
-TEST_F(Processes, OfOursThatEndAreLossesWhereTheOtherIsElsewhereOrUnknown) {
+TEST_F(Processes, OfTheControllerThatExitAreLossesIfTheOtherIsOnAnotherHostOrUnknown) {
   for (const char* host : {"there", ""}) {
     StartUpOurs();
     Of(0).report.pid = 900;
@@ -146,7 +146,7 @@ TEST_F(Processes, TheirBacktraceIsARecordOfTheProcess) {
   EXPECT_EQ(RecordWith("gets SIGKILL").code, kCodeTimeout);
 }
 
-TEST_F(Processes, VerdictsOfAnotherProcessOrOneThatHasEndedChangeNothing) {
+TEST_F(Processes, VerdictsOfAnotherProcessOrAnExitedProcessChangeNothing) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst - 1, Health::kHung, true, "it is silent"});
   EXPECT_EQ(Of(0).health, Health::kWell);
@@ -173,7 +173,7 @@ TEST_F(Processes, OfACriticalActuatorWithoutConnectionTakeTheMachineDownThoughIt
   EXPECT_EQ(RecordWith("falling back to LowPower").code, kCodeOk);
 }
 
-TEST_F(Processes, OfOursWithoutConnectionAreWaitedForBeforeTheFallback) {
+TEST_F(Processes, OfTheControllerWithoutConnectionAreAwaitedBeforeTheFallback) {
   config_.actuators[0].critical = true;
   config_.actuators[0].on_lost = "LowPower";
   StartUpOurs();
@@ -225,9 +225,9 @@ TEST_F(ForeignProcesses, ThatHangAreNotDrivenAfterTheMachine) {
   Of(0).report.state = State(kLowPower);
   Of(0).due = true;
   Do(event::TimePassed{});
-  EXPECT_FALSE(Of(0).order);
+  EXPECT_FALSE(Of(0).command);
   Do(event::HealthChanged{0, kFirst, Health::kWell, false, "its work goes on"});
-  EXPECT_EQ(Of(0).order.value().target, kActive);
+  EXPECT_EQ(Of(0).command.value().target, kActive);
 }
 
 TEST_F(ForeignProcesses, ThatAreHeldAreNoLongerWhenTheyAreLost) {
@@ -251,17 +251,17 @@ TEST_F(ForeignProcesses, ThatWereTornDownAloneAreDegradedByThatAndNotByTheirEnd)
 TEST_F(ForeignProcesses, ARivalOfALowerEpochHasNoPrecedence) {
   StartUp();
   machine_.epoch = 7;
-  Do(event::RivalHeard{6, "process 1", true});
+  Do(event::RivalSeen{6, "process 1", true});
   EXPECT_THAT(Did<action::Fenced>(), IsEmpty());
 }
 
 TEST_F(ForeignProcesses, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
   StartUp();
-  Do(event::EmergencyStopSeen{{0, "somebody", ""}});
+  Do(event::EmergencyStopSeen{{0, "operator", ""}});
   EXPECT_FALSE(machine_.emergency_stop);
-  Do(event::EmergencyStopSeen{{1, "somebody", ""}});
+  Do(event::EmergencyStopSeen{{1, "operator", ""}});
   EXPECT_TRUE(machine_.emergency_stop);
-  EXPECT_EQ(RecordWith("emergency stop engaged by somebody").code, kCodeProtectedError);
+  EXPECT_EQ(RecordWith("emergency stop engaged by operator").code, kCodeProtectedError);
 }
 
 }  // namespace musher::testing::process_test

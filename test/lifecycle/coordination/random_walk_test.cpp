@@ -127,7 +127,7 @@ class Walk {
         behaviour.takes = Milliseconds(Below(200));
         behaviour.code = kind == 0 ? kCodeFailed : kCodeOk;
         behaviour.hangs = kind == 1;
-        behaviour.ends_when_asked = kind == 2;
+        behaviour.ends_when_requested = kind == 2;
         Note("behaviour " + std::to_string(kind) + " of " + name);
         return;
       }
@@ -147,23 +147,23 @@ class Walk {
         return;
       case 16:
         Note("set " + name + " " + state);
-        requests_.push_back(t_.Ask(state, name));
+        requests_.push_back(t_.RequestSwitch(state, name));
         return;
       case 17: {
         Note(name + " says that it is in " + state);
         ActuatorReport report = t_.CoreOf(name).report;
         report.stamp = t_.now();
         report.state = state;
-        return t_.Tell(event::StatusSeen{*t_.config().IndexOf(name), report});
+        return t_.Feed(event::StatusSeen{*t_.config().IndexOf(name), report});
       }
       case 18:
         if (Below(4) != 0 || !t_.machine().set_up) return;
         Note("set TearDown");
-        requests_.push_back(t_.Ask("TearDown"));
+        requests_.push_back(t_.RequestSwitch("TearDown"));
         return;
       default:
         Note("set " + state);
-        requests_.push_back(t_.Ask(state));
+        requests_.push_back(t_.RequestSwitch(state));
     }
   }
 
@@ -200,8 +200,8 @@ class Walk {
     for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
       const ActuatorRecord& record = machine.actuators[i];
       const std::string& name = t_.config().actuators[i].name;
-      EXPECT_FALSE(record.order) << name;
-      EXPECT_FALSE(record.restart_asked) << name;
+      EXPECT_FALSE(record.command) << name;
+      EXPECT_FALSE(record.restart_requested) << name;
       EXPECT_FALSE(record.kill_at) << name;
       EXPECT_EQ(record.terminating, 0) << name;
       const auto own = t_.config().RankOf(record.state());

@@ -95,7 +95,7 @@ TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
   EXPECT_EQ(t.machine().state, "Active");
 }
 
-TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore) {
+TEST_F(Recovery, ACriticalActuatorOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Crash("b");
@@ -107,17 +107,17 @@ TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore
   EXPECT_THAT(t.Set("Active").reason, HasSubstr("critical b"));
 }
 
-TEST_F(Recovery, ACriticalOneThatCrashesWhileItJoinsIsOnlyRestarted) {
+TEST_F(Recovery, ACriticalActuatorThatCrashesWhileItJoinsIsOnlyRestarted) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Crash("b");
-  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").order.has_value(); }));
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").command.has_value(); }));
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDown) {
+TEST_F(Recovery, ACriticalActuatorThatFailsItsSelfCheckAfterARestartTakesTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SelfCheck").code = 3009;
   t.Crash("b");
@@ -126,7 +126,7 @@ TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDo
   EXPECT_EQ(t.RecordOf("b").fault->code, 3009);
 }
 
-TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
+TEST_F(Recovery, ACriticalActuatorWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").hangs = true;
   t.Crash("b");
@@ -134,14 +134,14 @@ TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
-TEST_F(Recovery, AnExplicitOnLostCountsForOneThatIsNotCritical) {
+TEST_F(Recovery, AnExplicitOnLostAppliesToANonCriticalActuator) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].on_lost = "LowPower";
   Harness& t = In("Active", config);
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "LowPower");
-  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "a person may go on";
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "an operator may continue";
 }
 
 TEST_F(Recovery, TheFlowOfTheConfigForbidsNoFallback) {
@@ -150,7 +150,7 @@ TEST_F(Recovery, TheFlowOfTheConfigForbidsNoFallback) {
   std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
   Harness& t = In("Active", config);
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kRefused)
-      << "what a person asks for, it does";
+      << "an operator's request is executed";
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "LowPower");
@@ -169,12 +169,12 @@ TEST_F(Recovery, OfSeveralLostOnesTheLeastActiveOnLostCounts) {
 
 // Policies
 
-TEST_F(Recovery, OnFailureLeavesOneThatEndedWellButAlwaysDoesNot) {
+TEST_F(Recovery, OnFailureDoesNotRestartAfterExitCodeZeroButAlwaysDoes) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
   Harness& t = In("Active", config);
   for (const char* name : {"a", "b"}) {
-    t.Tell(
+    t.Feed(
         event::ProcessEnded{*config.IndexOf(name), t.RecordOf(name).process, true, "exit code 0"});
   }
   t.RunFor(Milliseconds(50));
@@ -234,7 +234,7 @@ TEST_F(Recovery, AnActuatorThatAnotherPartyRestartsInALoopIsNotDrivenForAWhile) 
   EXPECT_THAT(t.log(), ElementsAre()) << "it is not driven";
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("5 times in a row"));
   t.RunFor(std::chrono::seconds(2));
-  EXPECT_EQ(t.StateOf("b"), "Active") << "it has lived for long enough";
+  EXPECT_EQ(t.StateOf("b"), "Active") << "it has run for long enough";
 }
 
 TEST_F(Recovery, AReconnectionIsNotCountedAsARestart) {
@@ -265,7 +265,7 @@ TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
     return t.RecordOf("b").process != 0 && t.IsAlive("b") &&
            t.RecordOf("b").presence == Presence::kStarting;
   }));
-  t.Tell(event::Vanished{1, dead, false, "connection lost"});
+  t.Feed(event::Vanished{1, dead, false, "connection lost"});
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -273,7 +273,7 @@ TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
 
 TEST_F(Recovery, AnExitThatFollowsALostConnectionDoesNotTakeTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
-  t.Tell(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "connection lost"});
+  t.Feed(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "connection lost"});
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
@@ -286,11 +286,11 @@ TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
   report.incarnation += 1'000'000;  // the command is a script; this is its child
   report.pid += 1'000'000;
   report.stamp = t.now();
-  t.Tell(event::StatusSeen{1, report});
+  t.Feed(event::StatusSeen{1, report});
   const std::int32_t wrapper = t.RecordOf("b").process;
   ASSERT_NE(wrapper, 0);
-  t.Tell(event::Vanished{1, report.incarnation, true, "its process ended"});
-  t.Tell(event::ProcessEnded{1, wrapper, false, "exit code 1"});
+  t.Feed(event::Vanished{1, report.incarnation, true, "its process ended"});
+  t.Feed(event::ProcessEnded{1, wrapper, false, "exit code 1"});
   EXPECT_EQ(t.RecordOf("b").restarts, 1);
 }
 

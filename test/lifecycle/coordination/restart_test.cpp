@@ -22,7 +22,7 @@ TEST(RestartWhileStarting, TheStageWaitsForARestart) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_EQ(t.StateOf("b"), "Active");
-  EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has lived for long enough since";
+  EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has run for long enough since";
 }
 
 TEST(RestartWhileStarting, TheActuatorsAfterItWaitToo) {
@@ -37,7 +37,7 @@ TEST(RestartWhileStarting, TheActuatorsAfterItWaitToo) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
-TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
+TEST(RestartWhileStarting, ACriticalActuatorOutOfRestartsFailsTheStart) {
   Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
@@ -48,7 +48,7 @@ TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
   EXPECT_THAT(t.start_up()->message, HasSubstr("given up after 3 restarts"));
 }
 
-TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsRestarted) {
+TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalActuatorIsRestarted) {
   Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
@@ -63,7 +63,7 @@ TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsResta
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
 }
 
-TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
+TEST(RestartWhileStarting, AnActuatorThatCrashesAfterItsCheckIsCheckedAgain) {
   Harness t(Ours(3));
   t.On("a", "SelfCheck").takes = Milliseconds(90);
   t.Begin();
@@ -75,7 +75,7 @@ TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
   EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "b:SelfCheck"), 2);
 }
 
-TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMachineDown) {
+TEST(RestartWhileStarting, ACriticalActuatorThatIsGivenUpAfterItsActivationTakesTheMachineDown) {
   MachineConfig config = OursWithCriticalB();
   ActuatorNamed(config, "b").restart.limit = 0;
   Harness t(config);
@@ -92,10 +92,10 @@ TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMa
 
 class RestartAcross : public Switching {};
 
-TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
+TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedActuatorFollows) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(30));
   t.Crash("b");
   t.Rest();
@@ -103,10 +103,10 @@ TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
 }
 
-TEST_F(RestartAcross, ASwitchDownGoesOnAndTheRestartedOneFollows) {
+TEST_F(RestartAcross, ASwitchDownContinuesAndTheRestartedActuatorFollows) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
-  const RequestId request = t.Ask("LowPower");
+  const RequestId request = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(30));
   t.Crash("b");
   t.Rest();
@@ -121,7 +121,7 @@ TEST_F(RestartAcross, AnActuatorRestartedBeforeItsTurnIsNotActivatedUnchecked) {
   ActuatorNamed(config, "b").restart.delay = {};
   Harness& t = In("Protected", config);
   t.On("a", "Active").takes = Milliseconds(90);
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.RunFor(Milliseconds(10));
   t.Crash("b");
   t.RunUntil([&] { return t.answers.count(request) > 0; });
@@ -136,7 +136,7 @@ TEST_F(RestartAcross, NoActuatorIsRestartedWhileTheMachineEnds) {
   t.On("a", "TearDown").takes = Milliseconds(90);
   t.Crash("c");
   t.RunFor(Milliseconds(50));
-  const RequestId request = t.Ask("TearDown");
+  const RequestId request = t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(20));
   t.Crash("b");
   t.Rest();
@@ -226,7 +226,7 @@ TEST_F(RestartByHand, BringsBackAnActuatorThatWasGivenUp) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(RestartByHand, OfAHungOneDoesNotWaitForItsTearDown) {
+TEST_F(RestartByHand, OfAHungActuatorDoesNotWaitForItsTearDown) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
   Harness& t = In("Active", config);

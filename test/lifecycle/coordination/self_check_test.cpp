@@ -122,7 +122,7 @@ TEST_F(CriticalCodes, SilenceIsAFailureWhateverTheCodes) {
   EXPECT_FALSE(t.usable());
 }
 
-TEST_F(CriticalCodes, OneThatJoinsLateIsPassedDegradedToo) {
+TEST_F(CriticalCodes, AnActuatorThatJoinsLateIsPassedDegradedToo) {
   Harness t(Config());
   t.Begin();
   t.Rest();

@@ -19,7 +19,7 @@ TEST_F(Stages, AnActuatorWithoutACommandIsWaitedForAsLongAsItsSetUpMayTake) {
   EXPECT_FALSE(Did<action::StartUpEnded>()[0].usable);
 }
 
-TEST_F(Stages, OneOfALaterStageIsNotWaitedForBefore) {
+TEST_F(Stages, AnActuatorOfALaterStageIsNotAwaitedInTheFirst) {
   config_.actuators[1].stage = 2;
   Begin();
   EXPECT_TRUE(Of(0).set_up_by);
@@ -61,7 +61,7 @@ TEST_F(Stages, ACallerThatWaitsForSetUpGetsTheMissingActuator) {
   EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
 }
 
-// A caller that asked after the first stage was over got the answer that all was well.
+// A caller that waited for SetUp after the end of the first stage got the reply that all was well.
 TEST_F(Stages, ACallerThatWaitsForSetUpTooLateGetsTheMissingActuatorAtOnce) {
   Begin();
   Come(1);
@@ -71,23 +71,23 @@ TEST_F(Stages, ACallerThatWaitsForSetUpTooLateGetsTheMissingActuatorAtOnce) {
   EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
 }
 
-TEST_F(Stages, AFirstOneThatIsCriticalAndFailsItsCheckEndsTheStart) {
+TEST_F(Stages, ACriticalActuatorOfTheFirstStageThatFailsItsCheckEndsTheStart) {
   config_.actuators[0].critical = true;
   Begin();
   Come(0);
   Come(1);
-  Do(event::Replied{0, Of(0).order->number, false, Verdict::kFailed, 5009, "no", Report(0)});
+  Do(event::Replied{0, Of(0).command->number, false, Verdict::kFailed, 5009, "no", Report(0)});
   Obey(1);
   EXPECT_EQ(machine_.phase, Phase::kFailed);
 }
 
-TEST_F(Stages, OneThatIsNotCriticalAndFailsOnItsWayToActiveDoesNotUndoTheStart) {
+TEST_F(Stages, ANonCriticalActuatorThatFailsOnItsWayToActiveDoesNotUndoTheStart) {
   Begin();
   Come(0);
   Come(1);
   Obey(0);
   Obey(1);
-  Do(event::Replied{0, Of(0).order->number, false, Verdict::kFailed, 5001, "no",
+  Do(event::Replied{0, Of(0).command->number, false, Verdict::kFailed, 5001, "no",
                     Report(0, "SelfCheck")});
   Obey(1);
   EXPECT_EQ(machine_.state, kActive);
@@ -95,7 +95,7 @@ TEST_F(Stages, OneThatIsNotCriticalAndFailsOnItsWayToActiveDoesNotUndoTheStart) 
   EXPECT_EQ(Of(0).fault->code, 5001);
 }
 
-TEST_F(Stages, AnActuatorThatNeverStartedTakesTheMachineDownOnceItRunsAndAHealthyOneDoesNot) {
+TEST_F(Stages, AnActuatorThatNeverStartedTakesTheMachineDownOnceItRunsAndAHealthyActuatorDoesNot) {
   config_.actuators[1].on_lost = "LowPower";
   Begin();
   Come(0);
@@ -114,7 +114,7 @@ TEST_F(Stages, APresentActuatorThatFailedItsCheckDoesNotTakeTheMachineDown) {
   Come(0);
   Come(1);
   Obey(0);
-  Do(event::Replied{1, Of(1).order->number, false, Verdict::kFailed, 5009, "no", Report(1)});
+  Do(event::Replied{1, Of(1).command->number, false, Verdict::kFailed, 5009, "no", Report(1)});
   Obey(0);
   EXPECT_EQ(machine_.state, kActive);
   EXPECT_TRUE(Of(1).fault);

@@ -57,7 +57,7 @@ TEST(StartUp, TakesTheCriticalPathAndNotTheSum) {
   EXPECT_LT(t.now() - begun, Milliseconds(65));
 }
 
-TEST(StartUp, GoesOnDegradedWhenAnActuatorThatIsNotCriticalFailsItsSelfCheck) {
+TEST(StartUp, ContinuesDegradedWhenAnActuatorThatIsNotCriticalFailsItsSelfCheck) {
   Harness t(Started(2));
   t.On("b", "SelfCheck").code = 2109;
   t.On("b", "SelfCheck").message = "no lidar";
@@ -329,13 +329,13 @@ TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
   EXPECT_TRUE(t.Set("Protected").done());
 }
 
-TEST(Adoption, AfterADeathInTheMiddleOfASwitchGoesToTheLeastActiveState) {
+TEST(Adoption, AfterACrashDuringASwitchGoesToTheLeastActiveState) {
   Harness t(MachineOf(2));
   t.Begin();
   t.Rest();
   ASSERT_TRUE(t.Set("Protected").done());
   t.On("b", "Active").takes = Milliseconds(90);
-  t.Ask("Active");
+  t.RequestSwitch("Active");
   t.RunUntil([&] { return t.StateOf("a") == "Active"; });
   t.RestartController();
   t.Rest();

@@ -38,12 +38,12 @@ TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
 TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
   t.Crash("c");
   t.RunUntil([&] { return t.RecordOf("c").presence == Presence::kLost; });
-  const auto asked = t.Ask("TearDown");
+  const auto request = t.RequestSwitch("TearDown");
   t.Mute("c", true, true);
   t.StartActuator("c");  // nothing is received from it
   t.Rest();
   EXPECT_TRUE(t.stopped());
-  EXPECT_TRUE(t.answers.contains(asked));
+  EXPECT_TRUE(t.answers.contains(request));
   EXPECT_FALSE(t.IsAlive("c"));
   EXPECT_THAT(t.signals, ElementsAre("c:TERM"));
 }
@@ -57,7 +57,7 @@ TEST_F(Stopping, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
 }
 
-TEST_F(Stopping, OneThatFailsToTearDownGetsSigtermAndDoesNotKeepTheOthers) {
+TEST_F(Stopping, AnActuatorThatFailsToTearDownGetsSigtermAndDoesNotDelayTheOthers) {
   t.On("b", "TearDown").code = 5001;
   const SwitchResult result = t.Set("TearDown");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
@@ -66,7 +66,7 @@ TEST_F(Stopping, OneThatFailsToTearDownGetsSigtermAndDoesNotKeepTheOthers) {
   EXPECT_TRUE(t.stopped());
 }
 
-TEST_F(Stopping, OneThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
+TEST_F(Stopping, AnActuatorThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
   const Time begun = t.now();
@@ -90,15 +90,15 @@ TEST_F(Stopping, TheBudgetIsNeverExceededThoughEveryActuatorHangs) {
 
 TEST_F(Stopping, SupersedesASwitchUnderWay) {
   t.On("b", "LowPower").takes = Milliseconds(80);
-  const RequestId first = t.Ask("LowPower");
+  const RequestId first = t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(30));
   EXPECT_TRUE(t.Set("TearDown").done());
   EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
 }
 
 TEST_F(Stopping, RequestedTwiceIsOneStop) {
-  const RequestId first = t.Ask("TearDown");
-  const RequestId second = t.Ask("TearDown");
+  const RequestId first = t.RequestSwitch("TearDown");
+  const RequestId second = t.RequestSwitch("TearDown");
   t.Rest();
   EXPECT_TRUE(t.answers.at(first).done());
   EXPECT_TRUE(t.answers.at(second).done());
@@ -139,7 +139,7 @@ TEST(StoppingByStages, TheLastStageIsTornDownBeforeTheFirst) {
   ASSERT_EQ(t.StateOf("c"), "Active");
   t.On("c", "TearDown").takes = Milliseconds(80);
   t.ClearLog();
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(60));
   EXPECT_THAT(t.log(), ElementsAre("c:TearDown")) << "stage 1 is what stage 2 stands on";
   t.Rest();
@@ -178,7 +178,7 @@ TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
   EXPECT_TRUE(robot.stopped());
 }
 
-TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
+TEST_F(Stopping, AnActuatorThatIsLostDuringTearDownIsListed) {
   MachineConfig config = MachineOf(2);
   Harness robot(config);
   robot.Begin();
@@ -190,7 +190,7 @@ TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
   EXPECT_THAT(result.degraded, ElementsAre("b"));
 }
 
-TEST_F(Stopping, OneThatIsKnownToHaveEndedIsNotListed) {
+TEST_F(Stopping, AnActuatorThatIsKnownToHaveExitedIsNotListed) {
   Harness robot(MachineOf(2));
   robot.Begin();
   robot.Rest();
@@ -209,7 +209,7 @@ TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
   EXPECT_THAT(t.RecordOf("b").fault->message, ::testing::HasSubstr("has not ended"));
 }
 
-TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownDegraded) {
+TEST(StoppingWithAFault, AnOldFaultOfATornDownActuatorDoesNotMakeTheTearDownDegraded) {
   MachineConfig config = MachineOf(3);
   for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
   Harness t(config);
@@ -227,7 +227,7 @@ TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownD
 
 TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   t.disk_takes = Milliseconds(40);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.RunFor(Milliseconds(30));
   EXPECT_THAT(t.log(), ElementsAre());
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
@@ -246,7 +246,7 @@ TEST_F(Stopping, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
 
 TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt) {
   t.On("b", "TearDown").takes = Milliseconds(60);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   EXPECT_TRUE(t.RunUntil([&] { return t.log().size() == 2; }));  // a is down, b is switching
   t.RestartController(/*lost_disk=*/false, /*restarted=*/true);
   t.Rest();
@@ -282,17 +282,17 @@ TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
 }
 
 TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAPersonWantsItDown) {
-  t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
+  t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
   t.RunFor(Milliseconds(1));
   EXPECT_FALSE(t.stop_intent_on_disk);
-  t.Ask("TearDown");
+  t.RequestSwitch("TearDown");
   t.Rest();
   EXPECT_TRUE(t.stop_intent_on_disk);
 }
 
 // `systemctl restart`: the supervisor that ends it starts it again.
 TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
-  t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
+  t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
   EXPECT_TRUE(t.stop_intent_on_disk);
   t.Rest();

@@ -80,7 +80,7 @@ TEST_F(Switching, ToAnUnknownStateIsRefusedAndNamesTheNearest) {
 
 // Up
 
-TEST_F(Switching, UpIsUndoneWhenOneFails) {
+TEST_F(Switching, UpIsUndoneWhenAnActuatorFails) {
   Harness& t = In("Protected");
   t.On("b", "Active").code = 5001;
   t.On("b", "Active").message = "amplifier";
@@ -103,7 +103,7 @@ TEST_F(Switching, UpRunsTheOldCallbackOfTheFailedActuatorToCleanUp) {
   EXPECT_THAT(t.log(), ::testing::Contains("b:Protected"));
 }
 
-TEST_F(Switching, UpSendsNothingMoreOnceOneHasFailedAndGoesBackInReverse) {
+TEST_F(Switching, UpSendsNothingMoreAfterAFailureAndIsUndoneInReverse) {
   Harness& t = In("Protected", Chain());
   t.On("b", "Active").code = 5001;
   const SwitchResult result = t.Set("Active");
@@ -111,7 +111,7 @@ TEST_F(Switching, UpSendsNothingMoreOnceOneHasFailedAndGoesBackInReverse) {
   EXPECT_EQ(Of(result, "a").outcome, ActuatorOutcome::kSkipped);
 }
 
-TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenOneDoesNotListTheTarget) {
+TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenAnActuatorDoesNotListTheTarget) {
   MachineConfig config = MachineOf(3);
   config.states.emplace_back("Turbo");
   config.ranks["Turbo"] = 7;
@@ -157,7 +157,7 @@ TEST_F(Switching, ACriticalActuatorThatCannotBeBroughtBackTakesTheMachineDownToI
   EXPECT_EQ(t.machine().state, "LowPower");
 }
 
-TEST_F(Switching, UpDoesNotFailBecauseOfOneThatWasDegradedBefore) {
+TEST_F(Switching, UpDoesNotFailBecauseOfAnAlreadyDegradedActuator) {
   Harness& t = In("Active");
   t.On("b", "Protected").code = 5001;
   EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
@@ -168,7 +168,7 @@ TEST_F(Switching, UpDoesNotFailBecauseOfOneThatWasDegradedBefore) {
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 
-TEST_F(Switching, UpDoesNotFailBecauseOfOneThatIsBehindADegradedOne) {
+TEST_F(Switching, UpDoesNotFailBecauseOfAnActuatorThatNeedsADegradedActuator) {
   Harness& t = In("Active", Chain());
   t.On("c", "Protected").code = 5001;
   EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
@@ -181,7 +181,7 @@ TEST_F(Switching, UpDoesNotFailBecauseOfOneThatIsBehindADegradedOne) {
 
 // Down
 
-TEST_F(Switching, DownGoesOnWhenOneFailsAndListsIt) {
+TEST_F(Switching, DownContinuesWhenAnActuatorFailsAndListsIt) {
   Harness& t = In("Active", Chain());
   t.On("b", "LowPower").code = 5001;
   const SwitchResult result = t.Set("LowPower");
@@ -193,7 +193,7 @@ TEST_F(Switching, DownGoesOnWhenOneFailsAndListsIt) {
   EXPECT_EQ(t.StateOf("c"), "LowPower");
 }
 
-TEST_F(Switching, DownGoesOnWithoutOneThatDoesNotListTheTarget) {
+TEST_F(Switching, DownContinuesWithoutAnActuatorThatDoesNotListTheTarget) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "b").states = {"SetUp", "SelfCheck", "Active", "TearDown"};
   ActuatorNamed(config, "b").times.assign(4, Milliseconds(100));

@@ -14,16 +14,16 @@ using TakeControl = OneController;
 TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndRaisesNoEpoch) {
   Begin();
   Say(0, Report(0));
-  ASSERT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  ASSERT_THAT(Did<action::SendQuery>(), SizeIs(1));
   now_ += Milliseconds(1);
   ActuatorReport report = Report(0);  // it has received the query; its answer is lost
   report.epoch = machine_.epoch;
   Say(0, report);
   Forget();
   Pass(Milliseconds(498));
-  EXPECT_THAT(Did<action::SendAsk>(), IsEmpty());
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
   Pass(Milliseconds(1));
-  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
   EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
 }
 
@@ -35,9 +35,9 @@ TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartb
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(1700)) << "it is not given up meanwhile";
   Forget();
   Pass(Milliseconds(1199));
-  EXPECT_THAT(Did<action::SendAsk>(), IsEmpty());
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
   Pass(Milliseconds(1));
-  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
   EXPECT_EQ(machine_.epoch, report.epoch + 1);
 }
 
@@ -104,7 +104,7 @@ TEST_F(Reports, OnlyACheckThatWasSeenToRunCountsAsPassed) {
   EXPECT_FALSE(Of(0).checked) << "what came free was no check";
 }
 
-TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndOneThatHasNotBegunIsNotAFailure) {
+TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndASetUpThatHasNotBegunIsNotAFailure) {
   Begin();
   Say(0, Report(0, "Uninitialized"));
   EXPECT_FALSE(Of(0).fault);
@@ -117,16 +117,16 @@ TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndOneThatHasNotBegunIsNotAFail
   EXPECT_THAT(Of(1).fault->message, HasSubstr("no microphone"));
 }
 
-TEST_F(Reports, OfANewProcessEndTheCommandOfTheOldOne) {
+TEST_F(Reports, OfANewProcessEndTheCommandOfItsPredecessor) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
-  ASSERT_TRUE(Of(0).order);
+  ASSERT_TRUE(Of(0).command);
   ActuatorReport report = Report(0);
   report.incarnation += 100;
   report.pid += 100;
   report.epoch = 0;
   Say(0, report);
-  EXPECT_FALSE(Of(0).order);
+  EXPECT_FALSE(Of(0).command);
   EXPECT_FALSE(Of(0).checked);
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
   EXPECT_TRUE(IsRecorded("it was restarted"));
@@ -170,7 +170,7 @@ TEST_F(Orders, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
   EXPECT_EQ(Of(0).presence, Presence::kPresent);
   Pass(Milliseconds(1));
   EXPECT_EQ(Of(0).presence, Presence::kLost);
-  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(6));  // three each
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(6));  // three each
 }
 
 TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {
@@ -183,8 +183,8 @@ TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {
   Say(0, report);
   report.epoch = machine_.epoch;
   Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
-  ASSERT_TRUE(Of(0).order) << "it joins";
-  EXPECT_EQ(Of(0).order->number, before + 1);
+  ASSERT_TRUE(Of(0).command) << "it joins";
+  EXPECT_EQ(Of(0).command->number, before + 1);
 }
 
 TEST_F(Orders, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {

@@ -27,8 +27,8 @@ class WaitingSwitches : public Switching {
     t.RunFor(Milliseconds(1));
     t.StartActuator(name);
     ASSERT_TRUE(t.RunUntil([&] {
-      const auto& order = t.RecordOf(name).order;
-      return order && order->target == state;
+      const auto& command = t.RecordOf(name).command;
+      return command && command->target == state;
     }));
     t.ClearLog();
   }
@@ -44,7 +44,7 @@ TEST_F(WaitingSwitches, UpBeginsOnceTheLateActuatorIsFreeAndIncludesIt) {
 
 TEST_F(WaitingSwitches, NothingIsSentBeforeTheLateActuatorIsFree) {
   Harness& t = WithALateOne("LowPower");
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   EXPECT_FALSE(Answered(t, request));
   EXPECT_THAT(t.log(), ElementsAre());
   EXPECT_FALSE(t.machine().current);
@@ -52,8 +52,8 @@ TEST_F(WaitingSwitches, NothingIsSentBeforeTheLateActuatorIsFree) {
 
 TEST_F(WaitingSwitches, TheSameRequestJoinsTheWaitingOne) {
   Harness& t = WithALateOne("LowPower");
-  const RequestId first = t.Ask("Active");
-  const RequestId again = t.Ask("Active");
+  const RequestId first = t.RequestSwitch("Active");
+  const RequestId again = t.RequestSwitch("Active");
   t.Rest();
   EXPECT_TRUE(t.answers.at(first).done());
   EXPECT_EQ(t.answers.at(again).number, t.answers.at(first).number);
@@ -61,7 +61,7 @@ TEST_F(WaitingSwitches, TheSameRequestJoinsTheWaitingOne) {
 
 TEST_F(WaitingSwitches, AnotherRequestIsRefusedWithARetryTime) {
   Harness& t = WithALateOne("LowPower");
-  const RequestId first = t.Ask("Active");
+  const RequestId first = t.RequestSwitch("Active");
   const SwitchResult other = t.Set("DeActive");
   EXPECT_EQ(other.outcome, SwitchOutcome::kRefused);
   EXPECT_EQ(other.code, kCodeTargetBusy);
@@ -73,7 +73,7 @@ TEST_F(WaitingSwitches, AnotherRequestIsRefusedWithARetryTime) {
 TEST_F(WaitingSwitches, AMoreUrgentRequestBeginsInstead) {
   for (const char* urgent : {"Error", "TearDown"}) {
     Harness& t = WithALateOne("LowPower");
-    const RequestId request = t.Ask("Active");
+    const RequestId request = t.RequestSwitch("Active");
     EXPECT_EQ(t.Set(urgent).outcome, SwitchOutcome::kDone);
     ASSERT_TRUE(Answered(t, request));
     EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kRefused);
@@ -93,9 +93,9 @@ TEST_F(WaitingSwitches, ASwitchThatWaitsForAHungActuatorIsRefusedWithinItsTime) 
   EXPECT_LE(t.now() - begun, Milliseconds(100 + 3 * 300 + 100));
 }
 
-TEST_F(WaitingSwitches, ASwitchThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
+TEST_F(WaitingSwitches, ASwitchThatWaitsForAnActuatorThatCrashesContinuesWithoutIt) {
   Harness& t = WithALateOne("LowPower");
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.Crash("c");
   t.Rest();
   ASSERT_TRUE(Answered(t, request));
@@ -106,7 +106,7 @@ TEST_F(WaitingSwitches, ASwitchThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
 
 TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheWaitingSwitchAtOnce) {
   Harness& t = WithALateOne("LowPower");
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.StopAll(7);
   t.RunFor(Milliseconds(10));
   ASSERT_TRUE(Answered(t, request));
@@ -115,8 +115,8 @@ TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheWaitingSwitchAtOnce) {
 
 TEST_F(WaitingSwitches, AFencedControllerAnswersTheWaitingRequest) {
   Harness& t = WithALateOne("LowPower");
-  const RequestId request = t.Ask("Active");
-  t.HearRival(9);
+  const RequestId request = t.RequestSwitch("Active");
+  t.ReceiveRivalHeartbeat(9);
   ASSERT_TRUE(Answered(t, request));
   EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kRefused);
   EXPECT_EQ(t.answers.at(request).code, kCodePermissionDenied);
@@ -139,7 +139,7 @@ TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheWaitingSwitch) {
   t.RunFor(Milliseconds(1));
   t.StartActuator("b");
   t.RunFor(Milliseconds(30));
-  const RequestId request = t.Ask("Active");
+  const RequestId request = t.RequestSwitch("Active");
   t.Rest();
   ASSERT_TRUE(Answered(t, request));
   EXPECT_NE(t.answers.at(request).outcome, SwitchOutcome::kRefused);

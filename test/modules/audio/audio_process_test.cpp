@@ -186,7 +186,7 @@ TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
 TEST_F(AudioManagerProcess, UsesTheWorldsClockAndAnswersAfterTenSecondsOfIt) {
   StartInAWorld("output = \"silent\"\n" + kPhrases);
   world_step_ = Milliseconds(10);
-  EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world goes on";
+  EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world's time advances";
   world_step_ = Duration::zero();
   std::string text;
   for (int i = 0; i < 150; ++i) text += "word ";
@@ -228,12 +228,12 @@ TEST_F(AudioManagerProcess, ContinuesWithoutItsOutputAndLogsItOnce) {
 }
 
 TEST_F(AudioManagerProcess, FailsItsSelfCheckWhereAVoiceIsMissing) {
-  Start("output = \"silent\"\n" + kPhrases + "[voice]\nchinese = \"nobody\"\n");
+  Start("output = \"silent\"\n" + kPhrases + "[voice]\nchinese = \"unknown\"\n");
   const auto checked = peer_.Switch("SelfCheck");
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_EQ(checked.value().code, 5009);
-  EXPECT_EQ(checked.value().message, "espeak-ng: there is no voice \"nobody\"");
+  EXPECT_EQ(checked.value().message, "espeak-ng: there is no voice \"unknown\"");
   EXPECT_EQ(Said("早上好"), (Response{1, 5027}));
   EXPECT_EQ(Said("One"), (Response{0, 0}));
 }

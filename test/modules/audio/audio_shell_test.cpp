@@ -106,12 +106,12 @@ class ListeningOnANetwork : public VoiceOnANetwork {
   int wake_ups_ = 0;
   std::unique_ptr<transport::Publisher<msg::String>> said_ =
       transport::MakePublisher<msg::String>(*desk_, "dog1/world/speech_text").value();
-  std::unique_ptr<transport::Subscription> hears_texts_ =
+  std::unique_ptr<transport::Subscription> text_subscription_ =
       transport::MakeSubscription<msg::String>(
           *desk_, "dog1/asr_text",
           [this](const msg::String& text, const auto&) { texts_.push_back(text.data); })
           .value();
-  std::unique_ptr<transport::Subscription> hears_wake_ups_ =
+  std::unique_ptr<transport::Subscription> wake_up_subscription_ =
       transport::MakeSubscription<msg::Bool>(*desk_, "dog1/dog_wakeup", [this](const auto&...) {
         ++wake_ups_;
       }).value();
@@ -130,7 +130,7 @@ TEST_F(ListeningOnANetwork, PublishesRecognisedTextsAndTheWakeWord) {
 
 TEST_F(ListeningOnANetwork, PublishesWhenItSpeaksWhenItEndsAndWhenATextWasRecognised) {
   std::vector<int> states;
-  const auto hears =
+  const auto subscription =
       transport::MakeSubscription<msg::UInt8>(
           *desk_, "dog1/audio_board_state",
           [&](const msg::UInt8& state, const auto&) { states.push_back(state.data); })
@@ -215,14 +215,14 @@ TEST_F(VoiceOnANetwork, IsInterruptedByBothTopics) {
 
 TEST_F(VoiceOnANetwork, PlaysCuesOfAbsoluteTopicsAndOfThoseInItsNamespace) {
   const auto urgent = transport::MakePublisher<msg::String>(*desk_, "show/play").value();
-  const auto patient = transport::MakePublisher<msg::String>(*desk_, "dog1/show/say").value();
+  const auto publisher = transport::MakePublisher<msg::String>(*desk_, "dog1/show/say").value();
   network_.RunFor(Milliseconds(500));
   EXPECT_EQ(urgent->MatchedReaders(), 1);
-  EXPECT_EQ(patient->MatchedReaders(), 1);
+  EXPECT_EQ(publisher->MatchedReaders(), 1);
   Answer first;
   Say(std::string(30, 'a'), first);
   network_.RunFor(Milliseconds(100));
-  ASSERT_TRUE(patient->Publish({"greeting"}));
+  ASSERT_TRUE(publisher->Publish({"greeting"}));
   network_.RunFor(Milliseconds(2'500));
   EXPECT_THAT(log_, ::testing::Not(HasSubstr("welcome")));
   network_.RunFor(Milliseconds(1'000));

@@ -45,8 +45,8 @@ TEST_F(CueDecision, InterruptsWhatPlaysWhereItsTopicDoes) {
 TEST_F(CueDecision, WaitsForItsTurnWhereItsTopicDoesNotInterrupt) {
   Say(1, "long scenario");
   Made();
-  Cue(kPatientCues, "greeting");
-  Cue(kPatientCues, "shutter");
+  Cue(kWaitingCues, "greeting");
+  Cue(kWaitingCues, "shutter");
   EXPECT_THAT(Those<Make>(), IsEmpty());
   Ended();
   EXPECT_EQ(Those<Make>().at(0).what.text, "welcome");
@@ -59,7 +59,7 @@ TEST_F(CueDecision, FollowsTheInterruptSettingOfTheCueItself) {
   Made();
   Cue(kUrgent, "by the way");
   EXPECT_EQ(player().current->what.text, "long scenario");
-  Cue(kPatientCues, "fire");
+  Cue(kWaitingCues, "fire");
   EXPECT_EQ(player().current->what.text, "fire");
   Made(), Ended();
   EXPECT_EQ(player().current->what.text, "by the way");
@@ -67,15 +67,15 @@ TEST_F(CueDecision, FollowsTheInterruptSettingOfTheCueItself) {
 
 // No "Three, two, one!" after "Please step back".
 TEST_F(CueDecision, DropsTheWaitingCuesOfItsTopicWhenOneInterrupts) {
-  Cue(kPatientCues, "greeting");
+  Cue(kWaitingCues, "greeting");
   Made();
-  Cue(kPatientCues, "shutter");
+  Cue(kWaitingCues, "shutter");
   Say(1, "a request");
   Cue(kUrgent, "by the way");
-  Cue(kPatientCues, "fire");
+  Cue(kWaitingCues, "fire");
   EXPECT_EQ(player().current->what.text, "fire");
   Made(), Ended();
-  EXPECT_EQ(player().current->what.text, "a request") << "what others ask for goes on waiting";
+  EXPECT_EQ(player().current->what.text, "a request") << "the requests of others keep waiting";
   Made(), Ended();
   EXPECT_EQ(player().current->what.text, "by the way");
   Made(), Ended();
@@ -85,7 +85,7 @@ TEST_F(CueDecision, DropsTheWaitingCuesOfItsTopicWhenOneInterrupts) {
 TEST_F(CueDecision, DropsACueWhoseTurnComesTooLate) {
   Say(0, "endless");
   Made();
-  Cue(kPatientCues, "greeting");
+  Cue(kWaitingCues, "greeting");
   EXPECT_LE(NextTime(player()), now() + kAnswerTime);
   Pass(kAnswerTime);
   EXPECT_THAT(LogText(), HasSubstr("\"greeting\" was not played: timeout in the queue"));
@@ -95,7 +95,7 @@ TEST_F(CueDecision, DropsACueWhoseTurnComesTooLate) {
 
 TEST_F(CueDecision, RefusesACueWhenTheQueueIsFull) {
   Say(0, "plays");
-  for (std::size_t i = 0; i <= kMostWaiting; ++i) Cue(kPatientCues, "greeting");
+  for (std::size_t i = 0; i <= kMostWaiting; ++i) Cue(kWaitingCues, "greeting");
   EXPECT_THAT(LogText(), HasSubstr("refused cue \"greeting\": 16 sounds are queued already"));
   EXPECT_THAT(player().waiting, SizeIs(kMostWaiting));
 }

@@ -17,7 +17,7 @@ inline Phrases ThePhrases() {
                   {60'000, 60'000, {{}, "/music/waltz.wav"}}});
 }
 
-inline constexpr std::size_t kPatientCues = 1;  // of these: they wait for their turn
+inline constexpr std::size_t kWaitingCues = 1;  // of these: they wait for their turn
 inline std::vector<CueTopic> TheCueTopics() {
   const Cues cues = {
       {"greeting", {{{{Language::kEnglish, "welcome"}, {Language::kChinese, "欢迎"}}, {}}}},

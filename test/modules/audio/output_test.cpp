@@ -133,7 +133,7 @@ TEST_F(WavFiles, EndWhereTheSoundWasStopped) {
   EXPECT_FALSE(ended_);
 }
 
-TEST_F(WavFiles, GoOnWithTheirNumbersAfterARestart) {
+TEST_F(WavFiles, ContinueWithTheirNumbersAfterARestart) {
   std::ofstream(folder_ / "0041.wav") << "old";
   std::ofstream(folder_ / "notes.txt") << "99";
   Make({OutputKind::kWav, "", folder_.path()});
@@ -189,7 +189,7 @@ class AlsaFile : public Outputs {
  protected:
   AlsaFile() { Make({OutputKind::kAlsa, "file:'" + file_ + "',raw", ""}); }
 
-  std::vector<std::int16_t> Heard() const {
+  std::vector<std::int16_t> PlayedSamples() const {
     std::ifstream stream(file_, std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(stream), {});
     std::vector<std::int16_t> samples(bytes.size() / sizeof(std::int16_t));
@@ -198,7 +198,7 @@ class AlsaFile : public Outputs {
     return samples;
   }
 
-  const std::string file_ = folder_ / "heard";
+  const std::string file_ = folder_ / "played";
 };
 
 TEST_F(AlsaFile, HasTheWholeSoundAtItsVolume) {
@@ -208,7 +208,7 @@ TEST_F(AlsaFile, HasTheWholeSoundAtItsVolume) {
   EXPECT_TRUE(Ended());
   std::vector<std::int16_t> expected = Tone(Milliseconds(500)).samples;
   for (std::int16_t& sample : expected) sample = Scaled(sample, 25);
-  EXPECT_EQ(Heard(), expected);
+  EXPECT_EQ(PlayedSamples(), expected);
 }
 
 TEST_F(AlsaFile, IsAvailableAgainAfterItWasLost) {

@@ -60,14 +60,14 @@ TEST_F(PlayerDecision, LetsASecondRequestWaitForTheEndOfTheFirst) {
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{2, {"second", Language::kEnglish, {}}}));
 }
 
-TEST_F(PlayerDecision, CountsTheTenSecondsOfOneThatWaitsFromItsRequest) {
+TEST_F(PlayerDecision, CountsTheTenSecondsOfAWaitingRequestFromItsArrival) {
   Say(1, "first");
   Made();
   Pass(Milliseconds(2'000));
   Say(2, "second");
   Pass(Milliseconds(8'000));
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
-  EXPECT_THAT(Those<Silence>(), IsEmpty()) << "what sounds goes on";
+  EXPECT_THAT(Those<Silence>(), IsEmpty()) << "the playing sound continues";
   Pass(Milliseconds(2'000));
   EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5007}));
   Ended();
@@ -110,7 +110,7 @@ TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndAnswersTheInterruptedCaller
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{3, {"all well", Language::kEnglish, {}}}));
   Made(), Ended();
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{2, {"waits", Language::kEnglish, {}}}))
-      << "those that wait go on waiting";
+      << "the waiting sounds keep waiting";
 }
 
 TEST_F(PlayerDecision, PlaysTheNewestOfManyTopicRequests) {
@@ -305,7 +305,7 @@ TEST_F(PlayerDecision, SwitchesVoiceControlOffForAnUpgradeAndKeepsItOff) {
   EXPECT_TRUE(player().voice_control);
 }
 
-TEST_F(PlayerDecision, GoesOnSpeakingInEveryStateButTearDown) {
+TEST_F(PlayerDecision, ContinuesSpeakingInEveryStateButTearDown) {
   Say(1, "plays");
   Made();
   for (const auto state : {kSelfCheck, kActive, kDeActive, kProtected, kLowPower, kOta, kError}) {

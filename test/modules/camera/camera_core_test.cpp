@@ -142,7 +142,7 @@ TEST(CameraCore, PublishesAtItsRateByTheTimeOfTheShots) {
   EXPECT_EQ(Published(slower, 100, 0, 50), 50) << "no more than there are";
 }
 
-TEST(CameraCore, GoesOnAtItsRateAfterTheWorldIsRestarted) {
+TEST(CameraCore, ContinuesAtItsRateAfterTheWorldIsRestarted) {
   CameraCore core = Core(SourceKind::kWorld, 10);
   static_cast<void>(core.Want(true, At(0)));
   EXPECT_TRUE(core.OnFrame(Frame(100'000), At(0)).publish);

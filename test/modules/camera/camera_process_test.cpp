@@ -88,7 +88,7 @@ class CameraManagerProcess : public ::testing::Test {
         open((peer_.folder() / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     return exec::Child::Start({argv, peer_.folder().path(), {}}, reaper_, output.get()).value();
   }
-  // While the world goes on.
+  // While the world's time advances.
   int Await(exec::Child& tool) {
     bool ended = false;
     const auto watch = peer_.node().loop().WhenReadable(tool.pidfd(), [&ended] { ended = true; });

@@ -108,7 +108,7 @@ TEST_F(CameraServerTest, PublishesImageInTheRequestedSizeUntilItIsStopped) {
   EXPECT_THAT(seen, IsEmpty());
 }
 
-TEST_F(CameraServerTest, GoesOnWithImageWhenTheCameraIsOnAgain) {
+TEST_F(CameraServerTest, ContinuesWithImageWhenTheCameraIsOnAgain) {
   Start();
   std::vector<msg::Image> seen;
   const auto eye = Listen("dog1/image", seen);

@@ -106,7 +106,7 @@ TEST_F(CamerasTest, LogOnceThatTheWorldIsSilentAndThatItIsBack) {
   EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4407"), "0 front: receiving pictures again"));
 }
 
-TEST_F(CamerasTest, LoseOneThatIsUnpluggedAndGoOnWithTheOthersUntilItIsBack) {
+TEST_F(CamerasTest, LoseAnUnpluggedCameraAndContinueWithTheOthersUntilItIsBack) {
   MakeWorld();
   config_.retry = Milliseconds(700);
   Start();
@@ -128,7 +128,8 @@ TEST_F(CamerasTest, LoseOneThatIsUnpluggedAndGoOnWithTheOthersUntilItIsBack) {
   Run(Milliseconds(100));
   EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4412"), "0 left: receiving pictures again"));
   ASSERT_THAT(left, SizeIs(1));
-  EXPECT_NE(left[0].header.stamp, msg::Stamp{}) << "a device's pictures get ours";
+  EXPECT_NE(left[0].header.stamp, msg::Stamp{})
+      << "a device's pictures get the stamp of this process";
 }
 
 TEST_F(CamerasTest, LogAVideoThatEnds) {
@@ -141,7 +142,7 @@ TEST_F(CamerasTest, LogAVideoThatEnds) {
   EXPECT_THAT(Lines(), ::testing::Contains("0 left: 0 has ended"));
 }
 
-TEST_F(CamerasTest, RefuseAnInvalidPictureAndGoOn) {
+TEST_F(CamerasTest, RefuseAnInvalidPictureAndContinue) {
   MakeWorld();
   shot_.encoding = "yuv422";
   Start();

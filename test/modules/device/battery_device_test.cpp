@@ -180,7 +180,7 @@ TEST_F(BatteryOnANetwork, ReadsTheHostsBattery) {
   EXPECT_THAT(Failures(), ::testing::Contains(1409));
 }
 
-TEST_F(BatteryOnANetwork, GoesOnWhenTheWorldsClockStartsAgain) {
+TEST_F(BatteryOnANetwork, ContinuesWhenTheWorldsClockStartsAgain) {
   const auto hand = Publisher<msg::Clock>(transport::kClockTopic, transport::kClockQos);
   Devices* devices = nullptr;
   clock_ = Must(transport::Clock::FromTopic(*dog_, [&devices] { devices->OnTimeJumped(); }));

@@ -49,7 +49,7 @@ class DevicesOnANetwork : public ::testing::Test {
       const std::string& topic, const transport::Qos& qos = transport::kDefaultQos) {
     return Must(transport::MakePublisher<M>(*world_, topic, qos));
   }
-  // Appends every received message to `heard`.
+  // Appends every received message to `received`.
   template <msg::Message M>
   std::unique_ptr<transport::Subscription> Listen(
       const std::string& topic, std::vector<M>& received,

@@ -16,7 +16,7 @@ using ::testing::SizeIs;
 
 class Lights : public DevicesOnANetwork {
  protected:
-  std::int32_t Wish(const std::string& client, std::uint8_t effect) {
+  std::int32_t RequestEffect(const std::string& client, std::uint8_t effect) {
     return Call<LedExecute>("dog1/led_execute", {true, client, LedExecute::kHead,
                                                  LedExecute::kUserColor, effect, 1, 2, 3})
         .code;
@@ -37,7 +37,7 @@ class Lights : public DevicesOnANetwork {
 
 TEST_F(Lights, AreShownOnRequestOfAClient) {
   Start();
-  EXPECT_EQ(Wish("vp", 4), 0);
+  EXPECT_EQ(RequestEffect("vp", 4), 0);
   Run(Milliseconds(100));
   EXPECT_EQ(Last(LedExecute::kHead),
             (msg::LedState{LedExecute::kHead, LedExecute::kUserColor, 4, 1, 2, 3, "vp"}));
@@ -46,11 +46,11 @@ TEST_F(Lights, AreShownOnRequestOfAClient) {
 
 TEST_F(Lights, AreReportedToTheClientAndTheLogWhenRefused) {
   Start();
-  EXPECT_EQ(Wish("vp", 77), 1124);
+  EXPECT_EQ(RequestEffect("vp", 77), 1124);
   EXPECT_THAT(log_, ElementsAre(HasSubstr("led_execute of \"vp\": target 1 has no effect 77")));
-  EXPECT_EQ(Wish("burglar", 4), 1122);
-  EXPECT_EQ(Wish("bms", 4), 0);
-  EXPECT_EQ(Wish("tracking", 5), 1125);
+  EXPECT_EQ(RequestEffect("burglar", 4), 1122);
+  EXPECT_EQ(RequestEffect("bms", 4), 0);
+  EXPECT_EQ(RequestEffect("tracking", 5), 1125);
   Run(Milliseconds(100));
   EXPECT_EQ(Last(LedExecute::kHead).client, "bms");
 }
@@ -58,7 +58,7 @@ TEST_F(Lights, AreReportedToTheClientAndTheLogWhenRefused) {
 // The name of a client is untrusted text.
 TEST_F(Lights, ForgeNoLinesOfTheLog) {
   Start();
-  EXPECT_EQ(Wish("x\nbattery: ok, at 100 %" + std::string(10'000, '!'), 4), 1122);
+  EXPECT_EQ(RequestEffect("x\nbattery: ok, at 100 %" + std::string(10'000, '!'), 4), 1122);
   ASSERT_THAT(log_, SizeIs(1));
   EXPECT_THAT(log_[0], ::testing::Not(HasSubstr("\n")));
   EXPECT_LT(log_[0].size(), 1000U);
@@ -66,7 +66,7 @@ TEST_F(Lights, ForgeNoLinesOfTheLog) {
 
 TEST_F(Lights, AreAllDeliveredToALateSubscriber) {
   Start();
-  for (std::uint8_t effect = 1; effect <= 4; ++effect) EXPECT_EQ(Wish("vp", effect), 0);
+  for (std::uint8_t effect = 1; effect <= 4; ++effect) EXPECT_EQ(RequestEffect("vp", effect), 0);
   std::vector<msg::LedState> late;
   const auto watcher = Listen<msg::LedState>("dog1/world/led", late, kLedQos);
   Run(Milliseconds(500));
@@ -112,8 +112,8 @@ TEST_F(Lights, FollowTheLifecycle) {
 TEST_F(Lights, AreCheckedButNotPublishedWithoutLights) {
   config_.led = false;
   Start();
-  EXPECT_EQ(Wish("vp", 4), 0);
-  EXPECT_EQ(Wish("vp", 77), 1124);
+  EXPECT_EQ(RequestEffect("vp", 4), 0);
+  EXPECT_EQ(RequestEffect("vp", 77), 1124);
   EXPECT_THAT(shown_, IsEmpty());
 }
 

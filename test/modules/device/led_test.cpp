@@ -14,8 +14,8 @@ using msg::LedExecute;
 using Request = LedExecute::Request;
 using ::testing::HasSubstr;
 
-Request Wish(const std::string& client, std::uint8_t effect,
-             std::uint8_t target = LedExecute::kHead) {
+Request EffectRequest(const std::string& client, std::uint8_t effect,
+                      std::uint8_t target = LedExecute::kHead) {
   return {true, client, target, LedExecute::kUserColor, effect, 1, 2, 3};
 }
 
@@ -38,9 +38,9 @@ TEST(LedArbiter, ShowsTheDefaultOfSystemAtFirst) {
 
 TEST(LedArbiter, ShowsTheFirstClientInPrecedenceAndStoresTheOthers) {
   LedArbiter arbiter;
-  EXPECT_TRUE(arbiter.Execute(Wish("tracking", 1)));
-  EXPECT_TRUE(arbiter.Execute(Wish("bms", 2)));
-  const Result<> stored = arbiter.Execute(Wish("vp", 3));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("tracking", 1)));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("bms", 2)));
+  const Result<> stored = arbiter.Execute(EffectRequest("vp", 3));
   ASSERT_FALSE(stored);
   EXPECT_EQ(stored.error().code, 1125);
   EXPECT_THAT(stored.error().message, HasSubstr("'bms'"));
@@ -56,14 +56,14 @@ TEST(LedArbiter, ShowsTheFirstClientInPrecedenceAndStoresTheOthers) {
 
 TEST(LedArbiter, LetsAClientChangeItsOwnLight) {
   LedArbiter arbiter;
-  EXPECT_TRUE(arbiter.Execute(Wish("vp", 1)));
-  EXPECT_TRUE(arbiter.Execute(Wish("vp", 4)));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("vp", 1)));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("vp", 4)));
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).light.effect, 4);
 }
 
 TEST(LedArbiter, KeepsTheTargetsApart) {
   LedArbiter arbiter;
-  EXPECT_TRUE(arbiter.Execute(Wish("lowpower", 1, LedExecute::kTail)));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("lowpower", 1, LedExecute::kTail)));
   EXPECT_EQ(arbiter.Show(LedExecute::kTail).client, LedClient::kLowPower);
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).client, LedClient::kSystem);
 }
@@ -77,7 +77,7 @@ TEST(LedArbiter, AcceptsARepeatedReleaseAndOneWithoutARequest) {
 
 TEST(LedArbiter, LetsSystemAlwaysOccupy) {
   LedArbiter arbiter;
-  Request request = Wish("system", 5);
+  Request request = EffectRequest("system", 5);
   request.occupation = false;
   EXPECT_TRUE(arbiter.Execute(request));
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).light.effect, 5);
@@ -86,7 +86,7 @@ TEST(LedArbiter, LetsSystemAlwaysOccupy) {
 
 TEST(LedArbiter, ChecksTargetClientModeAndEffectInThisOrder) {
   LedArbiter arbiter;
-  Request request = {true, "nobody", 9, 9, 0xFF, 0, 0, 0};
+  Request request = {true, "unknown", 9, 9, 0xFF, 0, 0, 0};
   EXPECT_EQ(CodeOf(arbiter.Execute(request)), 1121);
   request.target = LedExecute::kMini;
   EXPECT_EQ(CodeOf(arbiter.Execute(request)), 1122);
@@ -100,17 +100,17 @@ TEST(LedArbiter, ChecksTargetClientModeAndEffectInThisOrder) {
 
 TEST(LedArbiter, NeedsNoModeAndNoEffectForARelease) {
   LedArbiter arbiter;
-  EXPECT_TRUE(arbiter.Execute(Wish("vp", 1)));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("vp", 1)));
   EXPECT_EQ(CodeOf(arbiter.Execute({false, "vp", LedExecute::kHead, 77, 77, 0, 0, 0})), 0);
-  EXPECT_EQ(CodeOf(arbiter.Execute({false, "nobody", LedExecute::kHead, 0, 0, 0, 0, 0})), 1122);
+  EXPECT_EQ(CodeOf(arbiter.Execute({false, "unknown", LedExecute::kHead, 0, 0, 0, 0, 0})), 1122);
   EXPECT_EQ(CodeOf(arbiter.Execute({false, "vp", 0, 0, 0, 0, 0, 0})), 1121);
 }
 
 TEST(LedArbiter, LeavesEverythingAsItWasWhenItRefuses) {
   LedArbiter arbiter;
-  EXPECT_TRUE(arbiter.Execute(Wish("vp", 1)));
+  EXPECT_TRUE(arbiter.Execute(EffectRequest("vp", 1)));
   const LedArbiter before = arbiter;
-  EXPECT_EQ(CodeOf(arbiter.Execute(Wish("vp", 0x0A))), 1124);
+  EXPECT_EQ(CodeOf(arbiter.Execute(EffectRequest("vp", 0x0A))), 1124);
   EXPECT_EQ(arbiter, before);
 }
 
@@ -140,7 +140,7 @@ Request AnyRequest() {
   request.client = *rc::gen::weightedOneOf<std::string>(
       {{15,
         rc::gen::map(rc::gen::elementOf(kLedClients), [](auto name) { return std::string(name); })},
-       {1, rc::gen::just(std::string("nobody"))}});
+       {1, rc::gen::just(std::string("unknown"))}});
   request.target = *rc::gen::inRange<std::uint8_t>(0, 5);
   request.mode = *rc::gen::inRange<std::uint8_t>(0, 4);
   request.effect = *rc::gen::element<std::uint8_t>(0x00, 0x01, 0x09, 0x30, 0x31, 0x32, 0xA0, 0xB5);

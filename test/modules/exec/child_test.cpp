@@ -107,7 +107,7 @@ TEST_F(ChildTest, KillsItsGroupWhenItExits) {
   const pid_t grandchild = ReadPid(folder_ / "grandchild");
   ASSERT_GT(grandchild, 0);
   EXPECT_TRUE(child.value().Reap().ok());
-  EXPECT_TRUE(Gone(grandchild));
+  EXPECT_TRUE(HasExited(grandchild));
 }
 
 TEST_F(ChildTest, IsKilledWhenItIsDestroyed) {
@@ -118,7 +118,7 @@ TEST_F(ChildTest, IsKilledWhenItIsDestroyed) {
     pid = child.value().pid();
     EXPECT_FALSE(child.value().Ended());
   }
-  EXPECT_TRUE(Gone(pid));
+  EXPECT_TRUE(HasExited(pid));
 }
 
 }  // namespace musher::exec::child_test

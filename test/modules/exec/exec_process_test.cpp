@@ -46,7 +46,7 @@ TEST(MusherExec, IsSetUpRunsItsStatesAndIsTornDown) {
   ASSERT_TRUE(torn_down);
   EXPECT_EQ(torn_down.value().verdict, msg::ActuatorCommand::kVerdictDone);
   EXPECT_EQ(peer.AwaitExit(), 0) << peer.Output();
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(program));
 }
 
 // `ros2 service call` as a command did not meet the machine without settings in the state config.
@@ -103,7 +103,7 @@ TEST(MusherExec, IsBusyWithASlowCommandAndStopsItOnRequest) {
   ASSERT_TRUE(peer.AwaitReply());
   ASSERT_TRUE(*peer.reply());
   EXPECT_EQ(peer.reply()->value().code, 3007);
-  EXPECT_TRUE(Gone(slow));
+  EXPECT_TRUE(HasExited(slow));
   EXPECT_EQ(peer.Switch("LowPower").value().status.state, "LowPower");
 }
 
@@ -121,7 +121,7 @@ TEST(MusherExec, ExitsAtOnceWithAMessageWhenItsProgramCrashes) {
   kill(program, SIGSEGV);
   EXPECT_EQ(peer.AwaitExit(), 1);
   EXPECT_THAT(peer.Output(), HasSubstr("motion: the program exited by itself: killed by SIGSEGV"));
-  EXPECT_TRUE(Gone(slow));
+  EXPECT_TRUE(HasExited(slow));
 }
 
 TEST(MusherExec, LeavesNothingBehindWhenItIsKilled) {
@@ -136,8 +136,8 @@ start = ["sh", "-c", "sleep infinity & echo $! > $MUSHER_TEST/child; echo $$ > $
   ASSERT_GT(child, 0);
   peer.Signal(SIGKILL);
   EXPECT_EQ(peer.AwaitExit(), -SIGKILL);
-  EXPECT_TRUE(Gone(program));
-  EXPECT_TRUE(Gone(child));
+  EXPECT_TRUE(HasExited(program));
+  EXPECT_TRUE(HasExited(child));
 }
 
 TEST(MusherExec, StopsItsProgramAndExitsOnSigterm) {
@@ -148,7 +148,7 @@ TEST(MusherExec, StopsItsProgramAndExitsOnSigterm) {
   ASSERT_GT(program, 0);
   peer.Signal(SIGTERM);
   EXPECT_EQ(peer.AwaitExit(), 0);
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(program));
 }
 
 TEST(MusherExec, EndsOnSigtermWhileItIsBeingSetUp) {
@@ -161,11 +161,11 @@ TEST(MusherExec, EndsOnSigtermWhileItIsBeingSetUp) {
   ASSERT_GT(program, 0);
   peer.Signal(SIGTERM);
   EXPECT_EQ(peer.AwaitExit(), 0);
-  EXPECT_TRUE(Gone(slow));
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(slow));
+  EXPECT_TRUE(HasExited(program));
 }
 
-TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramIsGone) {
+TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramHasExited) {
   ExecPeer peer;
   peer.Start(std::string(kProgram) +
              "[state.TearDown]\nshell = \"kill -TERM $MUSHER_PROGRAM_PID; echo stuck; exit 5\"\n");

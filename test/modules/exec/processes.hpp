@@ -19,7 +19,7 @@ inline Time Soon() {
 }
 
 // Whether process `pid` has exited, at the latest Soon(). An unreaped process counts as exited.
-inline bool Gone(pid_t pid) {
+inline bool HasExited(pid_t pid) {
   const auto pidfd = transport::OpenPidfd(pid);
   if (!pidfd) return true;
   pollfd ended{pidfd.value().get(), POLLIN, 0};

@@ -46,15 +46,15 @@ TEST(Reaper, KillsChildrenAndGrandchildrenWhenTheParentIsKilled) {
   ASSERT_EQ(ReadPid(folder / "parent"), parent) << "the reaper knows of the child from here on";
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
-  EXPECT_TRUE(Gone(child));
-  EXPECT_TRUE(Gone(grandchild));
+  EXPECT_TRUE(HasExited(child));
+  EXPECT_TRUE(HasExited(grandchild));
 }
 
 // A point in the start of a program.
 enum class Moment { kForked, kExecuted };
 
 // Runs a process that has a reaper and starts a program, kills it by SIGKILL at that point of the
-// start, and lets the program go on. Returns the program's pid; 0: processes cannot be traced
+// start, and lets the program continue. Returns the program's pid; 0: processes cannot be traced
 // here.
 pid_t KillTheParentAt(Moment moment) {
   const pid_t parent = fork();
@@ -95,7 +95,7 @@ class ReaperInTheMiddleOfAStart : public ::testing::TestWithParam<Moment> {};
 TEST_P(ReaperInTheMiddleOfAStart, KillsTheProgramWhenTheParentIsKilledRightAfterTheFork) {
   const pid_t program = KillTheParentAt(GetParam());
   if (program == 0) GTEST_SKIP() << "processes cannot be traced here";
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(program));
   kill(program, SIGKILL);
 }
 

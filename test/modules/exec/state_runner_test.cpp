@@ -82,12 +82,12 @@ TEST_F(StateRunnerTest, CallsACrashFailed) {
 
 TEST_F(StateRunnerTest, PassesStateActuatorAndProgramToACommand) {
   Start("exec sleep infinity");
-  On("Active",
-     "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "told" + "; kill -0 $MUSHER_PROGRAM_PID");
+  On("Active", "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "called" +
+                   "; kill -0 $MUSHER_PROGRAM_PID");
   StateRunner runner("motion", config_, reaper_.value());
   ASSERT_TRUE(Run(runner, "SetUp"));
   EXPECT_TRUE(Run(runner, "Active"));
-  EXPECT_EQ(Content("told"), "Active motion\n");
+  EXPECT_EQ(Content("called"), "Active motion\n");
 }
 
 TEST_F(StateRunnerTest, StopsACommandWhoseResultIsNoLongerNeeded) {
@@ -121,7 +121,7 @@ TEST_F(StateRunnerTest, KeepsTheProgramRunningUntilTearDown) {
   ASSERT_TRUE(Run(runner, "Active"));
   EXPECT_EQ(kill(program, 0), 0);
   ASSERT_TRUE(Run(runner, "TearDown"));
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(program));
   EXPECT_TRUE(runner.tearing_down());
 }
 
@@ -134,7 +134,7 @@ TEST_F(StateRunnerTest, KillsAProgramThatIgnoresSigterm) {
   ASSERT_GT(program, 0);
   EXPECT_TRUE(Run(runner, "TearDown"));
   EXPECT_EQ(runner.AwaitProgram()->Text(), "killed by SIGKILL");
-  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(HasExited(program));
 }
 
 TEST_F(StateRunnerTest, FailsSetUpWhenTheProgramCannotBeRun) {
@@ -158,7 +158,7 @@ TEST_F(StateRunnerTest, StopsTheProgramWhenSetUpFails) {
   On("SetUp", "while [ ! -s " + folder_ / "program" + " ]; do sleep 0.01; done; exit 5");
   StateRunner runner("motion", config_, reaper_.value());
   EXPECT_EQ(Run(runner, "SetUp").error().code, 3005);
-  EXPECT_TRUE(Gone(ReadPid(folder_ / "program")));
+  EXPECT_TRUE(HasExited(ReadPid(folder_ / "program")));
 }
 
 TEST_F(StateRunnerTest, KeepsTheProgramWhenTearDownFails) {

@@ -76,7 +76,7 @@ TEST(MotionProcess, FailsItsSelfCheckWith3009WhenAMotorHasAnError) {
   EXPECT_EQ(check.actuators[0].code, 3009);
 }
 
-TEST(MotionProcess, StopsTheBodyWhenTheStreamerDies) {
+TEST(MotionProcess, StopsTheBodyWhenTheStreamerCrashes) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
   const pid_t streamer =
@@ -90,7 +90,7 @@ TEST(MotionProcess, StopsTheBodyWhenTheStreamerDies) {
 TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
-  robot.HearFrames();
+  robot.SubscribeToFrames();
   const pid_t streamer =
       StartProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "600"});
   EXPECT_TRUE(robot.AwaitFrame(msg::MotionServoCmd::kData));
@@ -117,7 +117,7 @@ TEST(MotionTool, ReportsACommandLineError) {
                                                 {"walk", "--square", "nan"},
                                                 {"servo", "--seconds", "-1"},
                                                 {"servo", "--vx", "inf"},
-                                                {"result", "111", "--source", "nobody"},
+                                                {"result", "111", "--source", "unknown"},
                                                 {"status", "--clock", "sun"}}) {
     const Ran ran = RunProgram("musher-motion", wrong);
     EXPECT_EQ(ran.exit, 2) << ran.output;

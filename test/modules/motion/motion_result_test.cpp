@@ -144,7 +144,7 @@ TEST(MotionResult, WhileAnotherIsInProgressIsRefusedWith3011) {
   const auto first = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(100));
   EXPECT_EQ(harness.CodeOf(harness.RequestMotion(111)), 3011);
-  EXPECT_EQ(harness.CodeOf(first), kCodeOk) << "the first one goes on";
+  EXPECT_EQ(harness.CodeOf(first), kCodeOk) << "the first motion continues";
 }
 
 TEST(MotionResult, WhileServoCommandsMoveTheBodyIsRefusedWith3011) {

@@ -124,12 +124,12 @@ TEST(MotionServo, RepeatsItsStopUntilTheBoardTakesItButNotForEver) {
   const std::size_t before = harness.sent.size();
   harness.RunFor(Milliseconds(3000));
   EXPECT_NEAR(static_cast<double>(harness.sent.size() - before), 20, 1);
-  Harness hearing;
-  hearing.Stream(303, Milliseconds(300));
-  hearing.Servo(303, 0, {}, ServoCommand::kEnd);
-  const std::size_t then = hearing.sent.size();
-  hearing.RunFor(Milliseconds(3000));
-  EXPECT_LE(hearing.sent.size(), then + 1);
+  Harness connected;
+  connected.Stream(303, Milliseconds(300));
+  connected.Servo(303, 0, {}, ServoCommand::kEnd);
+  const std::size_t then = connected.sent.size();
+  connected.RunFor(Milliseconds(3000));
+  EXPECT_LE(connected.sent.size(), then + 1);
 }
 
 TEST(MotionServo, GoesThroughRecoveryStandWhereTheBodyLies) {

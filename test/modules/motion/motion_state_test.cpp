@@ -192,7 +192,7 @@ TEST(MotionLieDown, ThatFailsThreeTimesIsReported) {
   EXPECT_EQ(harness.now - begin, Milliseconds(3 * 200 + 2 * 500)) << "three tries 500 ms apart";
 }
 
-TEST(MotionLieDown, WithoutALimitGoesOnUntilItSucceeds) {
+TEST(MotionLieDown, WithoutALimitContinuesUntilItSucceeds) {
   Harness harness;
   harness.board.deaf = true;
   const auto token = harness.LieDown(kPassiveGetDown, 0);

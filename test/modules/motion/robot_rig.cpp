@@ -122,12 +122,12 @@ bool RobotRig::Await(const std::function<bool(const TopicBoard&)>& holds) {
   return done;
 }
 
-void RobotRig::HearFrames() {
+void RobotRig::SubscribeToFrames() {
   node_->RunOnLoop([this] {
     frames_ = transport::MakeSubscription<msg::MotionServoCmd>(
                   node_->node(), "motion_servo_cmd",
                   [this](const msg::MotionServoCmd& frame, const transport::SampleInfo&) {
-                    heard_frames_.insert(frame.cmd_type);
+                    received_frames_.insert(frame.cmd_type);
                   },
                   transport::kSystemDefaultQos)
                   .value();
@@ -135,7 +135,7 @@ void RobotRig::HearFrames() {
 }
 
 bool RobotRig::AwaitFrame(std::int32_t type) {
-  return Await([&](const TopicBoard&) { return heard_frames_.contains(type); });
+  return Await([&](const TopicBoard&) { return received_frames_.contains(type); });
 }
 
 bool RobotRig::AwaitLog(const std::string& text) {

@@ -29,7 +29,7 @@ struct Ran {
 // Runs a program of this build with these arguments, to its end.
 Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments);
 
-// Starts it and goes on.
+// Starts it and does not wait.
 pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments);
 // Ends it by this signal; its exit code, or minus the signal.
 int End(pid_t pid, int signal);
@@ -49,7 +49,7 @@ class RobotRig {
   bool Await(const std::function<bool(const TopicBoard&)>& holds);
 
   // From now on the frames of streamers are received.
-  void HearFrames();
+  void SubscribeToFrames();
   // Waits for a frame of this cmd_type.
   bool AwaitFrame(std::int32_t type);
   // Waits until the motion manager has printed this.
@@ -64,7 +64,7 @@ class RobotRig {
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<TopicBoard> board_;
   std::unique_ptr<transport::Subscription> frames_;
-  std::set<std::int32_t> heard_frames_;  // their cmd_types
+  std::set<std::int32_t> received_frames_;  // their cmd_types
   MachineController controller_;
 };
 

@@ -38,8 +38,8 @@ TEST_P(Distributions, ReadTheUltrasonicPayloadInTheirOwnLayout) {
   EXPECT_EQ(config_.ros_distro, GetParam().distro);
   std::vector<RangeOfIron> iron;
   std::vector<msg::RangeBeforeIron> older;
-  const auto hears_iron = Listen("ultrasonic_payload", iron);
-  const auto hears_older = Listen("ultrasonic_payload", older);
+  const auto iron_subscription = Listen("ultrasonic_payload", iron);
+  const auto older_subscription = Listen("ultrasonic_payload", older);
   Drive();
   Start();
   Run(std::chrono::seconds(1));

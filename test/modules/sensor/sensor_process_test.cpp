@@ -242,16 +242,16 @@ TEST_F(SensorManagerProcess, IsOperatedByTheService) {
   StartBoth();
   const auto client =
       transport::MakeClient<SensorOperation>(peer_.node(), "sensor_operation").value();
-  const auto ask = [&](std::uint16_t id, std::uint8_t operation) {
+  const auto operate = [&](std::uint16_t id, std::uint8_t operation) {
     std::optional<Result<SensorOperation::Response>> answer;
     client->Call({id, operation}, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
     EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
     return answer->value().code;
   };
-  EXPECT_EQ(ask(SensorOperation::kLidar, SensorOperation::kClose), 2103);
-  EXPECT_EQ(ask(SensorOperation::kAll, SensorOperation::kStop), 0);
-  EXPECT_EQ(ask(SensorOperation::kAll, SensorOperation::kClose), 0);
-  EXPECT_EQ(ask(SensorOperation::kTof, SensorOperation::kStart), 2203);
+  EXPECT_EQ(operate(SensorOperation::kLidar, SensorOperation::kClose), 2103);
+  EXPECT_EQ(operate(SensorOperation::kAll, SensorOperation::kStop), 0);
+  EXPECT_EQ(operate(SensorOperation::kAll, SensorOperation::kClose), 0);
+  EXPECT_EQ(operate(SensorOperation::kTof, SensorOperation::kStart), 2203);
 }
 
 TEST_F(SensorManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {

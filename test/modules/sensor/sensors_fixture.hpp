@@ -76,7 +76,7 @@ class SensorsOnANetwork : public ::testing::Test {
   std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
     return Must(transport::MakePublisher<M>(*world_, "dog1/" + topic, transport::kSensorDataQos));
   }
-  // Appends every received message to `heard`.
+  // Appends every received message to `received`.
   template <msg::Message M>
   std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
                                                   std::vector<M>& received) {

@@ -25,7 +25,7 @@ class SensorsAtHand : public SensorsOnANetwork {
 
   Sensors& sensors() { return *sensors_; }
   // By SensorKind.
-  std::array<bool, 4> Heard() {
+  std::array<bool, 4> TakeReceived() {
     Run(Milliseconds(500));
     const bool one_tof = tofs_[0]->MatchedReaders() > 0;
     for (const auto& tof : tofs_) RC_ASSERT((tof->MatchedReaders() > 0) == one_tof);
@@ -63,7 +63,7 @@ RC_GTEST_PROP(SensorsProperty, AreSubscribedToExactlyWhileTheyAreStartedAndAwake
       RC_ASSERT(done.ok() == obeyed);
       if (obeyed) phases = next;
     }
-    const std::array<bool, 4> received = robot.Heard();
+    const std::array<bool, 4> received = robot.TakeReceived();
     for (const SensorKind kind : kSensorKinds) {
       const auto index = static_cast<std::size_t>(kind);
       const bool awake = !low || kind == SensorKind::kGps;

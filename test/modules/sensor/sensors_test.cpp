@@ -150,7 +150,7 @@ TEST_F(SensorsTest, RefuseInvalidOperationsWithACodeAndALogLine) {
   EXPECT_EQ(Operate(Operation::kGps, Operation::kStart), 2408);
   EXPECT_EQ(Operate(5, Operation::kStart), 2010);
   EXPECT_EQ(Operate(Operation::kLidar, 9), 2010);
-  EXPECT_EQ(Operate(Operation::kAll, Operation::kStop), 0) << "of those that there are";
+  EXPECT_EQ(Operate(Operation::kAll, Operation::kStop), 0) << "of the sensors that the robot has";
   EXPECT_THAT(log_, ElementsAre(HasSubstr("there is no gps in the config"),
                                 HasSubstr("unknown sensor 5"), HasSubstr("unknown operation 9")));
 }

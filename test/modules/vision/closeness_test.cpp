@@ -15,7 +15,7 @@ class ClosenessTest : public ::testing::Test {
     now_ns_ += after_ms * kMs;
     return closeness_.OnPicture(now_ns_, seen);
   }
-  bool SeeNobodyFor(std::int64_t ms) {
+  bool SeeNoFaceFor(std::int64_t ms) {
     for (std::int64_t passed = 0; passed < ms; passed += 100) See({});
     return closeness_.too_close();
   }
@@ -32,7 +32,7 @@ TEST_F(ClosenessTest, IsClearWithoutAPerson) {
 // As after a restart next to a person whose face fills the picture.
 TEST_F(ClosenessTest, IsUnknownUntilAFaceIsSeenOrTheHoldTimeHasPassed) {
   See({});
-  SeeNobodyFor(9900);
+  SeeNoFaceFor(9900);
   EXPECT_FALSE(closeness_.known());
   See({});
   EXPECT_TRUE(closeness_.known());
@@ -59,19 +59,19 @@ TEST_F(ClosenessTest, AMissedDetectionIsNotTreatedAsLeaving) {
 TEST_F(ClosenessTest, LosingTheFaceThatIsTooCloseDoesNotReadAsClear) {
   See({{1, 0.5}});
   See({{1, 0.3}});
-  EXPECT_TRUE(SeeNobodyFor(9900));
+  EXPECT_TRUE(SeeNoFaceFor(9900));
 }
 
 TEST_F(ClosenessTest, IsOverWhenThePicturesShowNoFaceForTheHoldTime) {
   See({{1, 0.3}});
-  EXPECT_FALSE(SeeNobodyFor(10200));
+  EXPECT_FALSE(SeeNoFaceFor(10200));
 }
 
 TEST_F(ClosenessTest, WithoutPicturesTimeShowsNothing) {
   See({{1, 0.3}});
   EXPECT_TRUE(See({}, 60000)) << "a minute without pictures: two seconds of it count";
-  EXPECT_TRUE(SeeNobodyFor(7900));
-  EXPECT_FALSE(SeeNobodyFor(300));
+  EXPECT_TRUE(SeeNoFaceFor(7900));
+  EXPECT_FALSE(SeeNoFaceFor(300));
 }
 
 TEST_F(ClosenessTest, AnotherOneFartherAwayDoesNotClearTheFirst) {

@@ -22,7 +22,7 @@ class FaultyDetector : public Detector {
  public:
   std::vector<FaceBox> Detect(const msg::Image&) override {
     if (Mode() == "hang") std::ifstream("gate").peek();
-    if (Mode() == "throw") throw std::runtime_error("as it was told");
+    if (Mode() == "throw") throw std::runtime_error("by the test");
     return {};
   }
 };

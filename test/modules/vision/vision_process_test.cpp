@@ -195,10 +195,9 @@ TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
   ASSERT_TRUE(
       peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
   EXPECT_EQ(peer_.AwaitExit(), 1);
-  EXPECT_THAT(
-      peer_.Output(),
-      HasSubstr("vision: the detector is lost: 5 pictures in a row: the detector failed: as "
-                "it was told (5912"));
+  EXPECT_THAT(peer_.Output(),
+              HasSubstr("vision: the detector is lost: 5 pictures in a row: the detector failed: "
+                        "by the test (5912"));
 }
 
 TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
@@ -214,10 +213,10 @@ TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
   ASSERT_TRUE(peer_.Until([&] {
     return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
   })) << (heartbeat
-              ? "the last beat: work " + std::to_string(heartbeat->work) + " during '" +
+              ? "the last heartbeat: work " + std::to_string(heartbeat->work) + " during '" +
                     heartbeat->during + "', silent for " + std::to_string(heartbeat->silent_ns) +
                     " ns, waited for " + std::to_string(heartbeat->waited_ns) + " ns; "
-              : "no beat; ")
+              : "no heartbeat; ")
       << peer_.Output();
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";

@@ -13,7 +13,7 @@ namespace musher::vision::wedding_scene_test {
 
 class WeddingScene : public ::testing::Test {
  protected:
-  // Goes on to that time of the scene, and looks 5 times a second from `from_s` on.
+  // Advances to that time of the scene, and looks 5 times a second from `from_s` on.
   std::vector<Sight> Watch(double from_s, double to_s) {
     std::vector<Sight> sights;
     for (int step = 1; Seconds() < to_s; ++step) {

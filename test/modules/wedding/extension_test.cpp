@@ -182,7 +182,7 @@ TEST_F(InterviewShow, OfTheShippedConfigAsksWhatTheVoiceSaysAndTakesAsLongAsItsM
               HasSubstr("43 s later at most"));
 }
 
-TEST_F(InterviewShow, GoesOnASecondAndAHalfAfterAnAnswer) {
+TEST_F(InterviewShow, ContinuesASecondAndAHalfAfterAnAnswer) {
   StartInterview();
   TickWithFace(Ticks(Milliseconds(5000)));
   ASSERT_EQ(script_.sounds.back(), "interview_question_1");

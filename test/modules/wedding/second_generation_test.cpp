@@ -161,7 +161,7 @@ TEST_F(SecondShow, AShuffledBagDrawsEachSoundOnceAndNoneTwiceInARow) {
   }
 }
 
-TEST_F(SecondShow, APausedShowMovesNothingAndGoesOnWithItsPack) {
+TEST_F(SecondShow, APausedShowMovesNothingAndContinuesWithItsPack) {
   Tick(50);
   machine_->Pause();
   show_->Rest(now_);

@@ -19,7 +19,7 @@ class BlindShow : public ShowRig {
   ShowConfig config_;
 };
 
-TEST_F(BlindShow, StopsOnATimeoutOfPerceptionAndGoesOnWhenItIsBack) {
+TEST_F(BlindShow, StopsOnATimeoutOfPerceptionAndContinuesWhenItIsBack) {
   TooClose(false);
   Command("photo");
   Tick(Ticks(Milliseconds(3000)));
@@ -44,7 +44,7 @@ TEST_F(BlindShow, StopsWithoutAFirstMessage) {
   EXPECT_EQ(TicksTo("SAFE_STOP", 1000), Ticks(Milliseconds(3000)) + 2) << "from its first tick";
 }
 
-TEST_F(BlindShow, GoesOnWhileAnyOfTheThreeTopicsPublishes) {
+TEST_F(BlindShow, ContinuesWhileAnyOfTheThreeTopicsPublishes) {
   for (const int kind : {0, 1, 2}) {
     for (int second = 0; second < 10; ++second) {
       if (kind == 0) Face();
@@ -73,7 +73,7 @@ TEST_F(BlindShow, StartsTheTimeoutAgainAfterAPause) {
   EXPECT_EQ(TicksTo("SAFE_STOP", 1000), Ticks(Milliseconds(3000)) + 2);
 }
 
-TEST_F(BlindShow, GoesOnForAnHourWithoutABlindTimeout) {
+TEST_F(BlindShow, ContinuesForAnHourWithoutABlindTimeout) {
   Begin({}, Milliseconds(100));
   Tick(36'000);
   EXPECT_EQ(state(), "IDLE");

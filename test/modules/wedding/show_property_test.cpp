@@ -23,7 +23,8 @@ class WildShow : public ShowRig {
       config_.interview.emplace();
     }
     Begin(config_);
-    for (const fsm::Way& way : machine_->chart().ways) ways_.insert({way.from, way.to});
+    for (const fsm::ChartTransition& transition : machine_->chart().transitions)
+      transitions_.insert({transition.from, transition.to});
   }
   void TestBody() override {}
 
@@ -64,7 +65,7 @@ class WildShow : public ShowRig {
     step_ = step;
     Tick();
     const fsm::StateId after = machine_->current();
-    const bool declared = before == after || ways_.contains({before, after});
+    const bool declared = before == after || transitions_.contains({before, after});
     const fsm::StateId safe = machine_->FindState("SAFE_STOP").value();
     RC_ASSERT(declared || after == safe);
     RC_ASSERT(machine_->running());
@@ -109,7 +110,7 @@ class WildShow : public ShowRig {
 
  private:
   ShowConfig config_;
-  std::set<std::pair<fsm::StateId, fsm::StateId>> ways_;
+  std::set<std::pair<fsm::StateId, fsm::StateId>> transitions_;
   bool too_close_ = false;
 };
 

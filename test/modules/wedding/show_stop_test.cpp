@@ -51,14 +51,14 @@ TEST_F(StoppedShow, StaysInIdleWhenItIsStoppedByVoiceOrService) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(StoppedShow, GreetsTheFirstOneWhoComesAfterTheFaceHasGone) {
+TEST_F(StoppedShow, GreetsTheFirstGuestWhoComesAfterTheFaceIsLost) {
   Command("stop");
   TickWithFace(50);
   Tick(Ticks(Milliseconds(1600)));
   EXPECT_EQ(TicksToWithFace("TRACKING", 5), 1);
 }
 
-TEST_F(StoppedShow, GreetsAnotherOneWhoComesMeanwhile) {
+TEST_F(StoppedShow, GreetsAnotherGuestWhoComesMeanwhile) {
   Id(3);
   TickWithFace(1);
   Command("stop");

@@ -258,7 +258,7 @@ TEST_F(ShowTest, HandlesVoiceCommands) {
 
 // --- rest ---
 
-TEST_F(ShowTest, RestsNeutralAndGoesOnFromIdle) {
+TEST_F(ShowTest, RestsNeutralAndContinuesFromIdle) {
   Track();
   Gesture("heart");
   TickWithFace(10, {0.9, 0.5});
@@ -295,7 +295,7 @@ TEST_F(ShowTest, PublishesItsPoseAgainForARestartedMotionAdapter) {
   EXPECT_THAT(script_.poses, ElementsAre("neutral", "neutral", "neutral"));
 }
 
-TEST_F(ShowTest, GoesOnFromASavedPhotoInAnotherProcess) {
+TEST_F(ShowTest, ContinuesFromASavedPhotoInAnotherProcess) {
   Track();
   Gesture("heart");
   TickWithFace(150);

@@ -166,7 +166,7 @@ class WeddingProcess : public ::testing::Test {
     EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
     return answer->value();
   }
-  // All of them, also those that come at once after a while without a CPU.
+  // All of them, also several at once after a while without a CPU.
   void Subscribe(const std::string& topic, Words& words) {
     subscriptions_.push_back(
         transport::MakeSubscription<msg::String>(

@@ -83,7 +83,7 @@ TEST_F(WeddingProcess, IsDrivenByTheCommandsOfItsManual) {
   EXPECT_THAT(poses_, Contains("thumbs_up"));
 }
 
-TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndGoesOn) {
+TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndContinues) {
   StartActive();
   ASSERT_TRUE(too_close_->Publish({true}));
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
@@ -102,7 +102,7 @@ TEST_F(WeddingProcess, StaysStoppedForOneCameraThoughAnotherReportsNoGuestTooClo
   const std::size_t states = states_.size();
   ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 5; })) << "1 s";
   EXPECT_EQ(states_.back(), "SAFE_STOP");
-  too_close_.reset();  // this camera goes; one that comes after it takes its place
+  too_close_.reset();  // this camera exits; its successor replaces it
   side.reset();
   side = Publisher<msg::Bool>("wedding/perception/too_close");
   ASSERT_TRUE(peer_.Until([&] { return side->MatchedReaders() == 1; }));
@@ -155,7 +155,7 @@ TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
   EXPECT_THAT(peer_.Output(), HasSubstr("photo 1: /photos/1.jpg"));
 }
 
-TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
+TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndContinuesFromIdle) {
   StartActive(LongPose());
   for (const char* rest : {"LowPower", "DeActive", "Protected", "OTA", "Error"}) {
     Command("photo");
@@ -207,7 +207,7 @@ TEST_F(WeddingProcess, SurvivesTenThousandCommandsAtOnce) {
     Face();
     ASSERT_TRUE(gesture_->Publish({"v"}));
   });
-  ASSERT_TRUE(AwaitPose("v_sign")) << "it goes on as before";
+  ASSERT_TRUE(AwaitPose("v_sign")) << "it continues as before";
   EXPECT_LT(peer_.Output().size(), 20'000) << "and has not filled the disk";
 }
 

@@ -153,7 +153,7 @@ TEST_F(BodyTest, RefusesAnUnknownMode) {
   EXPECT_EQ(body().status(), BoardStatus::kBanTrans);
 }
 
-TEST_F(BodyTest, EchoesTheCommandItTookAndNotTheOneItRefused) {
+TEST_F(BodyTest, EchoesTheAcceptedCommandAndNotTheRefusedOne) {
   Lying();
   commander_.Do(12, 0);  // 1
   EXPECT_EQ(body().life_count(), 1);

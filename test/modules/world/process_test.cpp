@@ -239,7 +239,7 @@ TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
           *node_, "wedding/motion/joint_states",
           [&](const msg::JointState& received, const auto&) { joints = received; })
           .value();
-  const auto hearing =
+  const auto subscription =
       transport::MakeSubscription<msg::String>(
           *node_, "wedding/perception/gesture",
           [&](const msg::String& received, const auto&) { gestures.push_back(received.data); })

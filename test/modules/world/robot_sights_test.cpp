@@ -27,7 +27,7 @@ Scene Wedding() {
   return quiet;
 }
 
-// In that pose for a while, with nobody else there, before a wall that no part of it looks like.
+// In that pose for a while, with no other guest, before a wall that no part of it looks like.
 World Posing(const std::string& pose, const Eigen::Vector2d& look = {0.5, 0.5}) {
   Scene scene = Wedding();
   scene.fence_color = {20, 180, 40};

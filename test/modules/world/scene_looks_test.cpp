@@ -63,7 +63,7 @@ TEST(SceneLooks, LetsTheBodyPassUnderWhatHangsOverIt) {
   EXPECT_FALSE(IsFree(scene, {-2.2, 0}));
 }
 
-TEST(SceneLooks, MakesALineOfAnArcAndClosesOneThatShallBeClosed) {
+TEST(SceneLooks, MakesALineOfAnArcAndClosesAClosedLine) {
   const Scene scene = Read(R"(
 [[line]]
 center_m = [1, 2]

@@ -264,7 +264,7 @@ TEST_F(WorldCamerasTest, AreMissingWithoutCamerasInTheScene) {
   EXPECT_EQ(watch->MatchedWriters(), 0);
 }
 
-TEST_F(WorldCamerasTest, AreOffWithALogLineWhenAPictureIsMissingAndTimeGoesOn) {
+TEST_F(WorldCamerasTest, AreOffWithALogLineWhenAPictureIsMissingAndTimeContinues) {
   PromptWorker worker;
   Scene scene = SmallCameras();
   Board board;

@@ -84,7 +84,7 @@ TEST_F(WorldShowTest, PublishesItsJointsEachStepWithTheWorldsTime) {
   Open(Show());
   std::vector<msg::JointState> states, commands;
   const auto reading = Listen("wedding/motion/joint_states", states);
-  const auto hearing = Listen("wedding/motion/joint_commands", commands);
+  const auto subscription = Listen("wedding/motion/joint_commands", commands);
   network_.RunFor(Milliseconds(100));
   states.clear();
   commands.clear();
@@ -135,7 +135,7 @@ TEST_F(WorldShowTest, RefusesNanGazesAndLogsItOnce) {
 TEST_F(WorldShowTest, PublishesTheGestureOfAGuestTenTimesASecondAndItsEnd) {
   Open(Show());
   std::vector<msg::String> gestures;
-  const auto hearing = Listen("wedding/perception/gesture", gestures);
+  const auto subscription = Listen("wedding/perception/gesture", gestures);
   network_.RunFor(Milliseconds(1900));
   EXPECT_THAT(gestures, IsEmpty());
   network_.RunFor(Milliseconds(4000));

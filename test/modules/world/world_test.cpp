@@ -222,7 +222,7 @@ TEST(World, IsTheSameFromTheSameSeed) {
   EXPECT_NE(Scenario(7), Scenario(8));
 }
 
-TEST(World, IsAValueThatGoesOnFromACopy) {
+TEST(World, IsAValueThatContinuesFromACopy) {
   World world(FullYard());
   Commander(world).Walk({0.4, 0, 0.3}, Seconds(3));
   World copy = world;

@@ -69,7 +69,7 @@ void Hangs(FaultRun& run, const std::string& state) {
 void ThreadStopsCheckpoints(FaultRun& run) {
   const std::string victim = run.Victim({"legs", "arm", "eyes", "planner"});
   Board& board = run.robot.board(victim);
-  const bool recovers = run.random.Chance(50);
+  const bool recovers = run.random.Bernoulli(50);
   run.Sampled("recovers", recovers ? "at once" : "never");
   // Checkpoints are monitored from the first one after a state callback.
   const int before = board.checkpoints;

@@ -120,7 +120,7 @@ void IsCutInSwitch(FaultRun& run) {
 
 void LinkGoesDown(FaultRun& run) {
   run.MayAllBeAffected();
-  const bool there = run.random.Chance(50);
+  const bool there = run.random.Bernoulli(50);
   run.Sampled("end", there ? "of the actuators" : "of the controller");
   const Duration more = SampledTime(run, 0, 1500);
   Link& link = run.robot.far_host()->link();

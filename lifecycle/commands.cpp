@@ -15,7 +15,7 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
   const bool was_busy =
       record.report.busy() || (report.incarnation == record.report.incarnation &&
                                report.outcome_number != record.report.outcome_number);
-  const bool came_free = was_busy && !report.busy() && !record.order;
+  const bool came_free = was_busy && !report.busy() && !record.command;
   if (!report.busy()) record.free_by.reset();
   // In the run phase a check leaves the state as it is.
   const bool passed_late = (report.state == kSelfCheck && record.report.state != kSelfCheck) ||
@@ -30,7 +30,7 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
     record.clock_theirs = report.stamp;
     record.clock_ours = now_;
   }
-  const bool moved = !other_process && record.presence == Presence::kPresent && !record.order &&
+  const bool moved = !other_process && record.presence == Presence::kPresent && !record.command &&
                      report.state != record.report.state &&
                      report.outcome_number == record.report.outcome_number;
   record.report = report;
@@ -47,9 +47,10 @@ void Decision::Drifted(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (!record.checked) record.join_tried = false;  // it may have been configured by hand
   const bool succeeded = record.report.outcome_code == kCodeOk;
-  record.cause = RecordActuator(i, kCodeStatusError,
-                                ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
-                                    (succeeded ? "" : ": " + record.report.outcome_message));
+  record.cause =
+      RecordActuator(i, kCodeStatusError,
+                     ConfigOf(i).name + " has switched to " + record.state() + " by itself" +
+                         (succeeded ? "" : ": " + record.report.outcome_message));
   const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
   if (record.state() == kTearDown && !ends) {
     Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
@@ -64,35 +65,37 @@ void Decision::On(const event::Replied& replied) {
   if (replied.report.incarnation != record.report.incarnation) return;
   if (replied.report.stamp >= record.report.stamp) Accept(replied.actuator, replied.report);
   const bool denied = replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
-  if (replied.ask && denied && replied.report.epoch > machine_.epoch)
+  if (replied.query && denied && replied.report.epoch > machine_.epoch)
     return TakeControl(replied.actuator);
-  if (replied.ask && denied && record.take_control_again) {
+  if (replied.query && denied && record.take_control_again) {
     record.take_control_again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
   }
-  if (replied.ask && replied.verdict == Verdict::kDone && record.take_control_again) {
+  if (replied.query && replied.verdict == Verdict::kDone && record.take_control_again) {
     Attach(replied.actuator);
   }
-  if (!record.order || record.order->number != replied.number) return;
-  if (replied.ask && record.order->asked == 0) return;  // it answers TakeControl(), not the query
-  if (replied.ask)
-    return EndOrder(replied.actuator, EvaluateReport(replied.actuator, *record.order));
+  if (!record.command || record.command->number != replied.number) return;
+  if (replied.query && record.command->queries == 0)
+    return;  // it answers TakeControl(), not the query
+  if (replied.query)
+    return EndCommand(replied.actuator, EvaluateReport(replied.actuator, *record.command));
   switch (replied.verdict) {
     case Verdict::kDone:
-      return EndOrder(replied.actuator, DoneUnlessContradicted(replied.actuator, replied.message));
+      return EndCommand(replied.actuator,
+                        DoneUnlessContradicted(replied.actuator, replied.message));
     case Verdict::kRefused:
-      return EndOrder(replied.actuator, {record.order->asked > 0 ? ActuatorOutcome::kOverdue
-                                                                 : ActuatorOutcome::kRefused,
-                                         replied.code, replied.message, false});
+      return EndCommand(replied.actuator, {record.command->queries > 0 ? ActuatorOutcome::kOverdue
+                                                                       : ActuatorOutcome::kRefused,
+                                           replied.code, replied.message, false});
     case Verdict::kFailed:
-      return EndOrder(replied.actuator,
-                      {ActuatorOutcome::kFailed, replied.code, replied.message, true});
+      return EndCommand(replied.actuator,
+                        {ActuatorOutcome::kFailed, replied.code, replied.message, true});
   }
 }
 
 // The actuator reports that the command is done; its own status may contradict that.
-OrderEnd Decision::DoneUnlessContradicted(std::size_t i, const std::string& message) const {
+CommandResult Decision::DoneUnlessContradicted(std::size_t i, const std::string& message) const {
   const ActuatorRecord& record = Of(i);
-  const State& target = record.order->target;
+  const State& target = record.command->target;
   if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
     return {ActuatorOutcome::kDone, record.report.degraded_code,
             "degraded: " + record.report.degraded_reason, true};
@@ -107,53 +110,53 @@ OrderEnd Decision::DoneUnlessContradicted(std::size_t i, const std::string& mess
 void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
                      bool apart) {
   machine_.number = std::max(machine_.number, number);
-  Of(i).order = Order{number, target, now_, now_ + budget, 0};
+  Of(i).command = PendingCommand{number, target, now_, now_ + budget, 0};
   if (target == kSelfCheck) Of(i).join_tried = true;
   Do(action::SendSwitch{i, number, target, budget, apart});
 }
 
 // The outcome of the command by the latched status of a queried actuator.
-OrderEnd Decision::EvaluateReport(std::size_t i, const Order& order) const {
+CommandResult Decision::EvaluateReport(std::size_t i, const PendingCommand& command) const {
   const ActuatorReport& report = Of(i).report;
-  const std::string time = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
-  if (report.outcome_number == order.number) {
+  const std::string time = std::to_string(ToMilliseconds(now_ - command.sent)) + " ms";
+  if (report.outcome_number == command.number) {
     if (report.outcome_code == kCodeOk) return DoneUnlessContradicted(i, "");
     return {ActuatorOutcome::kFailed, report.outcome_code, report.outcome_message, true};
   }
-  if (report.busy_number == order.number) {
+  if (report.busy_number == command.number) {
     return {ActuatorOutcome::kOverdue, kCodeTimeout,
-            "still busy with " + order.target + " after " + time, true};
+            "still busy with " + command.target + " after " + time, true};
   }
   return {ActuatorOutcome::kOverdue, kCodeTimeout,
-          "had not started " + order.target + " after " + time, false};
+          "had not started " + command.target + " after " + time, false};
 }
 
 void Decision::QueryOrLose(std::size_t i) {
-  Order& order = *Of(i).order;
-  if (order.asked >= kQueryAttempts) {
-    return LoseConnection(i, "no answer, not even to the query for the outcome of " + order.target,
-                          Of(i).cause);
+  PendingCommand& command = *Of(i).command;
+  if (command.queries >= kQueryAttempts) {
+    return LoseConnection(
+        i, "no answer, not even to the query for the outcome of " + command.target, Of(i).cause);
   }
-  if (order.asked == 0) {
+  if (command.queries == 0) {
     const std::string next = ConfigOf(i).protocol == Protocol::kCyberdog
                                  ? "; its protocol has no query for the outcome of " +
-                                       order.target + ", so its state is unknown until it answers"
-                                 : "; querying the outcome of " + order.target;
-    Of(i).cause = RecordActuator(i, kCodeTimeout,
-                                 ConfigOf(i).name + " did not answer within " +
-                                     std::to_string(ToMilliseconds(order.deadline - order.sent)) +
-                                     " ms" + next,
-                                 machine_.current ? machine_.current->cause : Of(i).cause);
+                                       command.target + ", so its state is unknown until it answers"
+                                 : "; querying the outcome of " + command.target;
+    Of(i).cause = RecordActuator(
+        i, kCodeTimeout,
+        ConfigOf(i).name + " did not answer within " +
+            std::to_string(ToMilliseconds(command.deadline - command.sent)) + " ms" + next,
+        machine_.current ? machine_.current->cause : Of(i).cause);
   }
-  ++order.asked;
-  order.deadline = now_ + kQueryTimeout;
-  Do(action::SendAsk{i, order.number, true});
+  ++command.queries;
+  command.deadline = now_ + kQueryTimeout;
+  Do(action::SendQuery{i, command.number, true});
 }
 
-void Decision::CheckOrders() {
+void Decision::CheckCommands() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    if (record.order && record.order->deadline <= now_) QueryOrLose(i);
+    if (record.command && record.command->deadline <= now_) QueryOrLose(i);
     if (record.take_control_again && *record.take_control_again <= now_) TakeControl(i);
     if (record.free_by && *record.free_by <= now_) EvaluateFoundBusy(i);
   }
@@ -163,52 +166,52 @@ void Decision::CheckOrders() {
 void Decision::EvaluateFoundBusy(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.free_by.reset();
-  if (!record.report.busy() || record.order || record.presence != Presence::kPresent) return;
+  if (!record.report.busy() || record.command || record.presence != Presence::kPresent) return;
   const State& target = record.report.target;
   Degrade(i, kCodeTimeout,
           "still busy with " + target + ", which no switch waits for, after " +
               std::to_string(ToMilliseconds(config_.TimeFor(i, target))) + " ms");
-  Do(action::SendAsk{i, record.report.number, true});
+  Do(action::SendQuery{i, record.report.number, true});
   FallBack(i);
 }
 
-void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
-  const Order order = *Of(i).order;
-  const OrderEnd end = Tolerate(i, order, given);
-  const std::string took = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
-  const std::uint64_t cause = end.cause != 0                         ? end.cause
-                              : machine_.current && order.asked == 0 ? machine_.current->cause
-                                                                     : Of(i).cause;
+void Decision::EndCommand(std::size_t i, const CommandResult& given) {
+  const PendingCommand command = *Of(i).command;
+  const CommandResult end = Tolerate(i, command, given);
+  const std::string took = std::to_string(ToMilliseconds(now_ - command.sent)) + " ms";
+  const std::uint64_t cause = end.cause != 0                             ? end.cause
+                              : machine_.current && command.queries == 0 ? machine_.current->cause
+                                                                         : Of(i).cause;
   const std::uint64_t recorded = RecordActuator(
       i, end.code,
-      ConfigOf(i).name + ": " + order.target + " " + std::string(OutcomeName(end.outcome)) +
+      ConfigOf(i).name + ": " + command.target + " " + std::string(OutcomeName(end.outcome)) +
           " after " + took + (end.message.empty() ? "" : ": " + end.message),
       cause);
   if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = recorded;
-  Of(i).order.reset();
+  Of(i).command.reset();
   if (end.outcome == ActuatorOutcome::kDone) {
     // A ROS 2 node that has reached a state is configured, and answers.
     const bool configured =
-        ConfigOf(i).protocol == Protocol::kRos2Lifecycle && config_.RankOf(order.target);
-    if (order.target == kSelfCheck || configured) Of(i).checked = true;
+        ConfigOf(i).protocol == Protocol::kRos2Lifecycle && config_.RankOf(command.target);
+    if (command.target == kSelfCheck || configured) Of(i).checked = true;
     // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
     // fault.
-    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).parked;
-    if (well || order.target == kTearDown) Of(i).fault.reset();
+    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
+    if (well || command.target == kTearDown) Of(i).fault.reset();
   }
   // Driven on once it is free, unless a check is still running.
-  if (end.outcome == ActuatorOutcome::kOverdue && order.target != kSelfCheck) Of(i).due = true;
+  if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
     EndLeg(*leg, end);
   } else {
-    EndJoin(i, order, end);
+    EndJoin(i, command, end);
   }
   // Of an actuator that cannot be queried nothing more is known until it is restarted.
   const bool unknown = ConfigOf(i).protocol == Protocol::kCyberdog &&
                        end.outcome == ActuatorOutcome::kOverdue &&
                        machine_.phase != Phase::kStopping;
   if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
-    Hang(i, true, "hung: in " + order.target + " for " + took + ", and it cannot be queried");
+    Hang(i, true, "hung: in " + command.target + " for " + took + ", and it cannot be queried");
   }
 }
 
@@ -227,7 +230,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   ActuatorRecord& record = Of(i);
   const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
-  if (record.order) EndOrder(i, {ActuatorOutcome::kLost, code, how, true, cause});
+  if (record.command) EndCommand(i, {ActuatorOutcome::kLost, code, how, true, cause});
   record.presence = Presence::kLost;
   record.take_control_again.reset();
   record.checked = false;
@@ -246,8 +249,8 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
-// The connection to it is lost. The state of a process of ours will be found out: if it has exited
-// or hangs, it is restarted.
+// The connection to it is lost. The state of a process that this controller has started is
+// determined: if it has exited or hangs, it is restarted.
 void Decision::LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause) {
   Lose(i, how, cause);
   if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
@@ -255,10 +258,10 @@ void Decision::LoseConnection(std::size_t i, const std::string& how, std::uint64
 
 // The exit of a process can overtake its last sample.
 void Decision::AssumeTornDown(std::size_t i) {
-  if (!Of(i).order || Of(i).order->target != kTearDown) return;
+  if (!Of(i).command || Of(i).command->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
-  Of(i).report.apart = true;  // while the machine goes on, it was commanded alone
-  EndOrder(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
+  Of(i).report.apart = true;  // it was commanded alone, the machine continues
+  EndCommand(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
 }
 
 void Decision::On(const event::Vanished& vanished) {
