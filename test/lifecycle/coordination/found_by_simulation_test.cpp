@@ -245,7 +245,7 @@ TEST_F(FoundBySimulation, AnActuatorThatWasInTheTargetAndIsRestartedMeanwhileIsN
   ASSERT_EQ(t.StateOf("a"), "SetUp");
   const ActuatorResult& result = Of(t.answers.at(second), "a");
   EXPECT_EQ(result.outcome, ActuatorOutcome::kLost);
-  EXPECT_THAT(result.message, HasSubstr("has gone to SetUp since, and is being driven back"));
+  EXPECT_THAT(result.message, HasSubstr("has switched to SetUp since, and is being driven back"));
 }
 
 TEST_F(FoundBySimulation,
