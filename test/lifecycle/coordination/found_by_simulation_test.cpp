@@ -238,7 +238,7 @@ TEST_F(FoundBySimulation, AnActuatorThatWasInTheTargetAndIsRestartedMeanwhileIsN
   Harness& t = In("Active", Ours(2));
   t.On("b", "LowPower").takes = std::chrono::seconds(2);  // of 100 ms
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
-  const RequestId second = t.Ask("LowPower");  // for b; a is there
+  const RequestId second = t.RequestSwitch("LowPower");  // for b; a is there
   ASSERT_TRUE(t.machine().current);
   t.Restart("a");
   t.RunUntil([&] { return t.answers.contains(second); });
@@ -285,7 +285,7 @@ TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasE
   t.Begin();
   t.RunFor(std::chrono::seconds(1));
   ASSERT_EQ(t.machine().state, "Active");
-  const RequestId request = t.Ask("TearDown");
+  const RequestId request = t.RequestSwitch("TearDown");
   t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process == 0; });
   ASSERT_EQ(t.machine().phase, Phase::kStopping) << "a is torn down, b does not end";
   t.ReceiveRivalHeartbeat(99);

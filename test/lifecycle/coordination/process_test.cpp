@@ -199,7 +199,7 @@ TEST_F(Processes, ThatAreBeingStartedAtATakeoverAreNotReportedAsTornDown) {
   Obey(1);
   Do(event::ProcessEnded{1, 701, true, "exit code 0"});
   EXPECT_THAT(Did<action::AnswerSetState>(), IsEmpty());
-  Do(event::RivalHeard{99, "process 1", true});
+  Do(event::RivalSeen{99, "process 1", true});
   ASSERT_THAT(Did<action::AnswerSetState>(), SizeIs(1));
   const SwitchResult result = Did<action::AnswerSetState>()[0].result;
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);

@@ -35,13 +35,13 @@ class RemoteActuators : public OneController {
   }
   void ObeyBoth(const std::string& host) {
     for (int rounds = 0; rounds < 10; ++rounds) {
-      if (Of(0).order) Obey(0);
-      if (!Of(1).order) continue;
-      const Order order = *Of(1).order;
-      ActuatorReport report = ReportOfB(host, order.target);
+      if (Of(0).command) Obey(0);
+      if (!Of(1).command) continue;
+      const PendingCommand command = *Of(1).command;
+      ActuatorReport report = ReportOfB(host, command.target);
       report.epoch = machine_.epoch;
-      report.number = report.outcome_number = order.number;
-      Do(event::Replied{1, order.number, false, Verdict::kDone, kCodeOk, "", report});
+      report.number = report.outcome_number = command.number;
+      Do(event::Replied{1, command.number, false, Verdict::kDone, kCodeOk, "", report});
     }
   }
   // The next controller of this host, which receives no status of b.
@@ -68,7 +68,7 @@ class RemoteActuators : public OneController {
     return Finish();
   }
   SwitchResult Finish() {
-    if (Of(0).order) Obey(0);
+    if (Of(0).command) Obey(0);
     Pass(std::chrono::seconds(10));
     const auto answers = Did<action::AnswerSetState>();
     if (!answers.empty()) return answers.back().result;
