@@ -5,8 +5,10 @@
 //   class Idle : public fsm::State {
 //    public:
 //     explicit Idle(Robot& robot) : robot_(robot) {}
-//     void Declare(fsm::Transitions& transitions) override { tracking_ = transitions.To("TRACKING",
-//     "a face is seen"); } void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
+//     void Declare(fsm::Transitions& transitions) override {
+//       tracking_ = transitions.To("TRACKING", "a face is seen");
+//     }
+//     void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
 //     fsm::Next CheckTransition(const fsm::Tick&) override {
 //       return robot_.sees_face ? fsm::Next::To(tracking_) : fsm::Next::Stay();
 //     }

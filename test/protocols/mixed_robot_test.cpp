@@ -123,7 +123,7 @@ TEST_F(AMixedRobot, NoticesTheEndOfAProcessAtOnceAndDrivesTheNextOne) {
   }
 }
 
-TEST_F(AMixedRobot, AModuleThatBeatsNoMoreIsLostUntilItBeatsAgain) {
+TEST_F(AMixedRobot, AModuleWithoutHeartbeatsIsLostUntilTheyResume) {
   BringUp();
   module_->sends_heartbeats = false;
   ASSERT_TRUE(

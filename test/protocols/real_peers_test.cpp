@@ -145,7 +145,7 @@ TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
   EXPECT_TRUE(controller.SetState("TearDown"));
 }
 
-TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndBeatsForIt) {
+TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
   const RobotFile file({"arm"}, kAllStates);
   MachineActuator arm("arm");
   arm.RegisterStateCallback([](const State&) { return kCodeOk; });

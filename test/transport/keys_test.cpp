@@ -81,7 +81,7 @@ TEST_F(Keys, ThatWereRevokedStayRevokedWhileOthersAre) {
   EXPECT_EQ(ErrorOf("c"), "");
 }
 
-// With one CA for both, everybody whose certificate it has signed could sign permissions.
+// With one CA for both, every holder of a certificate could sign permissions.
 TEST_F(Keys, DoNotLetTheirOwnerSignPermissions) {
   const KeyFolder other(temp_ / "other");
   ASSERT_TRUE(CreateAuthority(other, Protection::kEncrypted, false));
