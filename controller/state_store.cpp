@@ -24,7 +24,7 @@ using transport::SystemError;
 using transport::UniqueFd;
 
 constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files here
-constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why
+constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why, of a host
 // The stop that a damaged file counts as.
 constexpr std::uint64_t kUnknownStop = 1;
 
@@ -33,6 +33,11 @@ std::string ReadSmall(int fd) {
   const ssize_t size = pread(fd, text.data(), text.size(), 0);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   return text;
+}
+
+std::string OneWord(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return c <= ' '; });
+  return text.substr(0, kLongestText);
 }
 
 // Of a HostId(): "BOOT/PID NAMESPACE".
@@ -184,12 +189,12 @@ bool StateStore::LoadStopIntent() const {
   return access(StopIntentFile().c_str(), F_OK) == 0 || errno != ENOENT;
 }
 
-// "host HOST" of the controller, then lines "actuator NAME HOST".
+// "host HOST" of the controller, then lines "actuator NAME HOST". A host comes from the network.
 Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
                                          const std::string& host) {
   std::string text = "host " + host + "\n";
   for (const RemoteActuator& actuator : actuators) {
-    text += "actuator " + actuator.name + " " + actuator.host + "\n";
+    text += "actuator " + actuator.name + " " + OneWord(actuator.host) + "\n";
   }
   return Replace(RemoteActuatorsFile(), text);
 }
@@ -207,6 +212,7 @@ std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& h
     if (kind == "host" && words >> actuator.host) boot_then = BootOf(actuator.host);
     if (kind != "actuator" || !(words >> actuator.name)) continue;
     words >> actuator.host;
+    actuator.host = OneWord(actuator.host);
     const bool was_here = !actuator.host.empty() && BootOf(actuator.host) == boot_then;
     if (was_here && boot_then != BootOf(host)) continue;
     actuators.push_back(std::move(actuator));

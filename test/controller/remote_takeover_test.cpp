@@ -52,21 +52,21 @@ class RemoteTakeover : public ::testing::Test {
     for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
     processes_.make_module = [](const std::string&) { return std::make_unique<NoWork>(); };
     node_ = network_.MakeNode("second");
-    ControllerShell::World world;
-    world.node = node_.get();
-    world.processes = &host_;
-    world.process_probe = &host_;
-    world.journal = &host_;
-    world.save_epoch = [](auto, const auto& saved) { saved(Ok()); };
-    world.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
-    world.save_policy = [](const auto&, const auto& saved) { saved(Ok()); };
-    world.save_stop_intent = [](auto, const auto& saved) { saved(Ok()); };
-    world.save_remote_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
-    world.output = [](const auto&) { return nullptr; };
-    world.wall_ns = [] { return 0; };
-    world.host = "second";
-    world.pid = 1;
-    world.incarnation = 1;
+    ControllerShell::Dependencies dependencies;
+    dependencies.node = node_.get();
+    dependencies.processes = &host_;
+    dependencies.process_probe = &host_;
+    dependencies.journal = &host_;
+    dependencies.save_epoch = [](auto, const auto& saved) { saved(Ok()); };
+    dependencies.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
+    dependencies.save_policy = [](const auto&, const auto& saved) { saved(Ok()); };
+    dependencies.save_stop_intent = [](auto, const auto& saved) { saved(Ok()); };
+    dependencies.save_remote_actuators = [](const auto&, const auto& saved) { saved(Ok()); };
+    dependencies.output = [](const auto&) { return nullptr; };
+    dependencies.wall_ns = [] { return 0; };
+    dependencies.host = "second";
+    dependencies.pid = 1;
+    dependencies.incarnation = 1;
     shell_ = ControllerShell::Make(std::move(world), config_, {}).value();
   }
 

@@ -113,6 +113,15 @@ TEST_F(Store, ForgetsTheActuatorsOfAnotherContainerWhenTheirComputerIsBooted) {
   EXPECT_TRUE(store.LoadRemoteActuators("boot-2/10").empty());
 }
 
+TEST_F(Store, StoresNoLinesThatTheHostOfARemoteActuatorContains) {
+  StateStore store = MustOpen();
+  ASSERT_TRUE(store.SaveRemoteActuators(
+      {{"lidar", "x\nactuator camera y"}, {"imu", std::string(9000, 'z')}}, "boot-1/10"));
+  const std::vector<RemoteActuator> loaded = {{"lidar", "xactuatorcameray"},
+                                              {"imu", std::string(256, 'z')}};
+  EXPECT_EQ(store.LoadRemoteActuators("boot-1/10"), loaded);
+}
+
 TEST_F(Store, OfADamagedListOfRemoteActuatorsOnlyWhatCanBeReadCounts) {
   const StateStore store = MustOpen();
   const auto load = [&](const std::string& text) {

@@ -17,6 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   folder.Write("epoch", text);
   folder.Write("emergency_stop", text);
+  folder.Write("remote_actuators", text);
   const auto epoch = store.LoadEpoch();
   fuzz::Require(epoch.ok() || !epoch.error().message.empty(), "a damaged file gives an error");
   const StoredStops stops = store.LoadEmergencyStops();
@@ -33,5 +34,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::equal(stops.engaged.begin(), stops.engaged.end(), again.engaged.begin(),
                  again.engaged.end(), [](const auto& a, const auto& b) { return a.id == b.id; });
   fuzz::Require(same, "a stop stays the same");
+  const auto remote = store.LoadRemoteActuators("boot/1");
+  fuzz::Require(store.SaveRemoteActuators(remote, "boot/1").ok(), "read actuators can be saved");
+  fuzz::Require(store.LoadRemoteActuators("boot/1") == remote, "read actuators stay the same");
   return 0;
 }
