@@ -117,9 +117,9 @@ std::vector<MarkedProcess> FindMarked() {
     const pid_t pid = std::atoi(entry.path().filename().c_str());
     struct stat owner {};
     if (pid == 0 || stat(entry.path().c_str(), &owner) != 0 || owner.st_uid != geteuid()) continue;
-    if (!IsInOurNamespaces(pid)) continue;
     const std::string value = VariableOf(pid, kChildMark);
     if (value.size() <= kMarkDigits || value[kMarkDigits] != '/') continue;
+    if (!IsInOurNamespaces(pid)) continue;
     const auto start_time = StartTimeOf(pid);
     if (!start_time) continue;
     found.push_back({value.substr(kMarkDigits + 1), std::atoi(value.c_str()), pid, *start_time});

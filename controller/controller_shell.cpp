@@ -90,7 +90,9 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     const bool is_child = child != children.end();
     if (WatchFound(i, pid, is_child ? &*child : nullptr)) continue;
     begin.processes[i] = 0;
-    if (is_child) begin.running[i] = false;  // it has exited meanwhile
+    const auto seen = before_begin_.find(i);
+    const bool reported = seen != before_begin_.end() && Runs(config_, seen->second.report);
+    if (is_child && !IsRunning(*child) && !reported) begin.running[i] = false;
   }
   Handle(begin);
   for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
@@ -237,8 +239,10 @@ void ControllerShell::Do(const action::AnswerCall& a) {
 }
 
 void ControllerShell::Do(const action::TakeBacktrace& a) {
+  const bool own = config_.actuators[a.actuator].protocol == Protocol::kMusher;
+  const pid_t traced = own ? a.pid : dependencies_.process_probe->WorkerOf(a.pid);
   dependencies_.process_probe->TakeBacktrace(
-      a.pid, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
+      traced, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
         Handle(event::BacktraceTaken{
             a.actuator, a.pid,
             stacks ? stacks.value() : "no backtrace: " + stacks.error().message});

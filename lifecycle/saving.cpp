@@ -47,6 +47,10 @@ bool Decision::IsElsewhere(std::size_t i) const {
   if (Of(i).process != 0 || report.incarnation == Of(i).dead || report.state == kTearDown) {
     return false;
   }
+  // A Musher actuator exits after a failed SetUp.
+  const bool not_set_up = report.state == config_.default_state && !report.busy();
+  const bool exits = ConfigOf(i).protocol == Protocol::kMusher && report.outcome_code != kCodeOk;
+  if (not_set_up && exits) return false;
   if (report.host.empty()) return config_.transport == TransportProfile::kLan;
   return !machine_.host.empty() && report.host != machine_.host;
 }

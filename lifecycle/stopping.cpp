@@ -92,9 +92,12 @@ std::string Decision::WhyMayRun(std::size_t i) const {
       record.found_running && record.presence == Presence::kAbsent && record.process != 0;
   if (found && !ends_with_it) return lost + "an unknown state";
   if (record.report.incarnation == 0 && record.elsewhere) {
-    return "no status received since this controller started; it may still run on another host" +
-           (record.elsewhere->empty() ? "" : ", " + record.elsewhere->substr(0, 64)) +
-           ", where an earlier controller has left it";
+    const std::string host = record.elsewhere->empty()
+                                 ? "on this or another host"
+                                 : "on another host, " + record.elsewhere->substr(0, 64);
+    return "no status received since this controller started; it may still run " + host +
+           ", where an earlier controller has left it (if it has exited, remove its line from the "
+           "file remote_actuators in the state folder)";
   }
   const bool reported = record.report.incarnation != 0 && record.report.incarnation != record.dead;
   const bool out_of_reach =

@@ -89,24 +89,25 @@ void Ros2Link::Drive() {
 void Ros2Link::Inquire(const QueryCommand& query) {
   const Duration in_callback =
       std::min(kStateQueryTimeout, actuator().checkpoint.value_or(kStateQueryTimeout) / 4);
+  const std::uint64_t serial = next_query_++;
   queries_.push_back(
-      {query.number, Now() + kStateQueryTimeout, QueryTimer(query.number, Now() + in_callback)});
+      {query.number, serial, Now() + kStateQueryTimeout, QueryTimer(serial, Now() + in_callback)});
   Look();
 }
 
-transport::LoopHandlePtr Ros2Link::QueryTimer(std::uint64_t number, Time when) {
-  return node().loop().At(when, [this, number] { OnQueryUnanswered(number); });
+transport::LoopHandlePtr Ros2Link::QueryTimer(std::uint64_t serial, Time when) {
+  return node().loop().At(when, [this, serial] { OnQueryUnanswered(serial); });
 }
 
-void Ros2Link::OnQueryUnanswered(std::uint64_t number) {
-  const auto query =
-      std::find_if(queries_.begin(), queries_.end(),
-                   [number](const PendingQuery& pending) { return pending.number == number; });
+void Ros2Link::OnQueryUnanswered(std::uint64_t serial) {
+  const auto query = std::find_if(queries_.begin(), queries_.end(),
+                                  [&](const PendingQuery& one) { return one.serial == serial; });
   if (query == queries_.end()) return;
   if (!MayBeInCallback() && Now() < query->until) {
-    query->timeout = QueryTimer(number, query->until);
+    query->timeout = QueryTimer(serial, query->until);
     return;
   }
+  const std::uint64_t number = query->number;
   queries_.erase(query);
   if (MayBeInCallback()) return AnswerQuery(number);
   mute_ = true;

@@ -64,8 +64,8 @@ class Ros2Link : public ForeignLink {
   void OnChanged(const Result<msg::ChangeState::Response>& reply);
   void Finish(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   void AnswerQueries();
-  transport::LoopHandlePtr QueryTimer(std::uint64_t number, Time when);
-  void OnQueryUnanswered(std::uint64_t number);
+  transport::LoopHandlePtr QueryTimer(std::uint64_t serial, Time when);
+  void OnQueryUnanswered(std::uint64_t serial);
   bool MayBeInCallback() const;
 
   State StateIn(Ros2State state) const;
@@ -75,7 +75,8 @@ class Ros2Link : public ForeignLink {
 
   struct PendingQuery {
     std::uint64_t number = 0;
-    Time until{};  // without an answer the node is mute then
+    std::uint64_t serial = 0;  // several may have the same number
+    Time until{};              // without an answer the node is mute then
     transport::LoopHandlePtr timeout;
   };
 
@@ -90,6 +91,7 @@ class Ros2Link : public ForeignLink {
   bool strayed_ = false;   // … and has done so
   bool mute_ = false;      // it did not reply to a query
   std::vector<PendingQuery> queries_;
+  std::uint64_t next_query_ = 1;
   transport::LoopHandlePtr look_;
   std::unique_ptr<transport::Client<msg::ChangeState>> change_;
   std::unique_ptr<transport::Client<msg::GetState>> get_;
