@@ -67,7 +67,7 @@ class RemoteTakeover : public ::testing::Test {
     dependencies.host = "second";
     dependencies.pid = 1;
     dependencies.incarnation = 1;
-    shell_ = ControllerShell::Make(std::move(world), config_, {}).value();
+    shell_ = ControllerShell::Make(std::move(dependencies), config_, {}).value();
   }
 
   void LookAround() { network_.RunFor(std::chrono::seconds(1)); }
