@@ -64,8 +64,8 @@ TEST_F(TheStack, IsConfiguredAndActivatedInTheOrderOfNav2sManager) {
   ExpectOrder("on_configure");
   ExpectOrder("on_activate");
   const auto events = Events();
-  EXPECT_LT(Place(events, "rplidar_node: a scan"), Place(events, "rplidar_node: /start_motor"));
-  EXPECT_LT(Place(events, "rplidar_node: /start_motor"), Place(events, "amcl: on_activate"));
+  EXPECT_LT(Place(events, "rplidar_node: /start_motor"), Place(events, "rplidar_node: a scan"));
+  EXPECT_LT(Place(events, "rplidar_node: a scan"), Place(events, "amcl: on_activate"));
   EXPECT_EQ(Lamp(), "on");
   NodeStates states;
   for (const char* node : kNodes) EXPECT_EQ(states.Of(node), "active [3]") << node;
