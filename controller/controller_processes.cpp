@@ -34,7 +34,7 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
     begin.processes.push_back(0);
     if (!actuator.command.empty()) marked.push_back({actuator.name, name, begin.running.back()});
   }
-  const std::vector<ChildProcess> children = FindChildren(marked, stored);
+  std::vector<ChildProcess> children = FindChildren(marked, stored);
   for (const ChildProcess& child : children) {
     const std::size_t i = *config_.IndexOf(child.actuator);
     begin.running[i] = true;
