@@ -160,7 +160,7 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
 std::optional<Error> ProcessSupervisor::AwaitProgram(const Spawned& child) {
   const Time begin = loop_.Now();
   if (begin - last_start_ > kBurst) loading_left_ = loading_;
-  const auto failure = child.Failure(loading_left_);
+  auto failure = child.Failure(loading_left_);
   last_start_ = loop_.Now();
   loading_left_ = std::max(loading_left_ - (last_start_ - begin), Duration::zero());
   return failure;
