@@ -18,15 +18,6 @@
 namespace musher {
 namespace {
 
-std::string VariableOf(pid_t pid, const std::string& name) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
-  const std::string begin = name + "=";
-  for (std::string variable; std::getline(file, variable, '\0');) {
-    if (variable.starts_with(begin)) return variable.substr(begin.size());
-  }
-  return {};
-}
-
 // Whether the process has the pids and the network of this process: a container may run the same
 // machine, whose processes have the same marks.
 bool IsInOurNamespaces(pid_t pid) {
@@ -72,6 +63,15 @@ void Kill(const MarkedProcess& process) {
 }
 
 }  // namespace
+
+std::string VariableOf(pid_t pid, const std::string& name) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
+  const std::string begin = name + "=";
+  for (std::string variable; std::getline(file, variable, '\0');) {
+    if (variable.starts_with(begin)) return variable.substr(begin.size());
+  }
+  return {};
+}
 
 std::optional<std::uint64_t> StartTimeOf(pid_t pid) {
   const std::string state = StatField(pid, 3);

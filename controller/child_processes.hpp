@@ -35,6 +35,9 @@ struct ChildProcess {
 inline constexpr const char* kChildMark = "MUSHER_STARTED_AS";
 inline constexpr std::size_t kMarkDigits = 10;  // of the pid
 
+// The variable in the environment that the process was started with; empty: it has none, has exited
+// or hides its environment.
+std::string VariableOf(pid_t pid, const std::string& name);
 // The start time of the process; nullopt if it has exited, even if it is not reaped yet.
 std::optional<std::uint64_t> StartTimeOf(pid_t pid);
 // Whether exactly this process still runs.

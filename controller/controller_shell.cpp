@@ -92,7 +92,9 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     begin.processes[i] = 0;
     const auto seen = before_begin_.find(i);
     const bool reported = seen != before_begin_.end() && Runs(config_, seen->second.report);
-    if (is_child && !IsRunning(*child) && !reported) begin.running[i] = false;
+    const bool exited =
+        is_child && dependencies_.process_probe->StartTimeOf(pid) != child->start_time;
+    if (exited && !reported) begin.running[i] = false;
   }
   Handle(begin);
   for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {

@@ -72,8 +72,7 @@ class ProcessRunner {
   // Watches a process that an earlier controller has started as its child. When it exits, the rest
   // of its group, and all that it has started, is killed, as for a child of ours. `start_time`: of
   // StartTimeOf(); fails if another process has the pid meanwhile.
-  virtual Result<> Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) {
-    static_cast<void>(start_time);
+  virtual Result<> Adopt(pid_t pid, std::uint64_t /*start_time*/, OnExit on_exit) {
     return Watch(pid, std::move(on_exit));
   }
 

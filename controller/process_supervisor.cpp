@@ -83,16 +83,6 @@ std::string MarkOf(std::uint64_t number) {
   return MarkPrefix() + std::to_string(number);
 }
 
-// Empty if the process has none, has exited, or hides its environment.
-std::string MarkIn(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
-  const std::string begin = std::string(kMark) + "=";
-  for (std::string variable; std::getline(file, variable, '\0');) {
-    if (variable.starts_with(begin)) return variable.substr(begin.size());
-  }
-  return {};
-}
-
 // Kills the rest of the group of an adopted process that has exited. Another process is its parent
 // and may have reaped it; but the kernel does not reuse the number of a group that has members.
 void KillRest(pid_t pid, int pidfd) {
@@ -254,7 +244,7 @@ void ProcessSupervisor::EndOrphans() {
   for (const auto& [pid, process] : processes_) running.insert(MarkOf(process.number));
   for (const pid_t child : Children()) {
     if (processes_.contains(child)) continue;
-    const std::string mark = MarkIn(child);
+    const std::string mark = VariableOf(child, kMark);
     if (mark.starts_with(MarkPrefix()) && !running.contains(mark)) kill(child, SIGKILL);
   }
 }

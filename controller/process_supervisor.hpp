@@ -17,8 +17,9 @@
 // Several callers can watch a process: its exit is reported to all of them at the same time.
 //
 // When a child has exited, the rest of its process group is killed: no remains may run beside the
-// next start. The same holds for an adopted process, which an earlier controller has started. For a
-// process that is only watched nothing is killed.
+// next start. The same holds for an adopted process, which an earlier controller has started; with
+// it all processes with its mark are killed (child_processes.hpp). For a process that is only
+// watched nothing is killed.
 //
 // Needs Linux 5.3. No other code in the process may wait for all children or ignore SIGCHLD; if it
 // does, the exit is still detected, but its code is unknown.
