@@ -160,8 +160,9 @@ void ActuatorShell::OfferManagedNode() {
     // It may have exited: the next controller continues, and this actuator waits for it.
     return Error{kCodePermissionDenied, "under control of the controller of epoch " +
                                             std::to_string(core_.report.epoch) +
-                                            "; switch the machine instead (ros2 lifecycle set "
-                                            "/musher), or start the actuator without a controller"};
+                                            "; switch the machine instead (ros2 lifecycle set /" +
+                                            transport::ResolveName(config_.name_space, "musher") +
+                                            "), or start the actuator without a controller"};
   };
   hooks.change = [this](const Ros2Transition& transition, auto done) {
     ChangeManagedNode(transition, std::move(done));

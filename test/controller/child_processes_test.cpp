@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/controller/child_processes.hpp"
+#include "musher/controller/process_probe.hpp"
 #include "musher/controller/state_store.hpp"
 #include "musher/test/controller/supervised.hpp"
 
@@ -149,6 +150,23 @@ TEST(DISABLED_ChildProcessesOfAShell, FindsAndKillsAsAController) {
   ASSERT_NE(mark, nullptr);
   EXPECT_THAT(FindChildren({{"dog", mark}}, {}), IsEmpty());
   KillMarked(mark, 2);
+}
+
+TEST_F(ChildProcesses, TheWorkerOfAShellIsTheProcessThatItWaitsFor) {
+  KernelProbe probe(loop_, *supervisor_, [](const std::string& actuator) { return actuator; });
+  const pid_t shell = MustStart(Script("sh -c 'echo $$ > $PIPE; exec tail -f /dev/null'; exit 0"));
+  const pid_t worker = std::stoi(WaitForLine());
+  ASSERT_NE(worker, shell);
+  EXPECT_EQ(probe.WorkerOf(shell), worker);
+  EXPECT_EQ(probe.WorkerOf(worker), worker);
+}
+
+TEST_F(ChildProcesses, AProcessWithSeveralChildrenIsItsOwnWorker) {
+  KernelProbe probe(loop_, *supervisor_, [](const std::string& actuator) { return actuator; });
+  const pid_t shell =
+      MustStart(Script("tail -f /dev/null & tail -f /dev/null & echo ready > $PIPE; wait; exit 0"));
+  WaitForLine();
+  EXPECT_EQ(probe.WorkerOf(shell), shell);
 }
 
 TEST_F(ChildProcesses, TheListOfProcessesCannotNameTheInitProcess) {

@@ -52,6 +52,14 @@ class RepliesOfAServer : public ::testing::Test {
       }};
 };
 
+TEST_F(RepliesOfAServer, AreSentTogetherBeforeMoreAreHeldThanAWriterKeeps) {
+  replies_.OnNewReader();
+  for (int number = 1; number <= 7; ++number) Write(number);
+  EXPECT_THAT(sent_, IsEmpty());
+  Write(8);
+  EXPECT_THAT(sent_, SizeIs(8)) << "a writer can repeat its last 10 samples";
+}
+
 TEST_F(RepliesOfAServer, AreSentAtOnceWhereNoReaderIsNew) {
   Write(1);
   EXPECT_THAT(sent_, ElementsAre(Sent{1, 7, 0}));

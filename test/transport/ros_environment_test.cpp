@@ -81,6 +81,12 @@ TEST(RosProcesses, AreNotCheckedForTheInterfaceIfTheMachineHasItsOwnSettings) {
   EXPECT_THAT(RosObstacles(kLocal, both, both), IsEmpty());
 }
 
+TEST(RosProcesses, AreNotWarnedOfAFileOfSettingsThatIsNotRead) {
+  Environment node = NodeOf(kLocal);
+  node["CYCLONEDDS_URI"] = "file:///etc/cyclonedds.xml";
+  EXPECT_THAT(RosObstacles(kLocal, {}, node), IsEmpty());
+}
+
 TEST(RosProcesses, FindTheirSettingsAndTheMessagesOnThePageForUsersOfRos2) {
   std::ifstream file(MUSHER_SOURCE_DIR "/docs/ros2.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
