@@ -5,14 +5,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
+#include <thread>
 
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -32,17 +34,39 @@ bool IsInOurNamespaces(pid_t pid) {
   return true;
 }
 
+// A file of a process; empty if the process has exited or hides it.
+std::string ProcFile(pid_t pid, const char* name) {
+  return transport::ReadFile("/proc/" + std::to_string(pid) + "/" + name);
+}
+
 // Field `number` of /proc/<pid>/stat, from 3 on; empty if the process has exited.
 // "4711 (sh) S 1 4711 4711 0 …": the name may contain spaces and brackets.
 std::string StatField(pid_t pid, int number) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = ProcFile(pid, "stat");
   const std::size_t bracket = text.rfind(')');
   if (bracket == std::string::npos) return {};
   std::istringstream fields(text.substr(bracket + 1));
   std::string field;
   for (int i = 3; i <= number; ++i) fields >> field;
   return fields ? field : std::string();
+}
+
+// The environment that the process was started with; empty: it has none, has exited or hides it.
+// In the middle of an exec a process has a program, but for some microseconds no environment and no
+// place for one: waits for the end of the exec, at most until `until`.
+std::string EnvironmentOf(pid_t pid, Time until) {
+  constexpr int kBegin = 50, kEnd = 51;  // of the environment, in /proc/<pid>/stat
+  const std::string program = "/proc/" + std::to_string(pid) + "/exe";
+  do {
+    std::string environment = ProcFile(pid, "environ");
+    if (!environment.empty()) return environment;
+    const std::string begin = StatField(pid, kBegin);
+    if (begin != "0" && begin == StatField(pid, kEnd)) return {};
+    std::array<char, 1> any{};
+    if (readlink(program.c_str(), any.data(), any.size()) < 0) return {};
+    std::this_thread::sleep_for(std::chrono::microseconds(50));
+  } while (std::chrono::steady_clock::now() < until);
+  return {};
 }
 
 // This process and its ancestors: a controller that was started in the shell of an actuator has the
@@ -62,15 +86,23 @@ void Kill(const MarkedProcess& process) {
   syscall(SYS_pidfd_send_signal, pidfd.value().get(), SIGKILL, nullptr, 0);
 }
 
-}  // namespace
+// Also on a host that lacks CPU.
+constexpr auto kExecTime = std::chrono::seconds(1);
 
-std::string VariableOf(pid_t pid, const std::string& name) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
+// A variable of an environment.
+std::string VariableIn(const std::string& text, const std::string& name) {
+  std::istringstream environment(text);
   const std::string begin = name + "=";
-  for (std::string variable; std::getline(file, variable, '\0');) {
+  for (std::string variable; std::getline(environment, variable, '\0');) {
     if (variable.starts_with(begin)) return variable.substr(begin.size());
   }
   return {};
+}
+
+}  // namespace
+
+std::string VariableOf(pid_t pid, const std::string& name) {
+  return VariableIn(EnvironmentOf(pid, std::chrono::steady_clock::now() + kExecTime), name);
 }
 
 std::optional<std::uint64_t> StartTimeOf(pid_t pid) {
@@ -112,12 +144,12 @@ std::vector<ChildProcess> ChildrenFrom(const std::string& text, const std::strin
 
 std::vector<MarkedProcess> FindMarked() {
   std::vector<MarkedProcess> found;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
-    const pid_t pid = std::atoi(entry.path().filename().c_str());
+  const Time until = std::chrono::steady_clock::now() + kExecTime;
+  for (const auto& process : transport::EntriesOf("/proc")) {
+    const pid_t pid = std::atoi(process.filename().c_str());
     struct stat owner {};
-    if (pid == 0 || stat(entry.path().c_str(), &owner) != 0 || owner.st_uid != geteuid()) continue;
-    const std::string value = VariableOf(pid, kChildMark);
+    if (pid == 0 || stat(process.c_str(), &owner) != 0 || owner.st_uid != geteuid()) continue;
+    const std::string value = VariableIn(EnvironmentOf(pid, until), kChildMark);
     if (value.size() <= kMarkDigits || value[kMarkDigits] != '/') continue;
     if (!IsInOurNamespaces(pid)) continue;
     const auto start_time = StartTimeOf(pid);

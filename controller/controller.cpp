@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "musher/controller/cyberdog/serial_number.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config_toml.hpp"
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -25,8 +24,7 @@ class NoJournal : public JournalSink {
 
 // The text of the config; empty if its file has changed or is too large for the journal.
 std::string TextOf(const MachineConfig& config) {
-  std::ifstream file(config.file, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(file), {});
+  std::string text = transport::ReadFile(config.file);
   const bool fits = static_cast<std::int64_t>(text.size()) < config.journal_size_bytes / 8;
   return fits && ConfigHash(text) == config.hash ? text : std::string();
 }

@@ -19,6 +19,7 @@
 
 #include "musher/controller/log_rotation.hpp"
 #include "musher/controller/private_folder.hpp"
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -126,12 +127,11 @@ std::string PartPath(const std::string& path, std::uint64_t number) {
 
 std::vector<LogPart> PartsOf(const std::string& path) {
   std::vector<LogPart> parts;
-  std::error_code error;
   const std::string file = fs::path(path).filename();
-  for (const auto& entry : fs::directory_iterator(fs::path(path).parent_path(), error)) {
-    const auto number = PartNumber(entry.path().filename(), file);
+  for (const fs::path& entry : transport::EntriesOf(fs::path(path).parent_path())) {
+    const auto number = PartNumber(entry.filename(), file);
     struct stat info {};
-    if (!number || stat(entry.path().c_str(), &info) != 0) continue;
+    if (!number || stat(entry.c_str(), &info) != 0) continue;
     parts.push_back({*number, info.st_size,
                      std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec});
   }

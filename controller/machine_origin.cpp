@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -74,11 +75,10 @@ Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin) {
 }
 
 std::string StateDirOfProcess(pid_t pid) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(pid) + "/fd", error)) {
-    std::error_code gone;
-    const fs::path target = fs::read_symlink(entry.path(), gone);
-    if (gone || target.filename() != kLock) continue;
+  for (const fs::path& descriptor : transport::EntriesOf("/proc/" + std::to_string(pid) + "/fd")) {
+    std::error_code closed;
+    const fs::path target = fs::read_symlink(descriptor, closed);
+    if (closed || target.filename() != kLock) continue;
     if (transport::HoldsLockOn(pid, target)) return target.parent_path();
   }
   return {};

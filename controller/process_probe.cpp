@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "musher/controller/child_processes.hpp"
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -52,12 +53,10 @@ pid_t KernelProbe::WorkerOf(pid_t pid) {
   constexpr int kMostWrappers = 8;
   for (int i = 0; i < kMostWrappers; ++i) {
     const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
-    std::error_code error;
-    const auto count = std::distance(std::filesystem::directory_iterator(threads, error),
-                                     std::filesystem::directory_iterator());
+    const bool one_thread = transport::EntriesOf(threads).size() == 1;
     std::ifstream file(threads / std::to_string(pid) / "children");
     const std::vector<pid_t> children{std::istream_iterator<pid_t>(file), {}};
-    if (error || count != 1 || children.size() != 1) return pid;
+    if (!one_thread || children.size() != 1) return pid;
     pid = children.front();
   }
   return pid;

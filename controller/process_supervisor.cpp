@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "musher/controller/child_processes.hpp"
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -93,9 +94,8 @@ void KillRest(pid_t pid, int pidfd) {
 
 std::vector<pid_t> Children() {
   std::vector<pid_t> children;
-  std::error_code error;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
-    std::ifstream file(thread.path() / "children");
+  for (const auto& thread : transport::EntriesOf("/proc/self/task")) {
+    std::ifstream file(thread / "children");
     for (pid_t pid = 0; file >> pid;) children.push_back(pid);
   }
   return children;

@@ -16,6 +16,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "musher/transport/files.hpp"
+
 namespace musher::transport {
 namespace {
 
@@ -68,10 +70,9 @@ struct OpenFile {
 // The first descriptor of a process that `wanted` accepts; nullopt: none, or they are not visible.
 template <typename Wanted>
 std::optional<OpenFile> FindOpen(pid_t pid, const Wanted& wanted) {
-  std::error_code hidden;
   const fs::path folder = fs::path("/proc") / std::to_string(pid) / "fd";
-  for (const auto& entry : fs::directory_iterator(folder, hidden)) {
-    OpenFile file{entry.path(), {}};
+  for (const fs::path& descriptor : EntriesOf(folder)) {
+    OpenFile file{descriptor, {}};
     if (stat(file.descriptor.c_str(), &file.status) == 0 && wanted(file)) return file;
   }
   return std::nullopt;
@@ -166,9 +167,8 @@ std::vector<std::string> NameLock::HeldBelow(std::string_view prefix) {
 NameLock::Holder NameLock::HolderOf(std::string_view name) {
   const std::string inode = InodeOf("@musher/" + std::string(name));
   if (inode.empty()) return {};
-  std::error_code ended;
-  for (const auto& entry : fs::directory_iterator("/proc", ended)) {
-    const pid_t pid = std::atoi(entry.path().filename().c_str());
+  for (const fs::path& process : EntriesOf("/proc")) {
+    const pid_t pid = std::atoi(process.filename().c_str());
     if (pid == 0) continue;
     if (const Holder holder = HolderIf(pid, inode); holder.pid != 0) return holder;
   }

@@ -10,13 +10,12 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <sstream>
 #include <string>
 #include <string_view>
 
+#include "musher/transport/files.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher::transport {
@@ -86,11 +85,6 @@ char ReadState(int tasks, pid_t tid) {
   return file.text()[name_end + 2];
 }
 
-std::string ReadAll(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // The number after `key` in a file of "<key> <number>" lines.
 std::optional<std::int64_t> NumberOf(std::string_view key, const std::string& text) {
   std::istringstream lines(text);
@@ -116,7 +110,7 @@ std::optional<CpuTime> ThreadCpuTime(pid_t pid, pid_t tid) {
 
 // Lines of /proc/<pid>/cgroup: "<number>:<controllers>:<path>", for version 2 "0::<path>".
 Duration ThrottledTime(pid_t pid) {
-  std::istringstream lines(ReadAll("/proc/" + std::to_string(pid) + "/cgroup"));
+  std::istringstream lines(ReadFile("/proc/" + std::to_string(pid) + "/cgroup"));
   Duration throttled{};
   for (std::string line; std::getline(lines, line);) {
     const std::size_t first = line.find(':');
@@ -125,10 +119,10 @@ Duration ThrottledTime(pid_t pid) {
     const std::string controllers = line.substr(first + 1, second - first - 1);
     const std::string path = line.substr(second + 1) + "/cpu.stat";
     if (controllers.empty()) {
-      const auto us = NumberOf("throttled_usec", ReadAll("/sys/fs/cgroup" + path));
+      const auto us = NumberOf("throttled_usec", ReadFile("/sys/fs/cgroup" + path));
       throttled += std::chrono::microseconds(us.value_or(0));
     } else if (("," + controllers + ",").find(",cpu,") != std::string::npos) {
-      const auto ns = NumberOf("throttled_time", ReadAll("/sys/fs/cgroup/cpu" + path));
+      const auto ns = NumberOf("throttled_time", ReadFile("/sys/fs/cgroup/cpu" + path));
       throttled += Duration(ns.value_or(0));
     }
   }

@@ -9,8 +9,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include "musher/controller/cli/config_file.hpp"
@@ -18,6 +16,7 @@
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/root.hpp"
 #include "musher/controller/ota/trial_boot.hpp"
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher::cli {
@@ -38,15 +37,13 @@ std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
 // The processes whose state config is in `folder`, and their children.
 std::vector<pid_t> ProcessesOf(const std::string& folder) {
   std::vector<pid_t> pids;
-  std::error_code error;
   const std::string wanted = "MUSHER_CONFIG=" + folder + "/";
-  for (const auto& entry : fs::directory_iterator("/proc", error)) {
-    const std::string name = entry.path().filename();
+  for (const fs::path& process : transport::EntriesOf("/proc")) {
+    const std::string name = process.filename();
     pid_t pid = 0;
     const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
     if (bad != std::errc() || end != name.data() + name.size() || pid == getpid()) continue;
-    std::ifstream file(entry.path() / "environ", std::ios::binary);
-    const std::string variables(std::istreambuf_iterator<char>(file), {});
+    const std::string variables = transport::ReadFile(process / "environ");
     const std::size_t found = variables.find(wanted);
     if (found == 0 || (found != std::string::npos && variables[found - 1] == '\0')) {
       pids.push_back(pid);

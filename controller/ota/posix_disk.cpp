@@ -15,6 +15,7 @@
 #include <filesystem>
 
 #include "musher/controller/ota/fault.hpp"
+#include "musher/transport/files.hpp"
 #include "musher/transport/host.hpp"
 #include "musher/transport/unique_fd.hpp"
 
@@ -122,11 +123,8 @@ Result<Disk::Info> PosixDisk::Look(const std::string& path) {
 
 Result<std::vector<std::string>> PosixDisk::List(const std::string& folder) {
   std::error_code error;
-  std::filesystem::directory_iterator entry(folder, error);
   std::vector<std::string> names;
-  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    names.push_back(entry->path().filename());
-  }
+  for (const auto& entry : transport::EntriesOf(folder, error)) names.push_back(entry.filename());
   if (error) return SystemError("can't list " + folder, error.value());
   return names;
 }

@@ -9,6 +9,7 @@
 
 #include "musher/modules/audio/audio_code.hpp"
 #include "musher/modules/audio/sound_file.hpp"
+#include "musher/transport/files.hpp"
 
 namespace musher::audio {
 namespace {
@@ -18,11 +19,10 @@ namespace fs = std::filesystem;
 // The highest number of a file in the folder.
 int LastNumber(const std::string& folder) {
   int last = 0;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+  for (const fs::path& file : transport::EntriesOf(folder)) {
     int number = 0;
-    if (it->path().extension() != ".wav") continue;
-    if (std::sscanf(it->path().stem().c_str(), "%9d", &number) == 1) last = std::max(last, number);
+    if (file.extension() != ".wav") continue;
+    if (std::sscanf(file.stem().c_str(), "%9d", &number) == 1) last = std::max(last, number);
   }
   return last;
 }

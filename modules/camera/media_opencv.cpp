@@ -203,13 +203,15 @@ class OpenCvMedia : public Media {
   Result<std::unique_ptr<PictureReader>> OpenFolder(const std::string& path) override {
     std::vector<std::string> files;
     std::error_code failed;
-    for (const auto& entry : std::filesystem::directory_iterator(path, failed)) {
-      std::string ending = entry.path().extension();
+    std::filesystem::directory_iterator entry(path, failed);
+    for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed)) {
+      std::string ending = entry->path().extension();
       std::transform(ending.begin(), ending.end(), ending.begin(),
                      [](unsigned char c) { return std::tolower(c); });
       const bool picture = ending == ".png" || ending == ".jpg" || ending == ".jpeg" ||
                            ending == ".bmp" || ending == ".webp";
-      if (picture && entry.is_regular_file(failed)) files.push_back(entry.path());
+      std::error_code removed;
+      if (picture && entry->is_regular_file(removed)) files.push_back(entry->path());
     }
     if (failed) return Failure(path + ": " + failed.message());
     if (files.empty()) return Failure(path + ": there is no picture in it");

@@ -11,6 +11,7 @@
 
 #include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/service_core.hpp"
+#include "musher/transport/files.hpp"
 
 namespace musher::camera {
 namespace {
@@ -80,9 +81,11 @@ class Shelf {
     std::vector<std::string> files;
     std::error_code failed;
     if (!fs::exists(folder_, failed)) return files;
-    for (const auto& entry : fs::directory_iterator(folder_, failed)) {
-      const std::string name = entry.path().filename();
-      if (!FaultOfName(name) && entry.symlink_status().type() == fs::file_type::regular) {
+    for (const fs::path& entry : transport::EntriesOf(folder_, failed)) {
+      const std::string name = entry.filename();
+      std::error_code removed;
+      const bool is_file = fs::symlink_status(entry, removed).type() == fs::file_type::regular;
+      if (!FaultOfName(name) && is_file) {
         files.push_back(name);
       }
     }

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <system_error>
+#include <vector>
+
+#include "musher/transport/files.hpp"
 
 namespace musher::device {
 namespace {
@@ -84,10 +86,8 @@ Error NoBattery(const std::string& message) {
 
 Result<BatteryReading> ReadHostBattery(const std::string& folder, const std::string& name) {
   std::error_code error;
-  std::set<fs::path> supplies;
-  for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
-    supplies.insert(i->path());
-  }
+  std::vector<fs::path> supplies = transport::EntriesOf(folder, error);
+  std::sort(supplies.begin(), supplies.end());
   if (error) return NoBattery(folder + " cannot be read: " + error.message());
   fs::path supply;
   bool external_power = false;

@@ -87,6 +87,11 @@ TEST(House, TestsWaitForEventsAndNeverSleep) {
   EXPECT_THAT(ViolationsOf(MustNotSleep, Sleeps), IsEmpty());
 }
 
+TEST(House, NoExceptionWhereAFileVanishesWhileItIsRead) {
+  const Filter product = [](const SourceFile& file) { return file.IsCpp() && !file.In("test/"); };
+  EXPECT_EQ(ViolationsOf(product, ThrowingIterators), "");
+}
+
 TEST(House, NothingIsLeftForLaterInTheCode) {
   EXPECT_THAT(ViolationsOf(IsAny, Leftovers), IsEmpty());
 }

@@ -34,6 +34,13 @@ std::vector<std::string> Sleeps(const SourceFile& file) {
   return Find(file, WithoutComments(file.text), sleep, "waits for a time instead of an event");
 }
 
+std::vector<std::string> ThrowingIterators(const SourceFile& file) {
+  static const std::regex throwing(
+      R"(\bistreambuf_iterator\b|(: |distance\()[\w:]*\bdirectory_iterator\()");
+  return Find(file, WithoutComments(file.text), throwing,
+              "may throw; transport/files.hpp does not");
+}
+
 std::vector<std::string> Leftovers(const SourceFile& file) {
   // In two parts, so that this file does not find itself.
   static const std::regex leftover(

@@ -34,6 +34,14 @@ TEST(TextRules, FindSleeps) {
   EXPECT_THAT(Sleeps(Cpp("run({\"sleep\", \"5\"});")), IsEmpty());
 }
 
+TEST(TextRules, FindIteratorsThatThrow) {
+  EXPECT_THAT(ThrowingIterators(Cpp("std::string text{std::istreambuf_iterator<char>(in), {}};")),
+              SizeIs(1));
+  EXPECT_THAT(ThrowingIterators(Cpp("for (auto& e : fs::directory_iterator(a, error)) {")),
+              SizeIs(1));
+  EXPECT_THAT(ThrowingIterators(Cpp("fs::directory_iterator entry(folder, error);")), IsEmpty());
+}
+
 TEST(TextRules, FindLeftovers) {
   EXPECT_THAT(Leftovers(Cpp(std::string("// TO") + "DO: later")), SizeIs(1));
   EXPECT_THAT(Leftovers(Cpp("int to_do = 1;")), IsEmpty());

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <filesystem>
 
+#include "musher/transport/files.hpp"
+
 namespace musher::transport::keys {
 namespace {
 
@@ -13,9 +15,7 @@ constexpr std::size_t kLongestName = 64;
 
 std::vector<std::string> KeyFolder::Identities() const {
   std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
-    const std::filesystem::path& file = entry.path();
+  for (const std::filesystem::path& file : EntriesOf(path_)) {
     const bool authority = file == IdentityCa() || file == PermissionsCa();
     if (file.extension() == ".cert" && !authority) names.push_back(file.stem());
   }

@@ -15,8 +15,9 @@ class LostTerminal : public MachineByCli {
   // The same controller leads the machine, and it obeys.
   static void ExpectLed(pid_t controller) {
     EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
-    const auto status = Status();
-    ASSERT_TRUE(status.is_object());
+    const Ended asked = Musher({"status", "--json"});
+    ASSERT_EQ(asked.exit, 0) << asked.out << asked.err;
+    const auto status = Json(asked.out);
     EXPECT_EQ(status["pid"], controller);
     EXPECT_EQ(status["state"], "LowPower");
   }

@@ -1,0 +1,59 @@
+#include "musher/transport/files.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+
+namespace musher::transport::files_test {
+
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+
+TEST(Files, AreReadWhole) {
+  const std::string bytes = std::string(10'000, 'x') + '\0' + "end";
+  const std::string file = ::testing::TempDir() + "/files_test_" + std::to_string(getpid());
+  std::ofstream(file, std::ios::binary) << bytes;
+  EXPECT_EQ(ReadFile(file), bytes);
+  unlink(file.c_str());
+  EXPECT_EQ(ReadFile(file), "");
+}
+
+// As a file of /proc whose process exits between opening and reading.
+TEST(Files, WhoseReadingFailsAreEmptyAndThrowNothing) {
+  EXPECT_EQ(ReadFile("/proc/self"), "");
+  const pid_t pid = fork();
+  if (pid == 0) {
+    while (true) pause();
+  }
+  const std::string environment = "/proc/" + std::to_string(pid) + "/environ";
+  kill(pid, SIGKILL);
+  waitpid(pid, nullptr, 0);
+  EXPECT_EQ(ReadFile(environment), "");
+}
+
+TEST(Files, AFolderIsReadAsFarAsItCanBe) {
+  EXPECT_THAT(EntriesOf("/proc/self"),
+              IsSupersetOf<std::filesystem::path>({"/proc/self/stat", "/proc/self/environ"}));
+  EXPECT_THAT(EntriesOf("/proc/self/no such folder"), IsEmpty());
+  std::error_code error;
+  EXPECT_THAT(EntriesOf("/proc/self/stat", error), IsEmpty());
+  EXPECT_TRUE(error);
+}
+
+// Processes that exit while they are examined.
+TEST(Files, ThatVanishWhileTheyAreReadThrowNothing) {
+  for (int i = 0; i < 300; ++i) {
+    const pid_t pid = fork();
+    if (pid == 0) _exit(0);
+    const std::string process = "/proc/" + std::to_string(pid);
+    while (waitpid(pid, nullptr, WNOHANG) == 0) {
+      EntriesOf(process + "/fd");
+      ReadFile(process + "/stat");
+    }
+  }
+}
+
+}  // namespace musher::transport::files_test

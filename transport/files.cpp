@@ -1,0 +1,34 @@
+#include "musher/transport/files.hpp"
+
+#include <array>
+#include <fstream>
+
+namespace musher::transport {
+
+std::string ReadFile(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes;
+  std::array<char, 4096> chunk{};
+  while (stream) {
+    stream.read(chunk.data(), chunk.size());
+    bytes.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  return stream.bad() ? std::string() : bytes;
+}
+
+std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder,
+                                             std::error_code& error) {
+  std::vector<std::filesystem::path> entries;
+  std::filesystem::directory_iterator entry(folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    entries.push_back(entry->path());
+  }
+  return entries;
+}
+
+std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return EntriesOf(folder, ignored);
+}
+
+}  // namespace musher::transport
