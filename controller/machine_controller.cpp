@@ -28,7 +28,7 @@ class MachineController::Impl {
     config_ = std::move(config).value();
     transport::DdsOptions options =
         transport::OptionsFor(*config_, transport::kControllerIdentity, transport::kControllerNode);
-    options.fast_discovery = true;
+    options.discovery = transport::DiscoveryTiming::kController;
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
     config_->transport = profile.value();  // decisions about silent actuators depend on it, too

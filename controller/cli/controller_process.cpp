@@ -88,7 +88,7 @@ Result<> ControllerProcess::Begin() {
   if (!domain_id) return domain_id.error();
   transport::DdsOptions options =
       transport::OptionsFor(config_, transport::kControllerIdentity, transport::kControllerNode);
-  options.fast_discovery = true;
+  options.discovery = transport::DiscoveryTiming::kController;
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();

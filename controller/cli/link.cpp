@@ -24,7 +24,7 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 
 Result<> Link::Join() {
   transport::DdsOptions options;
-  options.fast_discovery = true;
+  options.discovery = transport::DiscoveryTiming::kCommand;
   options.hidden = true;
   if (!global_.keys.empty()) {
     options.credentials =

@@ -128,7 +128,7 @@ Result<> ToolLink::Join() {
   if (options_.transport) setenv("MUSHER_TRANSPORT", options_.transport->c_str(), 1);
   transport::DdsOptions dds;
   dds.domain_id = options_.domain;
-  dds.fast_discovery = true;
+  dds.discovery = transport::DiscoveryTiming::kCommand;
   dds.unicast = true;  // it may read pictures
   dds.hidden = true;
   if (!options_.keys.empty()) {

@@ -201,7 +201,7 @@ Result<std::string> SendWorldCommand(const WorldCommand& command, const std::str
                                      Duration timeout) {
   transport::LinuxEventLoop loop;
   transport::DdsOptions options;
-  options.fast_discovery = true;
+  options.discovery = transport::DiscoveryTiming::kCommand;
   options.hidden = true;
   auto node = transport::MakeDdsNode(loop, options);
   if (!node) return node.error();

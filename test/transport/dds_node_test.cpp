@@ -231,9 +231,20 @@ TEST(Settings, KeepOneHostOnLoopbackAndLetItsProcessesBeMany) {
 TEST(Settings, DiscoverByMulticastAndReadPicturesByUnicast) {
   for (const auto profile : {TransportProfile::kLocal, TransportProfile::kLan}) {
     EXPECT_THAT(dds::SettingsXml(profile, {}), Not(HasSubstr("AllowMulticast")));
-    EXPECT_THAT(dds::SettingsXml(profile, {}, false, true),
+    EXPECT_THAT(dds::SettingsXml(profile, {}, DiscoveryTiming::kActuator, true),
                 HasSubstr("<AllowMulticast>spdp</AllowMulticast>"));
   }
+}
+
+// With Cyclone's 10 ms an actuator that has just started drops the controller's request, and the
+// next one comes after a heartbeat.
+TEST(Settings, LetAnActuatorDiscoverTheControllerBeforeTheControllerRequests) {
+  const auto xml = [](DiscoveryTiming timing) {
+    return dds::SettingsXml(TransportProfile::kLocal, {}, timing);
+  };
+  EXPECT_THAT(xml(DiscoveryTiming::kController),
+              HasSubstr("<PreEmptiveAckDelay>30ms</PreEmptiveAckDelay>"));
+  EXPECT_THAT(xml(DiscoveryTiming::kCommand), Not(HasSubstr("PreEmptiveAckDelay")));
 }
 
 TEST(Settings, TakeTheRequestedLease) {

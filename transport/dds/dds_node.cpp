@@ -185,14 +185,15 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
     const keys::KeyFolder folder(options.credentials->keys);
     if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
   }
-  const bool fast_discovery =
-      options.fast_discovery || std::getenv("MUSHER_FAST_DISCOVERY") != nullptr;
+  const bool restarted = std::getenv("MUSHER_FAST_DISCOVERY") != nullptr;
+  const bool fast = restarted && options.discovery == DiscoveryTiming::kActuator;
+  const DiscoveryTiming discovery = fast ? DiscoveryTiming::kCommand : options.discovery;
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   const char* uri = std::getenv("CYCLONEDDS_URI");
   const bool own_settings = uri != nullptr && ReplacesProfile(profile.value(), uri);
   auto participant = dds::OpenParticipant(
       domain_id.value(),
-      own_settings ? "" : dds::SettingsXml(profile.value(), options.lease, fast_discovery, unicast),
+      own_settings ? "" : dds::SettingsXml(profile.value(), options.lease, discovery, unicast),
       options.credentials, ChosenDistro(options.ros_distro));
   if (!participant) return participant.error();
   if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();

@@ -21,6 +21,14 @@ struct Credentials {
   friend bool operator==(const Credentials&, const Credentials&) = default;
 };
 
+// How soon a process requests and repeats what may have been lost in discovery (profile local; lan
+// has one timing).
+enum class DiscoveryTiming {
+  kActuator,    // waits and combines: the discovery of a hundred that start together settles sooner
+  kCommand,     // at once: for a program that exits after its reply
+  kController,  // at once, but lets a new process discover this one first
+};
+
 struct DdsOptions {
   // The domain's id; none: ROS_DOMAIN_ID, else 0.
   std::optional<int> domain_id = std::nullopt;
@@ -28,11 +36,9 @@ struct DdsOptions {
   TransportProfile profile = TransportProfile::kLocal;
   // The lease: a process that is silent for longer counts as lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
-  // Repeats at once what a newly discovered process may have missed. For programs of which a robot
-  // has few: controllers and command lines. When a hundred actuators start together, discovery
-  // settles sooner with the default timing. MUSHER_FAST_DISCOVERY in the environment has the same
-  // effect: a controller sets it for a process that it restarts while the others keep running.
-  bool fast_discovery = false;
+  // MUSHER_FAST_DISCOVERY in the environment makes kActuator to kCommand: a controller sets it for
+  // a process that it restarts while the others keep running.
+  DiscoveryTiming discovery = DiscoveryTiming::kActuator;
   // Receives its samples by unicast. By default a sample with several readers is sent once, by
   // multicast, and the kernel copies it to every process of the domain, whether it reads that topic
   // or not: good for small samples, expensive for pictures. For programs that read pictures;

@@ -6,6 +6,7 @@
 
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/result.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::transport::dds {
 
@@ -13,8 +14,9 @@ namespace musher::transport::dds {
 Result<TransportProfile> ChosenProfile(TransportProfile configured);
 
 // The XML for a profile. `lease`: a process that is silent for longer is lost; none: 10 s local, 2
-// s lan. For `fast_discovery` and `unicast` see DdsOptions.
+// s lan. For `unicast` see DdsOptions.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
-                        bool fast_discovery = false, bool unicast = false);
+                        DiscoveryTiming discovery = DiscoveryTiming::kActuator,
+                        bool unicast = false);
 
 }  // namespace musher::transport::dds

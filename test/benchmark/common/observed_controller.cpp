@@ -27,7 +27,7 @@ ObservedController::ObservedController(const std::string& config_file)
     : config_(ConfigOf(config_file)) {
   transport::DdsOptions dds;
   dds.profile = config_.transport;
-  dds.fast_discovery = true;
+  dds.discovery = transport::DiscoveryTiming::kController;
   auto node = transport::NodeThread::Start(dds);
   if (!node) Fail(node.error().message);
   node_ = std::move(node).value();

@@ -1,6 +1,7 @@
 // From the start of the processes to all active, and a switch of all: ROS 2 managed nodes under a
 // Musher controller and under a manager like nav2's (one node after the other, without bonds), in
-// turns, and as many Musher actuators.
+// turns, and as many Musher actuators; and, as a lower bound, as many processes that answer one
+// call of plain Cyclone DDS each.
 //
 //   benchmark_startup [NODES [TURNS]]
 
@@ -12,6 +13,7 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
+#include "musher/test/benchmark/common/plain_service.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
 
@@ -72,22 +74,43 @@ void UnderNav2(const std::vector<std::string>& nodes, Times& times) {
   }
 }
 
+// One request and one reply for each process, which has two endpoints.
+void WithPlainCyclone(const std::vector<std::string>& names, Times& times) {
+  const int domain = NextDomain();
+  const auto begin = Clock::now();
+  std::vector<std::unique_ptr<Child>> servers;
+  for (const std::string& name : names) {
+    servers.push_back(std::make_unique<Child>(std::vector<std::string>{
+        Program("benchmark_plain_server"), name, std::to_string(domain), ""}));
+  }
+  const PlainParticipant participant(domain);
+  std::vector<std::unique_ptr<PlainEnd>> ends;
+  for (const std::string& name : names) {
+    ends.push_back(std::make_unique<PlainEnd>(participant, name, PlainEnd::Role::kClient));
+  }
+  for (const auto& end : ends) end->CallUntil([&] { return end->Take() == 0; });
+  times.start_s.push_back(Seconds(Clock::now() - begin));
+}
+
 void Measure(int count, int turns) {
   const Table table(std::to_string(count) + " processes: from their start to all active; a switch");
   const auto node = [](const Fleet&, const std::string& name) {
     return "protocol = \"ros2_lifecycle\"\n" + CommandKey({Program("ros_server_peer"), name});
   };
-  Times musher, nav2, actuators;
+  Times musher, nav2, actuators, plain;
   for (int turn = 0; turn < turns; ++turn) {
     const Fleet nodes(node, count);
     UnderMusher(nodes, musher);
     UnderNav2(nodes.names(), nav2);
     UnderMusher(Fleet(count, true), actuators);
+    WithPlainCyclone(nodes.names(), plain);
   }
   table.Row("start of ROS 2 nodes, Musher", musher.start_s, "s");
   table.Row("start of ROS 2 nodes, a manager like nav2's", nav2.start_s, "s");
   table.Row("start, Musher / the other manager", Ratios(musher.start_s, nav2.start_s), "×");
   table.Row("start of Musher actuators", actuators.start_s, "s");
+  table.Row("start of plain Cyclone processes", plain.start_s, "s");
+  table.Row("start, actuators / plain Cyclone", Ratios(actuators.start_s, plain.start_s), "×");
   table.Row("switch of ROS 2 nodes, Musher", musher.switch_ms, "ms");
   table.Row("switch of ROS 2 nodes, a manager like nav2's", nav2.switch_ms, "ms");
   table.Row("switch, Musher / the other manager", Ratios(musher.switch_ms, nav2.switch_ms), "×");

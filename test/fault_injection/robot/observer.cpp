@@ -40,7 +40,7 @@ Observer::Observer(int domain, TransportProfile profile, const std::string& name
   transport::DdsOptions options;
   options.domain_id = domain;
   options.profile = profile;
-  options.fast_discovery = true;
+  options.discovery = transport::DiscoveryTiming::kCommand;
   node_ = Must(transport::NodeThread::Start(options));
   node_->RunOnLoop([&] { Make(name_space); });
 }
