@@ -225,6 +225,13 @@ std::string Decision::NotSetUp(std::size_t i) const {
   if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
     return "was not set up " + within;
   }
+  for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
+    const bool shared = other != i && Of(other).process == record.process;
+    if (!shared || Of(other).presence != Presence::kPresent) continue;
+    return "was not set up " + within + ": process " + std::to_string(record.process) +
+           ", which runs it and " + ConfigOf(other).name +
+           ", did not announce it; `musher restart " + actuator.name + "` starts both again";
+  }
   std::string command = R"(["musher-exec", "--")";
   for (const std::string& word : actuator.command) command += ", \"" + word + "\"";
   return "its program runs (process " + std::to_string(record.process) +

@@ -64,7 +64,8 @@ void Scenario::RepairActuators() {
     const ActuatorConfig& actuator = config_.actuators[process];
     const ActuatorRecord& record = leader->shell().machine().actuators[i];
     const ActuatorReport* report = robot_.ReportOf(i, record.report);
-    const bool well = report != nullptr && !report->busy() && !record.fault;
+    const bool finished = report != nullptr && report->state == kTearDown;  // its process may run
+    const bool well = report != nullptr && !report->busy() && !record.fault && !finished;
     if (well) continue;
     Note("the operator restarts " + actuator.name);
     EndElsewhere(actuator);

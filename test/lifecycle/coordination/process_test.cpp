@@ -48,6 +48,18 @@ TEST_F(Processes, ThatFailToExecuteTheirProgramLateAreLost) {
   EXPECT_THAT(Of(0).fault->message, HasSubstr("could not be started: can't run a"));
 }
 
+// Two actuators share process 700; one of them was torn down before this controller started.
+TEST_F(Processes, ThatRunOneOfTheirActuatorsOnlyAreRestartedByAPerson) {
+  Begin();
+  for (std::size_t i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 700});
+  Come(0);
+  Pass(Milliseconds(100));
+  ASSERT_TRUE(Of(1).fault);
+  EXPECT_EQ(Of(1).fault->message,
+            "was not set up within 100 ms: process 700, which runs it and a, did not announce it; "
+            "`musher restart b` starts both again");
+}
+
 TEST_F(Processes, OfAnotherHostAreNotSignalledHoweverTheyHang) {
   Begin();
   for (std::size_t i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 0});
