@@ -34,10 +34,6 @@ std::int64_t WallNanoseconds() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
-// Long enough to receive the heartbeat of a controller of another host, which is discovered within
-// 500 ms.
-constexpr Duration kListenTime = Milliseconds(1000);
-constexpr Duration kSecuredListenTime = Milliseconds(4000);
 // An actuator that holds its name on this host has latched a status, which arrives soon.
 constexpr Duration kStatusWithin = Milliseconds(1000);
 constexpr Duration kStatusPollPeriod = Milliseconds(5);
@@ -86,8 +82,7 @@ Result<> Controller::Open() {
     held_ += transport::NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
   }
   listen_for_others_ |= config_.transport == TransportProfile::kLan;
-  Duration listen{};
-  if (listen_for_others_) listen = config_.keys.empty() ? kListenTime : kSecuredListenTime;
+  const Duration listen = listen_for_others_ ? ListenTime(config_) : Duration{};
   // Not called directly: the hooks may use the controller, which its owner does not have yet.
   begin_later_ =
       node_.loop().At(node_.loop().Now() + listen, [this, listen] { BeginAfter(listen); });

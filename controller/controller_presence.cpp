@@ -14,7 +14,17 @@ namespace {
 constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
                                    transport::Qos::Durability::kTransientLocal, 66};
 
+// Another host discovers a controller within 500 ms, with credentials within some seconds.
+constexpr Duration kListenTime = Milliseconds(1000);
+constexpr Duration kSecuredListenTime = Milliseconds(4000);
+// A controller that starts on another host takes over from one that is silent while it listens.
+constexpr Duration kLongestSilence = kListenTime / 2;
+
 }  // namespace
+
+Duration ListenTime(const MachineConfig& config) {
+  return config.keys.empty() ? kListenTime : kSecuredListenTime;
+}
 
 ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
                                        Identity identity, Emit emit)
@@ -67,9 +77,20 @@ void ControllerPresence::Announce(std::uint64_t epoch) {
 // A failed publish needs no retry: the next heartbeat follows.
 void ControllerPresence::Repeat() {
   if (!heartbeats_) return;
+  static_cast<void>(MayStartProcessesAt());
+  last_heartbeat_ = node_.loop().Now();
   static_cast<void>(
       heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
                             identity_.pid, ControllerBeatPeriod(config_).count()}));
+}
+
+Time ControllerPresence::MayStartProcessesAt() {
+  const Time now = node_.loop().Now();
+  const bool was_silent = last_heartbeat_ != Time{} && now - last_heartbeat_ > kLongestSilence;
+  if (was_silent && config_.transport == TransportProfile::kLan) {
+    listens_until_ = now + ListenTime(config_);
+  }
+  return listens_until_;
 }
 
 void ControllerPresence::FallSilent() {

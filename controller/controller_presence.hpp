@@ -15,6 +15,9 @@
 
 namespace musher {
 
+// Long enough to receive the heartbeat of a controller of another host.
+Duration ListenTime(const MachineConfig& config);
+
 class ControllerPresence {
  public:
   using Emit = std::function<void(Event)>;
@@ -33,6 +36,10 @@ class ControllerPresence {
   void Announce(std::uint64_t epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.
   void Repeat();
+  // From when on this controller may start processes. One that was silent for some time, because
+  // its process was stopped, must listen first: a controller of another host may have taken over
+  // and started them.
+  Time MayStartProcessesAt();
   // Another controller whose heartbeat was received, if any.
   struct Rival {
     std::string who;  // "process 4711 of this host"
@@ -59,6 +66,8 @@ class ControllerPresence {
   const Emit emit_;
   std::uint64_t epoch_ = 0;
   std::optional<Rival> rival_;
+  Time last_heartbeat_{};
+  Time listens_until_{};
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   // Both latch their last stops for actuators that join later. engaged_stops_ exists only while a
   // stop is engaged: an actuator must not receive a stop that is over.

@@ -284,6 +284,7 @@ void ControllerShell::Do(const action::SaveRemoteActuators& a) {
 }
 
 void ControllerShell::Do(const action::Fenced& a) {
+  starts_later_.clear();
   presence_->FallSilent();
   CloseToClients({kCodePermissionDenied, a.message});
   if (hooks_.on_fenced) hooks_.on_fenced(a.message);

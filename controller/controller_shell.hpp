@@ -243,6 +243,7 @@ class ControllerShell {
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
   std::unique_ptr<CapabilityBoard> capabilities_;
   transport::LoopHandlePtr close_later_;
+  std::map<std::size_t, transport::LoopHandlePtr> starts_later_;  // by actuator
   std::unique_ptr<ControllerPresence> presence_;
   std::unique_ptr<HealthWatch> health_;
   std::unique_ptr<PolicyInputs> policy_inputs_;  // null without [policy]

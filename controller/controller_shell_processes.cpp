@@ -19,6 +19,11 @@ constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
 }  // namespace
 
 void ControllerShell::Do(const action::StartProcess& a) {
+  const Time at = presence_->MayStartProcessesAt();
+  if (at > dependencies_.node->loop().Now()) {
+    starts_later_[a.actuator] = dependencies_.node->loop().At(at, [this, a] { Do(a); });
+    return;
+  }
   const ActuatorConfig& actuator = config_.actuators[a.actuator];
   ProcessSpec spec;
   spec.name = actuator.name;

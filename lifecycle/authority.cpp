@@ -197,6 +197,13 @@ void Decision::Engage(const EmergencyStop& stop) {
 }
 
 void Decision::On(const event::ReleaseRequested& requested) {
+  if (machine_.phase ==
+      Phase::kStopped) {  // it publishes no more, also while its last reply is sent
+    return Do(action::AnswerCall{
+        requested.request, Error{kCodeStateInvalid,
+                                 "the machine is stopped; start it (`musher up`), then release "
+                                 "the emergency stop"}});
+  }
   if (!machine_.emergency_stop) {
     return Do(action::AnswerCall{requested.request,
                                  Error{kCodeStateInvalid, "no emergency stop is engaged"}});

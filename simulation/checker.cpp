@@ -159,6 +159,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
+    if (!present && !machine.actuators[i].command) NoteGivenUp(machine.epoch, i);
   }
   CheckChange(machine, seen_[controller.serial()]);
   CheckCeiling(machine, false);
@@ -228,6 +229,10 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
   if (machine.current && IsRequested(*machine.current))
     seen.requested_state = machine.current->target;
   seen.requested = machine.current && machine.current->purpose == Purpose::kRequested;
+  if (machine.waiting) {  // the switch may begin and end in one step
+    seen.requested_state = machine.waiting->target;
+    seen.requested = true;
+  }
 }
 
 std::uint64_t Checker::OnRequest(const ControllerProcess& controller, const State& target) {

@@ -50,6 +50,8 @@ class Checker {
   void OnControllerKilled(const ControllerProcess& controller);
   // A live process is about to exit with code 2 (configuration error).
   void OnWrongConfig(const std::string& name);
+  // It is killed, perhaps before it exits with code 2.
+  void OnCrash(const std::string& name) { config_errors_.erase(name); }
   // An operator requests a restart.
   void OnRestartRequest(const std::string& name) { config_errors_.erase(name); }
   // An emergency stop is engaged at a panel.
@@ -119,13 +121,15 @@ class Checker {
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
-  bool IsGivenUp(std::uint64_t epoch, std::size_t i) const;
+  void NoteGivenUp(std::uint64_t epoch, std::size_t i);
+  bool IsGivenUp(const CommandKey& command) const;
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
   void CheckClientsAtRest();
   // policy_invariants.cpp
   void CheckCeiling(const Machine& machine, bool at_rest);
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
+  void ForgetEndedPolicySwitches(const Machine& machine);
   void CheckRaise(const State& raised_to, int percent);
   void NoteLevels(const BatteryPolicy& policy, int percent);
   void CheckPowerOff();
@@ -144,6 +148,8 @@ class Checker {
   bool dirty_ = false;
   std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
   std::map<CommandKey, SentCommand> sent_commands_;
+  std::map<std::pair<std::uint64_t, std::size_t>, CommandKey>
+      given_up_;                        // the last, by epoch and actuator
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   struct Request {
     State target;
@@ -172,7 +178,7 @@ class Checker {
   std::set<std::string> duplicated_;     // started while the link to another process of it was cut
   std::map<std::uint64_t, std::size_t> engaged_;  // emergency stops: the panel
   std::map<std::size_t, std::uint64_t> last_of_panel_;
-  std::set<std::uint64_t> accepted_stops_;                   // by a controller
+  std::map<std::uint64_t, std::set<std::size_t>> accepted_stops_;  // by controllers of these hosts
   std::map<std::uint64_t, std::set<std::size_t>> released_;  // stop: hosts that stored the release
   std::vector<std::pair<std::string, std::size_t>> idle_and_stopped_;  // actuator, host
   struct AcceptedTearDown {

@@ -46,7 +46,7 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
   const bool newer_sent = next != sent_commands_.end() &&
                           std::get<0>(next->first) == before->epoch &&
                           std::get<1>(next->first) == *config_.IndexOf(name);
-  if (newer_sent || IsGivenUp(before->epoch, *config_.IndexOf(name))) return;
+  if (newer_sent || IsGivenUp(sent->first)) return;
   const Duration age = robot_.network().now() - sent->second.sent;
   if (age + kCommandClockSlack >= sent->second.budget) return;
   ReportViolation(Invariant::kNoCommandDropped,
@@ -56,16 +56,19 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
                       " ms, without a newer command");
 }
 
-// Whether the controller that sent the command has lost the actuator since and reported that
-// outcome. When the actuator is available again, the query that attaches it fences the old command.
-bool Checker::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
-  for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* controller = robot_.controller(which);
-    if (controller == nullptr || controller->shell().machine().epoch != epoch) continue;
-    const ActuatorRecord& record = controller->shell().machine().actuators[i];
-    if (!record.command && record.presence != Presence::kPresent) return true;
-  }
-  return false;
+// The controller has lost the actuator and reported that outcome for what it had sent.
+void Checker::NoteGivenUp(std::uint64_t epoch, std::size_t i) {
+  const auto after = sent_commands_.lower_bound({epoch, i + 1, 0});
+  if (after == sent_commands_.begin()) return;
+  const CommandKey& last = std::prev(after)->first;
+  if (std::get<0>(last) == epoch && std::get<1>(last) == i) given_up_[{epoch, i}] = last;
+}
+
+// When the actuator is available again, the query that attaches it fences a command that its
+// controller has given up.
+bool Checker::IsGivenUp(const CommandKey& command) const {
+  const auto last = given_up_.find({std::get<0>(command), std::get<1>(command)});
+  return last != given_up_.end() && command <= last->second;
 }
 
 // A controller writes a reply to a client.

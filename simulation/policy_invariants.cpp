@@ -113,19 +113,23 @@ void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
     // The battery may have fallen during the switch.
     const int percent = raised_at_.value_or(machine.policy.battery.value_or(0));
     if (up && !down) CheckRaise(machine.state, percent);
-    return;
+    return ForgetEndedPolicySwitches(machine);  // several may have ended in one step
   }
   if (lowered_ && lowered_->first == machine.state) return;  // it is lowered from here at once
   // A client requested this switch. The policy may raise the machine later, or has begun to: the
   // battery may have left its ceiling in the step that ended this switch.
+  ForgetEndedPolicySwitches(machine);
+  lowered_.reset();
+  if (std::exchange(raise_requested_, false)) lowered_ = {State(kActive), machine.state};
+}
+
+void Checker::ForgetEndedPolicySwitches(const Machine& machine) {
   const auto ended = [&](const State& target) {
     return !machine.current || machine.current->purpose != Purpose::kPolicy ||
            machine.current->target != target;
   };
   std::erase_if(policy_up_to_, ended);
   std::erase_if(policy_down_to_, ended);
-  lowered_.reset();
-  if (std::exchange(raise_requested_, false)) lowered_ = {State(kActive), machine.state};
 }
 
 void Checker::CheckRaise(const State& raised_to, int percent) {

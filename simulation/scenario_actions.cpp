@@ -21,6 +21,7 @@ void Scenario::Apply(const Injection& injection) {
   FaultWindow& window = fault_windows_[injection.actuator];
   switch (injection.kind) {
     case InjectionKind::kCrash:
+      if (robot_.IsAlive(name)) checker_.OnCrash(name);
       return robot_.CrashActuator(name);
     case InjectionKind::kWrongConfig:
       return Misconfigure(name, injection.lasts);

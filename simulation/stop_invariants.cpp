@@ -15,7 +15,7 @@ void Checker::OnStopEngaged(std::size_t panel, std::uint64_t id) {
 // A controller publishes a stop. Only a controller releases one.
 void Checker::OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop) {
   if (stop.engaged) {
-    accepted_stops_.insert(stop.id);
+    accepted_stops_[stop.id].insert(controller.host());
   } else {
     released_[stop.id].insert(controller.host());
   }
@@ -32,10 +32,14 @@ bool Checker::ReleasedElsewhere() const {
 }
 
 // Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is lost if no
-// controller had received it, or if it was stored on a disk that is lost.
+// controller had received it, if it was stored on a disk that is lost, or if it was stored on
+// another host than that of the controller that leads.
 bool Checker::StopIsOpen() const {
+  const ControllerProcess* leader = robot_.leader();
   return std::any_of(engaged_.begin(), engaged_.end(), [&](const auto& stop) {
-    const bool kept = accepted_stops_.contains(stop.first) && !state_lost_;
+    const auto accepted = accepted_stops_.find(stop.first);
+    const bool kept = accepted != accepted_stops_.end() && leader != nullptr &&
+                      accepted->second.contains(leader->host()) && !state_lost_;
     const bool known = kept || last_of_panel_.at(stop.second) == stop.first;
     return known && !released_.contains(stop.first);
   });
@@ -163,6 +167,7 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
       if (report == nullptr || report->state == kTearDown || duplicated_.contains(name)) continue;
+      if (false_reporters_.contains(name)) continue;  // it may report that it is in TearDown
       // The controller may have no report yet of an actuator that is starting.
       const ActuatorRecord& record = controller.shell().machine().actuators[i];
       const bool received = record.report.incarnation == report->incarnation;

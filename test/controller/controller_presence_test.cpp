@@ -1,0 +1,63 @@
+// A controller whose process was stopped starts no process before it has listened for another one,
+// which may have started them on its host.
+
+#include "musher/controller/controller_presence.hpp"
+
+#include <gtest/gtest.h>
+
+#include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::testing::controller_presence_test {
+
+using std::chrono::seconds;
+
+class StoppedController : public ::testing::Test {
+ protected:
+  // It leads for 2 s, is stopped for `duration`, and continues.
+  Duration WaitAfterStopOf(Duration duration, TransportProfile profile,
+                           const std::string& keys = "") {
+    config_.transport = profile;
+    config_.keys = keys;
+    presence_ =
+        ControllerPresence::Make(*node_, config_, {1, 1, "here"}, [](const Event&) {}).value();
+    presence_->Announce(1);
+    network_.RunFor(seconds(2));
+    network_.Pause(*node_);
+    network_.RunFor(duration);
+    network_.Resume(*node_);
+    return Wait();
+  }
+  Duration Wait() {
+    const Time now = node_->loop().Now();
+    return std::max(presence_->MayStartProcessesAt(), now) - now;
+  }
+
+  transport::sim::Network network_{1};
+  MachineConfig config_ = MachineOf(2);
+  std::unique_ptr<transport::Node> node_ = network_.MakeNode("here");
+  std::unique_ptr<ControllerPresence> presence_;
+};
+
+TEST_F(StoppedController, ListensBeforeItStartsAProcess) {
+  EXPECT_EQ(WaitAfterStopOf(seconds(9), TransportProfile::kLan), seconds(1));
+  network_.RunFor(Milliseconds(400));
+  EXPECT_EQ(Wait(), Milliseconds(600));
+  network_.RunFor(seconds(2));
+  EXPECT_EQ(Wait(), Duration{});
+}
+
+TEST_F(StoppedController, ListensAsLongAsDiscoveryWithCredentialsMayTake) {
+  EXPECT_EQ(WaitAfterStopOf(seconds(9), TransportProfile::kLan, "/keys"), seconds(4));
+}
+
+TEST_F(StoppedController, DoesNotListenAfterABreakTooShortForATakeover) {
+  EXPECT_EQ(WaitAfterStopOf(Milliseconds(400), TransportProfile::kLan), Duration{});
+}
+
+// The lock on the machine's name excludes another controller on the same host.
+TEST_F(StoppedController, DoesNotListenWhereOnlyThisHostRunsControllers) {
+  EXPECT_EQ(WaitAfterStopOf(seconds(9), TransportProfile::kLocal), Duration{});
+}
+
+}  // namespace musher::testing::controller_presence_test
