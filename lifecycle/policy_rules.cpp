@@ -275,7 +275,16 @@ void Decision::NoteEndOfSwitch(const Switch& s, bool undone) {
   }
   if (!undone && EndsKeep(s)) EndKeep("the machine is in " + s.target + " now");
   if (s.only || s.direction == Direction::kCheck) return;
-  if (s.purpose == Purpose::kPolicy && undone) return BackOff();
+  if (s.purpose == Purpose::kPolicy && undone) {
+    // The battery may have fallen during a raise that has failed: lowering does not wait for the
+    // next attempt to raise.
+    const BatteryLevel level = TakingDownLevel(policy);
+    const auto rank = config_.RankOf(machine_.state);
+    const auto most = CeilingRank(level);
+    const bool lowers = level == BatteryLevel::kEmpty || (rank && most && *rank > *most);
+    if (s.direction != Direction::kUp || !lowers) BackOff();
+    return;
+  }
   if (undone) return;
   if (s.purpose != Purpose::kPolicy) {
     return Lower(withheld && withheld->to == machine_.state ? withheld : std::nullopt);

@@ -315,19 +315,20 @@ void Decision::EndLeg(Leg& leg, const CommandResult& end) {
 
 // The state to which a leg is rolled back: its state before; from a step of a start, where an
 // actuator cannot stay, the state of the machine, or the nearest of DeActive and LowPower. Empty
-// when there is none. An actuator that was above the machine does not go up again.
+// when there is none. An actuator that was above the machine does not go up again; nor does one
+// that was above its target while the machine was in a step of a start.
 State Decision::WayBack(const Leg& leg) const {
   const auto from = config_.RankOf(leg.from);
   const auto place = config_.RankOf(machine_.state);
-  const bool above = from && place && *from > *place;
+  const auto target = config_.RankOf(leg.target);
+  const bool above = from && (place ? *from > *place : target && *from > *target);
   if (above) {
-    const bool lists = ConfigOf(leg.actuator).Lists(machine_.state);
+    const bool lists = place && ConfigOf(leg.actuator).Lists(machine_.state);
     return lists ? machine_.state : leg.target;
   }
   if (from) return leg.from;
   const bool to_machine = config_.RankOf(machine_.state) && machine_.state != kError;
   if (to_machine && ConfigOf(leg.actuator).Lists(machine_.state)) return machine_.state;
-  const auto target = config_.RankOf(leg.target);
   for (const std::string_view rest : {kDeActive, kLowPower}) {
     const bool higher = target && *config_.RankOf(rest) > *target;
     if (!higher && ConfigOf(leg.actuator).Lists(rest)) return State(rest);

@@ -31,6 +31,19 @@ T Must(Result<T> made) {
   return std::move(made).value();
 }
 
+std::string Describe(const Robot::Received& received) {
+  std::string text = received.machine ? "the machine is in " + received.machine->state
+                                      : std::string("no status of the machine");
+  if (received.machine) {
+    for (const auto& actuator : received.machine->actuators) {
+      text += ", " + actuator.name + " in " + actuator.state;
+    }
+    for (const std::string& why : received.machine->degraded) text += "; degraded: " + why;
+  }
+  return text + (received.body ? "" : ", no state of the body") +
+         (received.clock ? "" : ", no clock");
+}
+
 }  // namespace
 
 Robot::Robot(const std::filesystem::path& configs) {
@@ -134,7 +147,7 @@ void Robot::Change(const std::function<void(Received&)>& change) {
 Time Robot::Await(const std::string& what, const std::function<bool(const Received&)>& is_so) {
   std::unique_lock lock(mutex_);
   if (!changed_.wait_for(lock, kWaitLimit, [&] { return is_so(received_); })) {
-    Fail("waited in vain for " + what);
+    Fail("waited in vain for " + what + "; " + Describe(received_));
   }
   return std::chrono::steady_clock::now();
 }

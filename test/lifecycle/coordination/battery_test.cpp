@@ -189,6 +189,19 @@ TEST_F(BatteryRule, AFailedSwitchBackIsRetriedAndNotInALoop) {
   EXPECT_EQ(state(), "Active");
 }
 
+// The delay before the next attempt to raise delayed the lowering, up to a minute.
+TEST_F(BatteryRule, ThatFallsDuringAFailingSwitchBackTakesTheMachineDownAtOnce) {
+  Battery(10);
+  robot().On("a", "Active").code = 3009;
+  robot().On("b", "Active").takes = Milliseconds(90);
+  robot().Feed(event::BatterySeen{90, false});
+  robot().RunFor(Milliseconds(10));
+  ASSERT_TRUE(robot().machine().current);
+  robot().Feed(event::BatterySeen{3, false});
+  robot().RunFor(Milliseconds(200));
+  EXPECT_EQ(state(), "LowPower");
+}
+
 TEST_F(BatteryRule, ValuesOutOfRangeAreIgnoredAndRecordedOnce) {
   for (const int percent : {-1, 101, 255}) Battery(percent);
   EXPECT_EQ(state(), "Active");

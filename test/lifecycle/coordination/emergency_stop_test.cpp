@@ -199,21 +199,6 @@ TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
   EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active"));
 }
 
-// The caller got the reply that it was released, and no panel received the release.
-TEST(EmergencyStopAfterTearDown, IsNotReleasedByAControllerThatPublishesNoMore) {
-  Harness t(Ours(2));
-  t.Begin();
-  t.Rest();
-  ASSERT_TRUE(t.Set("TearDown").done());
-  ASSERT_EQ(t.machine().phase, Phase::kStopped);
-  t.StopAll(kStop);
-  t.Rest();
-  const Result<>& reply = t.calls.at(t.Release());
-  ASSERT_FALSE(reply);
-  EXPECT_EQ(reply.error().message,
-            "the machine is stopped; start it (`musher up`), then release the emergency stop");
-}
-
 // The start
 
 TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndReportsWhatToDo) {

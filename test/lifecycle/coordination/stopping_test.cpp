@@ -300,4 +300,19 @@ TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
   EXPECT_FALSE(t.stop_intent_on_disk);
 }
 
+// The caller got the reply that it was released, and no panel received the release.
+TEST(AfterTearDown, AnEmergencyStopIsNotReleasedByAControllerThatPublishesNoMore) {
+  Harness t(Ours(2));
+  t.Begin();
+  t.Rest();
+  ASSERT_TRUE(t.Set("TearDown").done());
+  ASSERT_EQ(t.machine().phase, Phase::kStopped);
+  t.StopAll(7);
+  t.Rest();
+  const Result<>& reply = t.calls.at(t.Release());
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().message,
+            "the machine is stopped; start it (`musher up`), then release the emergency stop");
+}
+
 }  // namespace musher::testing::stopping_test
