@@ -21,7 +21,10 @@ void Scenario::Apply(const Injection& injection) {
   FaultWindow& window = fault_windows_[injection.actuator];
   switch (injection.kind) {
     case InjectionKind::kCrash:
-      if (robot_.IsAlive(name)) checker_.OnCrash(name);
+      for (std::size_t i = 0; i < config_.actuators.size() && robot_.IsAlive(name); ++i) {
+        const std::size_t process = robot_.layout().ProcessOf(injection.actuator);
+        if (robot_.layout().ProcessOf(i) == process) checker_.OnCrash(config_.actuators[i].name);
+      }
       return robot_.CrashActuator(name);
     case InjectionKind::kWrongConfig:
       return Misconfigure(name, injection.lasts);

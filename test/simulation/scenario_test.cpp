@@ -108,8 +108,9 @@ INSTANTIATE_TEST_SUITE_P(Part, Scenarios, ::testing::Range(std::uint64_t{0}, kPa
 // Seeds above those of the gate that violated an invariant before the fault was fixed.
 TEST(Scenario, OfASeedThatOnceViolatedAnInvariantHoldsEveryInvariant) {
   simulation::Coverage coverage;
-  for (const std::uint64_t seed : {16692, 77468, 116243, 129518, 132646, 152815, 166532, 236951,
-                                   328912, 344904, 398324, 453812, 468754, 639374, 698082}) {
+  for (const std::uint64_t seed :
+       {16692, 77468, 116243, 129518, 132646, 152815, 166532, 236951, 328912, 344904, 398324,
+        453812, 468754, 639374, 698082, 726124}) {
     ExpectInvariantsHold(seed, coverage);
   }
 }
