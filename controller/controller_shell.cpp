@@ -10,7 +10,7 @@ namespace musher {
 namespace {
 
 constexpr std::size_t kSwitchEntriesKept = 128;        // two for each switch: begin and end
-constexpr Duration kLastAnswers = Milliseconds(1000);  // a client's discovery may be incomplete
+constexpr Duration kLastAnswers = Milliseconds(3000);  // a client's discovery may be incomplete
 constexpr Duration kHeldPeriod = Milliseconds(5);
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // before a hung process is killed
 

@@ -39,7 +39,7 @@ ProcessExit Reap(pid_t pid) {
 
 constexpr std::int64_t kMaxTailBytes = 2048;  // bytes of a log's end that are looked at
 constexpr std::size_t kMaxLineBytes = 200;    // bytes that are reported
-constexpr Duration kLastOutputTimeout = Milliseconds(100);
+constexpr Duration kLastOutputTimeout = Milliseconds(500);
 // Programs that are started within this time of each other are waited for together.
 constexpr Duration kBurst = Milliseconds(100);
 

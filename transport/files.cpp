@@ -1,6 +1,5 @@
 #include "musher/transport/files.hpp"
 
-#include <array>
 #include <fstream>
 
 namespace musher::transport {
@@ -8,9 +7,10 @@ namespace musher::transport {
 std::string ReadFile(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string bytes;
-  std::array<char, 4096> chunk{};
+  // The kernel reads an environment as of one moment, if it is read at once.
+  std::vector<char> chunk(std::size_t{1} << 16U);
   while (stream) {
-    stream.read(chunk.data(), chunk.size());
+    stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
     bytes.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
   }
   return stream.bad() ? std::string() : bytes;

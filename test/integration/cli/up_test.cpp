@@ -193,7 +193,8 @@ TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
   EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Status()["state"], "Active");
-  EXPECT_EQ(Musher({"down"}).exit, 0);
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0) << down.out << down.err;
 }
 
 TEST_F(Up, ExitsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
