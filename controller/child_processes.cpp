@@ -86,7 +86,7 @@ void Kill(const MarkedProcess& process) {
   syscall(SYS_pidfd_send_signal, pidfd.value().get(), SIGKILL, nullptr, 0);
 }
 
-// Also on a host that lacks CPU.
+// How long the end of an exec is waited for: some microseconds, longer on a host that lacks CPU.
 constexpr auto kExecTime = std::chrono::seconds(1);
 
 // A variable of an environment.

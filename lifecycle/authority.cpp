@@ -197,8 +197,8 @@ void Decision::Engage(const EmergencyStop& stop) {
 }
 
 void Decision::On(const event::ReleaseRequested& requested) {
-  if (machine_.phase ==
-      Phase::kStopped) {  // it publishes no more, also while its last reply is sent
+  // It publishes no more, although its last replies may still be on their way.
+  if (machine_.phase == Phase::kStopped) {
     return Do(action::AnswerCall{
         requested.request, Error{kCodeStateInvalid,
                                  "the machine is stopped; start it (`musher up`), then release "
