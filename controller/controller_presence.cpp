@@ -77,19 +77,23 @@ void ControllerPresence::Announce(std::uint64_t epoch) {
 // A failed publish needs no retry: the next heartbeat follows.
 void ControllerPresence::Repeat() {
   if (!heartbeats_) return;
-  static_cast<void>(MayStartProcessesAt());
+  NoteSilence();
   last_heartbeat_ = node_.loop().Now();
   static_cast<void>(
       heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
                             identity_.pid, ControllerBeatPeriod(config_).count()}));
 }
 
-Time ControllerPresence::MayStartProcessesAt() {
+void ControllerPresence::NoteSilence() {
   const Time now = node_.loop().Now();
   const bool was_silent = last_heartbeat_ != Time{} && now - last_heartbeat_ > kLongestSilence;
   if (was_silent && config_.transport == TransportProfile::kLan) {
     listens_until_ = now + ListenTime(config_);
   }
+}
+
+Time ControllerPresence::MayStartProcessesAt() {
+  NoteSilence();  // perhaps the timer of the heartbeat comes after the caller's event
   return listens_until_;
 }
 

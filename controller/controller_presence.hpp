@@ -59,6 +59,7 @@ class ControllerPresence {
                      Emit emit);
   Result<> Open();
   void OnHeartbeat(const msg::ControllerBeat& heartbeat);
+  void NoteSilence();
 
   transport::Node& node_;
   const MachineConfig& config_;

@@ -80,7 +80,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   // Actuators of another host are only known by their status.
   begin.running.resize(peers_.size());
   for (const auto& [actuator, seen] : before_begin_) {
-    if (Runs(config_, seen.report)) begin.running[actuator] = true;
+    if (Runs(config_, seen.report) || SharesItsProcess(seen.report)) begin.running[actuator] = true;
   }
   for (std::size_t i = 0; i < begin.processes.size(); ++i) {
     const pid_t pid = begin.processes[i];
@@ -103,6 +103,16 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
   }
   if (policy_inputs_) policy_inputs_->Begin();
+}
+
+// Whether another actuator runs in the process of `report`. That process does not exit, even if
+// this actuator is torn down, and a second one would start the other actuator twice.
+bool ControllerShell::SharesItsProcess(const ActuatorReport& report) const {
+  return std::any_of(before_begin_.begin(), before_begin_.end(), [&](const auto& other) {
+    const ActuatorReport& running = other.second.report;
+    return running.pid != 0 && running.pid == report.pid && running.host == report.host &&
+           Runs(config_, running);
+  });
 }
 
 void ControllerShell::Refuse(const Error& why) {

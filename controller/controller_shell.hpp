@@ -163,6 +163,7 @@ class ControllerShell {
   void CloseOnceAnswered(Time deadline);
 
   static bool Runs(const MachineConfig& config, const ActuatorReport& report);
+  bool SharesItsProcess(const ActuatorReport& report) const;
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);

@@ -56,6 +56,9 @@ void Decision::Drifted(std::size_t i) {
     Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
   } else if (record.fault && record.fault->message == kTornDownAlone) {
     record.fault.reset();  // what it had reported was not true
+    if (record.health == Health::kHung) {
+      Degrade(i, kCodeTimeout, "hung: it has not recovered yet", record.cause);
+    }
   }
   if (!record.held && MayFollow(i)) record.due = true;
 }

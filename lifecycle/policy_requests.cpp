@@ -204,7 +204,8 @@ std::optional<Error> Decision::HandleWakeUp(const Requested& requested,
   return BeginUp(requested, request_record);
 }
 
-// Answered at once: later the robot is off.
+// Answered at once: later the robot is off. If the command was given already and the robot still
+// runs, the command has failed, or takes long: it is given again.
 std::optional<Error> Decision::HandlePower(const Requested& requested,
                                            std::uint64_t request_record) {
   const bool reboot = requested.what == PolicyRequest::kReboot;
@@ -219,6 +220,7 @@ std::optional<Error> Decision::HandlePower(const Requested& requested,
   if (updating) return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
   if (!power) BeginPowerDown(reboot, now_ + config_.policy->power.delay, request_record);
   Do(action::AnswerCall{requested.request, Ok()});
+  if (std::exchange(machine_.policy.power->commanded, false)) CommandPower(false);
   return std::nullopt;
 }
 

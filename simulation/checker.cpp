@@ -154,14 +154,17 @@ void Checker::AfterEvent() {
 
 void Checker::CheckController(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
-  CheckDeadline(controller, seen_[controller.serial()]);
-  NoteReceived(controller, seen_[controller.serial()]);
+  Seen& seen = seen_[controller.serial()];
+  CheckDeadline(controller, seen);
+  NoteReceived(controller, seen);
+  const std::uint64_t epoch = std::exchange(seen.epoch, machine.epoch);
+  if (epoch != 0 && epoch != machine.epoch) CarryCommandsOver(epoch, machine.epoch);
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
     if (!present && !machine.actuators[i].command) NoteGivenUp(machine.epoch, i);
   }
-  CheckChange(machine, seen_[controller.serial()]);
+  CheckChange(machine, seen);
   CheckCeiling(machine, false);
   CheckStaysDown(controller);
 }
@@ -169,6 +172,15 @@ void Checker::CheckController(const ControllerProcess& controller) {
 void Checker::OnSend(const Machine& machine, const action::SendSwitch& command) {
   sent_commands_[{machine.epoch, command.actuator, command.number}] = {
       robot_.network().now(), command.budget, MayRise(machine, command.target)};
+}
+
+// A controller has raised its epoch: what waits at the actuators keeps waiting, under the new one.
+void Checker::CarryCommandsOver(std::uint64_t from, std::uint64_t to) {
+  const std::vector<std::pair<CommandKey, SentCommand>> sent(
+      sent_commands_.lower_bound({from, 0, 0}), sent_commands_.lower_bound({from + 1, 0, 0}));
+  for (const auto& [key, command] : sent) {
+    sent_commands_.try_emplace({to, std::get<1>(key), std::get<2>(key)}, command);
+  }
 }
 
 // Of the events at one instant another one may come first, such as a step of another controller.

@@ -61,7 +61,9 @@ class Checker {
     urgent_requested_ |= target == kError || target == kTearDown;
   }
   // The actuator publishes a false state: its reports are no evidence from now on.
-  void OnFalseReport(const std::string& name) { false_reporters_.insert(name); }
+  void OnFalseReport(const std::string& name, const State& state) {
+    false_reporters_[name] = state;
+  }
 
   // Whether the state is stable: nothing is under way, and nothing will start by itself.
   bool AtRest() const { return PendingActivity().empty(); }
@@ -85,6 +87,7 @@ class Checker {
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
     std::vector<std::uint64_t> received;  // of each actuator, the incarnation reported last
+    std::uint64_t epoch = 0;
   };
   using CommandKey =
       std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
@@ -95,6 +98,7 @@ class Checker {
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
   void CheckController(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
+  void CarryCommandsOver(std::uint64_t from, std::uint64_t to);
   void OnStart(const ControllerProcess& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
   void CheckDeadline(const ControllerProcess& controller, Seen& seen);
@@ -148,8 +152,8 @@ class Checker {
   bool dirty_ = false;
   std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
   std::map<CommandKey, SentCommand> sent_commands_;
-  std::map<std::pair<std::uint64_t, std::size_t>, CommandKey>
-      given_up_;                        // the last, by epoch and actuator
+  // The last that was given up, by epoch and actuator.
+  std::map<std::pair<std::uint64_t, std::size_t>, CommandKey> given_up_;
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   struct Request {
     State target;
@@ -173,9 +177,9 @@ class Checker {
   std::optional<Time> power_due_;
   // The actuators that exited with a configuration error, and the controller whose child each was.
   std::map<std::string, std::uint64_t> config_errors_;
-  std::set<std::string> false_reporters_;
-  std::set<std::string> self_switched_;  // entered their state without a command
-  std::set<std::string> duplicated_;     // started while the link to another process of it was cut
+  std::map<std::string, State> false_reporters_;  // the false state published last
+  std::set<std::string> self_switched_;           // entered their state without a command
+  std::set<std::string> duplicated_;  // started while the link to another process of it was cut
   std::map<std::uint64_t, std::size_t> engaged_;  // emergency stops: the panel
   std::map<std::size_t, std::uint64_t> last_of_panel_;
   std::map<std::uint64_t, std::set<std::size_t>> accepted_stops_;  // by controllers of these hosts

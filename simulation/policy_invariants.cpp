@@ -27,6 +27,11 @@ std::optional<int> PercentIn(const std::string& text) {
   return std::atoi(text.c_str() + kBefore.size());
 }
 
+// "switch 7: Protected → LowPower, …". Refusals of requests that wait may precede it.
+bool BeginsASwitch(const action::Record& record) {
+  return record.message.starts_with("switch ") && record.message.find(" → ") != std::string::npos;
+}
+
 }  // namespace
 
 // Checked as soon as nothing else is under way. `at_rest`: the stored policy must be loaded by
@@ -68,7 +73,8 @@ void Checker::OnRecord(const action::Record& record) {
     just_replied_.insert(
         text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kRequested.size()));
   }
-  if (std::exchange(lowering_begins_, false)) {
+  if (lowering_begins_ && BeginsASwitch(record)) {
+    lowering_begins_ = false;
     const std::size_t at = text.find(": ") + 2;
     const State from = text.substr(at, text.find(" → ", at) - at);
     // The raise to `from` has ended in this step.
@@ -115,7 +121,10 @@ void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
     if (up && !down) CheckRaise(machine.state, percent);
     return ForgetEndedPolicySwitches(machine);  // several may have ended in one step
   }
-  if (lowered_ && lowered_->first == machine.state) return;  // it is lowered from here at once
+  if (lowered_ && lowered_->first == machine.state) {  // it is lowered from here at once
+    if (std::exchange(raise_requested_, false)) lowered_->first = State(kActive);
+    return;
+  }
   // A client requested this switch. The policy may raise the machine later, or has begun to: the
   // battery may have left its ceiling in the step that ended this switch.
   ForgetEndedPolicySwitches(machine);

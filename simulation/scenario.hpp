@@ -95,6 +95,7 @@ class Scenario {
   void SwitchOff();
 
   void Apply(const Injection& injection);
+  void NoteCrash(std::size_t process);
   void Misconfigure(const std::string& name, Duration lasts);
   void ApplyToNetwork(const Injection& injection);
   void ApplyToController(const Injection& injection);

@@ -15,16 +15,20 @@ constexpr std::int32_t kWalking = 303;
 
 }  // namespace
 
+// A crash ends all actuators of the process.
+void Scenario::NoteCrash(std::size_t process) {
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    if (robot_.layout().ProcessOf(i) == process) checker_.OnCrash(config_.actuators[i].name);
+  }
+}
+
 void Scenario::Apply(const Injection& injection) {
   const std::string& name = config_.actuators[injection.actuator].name;
   const Time now = robot_.network().now();
   FaultWindow& window = fault_windows_[injection.actuator];
   switch (injection.kind) {
     case InjectionKind::kCrash:
-      for (std::size_t i = 0; i < config_.actuators.size() && robot_.IsAlive(name); ++i) {
-        const std::size_t process = robot_.layout().ProcessOf(injection.actuator);
-        if (robot_.layout().ProcessOf(i) == process) checker_.OnCrash(config_.actuators[i].name);
-      }
+      if (robot_.IsAlive(name)) NoteCrash(robot_.layout().ProcessOf(injection.actuator));
       return robot_.CrashActuator(name);
     case InjectionKind::kWrongConfig:
       return Misconfigure(name, injection.lasts);
@@ -45,7 +49,7 @@ void Scenario::Apply(const Injection& injection) {
       return;
     case InjectionKind::kLie:
       if (!robot_.IsAlive(name)) return;
-      checker_.OnFalseReport(name);
+      checker_.OnFalseReport(name, injection.state);
       return robot_.Lie(name, injection.state);
     case InjectionKind::kSet:
       return RequestSwitch(injection.state);

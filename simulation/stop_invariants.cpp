@@ -167,7 +167,8 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
       if (report == nullptr || report->state == kTearDown || duplicated_.contains(name)) continue;
-      if (false_reporters_.contains(name)) continue;  // it may report that it is in TearDown
+      const auto reported = false_reporters_.find(name);
+      if (reported != false_reporters_.end() && reported->second == kTearDown) continue;
       // The controller may have no report yet of an actuator that is starting.
       const ActuatorRecord& record = controller.shell().machine().actuators[i];
       const bool received = record.report.incarnation == report->incarnation;

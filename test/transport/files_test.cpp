@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
 
 TEST(Files, AreReadWhole) {
-  const std::string bytes = std::string(10'000, 'x') + '\0' + "end";
+  const std::string bytes = std::string(200'000, 'x') + '\0' + "end";
   const std::string file = ::testing::TempDir() + "/files_test_" + std::to_string(getpid());
   std::ofstream(file, std::ios::binary) << bytes;
   EXPECT_EQ(ReadFile(file), bytes);
