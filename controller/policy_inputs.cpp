@@ -30,7 +30,7 @@ Result<std::unique_ptr<PolicyInputs>> PolicyInputs::Make(transport::Node& node,
 
 Result<> PolicyInputs::Open(transport::Node& node) {
   by_topic_ = config_.clock == ClockSource::kTopic;
-  auto clock = transport::Clock::Of(config_, node, [this] { OnWorldRestarted(); });
+  auto clock = transport::Clock::Of(config_.clock, node, [this] { OnWorldRestarted(); });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
   if (by_topic_) first_time_ = clock_->At(Time{}, [this] { EmitTime(); });

@@ -96,4 +96,11 @@ std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states) {
   return flow;
 }
 
+std::string NoSuchActuator(std::string_view name, const MachineConfig& config) {
+  std::vector<std::string> names;
+  names.reserve(config.actuators.size());
+  for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
+  return NoSuch("actuator", name, names);
+}
+
 }  // namespace musher

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/base/network_profile.hpp"
 #include "musher/lifecycle/policy_config.hpp"
 #include "musher/lifecycle/ros2_config.hpp"
 #include "musher/lifecycle/ros2_states.hpp"
@@ -28,21 +29,6 @@ enum class Protocol {
 std::string_view ProtocolName(Protocol protocol);  // as the config writes it
 
 enum class RestartPolicy { kNo, kOnFailure, kAlways };
-
-// The ROS 2 distributions whose message layouts are known, oldest first.
-enum class RosDistro : std::uint8_t { kGalactic, kHumble, kIron, kJazzy, kKilted };
-
-enum class TransportProfile {
-  kLocal,  // one host, loopback, many processes
-  kLan,    // several hosts, links that lose packets
-};
-
-// The clock for the behaviour of modules and the times of the policy. Deadlines, leases and
-// restarts always use the steady clock.
-enum class ClockSource {
-  kSteady,
-  kTopic,  // /clock: the time of a simulated world
-};
 
 // The exit code of a program that was called or configured wrongly: a restart does not help.
 inline constexpr int kUsageExitCode = 2;
@@ -159,6 +145,9 @@ struct MachineConfig {
 
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };
+
+// NoSuch() (suggest.hpp) for an actuator of `config`.
+std::string NoSuchActuator(std::string_view name, const MachineConfig& config);
 
 // The flow where a config has none: all transitions among Active, Protected, DeActive, LowPower and
 // OTA; from each of them and from Error to Error and TearDown; from Error to SelfCheck; and from a

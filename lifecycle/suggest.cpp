@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "musher/lifecycle/config.hpp"
 
 namespace musher {
 namespace {
@@ -87,13 +86,6 @@ std::string NoSuch(std::string_view what, std::string_view name,
   }
   return shown == names.size() ? text
                                : text + " and " + std::to_string(names.size() - shown) + " more";
-}
-
-std::string NoSuchActuator(std::string_view name, const MachineConfig& config) {
-  std::vector<std::string> names;
-  names.reserve(config.actuators.size());
-  for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
-  return NoSuch("actuator", name, names);
 }
 
 }  // namespace musher

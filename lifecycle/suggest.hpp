@@ -7,8 +7,6 @@
 
 namespace musher {
 
-struct MachineConfig;
-
 // The candidate nearest to `word` by edit distance, where swapped neighbours count as one edit and
 // upper and lower case are the same. Empty when none is near: a third of the word's length is
 // allowed to differ, at least one character and at most three. Of equally near ones the first wins;
@@ -21,6 +19,5 @@ std::string Nearest(std::string_view word, const std::vector<std::string>& candi
 // shortened.
 std::string NoSuch(std::string_view what, std::string_view name,
                    const std::vector<std::string>& names);
-std::string NoSuchActuator(std::string_view name, const MachineConfig& config);
 
 }  // namespace musher

@@ -92,9 +92,9 @@ Result<std::unique_ptr<Clock>> Clock::FromTopic(Node& node, std::function<void()
   return std::unique_ptr<Clock>(std::move(clock));
 }
 
-Result<std::unique_ptr<Clock>> Clock::Of(const MachineConfig& config, Node& node,
+Result<std::unique_ptr<Clock>> Clock::Of(ClockSource source, Node& node,
                                          std::function<void()> on_jump_back) {
-  if (config.clock == ClockSource::kTopic) return FromTopic(node, std::move(on_jump_back));
+  if (source == ClockSource::kTopic) return FromTopic(node, std::move(on_jump_back));
   return Steady(node.loop());
 }
 

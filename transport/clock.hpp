@@ -14,7 +14,7 @@
 #include <functional>
 #include <memory>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/network_profile.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
 #include "musher/transport/node.hpp"
 
@@ -33,8 +33,7 @@ class Clock {
   static Result<std::unique_ptr<Clock>> FromTopic(Node& node,
                                                   std::function<void()> on_jump_back = {});
 
-  // The clock that the machine's config selects.
-  static Result<std::unique_ptr<Clock>> Of(const MachineConfig& config, Node& node,
+  static Result<std::unique_ptr<Clock>> Of(ClockSource source, Node& node,
                                            std::function<void()> on_jump_back = {});
 
   // On /clock: Time{} plus the last sample.

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/network_profile.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
@@ -19,8 +19,9 @@ namespace musher::transport {
 
 class Endpoints {
  public:
-  // Both must outlive it.
-  Endpoints(Node& node, const MachineConfig& config) : node_(node), config_(config) {}
+  // `node` must outlive it.
+  Endpoints(Node& node, std::string name_space, ClockSource clock)
+      : node_(node), name_space_(std::move(name_space)), clock_source_(clock) {}
 
   Node& node() { return node_; }
 
@@ -82,7 +83,7 @@ class Endpoints {
   // The clock of the machine's modules, see [controller] clock.
   Clock& clock() {
     if (clock_) return *clock_;
-    auto made = Clock::Of(config_, node_);
+    auto made = Clock::Of(clock_source_, node_);
     if (!made) opened_ = made.error();
     clock_ = made ? std::move(made).value() : Clock::Steady(node_.loop());
     return *clock_;
@@ -100,9 +101,7 @@ class Endpoints {
   const Result<>& opened() const { return opened_; }
 
  private:
-  std::string Resolve(const std::string& name) const {
-    return ResolveName(config_.name_space, name);
-  }
+  std::string Resolve(const std::string& name) const { return ResolveName(name_space_, name); }
   template <class T>
   T* Keep(Result<std::unique_ptr<T>> made) {
     if (!made) {
@@ -115,7 +114,8 @@ class Endpoints {
   }
 
   Node& node_;
-  const MachineConfig& config_;
+  const std::string name_space_;
+  const ClockSource clock_source_;
   Result<> opened_;
   std::unique_ptr<Clock> clock_;
   std::vector<std::shared_ptr<void>> kept_;  // dropped before the clock, which timers need

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/network_profile.hpp"
 
 namespace musher::transport {
 

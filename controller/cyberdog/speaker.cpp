@@ -25,7 +25,7 @@ Result<std::unique_ptr<Speaker>> Speaker::Make(transport::Endpoints& endpoints,
 
 Result<> Speaker::Open(transport::Endpoints& endpoints) {
   loop_ = &endpoints.node().loop();
-  auto clock = transport::Clock::Of(shell_.config(), endpoints.node(),
+  auto clock = transport::Clock::Of(shell_.config().clock, endpoints.node(),
                                     [this] { Handle(voice_event::TimePassed{}); });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();

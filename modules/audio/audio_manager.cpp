@@ -40,7 +40,7 @@ Result<> AudioManager::SetUp() {
 
 Result<> AudioManager::MakeAll() {
   const auto log = [this](const std::string& line) { Log(line); };
-  auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
+  auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
     if (shell_) shell_->OnTimeJumped();
   });
   if (!clock) return clock.error();

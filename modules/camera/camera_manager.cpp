@@ -47,7 +47,7 @@ Result<> CameraManager::MakeCameras() {
     config_.service.folder = machine_config().state_dir + "/camera";
   }
   transport::Node& node = node_->node();
-  auto clock = transport::Clock::Of(machine_config(), node);
+  auto clock = transport::Clock::Of(machine_config().clock, node);
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
   const Dependencies dependencies = {

@@ -39,7 +39,7 @@ Result<> DeviceManager::SetUp() {
 }
 
 Result<> DeviceManager::MakeDevices() {
-  auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
+  auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
     if (devices_) devices_->OnTimeJumped();
   });
   if (!clock) return clock.error();

@@ -64,7 +64,7 @@ Result<> MotionManager::SetUp() {
 // On the loop.
 Result<> MotionManager::OpenShell() {
   transport::Node& node = loop_->node();
-  auto clock = transport::Clock::Of(machine_config(), node, [this] {
+  auto clock = transport::Clock::Of(machine_config().clock, node, [this] {
     if (shell_) shell_->Do(motion_event::WorldRestarted{});
   });
   if (!clock) return clock.error();

@@ -38,7 +38,7 @@ Result<> SensorManager::SetUp() {
 }
 
 Result<> SensorManager::MakeSensors() {
-  auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
+  auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
     if (sensors_) sensors_->OnTimeJumped();
   });
   if (!clock) return clock.error();

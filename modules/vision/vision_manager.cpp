@@ -46,7 +46,7 @@ Result<> VisionManager::SetUp() {
 }
 
 Result<> VisionManager::MakeTopics() {
-  auto clock = transport::Clock::Of(machine_config(), node_->node());
+  auto clock = transport::Clock::Of(machine_config().clock, node_->node());
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
   looker_ = std::make_unique<LookThread>(

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/network_profile.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/network_profile.hpp"
 #include "musher/messages/rmw_dds_common/participant_entities.hpp"
 #include "musher/transport/dds/entity.hpp"
 #include "musher/transport/dds/notifier.hpp"

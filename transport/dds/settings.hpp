@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/network_profile.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
