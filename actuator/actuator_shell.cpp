@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/health_monitor.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/lifecycle/health/health_monitor.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
@@ -26,9 +26,9 @@ constexpr Duration kLastQueryPeriod = Milliseconds(5);
 
 // Samples our own process; a simulated process has no sample.
 Checkpoints::Sample SampleOf(pid_t pid) {
-  return [pid](Time now) -> std::optional<transport::ProcessSample> {
+  return [pid](Time now) -> std::optional<ProcessSample> {
     if (pid != getpid()) return std::nullopt;
-    return transport::SampleProcess(pid, now);
+    return SampleProcess(pid, now);
   };
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The I/O around the actuator's decision code (lifecycle/actuator_core.hpp): samples and the
-// worker's results become events, actions become replies, callbacks and the latched status.
+// The I/O around the actuator's decision code (lifecycle/actuator/actuator_core.hpp): samples and
+// the worker's results become events, actions become replies, callbacks and the latched status.
 //
 // Threads: loop thread only. Runs on any transport; the simulation runs this class, too.
 
@@ -12,15 +12,15 @@
 #include "musher/actuator/checkpoints.hpp"
 #include "musher/actuator/fs_machine.hpp"
 #include "musher/actuator/worker.hpp"
-#include "musher/lifecycle/actuator_core.hpp"
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
-#include "musher/transport/battery_watch.hpp"
-#include "musher/transport/managed_node_endpoints.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/battery_watch.hpp"
+#include "musher/wire/managed_node_endpoints.hpp"
 
 namespace musher {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/report.hpp"
+#include "musher/lifecycle/actuator/report.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 namespace musher {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "musher/lifecycle/capability.hpp"
-#include "musher/lifecycle/report.hpp"
+#include "musher/lifecycle/actuator/capability.hpp"
+#include "musher/lifecycle/actuator/report.hpp"
 
 namespace musher {
 

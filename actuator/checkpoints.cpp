@@ -90,7 +90,7 @@ Duration Checkpoints::WaitOf(Watched& watched, Time now) const {
   const auto sample = sample_(now);
   if (!watched.before) watched.before = sample;
   if (!sample || !watched.before) return {};
-  return transport::ThreadWait(*watched.before, *sample, watched.thread).value_or(Duration::zero());
+  return ThreadWait(*watched.before, *sample, watched.thread).value_or(Duration::zero());
 }
 
 std::optional<Duration> Checkpoints::Period() const {

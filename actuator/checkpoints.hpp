@@ -20,16 +20,16 @@
 #include <mutex>
 #include <optional>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/health.hpp"
-#include "musher/transport/scheduling.hpp"
+#include "musher/base/scheduling.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/health/health.hpp"
 
 namespace musher {
 
 class Checkpoints {
  public:
   // Samples the threads of this process; nullopt if that is not possible.
-  using Sample = std::function<std::optional<transport::ProcessSample>(Time now)>;
+  using Sample = std::function<std::optional<ProcessSample>(Time now)>;
 
   Checkpoints(const ActuatorConfig& config, Sample sample);
 
@@ -60,10 +60,10 @@ class Checkpoints {
     pid_t thread = 0;
     Time last{};
     Duration allowance{};
-    Time looked{};      // of the last check
-    Duration waited{};  // for a CPU, until then
-    Duration unseen{};  // delay of late checks, in addition to `waited`
-    std::optional<transport::ProcessSample> before;  // from when half the allowance was over
+    Time looked{};                        // of the last check
+    Duration waited{};                    // for a CPU, until then
+    Duration unseen{};                    // delay of late checks, in addition to `waited`
+    std::optional<ProcessSample> before;  // from when half the allowance was over
   };
 
   static Watched Watch(bool on, pid_t thread, Duration allowance, Time now);

@@ -4,8 +4,8 @@
 #include <mutex>
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher {
 namespace {

@@ -17,10 +17,11 @@
 #include "musher/actuator/capability_gate.hpp"
 #include "musher/actuator/degraded_report.hpp"
 #include "musher/actuator/state_callbacks.hpp"
-#include "musher/lifecycle/config_toml.hpp"
-#include "musher/lifecycle/suggest.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/suggest.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/endpoints.hpp"
-#include "musher/transport/host.hpp"
+#include "musher/wire/dds_options.hpp"
 
 namespace musher {
 namespace {
@@ -70,8 +71,7 @@ class MachineActuator::Impl {
     config_->transport = profile.value();  // heartbeats depend on it, too
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
-    auto lock = transport::NameLock::Acquire(
-        transport::NameLock::NameOf(domain.value(), config_->name_space, name_));
+    auto lock = NameLock::Acquire(NameLock::NameOf(domain.value(), config_->name_space, name_));
     if (!lock) return lock.error();
     name_lock_.emplace(std::move(lock).value());
     if (node_ && node_->credentials() != options.credentials) {
@@ -174,7 +174,8 @@ class MachineActuator::Impl {
     if (!node) return Ok();
     Result<> opened;
     node->RunOnLoop([&] {
-      endpoints_ = std::make_unique<transport::Endpoints>(OwnNode(*node), *config_);
+      endpoints_ = std::make_unique<transport::Endpoints>(OwnNode(*node), config_->name_space,
+                                                          config_->clock);
       opened = RunGuarded([&]() -> Result<> {
         open(*endpoints_);
         return endpoints_->opened();
@@ -238,8 +239,7 @@ class MachineActuator::Impl {
     hooks.on_remark = [this](const std::string& line) { Log(line); };
     hooks.managed_node = config_->ros2.managed_nodes;
     auto shell = ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
-                                     {transport::NewIncarnation(), getpid(), transport::HostId()},
-                                     std::move(hooks));
+                                     {NewIncarnation(), getpid(), HostId()}, std::move(hooks));
     if (!shell) return SetSetUpResult(shell.error());
     shell_ = std::move(shell).value();
     {
@@ -267,7 +267,7 @@ class MachineActuator::Impl {
   StateCallbacks callbacks_;
   CapabilityGate gate_;
   DegradedReport degraded_;
-  std::optional<transport::NameLock> name_lock_;
+  std::optional<NameLock> name_lock_;
   std::atomic<bool> stop_requested_ = false;
   std::function<void()> on_poll_;  // of a fault-injection test; empty on a robot
   std::promise<Result<>> set_up_;

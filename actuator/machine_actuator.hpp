@@ -32,11 +32,11 @@
 #include <memory>
 #include <string>
 
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/state.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::transport {
 class Endpoints;

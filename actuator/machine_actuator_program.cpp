@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "musher/actuator/machine_actuator.hpp"
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher {
 

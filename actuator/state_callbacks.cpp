@@ -4,8 +4,8 @@
 #include <set>
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/suggest.hpp"
+#include "musher/base/code.hpp"
+#include "musher/base/suggest.hpp"
 
 namespace musher {
 

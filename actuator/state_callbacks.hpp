@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {

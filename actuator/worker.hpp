@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher {
 

@@ -6,19 +6,21 @@ install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INST
 install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
 # What a robot's project includes; what only Musher's own sources include stays here.
-foreach(folder lifecycle behavior messages transport actuator application controller simulation)
+foreach(folder base lifecycle wire behavior messages transport actuator application controller simulation)
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
           FILES_MATCHING PATTERN "*.hpp"
           PATTERN "lifecycle/decision.hpp" EXCLUDE
-          PATTERN "lifecycle/toml" EXCLUDE
+          PATTERN "base/toml" EXCLUDE
+          PATTERN "config/toml" EXCLUDE
           PATTERN "transport/dds" EXCLUDE
-          PATTERN "transport/keys" EXCLUDE
+          PATTERN "security" EXCLUDE
           PATTERN "controller/cli" EXCLUDE
+          PATTERN "actuator/program" EXCLUDE
           PATTERN "idl" EXCLUDE)
 endforeach()
 foreach(header document findings module_file table_reader)  # for the TOML file of a module
-  install(FILES ${CMAKE_SOURCE_DIR}/lifecycle/toml/${header}.hpp
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/lifecycle/toml)
+  install(FILES ${CMAKE_SOURCE_DIR}/base/toml/${header}.hpp
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/base/toml)
 endforeach()
 install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)

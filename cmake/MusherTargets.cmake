@@ -4,7 +4,7 @@
 # build tree has a folder "musher" of links to the source folders.
 set(MUSHER_INCLUDE_DIR ${CMAKE_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
-foreach(folder lifecycle messages transport actuator controller simulation behavior application modules test)
+foreach(folder base lifecycle wire messages transport actuator controller simulation behavior application modules test)
   if(IS_DIRECTORY ${CMAKE_SOURCE_DIR}/${folder})
     file(CREATE_LINK ${CMAKE_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
   endif()

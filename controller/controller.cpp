@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <utility>
 
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
 #include "musher/controller/cyberdog/serial_number.hpp"
 #include "musher/controller/end_controller.hpp"
-#include "musher/lifecycle/config_toml.hpp"
-#include "musher/transport/files.hpp"
-#include "musher/transport/host.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher {
 namespace {
@@ -24,7 +24,7 @@ class NoJournal : public JournalSink {
 
 // The text of the config; empty if its file has changed or is too large for the journal.
 std::string TextOf(const MachineConfig& config) {
-  std::string text = transport::ReadFile(config.file);
+  std::string text = ReadFile(config.file);
   const bool fits = static_cast<std::int64_t>(text.size()) < config.journal_size_bytes / 8;
   return fits && ConfigHash(text) == config.hash ? text : std::string();
 }
@@ -79,7 +79,7 @@ Result<> Controller::Open() {
   if (auto opened = OpenShell(); !opened) return opened;
   for (const ActuatorConfig& actuator : config_.actuators) {
     if (actuator.protocol != Protocol::kMusher) continue;
-    held_ += transport::NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
+    held_ += NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
   }
   listen_for_others_ |= config_.transport == TransportProfile::kLan;
   const Duration listen = listen_for_others_ ? ListenTime(config_) : Duration{};
@@ -141,9 +141,9 @@ Result<> Controller::OpenStore() {
 // One controller leads the actuators of a namespace, whatever its folder is.
 Result<> Controller::TakeName() {
   const std::string name = LockOf("musher/controller");
-  auto lock = transport::NameLock::Acquire(name);
+  auto lock = NameLock::Acquire(name);
   if (!lock && lock.error().code == kCodeTargetBusy) {
-    const transport::NameLock::Holder holder = transport::NameLock::HolderOf(name);
+    const NameLock::Holder holder = NameLock::HolderOf(name);
     const std::string leads =
         "the actuators of " + (config_.name_space.empty()
                                    ? std::string("the empty namespace")
@@ -163,13 +163,13 @@ Result<> Controller::TakeName() {
                        "beside it"};
     }
     // A controller that we may not signal releases control when it receives a higher epoch.
-    const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
+    const auto is_it = [&] { return NameLock::CheckHolder(name, holder.pid); };
     // The list of processes of another user could name any process of the host.
     if (holder.trusted) taken_from_ = StateDirOfProcess(holder.pid);
     listen_for_others_ = !holder.trusted || !EndController(holder.pid, is_it);
     options_.adopt |= !listen_for_others_;
     if (listen_for_others_) return Ok();
-    lock = transport::NameLock::Acquire(name);
+    lock = NameLock::Acquire(name);
   }
   if (!lock) return lock.error();
   name_.emplace(std::move(lock).value());
@@ -190,7 +190,7 @@ Result<> Controller::MayTakeOver(pid_t controller) const {
 }
 
 std::string Controller::LockOf(const std::string& actuator) const {
-  return transport::NameLock::NameOf(domain_id_, config_.name_space, actuator);
+  return NameLock::NameOf(domain_id_, config_.name_space, actuator);
 }
 
 Result<> Controller::OpenShell() {
@@ -231,15 +231,13 @@ Result<> Controller::OpenShell() {
                                               OnSaved done) {
     save(
         Stored::kRemoteActuators,
-        [actuators](StateStore& store) {
-          return store.SaveRemoteActuators(actuators, transport::HostId());
-        },
+        [actuators](StateStore& store) { return store.SaveRemoteActuators(actuators, HostId()); },
         std::move(done));
   };
   if (store_) {
     dependencies.save_children = [this](const std::vector<ChildProcess>& children, OnSaved done) {
       const auto write = [store = store_, children] {
-        return store->SaveChildren(children, transport::HostId());
+        return store->SaveChildren(children, HostId());
       };
       disk_.Do("processes", write, std::move(done));
     };
@@ -250,7 +248,7 @@ Result<> Controller::OpenShell() {
   };
   dependencies.wall_ns = WallNanoseconds;
   dependencies.config_text = TextOf(config_);
-  dependencies.host = transport::HostId();
+  dependencies.host = HostId();
   dependencies.pid = getpid();
   dependencies.incarnation = incarnation_;
   ControllerShell::Hooks hooks = options_.hooks;
@@ -332,7 +330,7 @@ void Controller::Begin() {
     begin.stops = store_->LoadEmergencyStops();
     begin.policy = store_->LoadPolicy();
     begin.stop_intent = store_->LoadStopIntent();
-    begin.remote = store_->LoadRemoteActuators(transport::HostId());
+    begin.remote = store_->LoadRemoteActuators(HostId());
   }
   shell_->Begin(std::move(begin), children);
 }

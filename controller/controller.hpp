@@ -9,17 +9,17 @@
 #include <memory>
 #include <string>
 
-#include "musher/controller/controller_services.hpp"
-#include "musher/controller/controller_shell.hpp"
+#include "musher/base/host.hpp"
 #include "musher/controller/cyberdog/manager.hpp"
-#include "musher/controller/disk_writer.hpp"
-#include "musher/controller/journal.hpp"
-#include "musher/controller/log_files.hpp"
-#include "musher/controller/process_probe.hpp"
-#include "musher/controller/process_supervisor.hpp"
-#include "musher/controller/ros2_tools.hpp"
-#include "musher/controller/state_store.hpp"
-#include "musher/transport/host.hpp"
+#include "musher/controller/journal/journal.hpp"
+#include "musher/controller/process/process_probe.hpp"
+#include "musher/controller/process/process_supervisor.hpp"
+#include "musher/controller/ros2/ros2_tools.hpp"
+#include "musher/controller/shell/controller_services.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/controller/storage/log_files.hpp"
+#include "musher/controller/storage/state_store.hpp"
+#include "musher/transport/disk_writer.hpp"
 
 namespace musher {
 
@@ -90,15 +90,15 @@ class Controller {
   ControllerOptions options_;
   std::shared_ptr<StateStore> store_;  // null if the folder is unusable; pending saves hold it, too
   std::unique_ptr<JournalSink> journal_;
-  Journal* file_journal_ = nullptr;          // the same, when there is a store
-  std::optional<HistoryReader> history_;     // of that one
-  std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
-  std::size_t held_ = 0;                     // actuators of this host whose name is held
-  std::string taken_from_;                   // state folder of the controller that was taken over
-  std::string last_config_hash_;             // of the config of the previous controller
-  bool listen_for_others_ = false;           // another controller may already lead
-  const std::uint64_t incarnation_ = transport::NewIncarnation();
-  DiskWriter disk_;
+  Journal* file_journal_ = nullptr;       // the same, when there is a store
+  std::optional<HistoryReader> history_;  // of that one
+  std::optional<NameLock> name_;          // of the leader of this namespace on this host
+  std::size_t held_ = 0;                  // actuators of this host whose name is held
+  std::string taken_from_;                // state folder of the controller that was taken over
+  std::string last_config_hash_;          // of the config of the previous controller
+  bool listen_for_others_ = false;        // another controller may already lead
+  const std::uint64_t incarnation_ = NewIncarnation();
+  transport::DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
   KernelProbe process_probe_;

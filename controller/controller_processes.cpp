@@ -5,8 +5,8 @@
 #include <csignal>
 #include <utility>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/controller.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher {
 namespace {
@@ -24,13 +24,13 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
   std::vector<ChildProcess> stored;
   for (const std::string& folder : {store_ ? config_.state_dir : std::string(), taken_from_}) {
     if (folder.empty()) continue;
-    const auto more = StateStore::LoadChildren(folder, transport::HostId());
+    const auto more = StateStore::LoadChildren(folder, HostId());
     stored.insert(stored.end(), more.begin(), more.end());
   }
   std::vector<MarkedActuator> marked;
   for (const ActuatorConfig& actuator : config_.actuators) {
     const std::string name = LockOf(actuator.name);
-    begin.running.push_back(transport::NameLock::IsHeld(name));
+    begin.running.push_back(NameLock::IsHeld(name));
     begin.processes.push_back(0);
     if (!actuator.command.empty()) marked.push_back({actuator.name, name, begin.running.back()});
   }
@@ -52,7 +52,7 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
 
 pid_t Controller::HolderOf(std::size_t i) {
   const std::string& actuator = config_.actuators[i].name;
-  const auto holder = transport::NameLock::HolderOf(LockOf(actuator));
+  const auto holder = NameLock::HolderOf(LockOf(actuator));
   if (holder.trusted) return holder.pid;
   shell_->Remark(kCodePermissionDenied,
                  holder.Text() + " holds the name of " + actuator +
@@ -64,7 +64,7 @@ pid_t Controller::HolderOf(std::size_t i) {
 // Stops a process that no controller controls any more. A process that holds its name is reported
 // instead, see ControllerShell::RecordUnlisted.
 void Controller::EndUnlisted(const ChildProcess& child) {
-  if (transport::NameLock::IsHeld(LockOf(child.actuator))) return;
+  if (NameLock::IsHeld(LockOf(child.actuator))) return;
   if (!processes_.Adopt(child.pid, child.start_time, nullptr)) return;
   shell_->Remark(kCodeStateInvalid, child.actuator + " (pid " + std::to_string(child.pid) +
                                         ") was started by an earlier controller, and " +

@@ -7,9 +7,9 @@
 #include <cerrno>
 #include <csignal>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/controller.hpp"
-#include "musher/controller/state_store.hpp"
-#include "musher/transport/host.hpp"
+#include "musher/controller/storage/state_store.hpp"
 
 namespace musher {
 namespace {
@@ -21,16 +21,16 @@ constexpr int kEndTimeoutMs = 5000;
 
 Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
   const std::string who = "the previous controller (pid " + std::to_string(pid) + ")";
-  auto process = transport::OpenPidfd(pid);
+  auto process = OpenPidfd(pid);
   if (!process) return Ok();  // it has exited meanwhile
   if (auto proven = is_it(); !proven) return proven;
   pollfd ended{process.value().get(), POLLIN, 0};
   const auto send = [&](int signal) {
     return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
   };
-  if (!send(kLetGoSignal)) return transport::SystemError("can't end " + who);
+  if (!send(kLetGoSignal)) return SystemError("can't end " + who);
   if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
-  if (!send(SIGKILL)) return transport::SystemError("can't end " + who);
+  if (!send(SIGKILL)) return SystemError("can't end " + who);
   if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
   return Error{kCodeTimeout, who + " does not exit, not even after SIGKILL"};
 }

@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher {
 

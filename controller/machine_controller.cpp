@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "musher/controller/controller.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/wire/dds_options.hpp"
 
 namespace musher {
 

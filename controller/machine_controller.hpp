@@ -18,10 +18,10 @@
 #include <memory>
 #include <string>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/switch_result.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/switch/switch_result.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher {
 

@@ -15,13 +15,13 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/health.hpp"
-#include "musher/lifecycle/plan.hpp"
-#include "musher/lifecycle/policy.hpp"
-#include "musher/lifecycle/report.hpp"
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/switch_result.hpp"
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/actuator/report.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
+#include "musher/lifecycle/switch/switch_result.hpp"
 
 namespace musher {
 

@@ -47,7 +47,7 @@
 #include <utility>
 
 #include "musher/actuator/callback_harness.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/simulation/fault_test.hpp"
 
 namespace musher::simulation {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/coordinator.hpp"
-#include "musher/lifecycle/flow.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
 
 namespace musher::simulation {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::simulation {
 namespace {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/controller/switch_client.hpp"
+#include "musher/controller/client/switch_client.hpp"
 #include "musher/simulation/hosts.hpp"
 
 namespace musher::simulation {

@@ -7,8 +7,9 @@
 #include <sstream>
 #include <utility>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/simulation/timeline.hpp"
+#include "musher/wire/dds_options.hpp"
 
 namespace musher::simulation {
 namespace {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::simulation {
@@ -50,9 +50,9 @@ class Hosts {
 
   std::size_t size() const { return hosts_.size(); }
   const std::string& name(std::size_t host) const { return hosts_[host].name; }
-  // What transport::HostId() returns on that host: the name and the boot.
+  // What HostId() returns on that host: the name and the boot.
   std::string Id(std::size_t host) const;
-  // What transport::NewIncarnation() returns there: the time since its boot, in ns; never the same
+  // What NewIncarnation() returns there: the time since its boot, in ns; never the same
   // value twice.
   std::uint64_t NewIncarnation(std::size_t host);
   std::int32_t NewPid(std::size_t host) { return hosts_[host].next_pid++; }

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/simulation/phase.hpp"
 
 namespace musher::simulation {

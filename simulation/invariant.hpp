@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::simulation {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "musher/actuator/callback_harness.hpp"
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::simulation {
 namespace {

@@ -4,7 +4,7 @@
 #include <deque>
 #include <map>
 
-#include "musher/lifecycle/flow.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
 
 namespace musher::simulation {
 

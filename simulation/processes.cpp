@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/flow.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::simulation {
 

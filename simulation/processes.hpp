@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "musher/actuator/actuator_shell.hpp"
-#include "musher/controller/process_runner.hpp"
-#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/controller/process/process_runner.hpp"
+#include "musher/lifecycle/health/health_monitor.hpp"
 #include "musher/simulation/hosts.hpp"
 #include "musher/transport/sim/network.hpp"
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/messages/cdr.hpp"
 
 namespace musher::transport {

@@ -12,7 +12,7 @@
 #include <functional>
 #include <memory>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::transport {
 

@@ -15,9 +15,9 @@
 #include <mutex>
 #include <optional>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/transport/event_loop.hpp"
 #include "musher/transport/timer_queue.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::transport {
 

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::fsm {
 

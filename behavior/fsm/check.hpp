@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/diagnostic.hpp"
 #include "musher/behavior/fsm/chart.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
 
 namespace musher::fsm {
 

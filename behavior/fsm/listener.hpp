@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "musher/base/time.hpp"
 #include "musher/behavior/fsm/ids.hpp"
-#include "musher/lifecycle/time.hpp"
 
 namespace musher::fsm {
 

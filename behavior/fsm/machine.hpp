@@ -31,11 +31,11 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/base/result.hpp"
 #include "musher/behavior/fsm/chart.hpp"
 #include "musher/behavior/fsm/history.hpp"
 #include "musher/behavior/fsm/listener.hpp"
 #include "musher/behavior/fsm/state.hpp"
-#include "musher/lifecycle/result.hpp"
 
 namespace musher::fsm {
 

@@ -5,9 +5,9 @@
 #include <exception>
 #include <utility>
 
+#include "musher/base/suggest.hpp"
 #include "musher/behavior/fsm/check.hpp"
 #include "musher/behavior/fsm/machine.hpp"
-#include "musher/lifecycle/suggest.hpp"
 
 namespace musher::fsm {
 namespace {

@@ -5,10 +5,10 @@
 #include <charconv>
 #include <utility>
 
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/suggest.hpp"
 #include "musher/behavior/fsm/recording_text.hpp"
 #include "musher/behavior/fsm/replay.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/suggest.hpp"
 
 namespace musher::fsm {
 namespace {

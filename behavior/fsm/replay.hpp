@@ -16,8 +16,8 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/base/result.hpp"
 #include "musher/behavior/fsm/machine.hpp"
-#include "musher/lifecycle/result.hpp"
 
 namespace musher::fsm {
 

@@ -5,8 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include "musher/base/suggest.hpp"
 #include "musher/behavior/fsm/snapshot.hpp"
-#include "musher/lifecycle/suggest.hpp"
 
 namespace musher::fsm {
 namespace {

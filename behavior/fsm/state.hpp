@@ -30,10 +30,10 @@
 #include <optional>
 #include <string_view>
 
+#include "musher/base/time.hpp"
 #include "musher/behavior/fsm/archive.hpp"
 #include "musher/behavior/fsm/chart.hpp"
 #include "musher/behavior/fsm/ids.hpp"
-#include "musher/lifecycle/time.hpp"
 
 namespace musher::fsm {
 

@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "musher/lifecycle/suggest.hpp"
-#include "musher/lifecycle/toml/names.hpp"
+#include "musher/base/suggest.hpp"
+#include "musher/base/toml/names.hpp"
 
 namespace musher::cli {
 namespace {

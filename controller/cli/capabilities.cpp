@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "musher/base/suggest.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
-#include "musher/lifecycle/suggest.hpp"
 
 namespace musher::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/ros_check.hpp"
 #include "musher/controller/ota/root.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {

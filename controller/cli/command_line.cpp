@@ -4,9 +4,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "musher/base/suggest.hpp"
+#include "musher/base/version.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
-#include "musher/lifecycle/suggest.hpp"
-#include "musher/lifecycle/version.hpp"
 
 namespace musher::cli {
 namespace {

@@ -7,15 +7,15 @@
 #include <memory>
 #include <vector>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/behavior_request.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
@@ -92,8 +92,7 @@ Words Commands(const CompleteOptions& options, GlobalOptions global) {
 Words RunningHere(const std::string& name_space) {
   const auto domain = transport::DomainId({});
   if (!domain) return {};
-  return transport::NameLock::HeldBelow(
-      transport::NameLock::NameOf(domain.value(), name_space, ""));
+  return NameLock::HeldBelow(NameLock::NameOf(domain.value(), name_space, ""));
 }
 
 // The names of the running machine; none if it is not discovered in time.
@@ -115,7 +114,7 @@ Words OfMachine(const GlobalOptions& global, Names names) {
   if (!link.status()) return {};
   if (names == Names::kCapabilities) return Capabilities(link);
   const msg::MachineStatus& status = *link.status();
-  if (status.host != transport::HostId()) return {};
+  if (status.host != HostId()) return {};
   const auto config = ReadConfigFile(status.config_file).config;
   return config ? Of(*config, names) : Words{};
 }

@@ -1,7 +1,7 @@
 #include "musher/controller/cli/config_file.hpp"
 
 #include "musher/controller/cli/render/json.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "musher/controller/cli/console.hpp"
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 namespace musher::cli {
 

@@ -10,10 +10,10 @@
 #include <mutex>
 #include <utility>
 
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/wall_time.hpp"
-#include "musher/controller/private_folder.hpp"
-#include "musher/transport/host.hpp"
-#include "musher/transport/unique_fd.hpp"
+#include "musher/controller/storage/private_folder.hpp"
 
 namespace musher::cli {
 namespace {
@@ -31,7 +31,7 @@ struct ControllerLog::State {
   const std::string path;
 
   // Used by the disk thread only.
-  transport::UniqueFd file;
+  UniqueFd file;
   bool took_output = false;  // stdout and stderr
   bool reported = false;
 
@@ -70,7 +70,7 @@ struct ControllerLog::State {
       if (text.empty()) return Ok();
       const std::size_t written = WriteSome(text);
       if (written == text.size()) continue;
-      const Error error = transport::SystemError("can't write " + path);
+      const Error error = SystemError("can't write " + path);
       const std::lock_guard lock(mutex);
       waiting.insert(0, text, written);
       return error;
@@ -86,9 +86,9 @@ struct ControllerLog::State {
       return Ok();
     }
     auto made = MakePrivateFolder(std::filesystem::path(path).parent_path());
-    file = transport::UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+    file = UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
     if (file.valid()) made = Ok();
-    if (!file.valid() && made) made = transport::SystemError("can't write " + path);
+    if (!file.valid() && made) made = SystemError("can't write " + path);
     if (!made && !std::exchange(reported, true)) {
       std::fprintf(stderr, "musher: no log: %s\n", made.error().message.c_str());
     }
@@ -98,7 +98,7 @@ struct ControllerLog::State {
 
   void TakeStandardOutput() {
     took_output = true;
-    const transport::UniqueFd nowhere(open("/dev/null", O_RDWR | O_CLOEXEC));
+    const UniqueFd nowhere(open("/dev/null", O_RDWR | O_CLOEXEC));
     const int target = file.valid() ? file.get() : nowhere.get();
     for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) dup2(target, fd);
   }
@@ -115,7 +115,7 @@ struct ControllerLog::State {
   }
 };
 
-ControllerLog::ControllerLog(DiskWriter& disk, std::string path)
+ControllerLog::ControllerLog(transport::DiskWriter& disk, std::string path)
     : disk_(disk), state_(std::make_shared<State>(std::move(path))) {}
 
 void ControllerLog::Write(std::string_view line, std::int32_t code) {

@@ -13,15 +13,15 @@
 #include <string>
 #include <string_view>
 
-#include "musher/controller/disk_writer.hpp"
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
+#include "musher/transport/disk_writer.hpp"
 
 namespace musher::cli {
 
 class ControllerLog {
  public:
   // The first line opens the file. The disk must outlive the log.
-  ControllerLog(DiskWriter& disk, std::string path);
+  ControllerLog(transport::DiskWriter& disk, std::string path);
 
   // A `code` other than 0 makes the line a warning. An unusable file is reported once on stderr.
   void Write(std::string_view line, std::int32_t code = kCodeOk);
@@ -29,7 +29,7 @@ class ControllerLog {
  private:
   struct State;
 
-  DiskWriter& disk_;
+  transport::DiskWriter& disk_;
   const std::shared_ptr<State> state_;  // shared with the disk thread
 };
 

@@ -11,6 +11,7 @@
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/wire/dds_options.hpp"
 
 namespace musher::cli {
 namespace {
@@ -20,7 +21,7 @@ constexpr Duration kLastWrites = Milliseconds(2000);  // for the disk, at the en
 
 void LeaveTerminal() {
   setsid();
-  const transport::UniqueFd nothing(open("/dev/null", O_RDWR | O_CLOEXEC));
+  const UniqueFd nothing(open("/dev/null", O_RDWR | O_CLOEXEC));
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO}) dup2(nothing.get(), fd);
 }
 
@@ -37,14 +38,14 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                                     transport::UniqueFd progress, pid_t launcher, Start start)
+                                     UniqueFd progress, pid_t launcher, Start start)
     : config_(config),
       run_(std::move(run)),
       launcher_(launcher),
       start_(start),
       signals_(TakeEndSignals()),
       release_(TakeSignals({kLetGoSignal})),
-      again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
+      again_(run_ ? TakeSignals({kStartAgainSignal}) : UniqueFd()),
       children_(TakeSignals({SIGCHLD})),
       progress_(loop_, std::move(progress)),
       disk_(loop_, {.name = "controller.log"}),

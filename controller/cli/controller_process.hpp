@@ -26,7 +26,7 @@
 #include "musher/controller/cli/service_manager.hpp"
 #include "musher/controller/cli/slot_run.hpp"
 #include "musher/controller/controller.hpp"
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::cli {
@@ -42,8 +42,8 @@ class ControllerProcess {
   // `launcher`: pid of the process in the foreground, 0 for none. If it is killed, this process is
   // killed too, until the launcher detaches: after a failed start, or when its terminal was closed
   // (SIGHUP).
-  ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                    transport::UniqueFd progress, pid_t launcher, Start start);
+  ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run, UniqueFd progress,
+                    pid_t launcher, Start start);
 
   // To be called in a new process, before it has threads. Returns its exit code.
   int Run();
@@ -73,13 +73,13 @@ class ControllerProcess {
   const Start start_;
   bool start_again_ = false;
   ExitCode exit_ = ExitCode::kDone;
-  transport::UniqueFd signals_;
-  transport::UniqueFd release_;
-  transport::UniqueFd again_;
-  transport::UniqueFd children_;
+  UniqueFd signals_;
+  UniqueFd release_;
+  UniqueFd again_;
+  UniqueFd children_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
-  DiskWriter disk_;  // for the log and the end of a trial boot
+  transport::DiskWriter disk_;  // for the log and the end of a trial boot
   ControllerLog log_;
   ServiceManager service_manager_;
   std::unique_ptr<transport::Node> node_;

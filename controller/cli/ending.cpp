@@ -8,10 +8,10 @@
 #include <csignal>
 #include <utility>
 
+#include "musher/base/host.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 namespace {
@@ -22,13 +22,13 @@ constexpr Duration kTerminateTime = Milliseconds(2000);
 constexpr Duration kKillTime = Milliseconds(1000);
 constexpr Duration kHeartbeatPeriod = Milliseconds(200);
 
-bool HasEnded(const transport::UniqueFd& process) {
+bool HasEnded(const UniqueFd& process) {
   pollfd ended{process.get(), POLLIN, 0};
   return poll(&ended, 1, 0) == 1;
 }
 
 // Signals its whole process group if it leads one other than that of this process.
-void Send(const transport::UniqueFd& process, pid_t pid, int signal) {
+void Send(const UniqueFd& process, pid_t pid, int signal) {
   if (syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0) != 0) return;
   if (getpgid(pid) == pid && pid != getpgrp()) kill(-pid, signal);
 }
@@ -56,13 +56,12 @@ Result<> Ending::Open() {
     target.outcome.name = name;
     target.outcome.pid = actuator.status.pid;
     epoch_ = std::max(epoch_, actuator.status.epoch + 1);
-    if (actuator.status.host == transport::HostId()) {
-      const std::string lock = transport::NameLock::NameOf(domain, name_space_, name);
-      auto process = transport::OpenPidfd(actuator.status.pid);
+    if (actuator.status.host == HostId()) {
+      const std::string lock = NameLock::NameOf(domain, name_space_, name);
+      auto process = OpenPidfd(actuator.status.pid);
       // Opens the pidfd first, then checks it: a pid in a status is unproven.
-      const bool proven = actuator.child
-                              ? IsRunning(*actuator.child)
-                              : transport::NameLock::CheckHolder(lock, actuator.status.pid).ok();
+      const bool proven = actuator.child ? IsRunning(*actuator.child)
+                                         : NameLock::CheckHolder(lock, actuator.status.pid).ok();
       target.here = process && proven;
       if (target.here) target.process = std::move(process).value();
     }
@@ -79,8 +78,8 @@ Result<> Ending::Open() {
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
-  heartbeat_ = {"musher down",       epoch_,   transport::NewIncarnation(),
-                transport::HostId(), getpid(), kHeartbeatPeriod.count()};
+  heartbeat_ = {"musher down", epoch_,   NewIncarnation(),
+                HostId(),      getpid(), kHeartbeatPeriod.count()};
   if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/running.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/service.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
 
@@ -50,7 +50,7 @@ class Ending {
     bool here = false;  // a process of this host, proven to hold the actuator's name
     bool commanded = false;
     std::unique_ptr<transport::Client<msg::ActuatorCommand>> commands;
-    transport::UniqueFd process;
+    UniqueFd process;
     std::optional<Time> torn_down_at;
     std::optional<Time> terminated_at;
     bool killed = false;

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::cli {
 

@@ -12,8 +12,8 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/controller/cli/why.hpp"
-#include "musher/controller/journal_reader.hpp"
-#include "musher/controller/wire.hpp"
+#include "musher/controller/journal/journal_reader.hpp"
+#include "musher/controller/shell/wire.hpp"
 
 namespace musher::cli {
 namespace {

@@ -11,7 +11,8 @@
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/keys/authority.hpp"
+#include "musher/wire/dds_options.hpp"
+#include "musher/wire/security/authority.hpp"
 
 namespace musher::cli {
 namespace {

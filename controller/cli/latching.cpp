@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/health.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 namespace {

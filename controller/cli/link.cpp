@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "musher/base/host.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 
@@ -83,11 +83,11 @@ std::optional<Failure> Link::AwaitStatus() {
 
 bool Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
   const Time deadline = loop_.Now() + timeout;
-  if (controller.host.empty() || controller.host != transport::HostId()) {
+  if (controller.host.empty() || controller.host != HostId()) {
     loop_.RunUntil([this] { return !status_ || interrupted_; }, deadline);
     return !status_;
   }
-  const auto process = transport::OpenPidfd(controller.pid);
+  const auto process = OpenPidfd(controller.pid);
   if (!process) return true;
   bool ended = false;
   const auto watch = loop_.WhenReadable(process.value().get(), [&ended] { ended = true; });
@@ -148,9 +148,8 @@ Failure Link::NotFound(const std::string& what) const {
 }
 
 pid_t Link::LeaderHere() const {
-  return transport::NameLock::HolderOf(transport::NameLock::NameOf(transport::DomainId({}).value(),
-                                                                   global_.name_space,
-                                                                   "musher/controller"))
+  return NameLock::HolderOf(NameLock::NameOf(transport::DomainId({}).value(), global_.name_space,
+                                             "musher/controller"))
       .pid;
 }
 

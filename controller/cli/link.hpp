@@ -20,10 +20,10 @@
 #include "musher/controller/cli/options.hpp"
 #include "musher/controller/cli/signals.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 
@@ -96,7 +96,7 @@ class Link {
   std::string UnreachableController() const;
 
   const GlobalOptions& global_;
-  transport::UniqueFd signals_;  // before the node: its threads inherit the mask
+  UniqueFd signals_;  // before the node: its threads inherit the mask
   transport::LinuxEventLoop loop_;
   bool interrupted_ = false;
   transport::LoopHandlePtr signal_watch_;

@@ -27,7 +27,7 @@ Notifier::Notifier(transport::EventLoop& loop) : loop_(loop) {
   std::copy(path.begin(), path.end(), std::begin(address_.sun_path));
   if (path.starts_with('@')) address_.sun_path[0] = '\0';
   address_size_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
-  socket_ = transport::UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  socket_ = UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 Notifier::~Notifier() {

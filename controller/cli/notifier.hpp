@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/transport/event_loop.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
 
@@ -41,7 +41,7 @@ class Notifier {
   void SendQueued();
 
   transport::EventLoop& loop_;
-  transport::UniqueFd socket_;
+  UniqueFd socket_;
   sockaddr_un address_{};
   socklen_t address_size_ = 0;
   std::vector<std::string> queued_;

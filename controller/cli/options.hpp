@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::cli {
 

@@ -15,7 +15,7 @@
 #include "musher/controller/ota/install.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/signature.hpp"
-#include "musher/transport/keys/authority.hpp"
+#include "musher/wire/security/authority.hpp"
 
 namespace musher::cli {
 namespace {

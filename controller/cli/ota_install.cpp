@@ -14,7 +14,7 @@
 #include "musher/controller/ota/install.hpp"
 #include "musher/controller/ota/install_flow.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::cli {
 namespace {

@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/slot_run.hpp"
 #include "musher/controller/ota/fault.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/policy_request.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
@@ -159,13 +159,13 @@ Result<> RootMachine::LeaveOta() {
 }
 
 Result<> RootMachine::StartAgain() {
-  const auto process = transport::OpenPidfd(pid_);
+  const auto process = OpenPidfd(pid_);
   if (!process) return process.error();
   if (ota::HolderOf(root_.RunLock()) != pid_) {
     return Error{kCodeStateInvalid, "the machine's controller has exited meanwhile"};
   }
   // The pid in the lock file proves nothing; the lock does.
-  if (!transport::HoldsLockOn(pid_, root_.RunLock())) {
+  if (!HoldsLockOn(pid_, root_.RunLock())) {
     return Error{kCodePermissionDenied,
                  root_.RunLock() + " names process " + std::to_string(pid_) +
                      ", which does not hold its lock or cannot be inspected; no process is "
@@ -174,7 +174,7 @@ Result<> RootMachine::StartAgain() {
   const long sent =
       syscall(SYS_pidfd_send_signal, process.value().get(), kStartAgainSignal, nullptr, 0);
   if (sent == 0) return Ok();
-  return transport::SystemError("can't signal the controller (pid " + std::to_string(pid_) + ")");
+  return SystemError("can't signal the controller (pid " + std::to_string(pid_) + ")");
 }
 
 std::optional<Result<>> RootMachine::TrialBootEnd() const {
@@ -186,13 +186,13 @@ std::optional<Result<>> RootMachine::TrialBootEnd() const {
 }
 
 Result<> RootMachine::AwaitTrialBoot() {
-  const auto process = transport::OpenPidfd(pid_);
+  const auto process = OpenPidfd(pid_);
   if (!process) return process.error();
   bool ended = false;
   const auto watch = link_->loop().WhenReadable(process.value().get(), [&ended] { ended = true; });
-  const transport::UniqueFd changes(inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
+  const UniqueFd changes(inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
   if (inotify_add_watch(changes.get(), root_.path().c_str(), IN_MOVED_TO) < 0) {
-    return transport::SystemError("can't watch " + root_.path());
+    return SystemError("can't watch " + root_.path());
   }
   const auto changed = link_->loop().WhenReadable(changes.get(), [&changes] {
     std::array<char, 4096> events{};

@@ -19,10 +19,10 @@
 #include <string>
 #include <string_view>
 
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/config_places.hpp"
-#include "musher/transport/host.hpp"
 #include "musher/transport/ros_environment.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
 namespace {
@@ -81,7 +81,7 @@ struct Ran {
 };
 
 bool ExitsWithin(pid_t pid, Duration timeout) {
-  const auto process = transport::OpenPidfd(pid);
+  const auto process = OpenPidfd(pid);
   if (!process) return false;
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
@@ -103,7 +103,7 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
   argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const transport::UniqueFd output(memfd_create("check", MFD_CLOEXEC));
+  const UniqueFd output(memfd_create("check", MFD_CLOEXEC));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);

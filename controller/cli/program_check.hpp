@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 namespace musher::cli {
 

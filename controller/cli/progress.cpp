@@ -15,12 +15,12 @@ constexpr Duration kRetryPeriod = Milliseconds(100);
 
 }  // namespace
 
-std::pair<transport::UniqueFd, transport::UniqueFd> MakeProgressPair() {
+std::pair<UniqueFd, UniqueFd> MakeProgressPair() {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw std::system_error(errno, std::generic_category(), "socketpair");
   }
-  return {transport::UniqueFd(ends[0]), transport::UniqueFd(ends[1])};
+  return {UniqueFd(ends[0]), UniqueFd(ends[1])};
 }
 
 void ProgressSender::Send(const Progress& progress) {
@@ -52,7 +52,7 @@ void ProgressSender::Flush() {
   }
 }
 
-ProgressReceiver::ProgressReceiver(transport::EventLoop& loop, transport::UniqueFd socket,
+ProgressReceiver::ProgressReceiver(transport::EventLoop& loop, UniqueFd socket,
                                    std::function<void(const Progress&)> on_progress,
                                    std::function<void()> on_end)
     : socket_(std::move(socket)),

@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/messages/cdr.hpp"
 #include "musher/transport/event_loop.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
 
@@ -38,13 +38,13 @@ struct Progress {
 };
 
 // The two ends of a connection that keeps message boundaries.
-std::pair<transport::UniqueFd, transport::UniqueFd> MakeProgressPair();
+std::pair<UniqueFd, UniqueFd> MakeProgressPair();
 
 // The controller's end. Never blocks: messages that a stopped launcher does not read wait here;
 // once the launcher has exited, nothing is sent any more.
 class ProgressSender {
  public:
-  ProgressSender(transport::EventLoop& loop, transport::UniqueFd socket)
+  ProgressSender(transport::EventLoop& loop, UniqueFd socket)
       : loop_(loop), socket_(std::move(socket)) {}
 
   void Send(const Progress& progress);
@@ -53,7 +53,7 @@ class ProgressSender {
   void Flush();
 
   transport::EventLoop& loop_;
-  transport::UniqueFd socket_;
+  UniqueFd socket_;
   bool launcher_exited_ = false;
   std::deque<msg::Bytes> waiting_;
   transport::LoopHandlePtr retry_;
@@ -63,13 +63,13 @@ class ProgressSender {
 // process has closed its end.
 class ProgressReceiver {
  public:
-  ProgressReceiver(transport::EventLoop& loop, transport::UniqueFd socket,
+  ProgressReceiver(transport::EventLoop& loop, UniqueFd socket,
                    std::function<void(const Progress&)> on_progress, std::function<void()> on_end);
 
  private:
   void Receive();
 
-  transport::UniqueFd socket_;
+  UniqueFd socket_;
   std::function<void(const Progress&)> on_progress_;
   std::function<void()> on_end_;
   transport::LoopHandlePtr watch_;

@@ -1,6 +1,6 @@
 // musher replay JOURNAL: re-runs the recorded decisions of a journal. Needs no robot.
 
-#include "musher/controller/recording/replay.hpp"
+#include "musher/controller/journal/replay.hpp"
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"

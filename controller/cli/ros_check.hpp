@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace musher::cli {

@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "musher/base/host.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {
 
@@ -34,8 +34,7 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
 }
 
 void Running::FindChildrenHere() {
-  const std::string prefix =
-      transport::NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
+  const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
   for (const MarkedProcess& process : FindMarked()) {
     if (process.pid != process.started || !process.mark.starts_with(prefix)) continue;
     const std::string name = process.mark.substr(prefix.size());
@@ -50,15 +49,14 @@ std::map<std::string, Running::Actuator> Running::Now() const {
   for (const auto& [name, actuator] : received_) {
     if (actuator.status.state != kTearDown) running[name] = actuator;
   }
-  const std::string prefix =
-      transport::NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
-  for (const std::string& name : transport::NameLock::HeldBelow(prefix)) {
+  const std::string prefix = NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
+  for (const std::string& name : NameLock::HeldBelow(prefix)) {
     if (received_.contains(name)) continue;
     Actuator& silent = running[name];
     silent.has_status = false;
     silent.status.name = name;
-    silent.status.pid = transport::NameLock::HolderOf(prefix + name).pid;
-    silent.status.host = transport::HostId();
+    silent.status.pid = NameLock::HolderOf(prefix + name).pid;
+    silent.status.host = HostId();
   }
   for (const ChildProcess& child : children_) {
     const bool known = received_.contains(child.actuator) || running.contains(child.actuator);
@@ -68,7 +66,7 @@ std::map<std::string, Running::Actuator> Running::Now() const {
     program.child = child;
     program.status.name = child.actuator;
     program.status.pid = child.pid;
-    program.status.host = transport::HostId();
+    program.status.host = HostId();
   }
   return running;
 }

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/child_processes.hpp"
+#include "musher/controller/process/child_processes.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/node.hpp"
 

@@ -8,21 +8,21 @@
 
 namespace musher::cli {
 
-transport::UniqueFd TakeSignals(std::initializer_list<int> signals) {
+UniqueFd TakeSignals(std::initializer_list<int> signals) {
   sigset_t set;
   sigemptyset(&set);
   for (const int signal : signals) sigaddset(&set, signal);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  transport::UniqueFd fd(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+  UniqueFd fd(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
   if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "signalfd");
   return fd;
 }
 
-transport::UniqueFd TakeEndSignals() {
+UniqueFd TakeEndSignals() {
   return TakeSignals({SIGINT, SIGTERM, SIGHUP});
 }
 
-int NextSignal(const transport::UniqueFd& signals, pid_t* sender) {
+int NextSignal(const UniqueFd& signals, pid_t* sender) {
   signalfd_siginfo info{};
   if (read(signals.get(), &info, sizeof(info)) != sizeof(info)) return 0;
   if (sender != nullptr) *sender = static_cast<pid_t>(info.ssi_pid);

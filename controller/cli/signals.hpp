@@ -5,18 +5,18 @@
 
 #include <initializer_list>
 
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher::cli {
 
 // Blocks the signals for this thread and the threads that it creates from now on; the descriptor
 // becomes readable when one arrives. Throws std::system_error if no descriptor is left.
-transport::UniqueFd TakeSignals(std::initializer_list<int> signals);
+UniqueFd TakeSignals(std::initializer_list<int> signals);
 
 // SIGINT, SIGTERM and SIGHUP.
-transport::UniqueFd TakeEndSignals();
+UniqueFd TakeEndSignals();
 
 // Takes the next signal from the descriptor and the process that sent it; 0 if there is none.
-int NextSignal(const transport::UniqueFd& signals, pid_t* sender = nullptr);
+int NextSignal(const UniqueFd& signals, pid_t* sender = nullptr);
 
 }  // namespace musher::cli

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <thread>
 
+#include "musher/base/suggest.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
 #include "musher/controller/cli/render/simulation.hpp"
-#include "musher/lifecycle/suggest.hpp"
 #include "musher/simulation/timeline.hpp"
 
 namespace musher::cli {

@@ -11,13 +11,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/config_file.hpp"
 #include "musher/controller/ota/files.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/root.hpp"
 #include "musher/controller/ota/trial_boot.hpp"
-#include "musher/transport/files.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
@@ -38,12 +38,12 @@ std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
 std::vector<pid_t> ProcessesOf(const std::string& folder) {
   std::vector<pid_t> pids;
   const std::string wanted = "MUSHER_CONFIG=" + folder + "/";
-  for (const fs::path& process : transport::EntriesOf("/proc")) {
+  for (const fs::path& process : EntriesOf("/proc")) {
     const std::string name = process.filename();
     pid_t pid = 0;
     const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
     if (bad != std::errc() || end != name.data() + name.size() || pid == getpid()) continue;
-    const std::string variables = transport::ReadFile(process / "environ");
+    const std::string variables = ReadFile(process / "environ");
     const std::size_t found = variables.find(wanted);
     if (found == 0 || (found != std::string::npos && variables[found - 1] == '\0')) {
       pids.push_back(pid);
@@ -53,7 +53,7 @@ std::vector<pid_t> ProcessesOf(const std::string& folder) {
 }
 
 // Sends the signal to all and waits until they exit.
-void SignalAll(std::vector<transport::UniqueFd>& processes, int signal, Duration timeout) {
+void SignalAll(std::vector<UniqueFd>& processes, int signal, Duration timeout) {
   for (const auto& process : processes) {
     syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0);
   }
@@ -121,9 +121,9 @@ void PutSlotFirstInPath(const SlotRun& run) {
 void EndOtherSlot(const SlotRun& run) {
   SlotRun other = run;
   other.slot = ota::Other(run.slot);
-  std::vector<transport::UniqueFd> processes;
+  std::vector<UniqueFd> processes;
   for (const pid_t pid : ProcessesOf(other.Folder())) {
-    auto process = transport::OpenPidfd(pid);
+    auto process = OpenPidfd(pid);
     if (process) processes.push_back(std::move(process).value());
   }
   SignalAll(processes, SIGTERM, kTermTime);
@@ -140,7 +140,7 @@ Result<> RootLock::Take(const std::string& root_path) {
   return Ok();
 }
 
-TrialBoot::TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
+TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,
                      const MachineConfig& config, std::function<const Machine*()> machine,
                      OnEnd on_end)
     : disk_(disk),

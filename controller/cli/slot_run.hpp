@@ -12,10 +12,10 @@
 #include <string>
 
 #include "musher/controller/cli/console.hpp"
-#include "musher/controller/disk_writer.hpp"
 #include "musher/controller/ota/disk.hpp"
 #include "musher/controller/ota/slots.hpp"
 #include "musher/lifecycle/machine.hpp"
+#include "musher/transport/disk_writer.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::cli {
@@ -71,7 +71,7 @@ class TrialBoot {
  public:
   // `outcome`: the version is kept, or why not. Called on the loop once the outcome is on disk.
   using OnEnd = std::function<void(const Result<>& outcome)>;
-  TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
+  TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, const SlotRun& run,
             const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
 
   bool under_way() const { return under_way_; }
@@ -82,7 +82,7 @@ class TrialBoot {
   void Evaluate();
   void End(const Result<>& outcome);
 
-  DiskWriter& disk_;
+  transport::DiskWriter& disk_;
   const SlotRun& run_;
   const MachineConfig& config_;
   std::function<const Machine*()> machine_;

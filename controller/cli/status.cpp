@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -12,7 +13,6 @@
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
@@ -36,12 +36,12 @@ void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
 // With [security] an actuator that the controller did not start may run here but be unreachable: it
 // then has no credentials, or other ones.
 void AddCredentialHints(msg::MachineStatus& status, const GlobalOptions& global) {
-  if (global.keys.empty() || status.host != transport::HostId()) return;
+  if (global.keys.empty() || status.host != HostId()) return;
   const int domain = transport::DomainId({}).value();
   for (msg::ActuatorInfo& actuator : status.actuators) {
     if (actuator.presence != PresenceName(Presence::kAbsent)) continue;
-    const std::string name = transport::NameLock::NameOf(domain, status.name_space, actuator.name);
-    const pid_t holder = transport::NameLock::HolderOf(name).pid;
+    const std::string name = NameLock::NameOf(domain, status.name_space, actuator.name);
+    const pid_t holder = NameLock::HolderOf(name).pid;
     if (holder == 0) continue;
     actuator.message = "process " + std::to_string(holder) +
                        " runs but publishes no status: check that it has the keys of this machine" +

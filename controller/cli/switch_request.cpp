@@ -4,14 +4,14 @@
 
 #include <map>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/switch_progress.hpp"
-#include "musher/controller/switch_client.hpp"
+#include "musher/controller/client/switch_client.hpp"
 #include "musher/lifecycle/state.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
@@ -62,7 +62,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   if (!running) return console.Fail(running.error());
   const Duration timeout = global.timeout.value_or(kSwitchTimeout);
   SwitchClient::Options options;
-  options.leader = {global.name_space, transport::HostId(), WatchByPidfd(link.value()->loop())};
+  options.leader = {global.name_space, HostId(), WatchByPidfd(link.value()->loop())};
   options.timeout = timeout + std::chrono::minutes(1);  // Await() has the better error message
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/host.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
 #include "musher/controller/cli/controller_process.hpp"
@@ -24,8 +25,8 @@
 #include "musher/controller/cli/slot_run.hpp"
 #include "musher/controller/cli/up_launcher.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
-#include "musher/transport/keys/check.hpp"
+#include "musher/transport/security/check.hpp"
+#include "musher/wire/dds_options.hpp"
 
 namespace musher::cli {
 namespace {
@@ -112,7 +113,7 @@ bool StartedAgain(const UpOptions& options) {
   const char* folders = std::getenv("RUNTIME_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
   if (folders == nullptr || *folders == '\0') return true;
   const std::string folder = std::string(folders).substr(0, std::string(folders).find(':'));
-  const transport::UniqueFd first(
+  const UniqueFd first(
       open((folder + "/started").c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   return !first.valid() && errno == EEXIST;
 }
@@ -147,12 +148,12 @@ Result<> CheckKeys(const MachineConfig& config, Console& console) {
 namespace {
 
 // Leads the machine in this process, which has neither threads nor DDS yet.
-[[noreturn]] void Lead(const UpOptions& options, Target& target, transport::UniqueFd progress,
+[[noreturn]] void Lead(const UpOptions& options, Target& target, UniqueFd progress,
                        pid_t launcher) {
   fcntl(progress.get(), F_SETFD, FD_CLOEXEC);  // an inherited one does not have it
   // Kept for the program that is executed after this one; the machine's processes do not inherit
   // it.
-  const transport::UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
+  const UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
   Reexec reexec(target.run ? target.run->root : "", kept.get());
   {
     ControllerProcess process(
@@ -204,15 +205,15 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   }
   if (!good) return console.Fail(good.error());
   if (options.resume)
-    Lead(options, *target, transport::UniqueFd(options.resume->progress), options.resume->launcher);
+    Lead(options, *target, UniqueFd(options.resume->progress), options.resume->launcher);
   const MachineConfig& config = target->config;
   if (!console.mode().json) console.Print(config.name + ": " + ConfigSummary(config));
 
-  transport::UniqueFd signals = TakeEndSignals();  // before the fork, so that none is missed
+  UniqueFd signals = TakeEndSignals();  // before the fork, so that none is missed
   auto [ours, theirs] = MakeProgressPair();
   const pid_t launcher = getpid();
   const pid_t controller = fork();
-  if (controller < 0) return console.Fail(transport::SystemError("fork"));
+  if (controller < 0) return console.Fail(SystemError("fork"));
   if (controller == 0) {
     signals = {};
     ours = {};

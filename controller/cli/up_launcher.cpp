@@ -28,9 +28,8 @@ std::string HowItEnded(pid_t pid) {
 
 }  // namespace
 
-UpLauncher::UpLauncher(Console& console, std::string machine, pid_t controller,
-                       transport::UniqueFd progress, transport::UniqueFd signals, bool detach,
-                       bool restarted)
+UpLauncher::UpLauncher(Console& console, std::string machine, pid_t controller, UniqueFd progress,
+                       UniqueFd signals, bool detach, bool restarted)
     : console_(console),
       machine_(std::move(machine)),
       controller_(controller),

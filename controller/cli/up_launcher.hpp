@@ -35,8 +35,8 @@ namespace musher::cli {
 class UpLauncher {
  public:
   // `signals`: TakeEndSignals(). `restarted`: see UpOptions.
-  UpLauncher(Console& console, std::string machine, pid_t controller, transport::UniqueFd progress,
-             transport::UniqueFd signals, bool detach, bool restarted);
+  UpLauncher(Console& console, std::string machine, pid_t controller, UniqueFd progress,
+             UniqueFd signals, bool detach, bool restarted);
 
   ExitCode Run();
 
@@ -65,9 +65,9 @@ class UpLauncher {
   bool failed_to_start_ = false;
   bool fenced_ = false;
   ExitCode exit_ = ExitCode::kNotDone;
-  transport::UniqueFd signals_;
-  transport::UniqueFd abort_;
-  transport::UniqueFd children_;  // as process 1 only
+  UniqueFd signals_;
+  UniqueFd abort_;
+  UniqueFd children_;  // as process 1 only
   transport::LinuxEventLoop loop_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr abort_watch_;

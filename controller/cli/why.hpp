@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <optional>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/messages/std_msgs/basic.hpp"

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "musher/lifecycle/version.hpp"
+#include "musher/base/version.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/transport/battery_watch.hpp"
+#include "musher/wire/battery_watch.hpp"
 
 namespace musher::cyberdog {
 namespace {

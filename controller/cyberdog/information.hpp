@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/manager.hpp"

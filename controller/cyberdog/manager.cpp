@@ -3,7 +3,7 @@
 namespace musher::cyberdog {
 
 Manager::Manager(transport::Node& node, ControllerShell& shell, const Host& host)
-    : endpoints_(node, shell.config()),
+    : endpoints_(node, shell.config().name_space, shell.config().clock),
       announcements_(endpoints_, shell.config(), shell.machine()),
       information_(endpoints_, shell.config(), shell.machine(), host.serial_number),
       self_check_file_(node.loop(), shell.config(), shell.machine(), host.save_text),

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::cyberdog {
 

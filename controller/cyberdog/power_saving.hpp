@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/controller_shell.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/transport/endpoints.hpp"
 

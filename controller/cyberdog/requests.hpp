@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
-#include "musher/controller/controller_shell.hpp"
 #include "musher/controller/cyberdog/power_saving.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/transport/endpoints.hpp"
 

@@ -2,7 +2,7 @@
 // The progress of the start for CyberDog's app: `self_check_status`, from the machine's record of
 // its actuators. Pure.
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/messages/protocol/manager.hpp"
 

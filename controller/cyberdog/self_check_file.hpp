@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/transport/event_loop.hpp"
 

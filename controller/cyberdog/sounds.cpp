@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::cyberdog {
 namespace {

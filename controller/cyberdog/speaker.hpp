@@ -11,8 +11,8 @@
 #include <memory>
 #include <optional>
 
-#include "musher/controller/controller_shell.hpp"
 #include "musher/controller/cyberdog/voice.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/transport/clock.hpp"

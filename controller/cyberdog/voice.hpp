@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 
 namespace musher::cyberdog {

@@ -10,8 +10,8 @@
 #include <functional>
 #include <memory>
 
-#include "musher/lifecycle/actuator_core.hpp"
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/transport/node.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher {
 namespace {

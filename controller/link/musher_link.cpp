@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::ota {
 

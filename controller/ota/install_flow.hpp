@@ -13,7 +13,7 @@
 #include <optional>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::ota {
 

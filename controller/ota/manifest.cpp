@@ -5,11 +5,11 @@
 #include <limits>
 #include <set>
 
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/controller/ota/fault.hpp"
 #include "musher/controller/ota/signature.hpp"
-#include "musher/lifecycle/toml/findings.hpp"
-#include "musher/lifecycle/toml/names.hpp"
-#include "musher/lifecycle/toml/table_reader.hpp"
 
 namespace musher::ota {
 namespace {

@@ -14,16 +14,14 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/controller/ota/fault.hpp"
-#include "musher/transport/files.hpp"
-#include "musher/transport/host.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::ota {
 namespace {
 
-using transport::SystemError;
-using transport::UniqueFd;
 
 // Limit for a stopped lock holder: a robot's start must not wait for ever.
 constexpr int kTries = 500;
@@ -124,7 +122,7 @@ Result<Disk::Info> PosixDisk::Look(const std::string& path) {
 Result<std::vector<std::string>> PosixDisk::List(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> names;
-  for (const auto& entry : transport::EntriesOf(folder, error)) names.push_back(entry.filename());
+  for (const auto& entry : EntriesOf(folder, error)) names.push_back(entry.filename());
   if (error) return SystemError("can't list " + folder, error.value());
   return names;
 }

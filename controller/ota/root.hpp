@@ -19,9 +19,9 @@
 #include <optional>
 #include <string>
 
+#include "musher/base/time.hpp"
 #include "musher/controller/ota/manifest.hpp"
 #include "musher/controller/ota/slots.hpp"
-#include "musher/lifecycle/time.hpp"
 
 namespace musher::ota {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::ota {
 

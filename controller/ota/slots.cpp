@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
+#include "musher/base/checksum.hpp"
+#include "musher/base/toml/document.hpp"
 #include "musher/controller/ota/fault.hpp"
-#include "musher/lifecycle/checksum.hpp"
-#include "musher/lifecycle/toml/document.hpp"
 
 namespace musher::ota {
 namespace {

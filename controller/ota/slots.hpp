@@ -16,8 +16,8 @@
 #include <string>
 #include <string_view>
 
+#include "musher/base/result.hpp"
 #include "musher/controller/ota/version.hpp"
-#include "musher/lifecycle/result.hpp"
 
 namespace musher::ota {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::ota {
 namespace {

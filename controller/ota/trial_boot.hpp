@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/machine.hpp"
-#include "musher/lifecycle/result.hpp"
 
 namespace musher::ota {
 

@@ -7,9 +7,9 @@
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 using musher::msg::MachineStatus;
 using musher::msg::SetState;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "musher/messages/std_srvs/set_bool.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 // [grip]

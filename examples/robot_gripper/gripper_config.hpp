@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/toml/module_file.hpp"
+#include "musher/base/toml/module_file.hpp"
 
 // [config]
 struct GripperConfig {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 // [jaw]
 class Jaw {

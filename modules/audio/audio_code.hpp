@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::audio {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
 #include "musher/modules/audio/cues.hpp"
 #include "musher/modules/audio/phrases.hpp"
 

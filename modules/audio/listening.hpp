@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/protocol/speech.hpp"
 #include "musher/messages/protocol/tasks.hpp"
 #include "musher/messages/std_msgs/basic.hpp"

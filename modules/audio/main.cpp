@@ -1,8 +1,8 @@
 // musher-audio-manager: the voice of a robot. See README.md in this folder.
 
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/audio_manager.hpp"
-#include "musher/modules/program/module_main.hpp"
 
 namespace {
 

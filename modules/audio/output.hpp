@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound.hpp"
 #include "musher/transport/clock.hpp"

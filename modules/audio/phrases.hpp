@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
 #include "musher/modules/audio/speech_text.hpp"
 
 namespace musher::audio {

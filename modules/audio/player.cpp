@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/base/toml/findings.hpp"
 #include "musher/messages/protocol/audio.hpp"
 
 namespace musher::audio {

@@ -35,9 +35,9 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/lifecycle/state.hpp"
-#include "musher/lifecycle/time.hpp"
 #include "musher/modules/audio/audio_code.hpp"
 #include "musher/modules/audio/cues.hpp"
 #include "musher/modules/audio/phrases.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::audio {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/audio/sound.hpp"
 
 namespace musher::audio {

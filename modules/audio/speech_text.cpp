@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/toml/text.hpp"
+#include "musher/base/toml/text.hpp"
 
 namespace musher::audio {
 namespace {

@@ -1,6 +1,6 @@
 #include "musher/modules/audio/spoken_toml.hpp"
 
-#include "musher/lifecycle/toml/names.hpp"
+#include "musher/base/toml/names.hpp"
 #include "musher/modules/audio/sound_file.hpp"
 
 namespace musher::audio {

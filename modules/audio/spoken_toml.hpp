@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/audio/phrases.hpp"
 
 namespace musher::audio {

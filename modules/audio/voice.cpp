@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/base/toml/findings.hpp"
 #include "musher/modules/audio/audio_code.hpp"
 
 namespace musher::audio {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound.hpp"
 #include "musher/modules/audio/speech_text.hpp"

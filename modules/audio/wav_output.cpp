@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "musher/base/files.hpp"
 #include "musher/modules/audio/audio_code.hpp"
 #include "musher/modules/audio/sound_file.hpp"
-#include "musher/transport/files.hpp"
 
 namespace musher::audio {
 namespace {
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 // The highest number of a file in the folder.
 int LastNumber(const std::string& folder) {
   int last = 0;
-  for (const fs::path& file : transport::EntriesOf(folder)) {
+  for (const fs::path& file : EntriesOf(folder)) {
     int number = 0;
     if (file.extension() != ".wav") continue;
     if (std::sscanf(file.stem().c_str(), "%9d", &number) == 1) last = std::max(last, number);

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::camera {
 

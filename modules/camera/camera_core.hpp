@@ -15,8 +15,8 @@
 #include <string>
 #include <utility>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/pace.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "musher/modules/program/await.hpp"
-#include "musher/modules/program/states.hpp"
+#include "musher/actuator/program/await.hpp"
+#include "musher/actuator/program/states.hpp"
 
 namespace musher::camera {
 

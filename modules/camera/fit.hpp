@@ -3,7 +3,7 @@
 //
 // Reentrant; the only file of the module's library that uses OpenCV's pictures.
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/camera/camera_config.hpp"
 

@@ -1,9 +1,9 @@
 // musher-camera-manager: the cameras of a robot. See README.md in this folder.
 
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/camera_manager.hpp"
 #include "musher/modules/camera/media.hpp"
-#include "musher/modules/program/module_main.hpp"
 
 namespace {
 

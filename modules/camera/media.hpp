@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 
 namespace musher::camera {

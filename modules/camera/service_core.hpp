@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/protocol/camera.hpp"
 
 namespace musher::camera {

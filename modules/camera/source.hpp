@@ -8,7 +8,7 @@
 #include <functional>
 #include <memory>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/camera/camera_config.hpp"

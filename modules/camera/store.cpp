@@ -9,9 +9,9 @@
 #include <thread>
 #include <utility>
 
+#include "musher/base/files.hpp"
 #include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/service_core.hpp"
-#include "musher/transport/files.hpp"
 
 namespace musher::camera {
 namespace {
@@ -81,7 +81,7 @@ class Shelf {
     std::vector<std::string> files;
     std::error_code failed;
     if (!fs::exists(folder_, failed)) return files;
-    for (const fs::path& entry : transport::EntriesOf(folder_, failed)) {
+    for (const fs::path& entry : EntriesOf(folder_, failed)) {
       const std::string name = entry.filename();
       std::error_code removed;
       const bool is_file = fs::symlink_status(entry, removed).type() == fs::file_type::regular;

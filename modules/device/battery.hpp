@@ -11,7 +11,7 @@
 #include <limits>
 #include <optional>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 

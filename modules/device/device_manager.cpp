@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/modules/program/await.hpp"
+#include "musher/actuator/program/await.hpp"
 
 namespace musher::device {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/base/toml/findings.hpp"
 
 namespace musher::device {
 namespace {

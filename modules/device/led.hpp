@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/protocol/device.hpp"
 
 namespace musher::device {

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/base/toml/findings.hpp"
 
 namespace musher::device {
 

@@ -1,8 +1,8 @@
 // musher-device-manager: battery, lights and touch of a robot. See README.md in this folder.
 
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/device_manager.hpp"
-#include "musher/modules/program/module_main.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "musher/transport/files.hpp"
+#include "musher/base/files.hpp"
 
 namespace musher::device {
 namespace {
@@ -86,7 +86,7 @@ Error NoBattery(const std::string& message) {
 
 Result<BatteryReading> ReadHostBattery(const std::string& folder, const std::string& name) {
   std::error_code error;
-  std::vector<fs::path> supplies = transport::EntriesOf(folder, error);
+  std::vector<fs::path> supplies = EntriesOf(folder, error);
   std::sort(supplies.begin(), supplies.end());
   if (error) return NoBattery(folder + " cannot be read: " + error.message());
   fs::path supply;

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::device {
 

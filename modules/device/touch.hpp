@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::device {
 

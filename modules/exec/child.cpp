@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-#include "musher/transport/host.hpp"
+#include "musher/base/host.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace musher::exec {
@@ -137,7 +137,7 @@ pid_t Fork(const Plan& plan, const Reaper& reaper, int report) {
 }
 
 // Waits until the program runs; else returns the error number.
-int AwaitProgram(const transport::UniqueFd& report) {
+int AwaitProgram(const UniqueFd& report) {
   int reason = 0;
   ssize_t got = 0;
   do {
@@ -158,19 +158,19 @@ std::string ExitStatus::Text() const {
 Result<Child> Child::Start(const ChildSpec& spec, const Reaper& reaper, int output) {
   const Plan plan(spec, output);
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
-  const transport::UniqueFd report(ends[0]);
-  transport::UniqueFd writer(ends[1]);
+  if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("can't make a pipe");
+  const UniqueFd report(ends[0]);
+  UniqueFd writer(ends[1]);
   const pid_t pid = Fork(plan, reaper, writer.get());
-  if (pid < 0) return transport::SystemError("can't fork");
+  if (pid < 0) return SystemError("can't fork");
   writer = {};
-  auto pidfd = transport::OpenPidfd(pid);
-  Child child(pid, pidfd ? std::move(pidfd).value() : transport::UniqueFd(), reaper);
-  if (!child.pidfd_.valid()) return transport::SystemError("can't watch " + spec.argv.front());
+  auto pidfd = OpenPidfd(pid);
+  Child child(pid, pidfd ? std::move(pidfd).value() : UniqueFd(), reaper);
+  if (!child.pidfd_.valid()) return SystemError("can't watch " + spec.argv.front());
   const int error = AwaitProgram(report);
   if (error == 0) return child;
   const std::string where = spec.cwd.empty() ? "" : " in " + spec.cwd;
-  Error failure = transport::SystemError("can't run " + spec.argv.front() + where, error);
+  Error failure = SystemError("can't run " + spec.argv.front() + where, error);
   if (error == ENOENT) failure.message += transport::MissingProgramHint(spec.argv.front());
   return failure;
 }

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/modules/exec/reaper.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::exec {
 
@@ -65,11 +65,11 @@ class Child {
   ExitStatus Stop(Duration stop_time);
 
  private:
-  Child(pid_t pid, transport::UniqueFd pidfd, const Reaper& reaper)
+  Child(pid_t pid, UniqueFd pidfd, const Reaper& reaper)
       : pid_(pid), pidfd_(std::move(pidfd)), reaper_(&reaper) {}
 
   pid_t pid_;
-  transport::UniqueFd pidfd_;
+  UniqueFd pidfd_;
   const Reaper* reaper_;
   bool reaped_ = false;
   ExitStatus status_;

@@ -12,8 +12,8 @@
 #include <optional>
 #include <utility>
 
-#include "musher/lifecycle/toml/text.hpp"
-#include "musher/transport/host.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/toml/text.hpp"
 
 namespace musher::exec {
 namespace {
@@ -35,7 +35,7 @@ void Forward(std::string_view text) {
 // A running command.
 class Running {
  public:
-  Running(Child child, transport::UniqueFd output, Duration stop_time)
+  Running(Child child, UniqueFd output, Duration stop_time)
       : child_(std::move(child)), output_(std::move(output)), stop_time_(stop_time) {}
 
   CommandEnd Finish(const std::function<Wanted()>& wanted) {
@@ -63,7 +63,7 @@ class Running {
       if (got < 0 && errno == EINTR) continue;
       if (got < 0 && errno == EAGAIN) return;
       if (got <= 0) {
-        output_ = transport::UniqueFd();
+        output_ = UniqueFd();
         return;
       }
       const std::string_view text(buffer.data(), static_cast<std::size_t>(got));
@@ -86,7 +86,7 @@ class Running {
   }
 
   Child child_;
-  transport::UniqueFd output_;
+  UniqueFd output_;
   const Duration stop_time_;
   LastLine line_;
   std::optional<Time> kill_at_;
@@ -98,13 +98,13 @@ class Running {
 Result<CommandEnd> RunCommand(const ChildSpec& spec, const Reaper& reaper, Duration stop_time,
                               const std::function<Wanted()>& wanted) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
-  transport::UniqueFd reader(ends[0]);
-  transport::UniqueFd writer(ends[1]);
+  if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("can't make a pipe");
+  UniqueFd reader(ends[0]);
+  UniqueFd writer(ends[1]);
   fcntl(reader.get(), F_SETFL, O_NONBLOCK);
   auto child = Child::Start(spec, reaper, writer.get());
   if (!child) return child.error();
-  writer = transport::UniqueFd();  // so that only the command holds the write end
+  writer = UniqueFd();  // so that only the command holds the write end
   return Running(std::move(child).value(), std::move(reader), stop_time).Finish(wanted);
 }
 

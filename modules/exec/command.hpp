@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/exec/child.hpp"
 
 namespace musher::exec {

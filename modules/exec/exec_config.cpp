@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <utility>
 
+#include "musher/base/toml/document.hpp"
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/lifecycle/state.hpp"
-#include "musher/lifecycle/toml/document.hpp"
-#include "musher/lifecycle/toml/file.hpp"
-#include "musher/lifecycle/toml/findings.hpp"
-#include "musher/lifecycle/toml/names.hpp"
-#include "musher/lifecycle/toml/table_reader.hpp"
 
 namespace musher::exec {
 namespace {

@@ -21,10 +21,10 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/code.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 namespace musher::exec {
 

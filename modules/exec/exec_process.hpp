@@ -11,9 +11,9 @@
 #include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/modules/exec/state_runner.hpp"
 #include "musher/transport/linux_event_loop.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::exec {
 
@@ -36,7 +36,7 @@ class ExecProcess {
 
   transport::LinuxEventLoop loop_;
   StateRunner runner_;
-  transport::UniqueFd signals_;
+  UniqueFd signals_;
   MachineActuator actuator_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr program_watch_;

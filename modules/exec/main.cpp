@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config_toml.hpp"
-#include "musher/lifecycle/suggest.hpp"
-#include "musher/lifecycle/version.hpp"
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/base/suggest.hpp"
+#include "musher/base/version.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/modules/exec/exec_process.hpp"
-#include "musher/modules/program/module_main.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/ros_environment.hpp"
 

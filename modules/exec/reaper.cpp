@@ -9,7 +9,7 @@
 #include <csignal>
 #include <set>
 
-#include "musher/transport/host.hpp"
+#include "musher/base/host.hpp"
 
 namespace musher::exec {
 namespace {
@@ -47,18 +47,18 @@ void Notify(int pipe, pid_t number) {
 
 Result<Reaper> Reaper::Start() {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
-  transport::UniqueFd reader(ends[0]);
-  transport::UniqueFd writer(ends[1]);
+  if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("can't make a pipe");
+  UniqueFd reader(ends[0]);
+  UniqueFd writer(ends[1]);
   const pid_t pid = fork();
-  if (pid < 0) return transport::SystemError("can't fork");
+  if (pid < 0) return SystemError("can't fork");
   if (pid == 0) Keep(reader.get());
   return Reaper(pid, std::move(writer));
 }
 
 Reaper::~Reaper() {
   if (pid_ == 0) return;
-  pipe_ = transport::UniqueFd();
+  pipe_ = UniqueFd();
   while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }

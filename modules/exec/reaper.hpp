@@ -15,8 +15,8 @@
 
 #include <utility>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher::exec {
 
@@ -36,10 +36,10 @@ class Reaper {
   void Remove(pid_t group) const;
 
  private:
-  Reaper(pid_t pid, transport::UniqueFd pipe) : pid_(pid), pipe_(std::move(pipe)) {}
+  Reaper(pid_t pid, UniqueFd pipe) : pid_(pid), pipe_(std::move(pipe)) {}
 
   pid_t pid_;
-  transport::UniqueFd pipe_;
+  UniqueFd pipe_;
 };
 
 }  // namespace musher::exec

@@ -38,7 +38,7 @@ Result<> StateRunner::SetUp(const StateActions& actions, const StopRequested& st
     auto program = Child::Start(Spec(State(kSetUp), actions.start), reaper_);
     if (!program) return Failure(KeyCode::kFailed, program.error().message);
     program_.emplace(std::move(program).value());
-    program_watch_ = transport::UniqueFd(fcntl(program_->pidfd(), F_DUPFD_CLOEXEC, 0));
+    program_watch_ = UniqueFd(fcntl(program_->pidfd(), F_DUPFD_CLOEXEC, 0));
   }
   const auto ended = [this] { return program_ && program_->Ended(); };
   auto result = RunOne(State(kSetUp), actions, [&] { return stop_requested() || ended(); });

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/modules/exec/command.hpp"
 #include "musher/modules/exec/exec_config.hpp"
@@ -67,7 +67,7 @@ class StateRunner {
   std::atomic<Wanted> wanted_ = Wanted::kYes;
   std::atomic<bool> tearing_down_ = false;
   std::optional<Child> program_;
-  transport::UniqueFd program_watch_;
+  UniqueFd program_watch_;
 };
 
 }  // namespace musher::exec

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/motion/motion_manager.hpp"
-#include "musher/modules/program/module_main.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/motion/motion_table.hpp"
 
 namespace musher::motion {

@@ -3,11 +3,11 @@
 #include <array>
 #include <utility>
 
-#include "musher/lifecycle/toml/document.hpp"
-#include "musher/lifecycle/toml/file.hpp"
-#include "musher/lifecycle/toml/findings.hpp"
-#include "musher/lifecycle/toml/names.hpp"
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/toml/document.hpp"
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/base/toml/table_reader.hpp"
 
 namespace musher::motion {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/motion/motion_source.hpp"
 
 namespace musher::motion {

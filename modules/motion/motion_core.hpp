@@ -34,9 +34,9 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/lifecycle/state.hpp"
-#include "musher/lifecycle/time.hpp"
 #include "musher/modules/motion/motion_code.hpp"
 #include "musher/modules/motion/motion_command.hpp"
 #include "musher/modules/motion/motion_config.hpp"

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/modules/motion/motion_command.hpp"

@@ -1,6 +1,6 @@
 // musher-sensor-manager: range sensors and GPS of a robot. See README.md in this folder.
 
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/sensor/sensor_config.hpp"
 #include "musher/modules/sensor/sensor_manager.hpp"
 

@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
 
 namespace musher::sensor {

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <optional>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/messages/protocol/sensor.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/sensor_msgs/nav_sat_fix.hpp"

@@ -7,8 +7,8 @@
 
 #include <vector>
 
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/code.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
 
 namespace musher::sensor {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
 
 namespace musher::sensor {

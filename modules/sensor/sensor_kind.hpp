@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::sensor {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/modules/program/await.hpp"
+#include "musher/actuator/program/await.hpp"
 
 namespace musher::sensor {
 

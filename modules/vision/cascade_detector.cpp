@@ -6,7 +6,7 @@
 #include <opencv2/objdetect.hpp>
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/modules/vision/detector.hpp"
 
 namespace musher::vision {

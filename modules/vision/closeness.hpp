@@ -19,7 +19,7 @@
 #include <set>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::vision {
 

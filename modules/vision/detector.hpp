@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/vision/face_box.hpp"
 

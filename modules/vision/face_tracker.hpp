@@ -13,7 +13,7 @@
 #include <set>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/vision/face_box.hpp"
 
 namespace musher::vision {

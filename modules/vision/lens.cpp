@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::vision {
 namespace {

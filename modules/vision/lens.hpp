@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/modules/vision/face_box.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/modules/vision/looker.hpp"
 
 namespace musher::vision {

@@ -1,6 +1,6 @@
 // musher-vision-manager: detects faces in the robot's pictures. See README.md in this folder.
 
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/modules/vision/vision_manager.hpp"
 

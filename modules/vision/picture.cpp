@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 namespace musher::vision {
 namespace {

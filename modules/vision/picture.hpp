@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 
 namespace musher::vision {

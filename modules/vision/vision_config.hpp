@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
 #include "musher/lifecycle/state.hpp"
-#include "musher/lifecycle/time.hpp"
 #include "musher/modules/vision/detector.hpp"
 #include "musher/modules/vision/face_watch.hpp"
 #include "musher/modules/vision/looker.hpp"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 
 namespace musher::wedding {

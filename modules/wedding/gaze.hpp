@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::wedding {
 

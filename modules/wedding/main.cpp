@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/wedding/show_config.hpp"
 #include "musher/modules/wedding/tool/tool.hpp"
 #include "musher/modules/wedding/wedding_robot.hpp"

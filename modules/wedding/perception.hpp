@@ -10,8 +10,8 @@
 #include <optional>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/wedding/faces.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/show_data.hpp"

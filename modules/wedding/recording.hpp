@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::wedding {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
 #include "musher/modules/wedding/extension/interview.hpp"
 #include "musher/modules/wedding/extension/observing_idle.hpp"
 #include "musher/modules/wedding/extension/search.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // The show's numbers and their defaults.
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::wedding {
 

@@ -3,10 +3,10 @@
 #include <chrono>
 #include <utility>
 
+#include "musher/actuator/program/await.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/program/await.hpp"
 #include "musher/modules/wedding/topic_names.hpp"
 
 namespace musher::wedding {

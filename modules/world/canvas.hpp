@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/world/color.hpp"
 #include "musher/modules/world/texture.hpp"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/world/color.hpp"
 
 namespace musher::world {

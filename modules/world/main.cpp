@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/version.hpp"
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/base/version.hpp"
 #include "musher/modules/world/scene_toml.hpp"
 #include "musher/modules/world/world_actuator.hpp"
 #include "musher/modules/world/world_alone.hpp"

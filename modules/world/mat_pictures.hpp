@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/world/texture.hpp"
 
 namespace cv {

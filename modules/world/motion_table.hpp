@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::world {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/world/world.hpp"
 
 namespace musher::world {

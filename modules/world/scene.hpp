@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/world/color.hpp"
 #include "musher/modules/world/guest_specs.hpp"
 #include "musher/modules/world/humanoid_specs.hpp"

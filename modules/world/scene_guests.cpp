@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/base/toml/findings.hpp"
 #include "musher/modules/world/camera_model.hpp"
 #include "musher/modules/world/guests.hpp"
 #include "musher/modules/world/place.hpp"

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/world/humanoid_specs.hpp"
 
 namespace musher::world {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "musher/lifecycle/toml/names.hpp"
+#include "musher/base/toml/names.hpp"
 #include "musher/modules/world/picture_file.hpp"
 
 namespace musher::world::keys {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/world/color.hpp"
 
 namespace musher::world::keys {

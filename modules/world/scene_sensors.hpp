@@ -1,7 +1,7 @@
 #pragma once
 // Reads the tables of the sensors on the body: [lidar], [ultrasonic], [tof] and [gps].
 
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/world/sensor_specs.hpp"
 
 namespace musher::world {

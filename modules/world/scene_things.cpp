@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/base/toml/findings.hpp"
 #include "musher/modules/world/scene_keys.hpp"
 
 namespace musher::world {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/world/scene.hpp"
 
 namespace musher::world {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
 #include "musher/modules/world/scene.hpp"
 
 namespace musher::world {

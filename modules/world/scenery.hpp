@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/world/guests.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/texture.hpp"

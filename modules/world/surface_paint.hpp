@@ -3,7 +3,7 @@
 //
 // Threads: any; no shared data. Painting a ground takes some tenths of a second.
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/texture.hpp"
 

@@ -14,7 +14,7 @@
 #include "musher/modules/world/picture.hpp"
 #include "musher/modules/world/shot.hpp"
 #include "musher/modules/world/world_host.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::world {
 namespace {

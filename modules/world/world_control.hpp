@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
 #include "musher/modules/world/scene.hpp"
 
 namespace musher::world {

@@ -1,7 +1,7 @@
 #pragma once
 // Converts a world's values to messages and back. Input is validated.
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/actuator/callback_harness.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::capability_gate_test {
 

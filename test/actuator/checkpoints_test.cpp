@@ -15,7 +15,7 @@ class CheckpointsOf : public ::testing::Test {
     config_.checkpoint_in["SetUp"] = std::chrono::seconds(22);
     now_ = Time(std::chrono::hours(1));
     for (const pid_t thread : {kWorker, kOther}) kernel_.threads[thread] = {};
-    points_.emplace(config_, [this](Time now) -> std::optional<transport::ProcessSample> {
+    points_.emplace(config_, [this](Time now) -> std::optional<ProcessSample> {
       if (blind_) return std::nullopt;
       kernel_.at = now;
       return kernel_;
@@ -42,7 +42,7 @@ class CheckpointsOf : public ::testing::Test {
 
   ActuatorConfig config_;
   Time now_;
-  transport::ProcessSample kernel_;
+  ProcessSample kernel_;
   bool blind_ = false;
   std::optional<Checkpoints> points_;
 };

@@ -8,7 +8,7 @@
 #include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 

@@ -12,8 +12,8 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/actuator/robot_file.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/node.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::unattended_test {
 

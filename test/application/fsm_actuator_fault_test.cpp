@@ -6,7 +6,7 @@
 #include "musher/behavior/fsm/nested.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/application/show.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fsm_actuator_fault_test {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/transport/host.hpp"
+#include "musher/base/host.hpp"
 
 namespace musher::transport {
 

@@ -1,7 +1,7 @@
 // Real processes, looked at by the real tools where they are installed and may trace, and by small
 // scripts in their place for what those can't be brought to do.
 
-#include "musher/controller/backtrace.hpp"
+#include "musher/controller/process/backtrace.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -16,10 +16,10 @@
 #include <memory>
 #include <optional>
 
-#include "musher/controller/process_supervisor.hpp"
+#include "musher/base/scheduling.hpp"
+#include "musher/controller/process/process_supervisor.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
-#include "musher/transport/scheduling.hpp"
 
 extern "C" [[gnu::noinline]] void HangsInHere(int ready) {
   if (write(ready, "r", 1) != 1) _exit(1);
@@ -29,8 +29,6 @@ extern "C" [[gnu::noinline]] void HangsInHere(int ready) {
 namespace musher::backtrace_test {
 
 using ::testing::HasSubstr;
-using transport::ProcessRunState;
-using transport::RunStateOf;
 
 // A child that hangs in a function of that name.
 class HungProcess {
@@ -119,7 +117,7 @@ class Backtrace : public ::testing::Test {
   const std::string path_before_ = std::getenv("PATH");
   TempFolder folder_;
   transport::LinuxEventLoop loop_;
-  DiskWriter disk_{loop_};
+  transport::DiskWriter disk_{loop_};
   ProcessSupervisor processes_{loop_, disk_, std::chrono::seconds(20)};
   std::unique_ptr<BacktraceTaker> taker_ = std::make_unique<BacktraceTaker>(loop_, processes_);
   std::optional<Result<std::string>> result_;

@@ -3,9 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/controller/child_processes.hpp"
-#include "musher/controller/process_probe.hpp"
-#include "musher/controller/state_store.hpp"
+#include "musher/controller/process/child_processes.hpp"
+#include "musher/controller/process/process_probe.hpp"
+#include "musher/controller/storage/state_store.hpp"
 #include "musher/test/controller/supervised.hpp"
 
 namespace musher::child_processes_test {

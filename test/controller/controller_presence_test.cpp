@@ -1,7 +1,7 @@
 // A controller whose process was stopped starts no process before it has listened for another one,
 // which may have started them on its host.
 
-#include "musher/controller/controller_presence.hpp"
+#include "musher/controller/shell/controller_presence.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The disk of these tests is a gate: work waits in it until the test opens it.
 
-#include "musher/controller/disk_writer.hpp"
+#include "musher/transport/disk_writer.hpp"
 
 #include <gmock/gmock.h>
 
@@ -63,8 +63,8 @@ class Writer : public ::testing::Test {
     return loop_.RunUntil([&] { return ended_.size() >= count; },
                           loop_.Now() + std::chrono::seconds(20));
   }
-  static DiskWriterOptions Options() {
-    DiskWriterOptions options;
+  static transport::DiskWriterOptions Options() {
+    transport::DiskWriterOptions options;
     options.retry_period = Milliseconds(1);
     options.timeout = Milliseconds(20'000);
     return options;
@@ -73,7 +73,8 @@ class Writer : public ::testing::Test {
   transport::LinuxEventLoop loop_;
   std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
   std::vector<std::string> ended_;
-  std::unique_ptr<DiskWriter> writer_ = std::make_unique<DiskWriter>(loop_, Options());
+  std::unique_ptr<transport::DiskWriter> writer_ =
+      std::make_unique<transport::DiskWriter>(loop_, Options());
 };
 
 TEST_F(Writer, ReportsTheEndOnTheLoop) {
@@ -168,9 +169,9 @@ TEST_F(Writer, DoesWhatWaitsBeforeItIsDestroyed) {
 }
 
 TEST_F(Writer, IsDestroyedWhileTheDiskStalls) {
-  DiskWriterOptions options = Options();
+  transport::DiskWriterOptions options = Options();
   options.timeout = Milliseconds(1);
-  writer_ = std::make_unique<DiskWriter>(loop_, options);
+  writer_ = std::make_unique<transport::DiskWriter>(loop_, options);
   Do("policy", "one");
   gate_->AwaitBegun(1);
   writer_.reset();

@@ -14,8 +14,8 @@
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/integration/cli/process.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::invalid_requests_test {
 

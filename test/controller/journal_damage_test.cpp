@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "musher/controller/recording/replay.hpp"
+#include "musher/controller/journal/replay.hpp"
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 

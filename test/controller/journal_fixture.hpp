@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/controller/journal_reader.hpp"
+#include "musher/controller/journal/journal_reader.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
 namespace musher {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <sqlite3.h>
 
-#include "musher/controller/recording/replay.hpp"
+#include "musher/controller/journal/replay.hpp"
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 

@@ -1,4 +1,4 @@
-#include "musher/controller/journal.hpp"
+#include "musher/controller/journal/journal.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "musher/controller/journal.hpp"
+#include "musher/controller/journal/journal.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

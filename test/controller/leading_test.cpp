@@ -7,8 +7,8 @@
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/controller/two_controllers.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::leading_test {
 

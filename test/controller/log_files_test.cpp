@@ -1,7 +1,7 @@
 // Real files, and processes that print into them. The tests look when they want to; the loop does
 // not run unless a test is about that.
 
-#include "musher/controller/log_files.hpp"
+#include "musher/controller/storage/log_files.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "musher/controller/log_rotation.hpp"
+#include "musher/controller/storage/log_rotation.hpp"
 
 #include <gmock/gmock.h>
 

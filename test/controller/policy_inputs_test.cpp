@@ -1,6 +1,6 @@
 // The policy's inputs: topics on the simulated transport, in virtual time.
 
-#include "musher/controller/policy_inputs.hpp"
+#include "musher/controller/shell/policy_inputs.hpp"
 
 #include <gmock/gmock.h>
 

@@ -15,12 +15,12 @@
 #include <vector>
 
 #include "musher/controller/controller.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::process_proof_test {
 
@@ -38,7 +38,7 @@ class Bystander {
     if (pipe(ready.data()) != 0) return;
     pid_ = fork();
     if (pid_ == 0) {
-      const auto lock = transport::NameLock::Acquire(name);
+      const auto lock = NameLock::Acquire(name);
       const bool held = name.empty() || lock.ok();
       if (held && write(ready[1], "r", 1) == 1) pause();
       _exit(1);
@@ -91,7 +91,7 @@ class ProcessProof : public ::testing::Test {
   }
 
   std::string NameOfArm() const {
-    return transport::NameLock::NameOf(transport::TestDomain(), config_.name_space, "arm");
+    return NameLock::NameOf(transport::TestDomain(), config_.name_space, "arm");
   }
 
   const ActuatorRecord& Arm() const { return controller_->shell().machine().actuators[0]; }
@@ -102,7 +102,7 @@ class ProcessProof : public ::testing::Test {
     report.state = state;
     report.incarnation = incarnation;
     report.pid = pid;
-    report.host = transport::HostId();
+    report.host = HostId();
     report.config_hash = config_.hash;
     report.stamp = loop_.Now();
     ASSERT_TRUE(status_->Publish(transport::ToMessage("arm", report)));

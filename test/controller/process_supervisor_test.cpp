@@ -1,7 +1,7 @@
 // Real processes. A child reports that it runs by writing into a named pipe, so no test waits for a
 // time.
 
-#include "musher/controller/process_supervisor.hpp"
+#include "musher/controller/process/process_supervisor.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -24,9 +24,9 @@
 #include <set>
 #include <thread>
 
+#include "musher/base/host.hpp"
 #include "musher/test/controller/supervised.hpp"
 #include "musher/test/controller/temp_folder.hpp"
-#include "musher/transport/host.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::process_supervisor_test {
@@ -139,9 +139,9 @@ TEST_F(Supervisor, FindsAProgramThroughThePathOfItsEnvironment) {
 }
 
 TEST_F(Supervisor, StartsTheProcessWithoutOurDescriptorsAndWithAnEmptyStdin) {
-  const transport::UniqueFd leaky(open("/dev/null", O_RDONLY));  // like DDS: not close-on-exec
+  const UniqueFd leaky(open("/dev/null", O_RDONLY));  // like DDS: not close-on-exec
   ASSERT_TRUE(leaky.valid());
-  const transport::UniqueFd stdin_before(dup(0));
+  const UniqueFd stdin_before(dup(0));
   dup2(pipe_.get(), 0);
   MustStart(Script("ls /proc/$$/fd; readlink /proc/$$/fd/0"));
   dup2(stdin_before.get(), 0);

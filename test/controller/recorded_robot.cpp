@@ -1,6 +1,6 @@
 #include "musher/test/controller/recorded_robot.hpp"
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/simulation/robot.hpp"
 
 namespace musher {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/journal.hpp"
+#include "musher/controller/journal/journal.hpp"
 
 namespace musher {
 

@@ -3,10 +3,10 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/controller/controller_shell.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
 #include "musher/simulation/processes.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::remote_takeover_test {
 

@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/controller/diagnostics.hpp"
-#include "musher/controller/rosout.hpp"
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
+#include "musher/controller/ros2/diagnostics.hpp"
+#include "musher/controller/ros2/rosout.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::ros2_reports_test {

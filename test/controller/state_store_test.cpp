@@ -1,4 +1,4 @@
-#include "musher/controller/state_store.hpp"
+#include "musher/controller/storage/state_store.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

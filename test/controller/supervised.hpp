@@ -24,11 +24,11 @@
 #include <set>
 #include <thread>
 
+#include "musher/base/host.hpp"
 #include "musher/test/controller/temp_folder.hpp"
-#include "musher/transport/host.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-#include "musher/controller/process_supervisor.hpp"
+#include "musher/controller/process/process_supervisor.hpp"
 
 namespace musher {
 
@@ -43,7 +43,7 @@ class Supervisor : public ::testing::Test {
  protected:
   Supervisor() {
     mkfifo(pipe_path_.c_str(), 0600);
-    pipe_ = transport::UniqueFd(open(pipe_path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+    pipe_ = UniqueFd(open(pipe_path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   }
 
   ~Supervisor() override {
@@ -92,7 +92,7 @@ class Supervisor : public ::testing::Test {
 
   // Whether a process that need not be a child ends after `action`.
   bool EndsAfter(pid_t pid, const std::function<void()>& action) {
-    const auto pidfd = transport::OpenPidfd(pid);
+    const auto pidfd = OpenPidfd(pid);
     if (!pidfd) return false;
     bool ended = false;
     const auto watch = loop_.WhenReadable(pidfd.value().get(), [&] { ended = true; });
@@ -104,15 +104,14 @@ class Supervisor : public ::testing::Test {
 
   TempFolder folder_;
   const std::string log_ = folder_ / "dog.log";
-  const transport::UniqueFd output_{
-      open(log_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600)};
+  const UniqueFd output_{open(log_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600)};
   const std::string pipe_path_ = folder_ / "pipe";
-  transport::UniqueFd pipe_;
+  UniqueFd pipe_;
   std::string received_;
   transport::LinuxEventLoop loop_;
   std::optional<ProcessExit> exit_;
   std::set<pid_t> started_;
-  DiskWriter disk_{loop_};
+  transport::DiskWriter disk_{loop_};
   std::unique_ptr<ProcessSupervisor> supervisor_ =
       std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);
 };

@@ -2,16 +2,16 @@
 // second, and gets the outcome of the switch from the successor. It waited for 60 s and reported an
 // error of the successor.
 
-#include "musher/controller/switch_client.hpp"
+#include "musher/controller/client/switch_client.hpp"
 
 #include <gmock/gmock.h>
 
 #include <map>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/controller/two_controllers.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::switch_client_test {
 

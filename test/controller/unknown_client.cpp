@@ -12,7 +12,7 @@
 #include <string>
 
 #include "musher/messages/musher_msgs/actuator_command.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "musher/lifecycle/suggest.hpp"
+#include "musher/base/suggest.hpp"
 
 namespace musher::fault_injection {
 namespace {

@@ -1,7 +1,7 @@
 // The state config as any text: the check does not crash, each diagnostic has a position in the
 // text, and an accepted config is usable.
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 #include <algorithm>
 

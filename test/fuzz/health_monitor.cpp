@@ -1,7 +1,7 @@
 // Untrusted heartbeats: the monitor's computations with their times do not overflow, and it never
 // waits for a time in the past.
 
-#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/lifecycle/health/health_monitor.hpp"
 
 #include "musher/test/fuzz/untrusted.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"

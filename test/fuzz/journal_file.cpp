@@ -5,7 +5,7 @@
 #include <iterator>
 #include <set>
 
-#include "musher/controller/journal_reader.hpp"
+#include "musher/controller/journal/journal_reader.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 #include "musher/test/fuzz/folder.hpp"
 #include "musher/test/fuzz/fuzz.hpp"

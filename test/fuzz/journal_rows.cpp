@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "musher/controller/cli/render/json.hpp"
-#include "musher/controller/recording/replay.hpp"
+#include "musher/controller/journal/replay.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 

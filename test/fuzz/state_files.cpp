@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "musher/controller/state_store.hpp"
+#include "musher/controller/storage/state_store.hpp"
 #include "musher/test/fuzz/folder.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 

@@ -2,9 +2,9 @@
 // Untrusted reports and commands, made from the fuzzer's bytes: correct values, values near their
 // limits, or any value. They pass through their messages, as samples from the wire do.
 
-#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fuzz {
 

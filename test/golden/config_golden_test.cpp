@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::config_golden_test {
 

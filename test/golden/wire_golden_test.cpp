@@ -12,7 +12,7 @@
 #include <map>
 #include <string>
 
-#include "musher/lifecycle/version.hpp"
+#include "musher/base/version.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"

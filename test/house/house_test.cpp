@@ -79,6 +79,10 @@ TEST(House, FoldersIncludeOnlyWhatIsBelowThem) {
   EXPECT_THAT(ViolationsOf(IsCpp, ForbiddenIncludes), IsEmpty());
 }
 
+TEST(House, NoFoldersIncludeEachOther) {
+  EXPECT_THAT(IncludeCycles(Tree()), IsEmpty());
+}
+
 TEST(House, PureFoldersKnowNoClockNoThreadAndNoSocket) {
   EXPECT_THAT(ViolationsOf(IsPure, Impurities), IsEmpty());
 }

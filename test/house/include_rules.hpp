@@ -9,4 +9,7 @@ namespace musher::house {
 // What `file` includes and may not.
 std::vector<std::string> ForbiddenIncludes(const SourceFile& file);
 
+// Folders and subfolders whose files include each other in a circle. A module is one folder here.
+std::vector<std::string> IncludeCycles(const std::vector<SourceFile>& tree);
+
 }  // namespace musher::house

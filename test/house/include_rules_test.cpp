@@ -16,17 +16,19 @@ SourceFile Including(const std::string& path, const std::string& header) {
 TEST(IncludeRules, ReportFileAndLineWhenAFolderReachesUp) {
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/a.cpp", "\"musher/transport/node.hpp\"")),
               ElementsAre("lifecycle/a.cpp:2: lifecycle may not include transport"));
+  EXPECT_THAT(ForbiddenIncludes(Including("transport/a.cpp", "\"musher/lifecycle/state.hpp\"")),
+              ElementsAre("transport/a.cpp:2: transport may not include lifecycle"));
 }
 
 TEST(IncludeRules, KeepControllerAndActuatorApart) {
   const std::string actuator = "\"musher/actuator/worker.hpp\"";
-  const std::string controller = "\"musher/controller/journal.hpp\"";
+  const std::string controller = "\"musher/controller/journal/journal.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("controller/a.hpp", actuator)), SizeIs(1));
   EXPECT_THAT(ForbiddenIncludes(Including("actuator/a.hpp", controller)), SizeIs(1));
 }
 
 TEST(IncludeRules, LetAFolderIncludeWhatIsBelowIt) {
-  for (const char* folder : {"lifecycle", "messages", "transport", "actuator"}) {
+  for (const char* folder : {"base", "lifecycle", "messages", "transport", "actuator"}) {
     const std::string header = "\"musher/" + std::string(folder) + "/a.hpp\"";
     EXPECT_THAT(ForbiddenIncludes(Including("modules/exec/a.cpp", header)), IsEmpty());
   }
@@ -51,8 +53,17 @@ TEST(IncludeRules, KeepHeavyLibrariesOutOfHeaders) {
 }
 
 TEST(IncludeRules, LetTestsIncludeAllHeadersOfMusher) {
-  const std::string header = "\"musher/controller/journal.hpp\"";
+  const std::string header = "\"musher/controller/journal/journal.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("test/lifecycle/a.cpp", header)), IsEmpty());
+}
+
+TEST(IncludeRules, ReportFoldersAndSubfoldersThatIncludeEachOther) {
+  const SourceFile shell = Including("controller/shell/a.hpp", "\"musher/controller/link/b.hpp\"");
+  const SourceFile link = Including("controller/link/b.cpp", "\"musher/controller/shell/a.hpp\"");
+  EXPECT_THAT(IncludeCycles({shell, link}),
+              ElementsAre("controller/link includes controller/shell, which includes it",
+                          "controller/shell includes controller/link, which includes it"));
+  EXPECT_THAT(IncludeCycles({shell}), IsEmpty());
 }
 
 }  // namespace musher::house::include_rules_test

@@ -37,8 +37,7 @@ std::vector<std::string> Sleeps(const SourceFile& file) {
 std::vector<std::string> ThrowingIterators(const SourceFile& file) {
   static const std::regex throwing(
       R"(\bistreambuf_iterator\b|(: |distance\()[\w:]*\bdirectory_iterator\()");
-  return Find(file, WithoutComments(file.text), throwing,
-              "may throw; transport/files.hpp does not");
+  return Find(file, WithoutComments(file.text), throwing, "may throw; base/files.hpp does not");
 }
 
 std::vector<std::string> Leftovers(const SourceFile& file) {

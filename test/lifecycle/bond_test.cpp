@@ -1,4 +1,4 @@
-#include "musher/lifecycle/bond.hpp"
+#include "musher/lifecycle/ros2/bond.hpp"
 
 #include <gtest/gtest.h>
 

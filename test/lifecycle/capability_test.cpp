@@ -1,6 +1,6 @@
 // Where capabilities run, and the messages of refusals.
 
-#include "musher/lifecycle/capability.hpp"
+#include "musher/lifecycle/actuator/capability.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 #include <gtest/gtest.h>
 

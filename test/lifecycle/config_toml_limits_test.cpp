@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::config_toml_limits_test {
 

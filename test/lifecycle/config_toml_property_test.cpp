@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::config_toml_property_test {
 

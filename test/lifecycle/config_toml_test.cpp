@@ -1,6 +1,6 @@
 // Reading of valid state configs. The messages for invalid ones are in test/golden.
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/base/diagnostic.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/flow.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/lifecycle/health/health_monitor.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/health.hpp"
+#include "musher/lifecycle/health/health.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

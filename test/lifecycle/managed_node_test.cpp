@@ -1,4 +1,4 @@
-#include "musher/lifecycle/managed_node.hpp"
+#include "musher/lifecycle/ros2/managed_node.hpp"
 
 #include <gmock/gmock.h>
 

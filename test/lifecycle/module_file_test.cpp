@@ -1,6 +1,6 @@
 // The TOML file of a user's module.
 
-#include "musher/lifecycle/toml/module_file.hpp"
+#include "musher/base/toml/module_file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "musher/lifecycle/actuator_core.hpp"
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
 
 namespace musher::testing {
 

@@ -1,10 +1,10 @@
 // A plan alone: which actuators are driven, left out or refused, for a machine described here.
 
-#include "musher/lifecycle/plan.hpp"
+#include "musher/lifecycle/plan/plan.hpp"
 
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/policy.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

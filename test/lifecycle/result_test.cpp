@@ -1,4 +1,4 @@
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 #include <gtest/gtest.h>
 

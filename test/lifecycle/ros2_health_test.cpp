@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/lifecycle/health/health_monitor.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::ros2_health_test {

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/suggest.hpp"
+#include "musher/base/suggest.hpp"
 
 #include <gtest/gtest.h>
 

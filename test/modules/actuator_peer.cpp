@@ -9,7 +9,7 @@
 
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/modules/exec/processes.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::test {
 namespace {
@@ -65,7 +65,7 @@ void ActuatorPeer::Start(const std::string& module_file) {
 
 void ActuatorPeer::StartWith(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), std::string(MUSHER_BIN_DIR) + "/" + program_);
-  const transport::UniqueFd output(
+  const UniqueFd output(
       open((folder_ / "output").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   process_.emplace(
       exec::Child::Start({arguments, folder_.path(), {{"MUSHER_TEST", folder_.path()}}}, reaper_,

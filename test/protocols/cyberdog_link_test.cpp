@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/link_harness.hpp"
 

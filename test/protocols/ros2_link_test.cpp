@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/protocols/link_harness.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 

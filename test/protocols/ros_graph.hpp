@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/ros_environment.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::testing {
 
@@ -43,9 +43,9 @@ class RosGraphPeer {
   explicit RosGraphPeer(const std::string& settings = transport::kRosOnLoopback) {
     std::array<int, 2> in{}, out{};
     if (pipe2(in.data(), O_CLOEXEC) != 0 || pipe2(out.data(), O_CLOEXEC) != 0) std::abort();
-    input_ = transport::UniqueFd(in[1]);
-    output_ = transport::UniqueFd(out[0]);
-    const transport::UniqueFd child_in(in[0]), child_out(out[1]);
+    input_ = UniqueFd(in[1]);
+    output_ = UniqueFd(out[0]);
+    const UniqueFd child_in(in[0]), child_out(out[1]);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, in[0], 0);
@@ -130,7 +130,7 @@ class RosGraphPeer {
   }
 
   transport::LinuxEventLoop loop_;
-  transport::UniqueFd input_, output_;
+  UniqueFd input_, output_;
   pid_t pid_ = 0;
   std::string text_;  // not complete yet
   std::string last_;

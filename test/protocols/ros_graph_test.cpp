@@ -11,7 +11,7 @@
 #include "musher/test/contract/type_hash_table.hpp"
 #include "musher/test/contract/world.hpp"
 #include "musher/test/protocols/ros_graph.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::testing::ros_graph_test {

@@ -13,7 +13,7 @@
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/contract/world.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/ros_environment.hpp"
 #include "musher/transport/service.hpp"
 

@@ -41,7 +41,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 
 namespace musher::search {

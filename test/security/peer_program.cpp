@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/host.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
@@ -35,10 +36,9 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::transport {
 namespace {

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "musher/lifecycle/capability.hpp"
+#include "musher/lifecycle/actuator/capability.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::capability_test {
 

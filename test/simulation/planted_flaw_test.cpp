@@ -9,8 +9,8 @@
 
 #include "musher/simulation/checker.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::planted_flaw_test {
 

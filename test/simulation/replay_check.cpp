@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "musher/controller/recording/replay.hpp"
+#include "musher/controller/journal/replay.hpp"
 
 namespace musher::testing {
 namespace {

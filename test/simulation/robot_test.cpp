@@ -4,7 +4,7 @@
 #include <signal.h>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::robot_test {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 namespace musher::testing {
 

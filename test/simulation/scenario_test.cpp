@@ -15,6 +15,7 @@
 #include "musher/simulation/timeline.hpp"
 #include "musher/test/simulation/replay_check.hpp"
 #include "musher/test/simulation/sampled_config.hpp"
+#include "musher/wire/dds_options.hpp"
 
 namespace musher::testing::scenario_test {
 
@@ -108,9 +109,9 @@ INSTANTIATE_TEST_SUITE_P(Part, Scenarios, ::testing::Range(std::uint64_t{0}, kPa
 // Seeds above those of the gate that violated an invariant before the fault was fixed.
 TEST(Scenario, OfASeedThatOnceViolatedAnInvariantHoldsEveryInvariant) {
   simulation::Coverage coverage;
-  for (const std::uint64_t seed :
-       {16692,  77468,  116243, 129518, 132646, 152815, 166532, 215646, 228046, 228486, 229378,
-        236951, 239495, 328912, 329446, 344904, 398324, 453812, 468754, 639374, 698082, 726124}) {
+  for (const std::uint64_t seed : {16692,  77468,  116243, 129518, 132646, 152815, 166532, 215646,
+                                   228046, 228486, 229378, 236951, 239495, 328912, 329446, 344904,
+                                   398324, 453812, 468754, 639374, 698082, 726124}) {
     ExpectInvariantsHold(seed, coverage);
   }
 }

@@ -1,4 +1,4 @@
-#include "musher/transport/files.hpp"
+#include "musher/base/files.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>

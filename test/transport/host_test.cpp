@@ -1,4 +1,4 @@
-#include "musher/transport/host.hpp"
+#include "musher/base/host.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "musher/test/controller/temp_folder.hpp"
-#include "musher/transport/keys/authority.hpp"
-#include "musher/transport/keys/check.hpp"
+#include "musher/transport/security/check.hpp"
+#include "musher/wire/security/authority.hpp"
 
 namespace musher::transport::keys::keys_test {
 

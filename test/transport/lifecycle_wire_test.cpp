@@ -1,4 +1,4 @@
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher::transport::linux_event_loop_test {
 

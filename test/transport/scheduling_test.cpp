@@ -1,4 +1,4 @@
-#include "musher/transport/scheduling.hpp"
+#include "musher/base/scheduling.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -18,9 +18,9 @@
 #include "musher/transport/dds/service_tags.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/dds/type_tag.hpp"
-#include "musher/transport/keys/check.hpp"
 #include "musher/transport/network.hpp"
 #include "musher/transport/ros_environment.hpp"
+#include "musher/transport/security/check.hpp"
 
 namespace musher::transport {
 
@@ -123,23 +123,6 @@ std::string NodeName(const DdsOptions& options) {
 }
 
 }  // namespace
-
-DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
-                      const std::string& node_name) {
-  DdsOptions options;
-  options.profile = config.transport;
-  options.credentials = CredentialsFor(config, identity);
-  options.node_name = node_name;
-  options.name_space = config.name_space;
-  options.ros_distro = config.ros_distro;
-  return options;
-}
-
-std::optional<Credentials> CredentialsFor(const MachineConfig& config,
-                                          const std::string& identity) {
-  if (config.keys.empty()) return std::nullopt;
-  return Credentials{config.keys, identity};
-}
 
 Result<int> DomainId(const DdsOptions& options) {
   constexpr int kHighest = 232;  // the ports of higher ones do not exist

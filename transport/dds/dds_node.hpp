@@ -13,7 +13,7 @@
 
 namespace musher::transport {
 
-// The identity of a process, and the folder with the keys that prove it (see transport/keys/).
+// The identity of a process, and the folder with the keys that prove it (see transport/security/).
 struct Credentials {
   std::string keys;      // absolute
   std::string identity;  // "controller", "operator", or an actuator's name
@@ -58,18 +58,6 @@ struct DdsOptions {
   // The ROS 2 distribution whose message layout lists the nodes; none: see ChosenDistro().
   std::optional<RosDistro> ros_distro = std::nullopt;
 };
-
-// The options that the config has for the process `identity`, with `node_name` as its node in the
-// machine's namespace.
-DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
-                      const std::string& node_name);
-
-// The credentials of `identity`, if the config has keys.
-std::optional<Credentials> CredentialsFor(const MachineConfig& config, const std::string& identity);
-inline constexpr const char* kControllerIdentity = "controller";
-
-// The ROS 2 node of a controller, in the namespace of its machine: its services are `/musher/…`.
-inline constexpr const char* kControllerNode = "musher";
 
 // The domain from `options` and the environment; an Error when it is not within 0 to 232.
 Result<int> DomainId(const DdsOptions& options);

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 
 namespace musher::transport::dds {
 

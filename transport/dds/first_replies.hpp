@@ -17,7 +17,7 @@
 #include <functional>
 #include <string_view>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/cdr.hpp"
 #include "musher/transport/event_loop.hpp"
 

@@ -1,6 +1,6 @@
 #include "musher/transport/dds/matched.hpp"
 
-#include "musher/lifecycle/checksum.hpp"
+#include "musher/base/checksum.hpp"
 
 namespace musher::transport::dds {
 

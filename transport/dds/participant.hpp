@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/dds/entity.hpp"
 #include "musher/transport/dds/node_graph.hpp"

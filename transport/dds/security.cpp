@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "musher/transport/keys/key_folder.hpp"
+#include "musher/transport/security/key_folder.hpp"
 
 namespace musher::transport::dds {
 

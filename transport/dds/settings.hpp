@@ -5,7 +5,7 @@
 #include <string>
 
 #include "musher/base/network_profile.hpp"
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::transport::dds {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/transport/sim/random.hpp"
 
 namespace musher::transport::sim {

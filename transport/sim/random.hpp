@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::transport::sim {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::transport::sim {
 

@@ -4,9 +4,9 @@
 #include <utility>
 #include <variant>
 
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/behavior/fsm/toml/snapshot_toml.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/toml/table_reader.hpp"
 
 namespace musher::fsm {
 namespace {

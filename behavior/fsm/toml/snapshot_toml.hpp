@@ -13,8 +13,8 @@
 #include <string>
 #include <string_view>
 
+#include "musher/base/result.hpp"
 #include "musher/behavior/fsm/snapshot.hpp"
-#include "musher/lifecycle/result.hpp"
 
 namespace musher::fsm {
 

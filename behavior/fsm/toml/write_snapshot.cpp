@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/base/toml/text.hpp"
 #include "musher/behavior/fsm/toml/snapshot_toml.hpp"
-#include "musher/lifecycle/toml/text.hpp"
 
 namespace musher::fsm {
 namespace {

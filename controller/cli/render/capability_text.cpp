@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
+#include "musher/base/code.hpp"
 #include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/render/words.hpp"
-#include "musher/lifecycle/code.hpp"
 
 namespace musher::cli {
 namespace {

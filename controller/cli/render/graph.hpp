@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/config/config.hpp"
 
 namespace musher::cli {
 

@@ -2,10 +2,10 @@
 
 #include <sstream>
 
+#include "musher/base/code.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/render/words.hpp"
 #include "musher/controller/cli/wall_time.hpp"
-#include "musher/lifecycle/code.hpp"
 
 namespace musher::cli {
 namespace {

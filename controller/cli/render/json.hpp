@@ -7,21 +7,21 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/diagnostic.hpp"
 #include "musher/controller/cli/ending.hpp"
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/why.hpp"
+#include "musher/controller/journal/replay.hpp"
 #include "musher/controller/ota/manifest.hpp"
 #include "musher/controller/ota/slots.hpp"
-#include "musher/controller/recording/replay.hpp"
-#include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/policy_request.hpp"
-#include "musher/transport/keys/authority.hpp"
+#include "musher/wire/security/authority.hpp"
 
 namespace musher::cli {
 

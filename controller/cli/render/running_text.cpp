@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
+#include "musher/base/code.hpp"
 #include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
-#include "musher/lifecycle/code.hpp"
 
 namespace musher::cli {
 namespace {

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
+#include "musher/base/code.hpp"
 #include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/render/words.hpp"
 #include "musher/controller/cli/wall_time.hpp"
-#include "musher/lifecycle/code.hpp"
-#include "musher/lifecycle/health.hpp"
+#include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {

@@ -8,14 +8,12 @@
 #include <array>
 #include <cerrno>
 
-#include "musher/transport/host.hpp"
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher::cli {
 namespace {
 
-using transport::SystemError;
-using transport::UniqueFd;
 
 // An anonymous file in memory: `dot` reads one and writes another, so neither end ever blocks.
 Result<UniqueFd> MemoryFile(const std::string& content) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <climits>
 
+#include "musher/base/code.hpp"
 #include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
-#include "musher/lifecycle/code.hpp"
 
 namespace musher::cli {
 namespace {

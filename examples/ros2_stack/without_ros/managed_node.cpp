@@ -11,7 +11,7 @@
 
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
-#include "musher/transport/managed_node_endpoints.hpp"
+#include "musher/wire/managed_node_endpoints.hpp"
 
 namespace transport = musher::transport;
 using Endpoints = transport::ManagedNodeEndpoints;

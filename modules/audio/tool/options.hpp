@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "musher/modules/program/command_line_tool.hpp"
+#include "musher/actuator/program/command_line_tool.hpp"
 
 namespace musher::audio::tool {
 

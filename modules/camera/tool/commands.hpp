@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/camera/tool/options.hpp"
 #include "musher/transport/node.hpp"

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/modules/program/command_line_tool.hpp"
+#include "musher/actuator/program/command_line_tool.hpp"
 
 namespace musher::camera::tool {
 

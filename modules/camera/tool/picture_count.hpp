@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 
 namespace musher::camera::tool {

@@ -4,7 +4,7 @@
 // counts as missing only at a second check: after a late turn of the loop the first check runs
 // before waiting samples have been read.
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::motion::tool {
 

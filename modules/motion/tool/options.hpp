@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/modules/motion/motion_command.hpp"
-#include "musher/modules/program/command_line_tool.hpp"
 
 namespace musher::motion::tool {
 

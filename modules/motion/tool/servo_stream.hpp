@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/modules/motion/motion_command.hpp"
-#include "musher/modules/program/command_line_tool.hpp"
 #include "musher/transport/endpoint.hpp"
 
 namespace musher::motion::tool {

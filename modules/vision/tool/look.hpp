@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/base/result.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 
 namespace musher::vision::tool {

@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "musher/lifecycle/version.hpp"
-#include "musher/modules/program/command_line_tool.hpp"
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/command_line_tool.hpp"
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/base/version.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 
 namespace {

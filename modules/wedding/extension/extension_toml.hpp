@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/wedding/extension/interview.hpp"
 #include "musher/modules/wedding/extension/observing_idle.hpp"
 #include "musher/modules/wedding/extension/search.hpp"

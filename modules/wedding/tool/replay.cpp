@@ -6,8 +6,8 @@
 #include <iomanip>
 #include <iostream>
 
-#include "musher/lifecycle/toml/file.hpp"
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/base/toml/file.hpp"
 #include "musher/modules/wedding/show.hpp"
 #include "musher/modules/wedding/tool/tool.hpp"
 

@@ -5,10 +5,10 @@
 #include <iostream>
 #include <variant>
 
+#include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/program/command_line_tool.hpp"
 #include "musher/modules/wedding/tool/tool.hpp"
 #include "musher/modules/wedding/topic_names.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 
 namespace musher::benchmark {

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <string>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher::benchmark {
 

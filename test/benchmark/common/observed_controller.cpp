@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 
 namespace musher::benchmark {

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "musher/controller/controller.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::benchmark {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <thread>
 
+#include "musher/base/host.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/transport/dds/settings.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::benchmark {
 
@@ -70,7 +70,7 @@ void PlainEnd::Call(std::int64_t sequence) const {
 
 void PlainEnd::Answer(std::int64_t sequence) const {
   static char none[] = "", name[] = "a0", state[] = "DeActive", hash[] = "0123456789abcdef";
-  static std::string host = transport::HostId();
+  static std::string host = HostId();
   PlainResponse response{};
   response.client_id = 1;
   response.sequence_number = sequence;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 
+#include "musher/base/host.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
 #include "musher/test/benchmark/common/observed_controller.hpp"
@@ -16,12 +17,10 @@
 #include "musher/test/benchmark/health/hand_started.hpp"
 #include "musher/test/benchmark/health/parts.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::benchmark {
 namespace {
 
-using transport::NameLock;
 
 constexpr int kVictims = 8;
 

@@ -9,7 +9,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/test/benchmark/common/child.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 int main(int argc, char** argv) {
   using musher::MachineActuator;

@@ -6,7 +6,7 @@
 #include <future>
 #include <utility>
 
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::benchmark {
 namespace {

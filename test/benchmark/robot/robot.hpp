@@ -13,13 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/test/benchmark/common/child.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::benchmark {

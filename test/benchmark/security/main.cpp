@@ -13,7 +13,7 @@
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
-#include "musher/transport/keys/authority.hpp"
+#include "musher/wire/security/authority.hpp"
 
 namespace musher::benchmark {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "musher/controller/cli/program_check.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"

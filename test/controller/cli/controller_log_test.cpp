@@ -12,9 +12,9 @@
 #include <future>
 #include <iterator>
 
+#include "musher/base/unique_fd.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli::controller_log_test {
 
@@ -53,13 +53,13 @@ class Log : public ::testing::Test {
     EXPECT_TRUE(disk_->Flush(kWaitLimit));
   }
 
-  const transport::UniqueFd stdout_{dup(STDOUT_FILENO)};
-  const transport::UniqueFd stderr_{dup(STDERR_FILENO)};
+  const UniqueFd stdout_{dup(STDOUT_FILENO)};
+  const UniqueFd stderr_{dup(STDERR_FILENO)};
   TempFolder folder_;
   const std::string path_ = folder_ / "state/controller.log";
   transport::LinuxEventLoop loop_;
   std::promise<void> disk_works_;
-  std::unique_ptr<DiskWriter> disk_ = std::make_unique<DiskWriter>(loop_);
+  std::unique_ptr<transport::DiskWriter> disk_ = std::make_unique<transport::DiskWriter>(loop_);
   ControllerLog log_{*disk_, path_};
 };
 

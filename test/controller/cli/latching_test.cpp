@@ -7,8 +7,8 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/test/controller/cli/robot.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/sim/network.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli::latching_test {
 

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher {
 
@@ -59,7 +59,7 @@ class NotifySocket {
   }
 
  private:
-  transport::UniqueFd socket_;
+  UniqueFd socket_;
 };
 
 // The same, read all the time by a thread of its own.
@@ -68,8 +68,8 @@ class ServiceManagerThatReads {
   explicit ServiceManagerThatReads(const std::string& path) : socket_(path) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-    end_ = transport::UniqueFd(ends[0]);
-    running_ = transport::UniqueFd(ends[1]);
+    end_ = UniqueFd(ends[0]);
+    running_ = UniqueFd(ends[1]);
     reader_ = std::jthread([this] { Read(); });
   }
   ~ServiceManagerThatReads() { running_ = {}; }
@@ -111,8 +111,8 @@ class ServiceManagerThatReads {
   }
 
   NotifySocket socket_;
-  transport::UniqueFd end_;  // of this pipe: the other one is closed
-  transport::UniqueFd running_;
+  UniqueFd end_;  // of this pipe: the other one is closed
+  UniqueFd running_;
   std::mutex mutex_;  // guards the messages and reading
   std::condition_variable come_;
   std::vector<std::string> messages_;

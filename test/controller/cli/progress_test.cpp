@@ -25,8 +25,8 @@ class ProgressConnection : public ::testing::Test {
   }
 
   transport::LinuxEventLoop loop_;
-  transport::UniqueFd front_;
-  transport::UniqueFd controller_;
+  UniqueFd front_;
+  UniqueFd controller_;
   std::optional<ProgressReceiver> receiver_;
   std::vector<Progress> received_;
   int ends_ = 0;

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
 namespace musher::cli {

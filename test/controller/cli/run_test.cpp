@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "musher/controller/journal.hpp"
+#include "musher/controller/journal/journal.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/recording/fields.hpp"
+#include "musher/controller/journal/fields.hpp"
 
 namespace musher::recording {
 

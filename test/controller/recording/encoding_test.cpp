@@ -1,7 +1,7 @@
 // Nothing is lost between the decision code's values and their recording. That no field is missing
 // in the first place is checked when fields.hpp is compiled.
 
-#include "musher/controller/recording/encoding.hpp"
+#include "musher/controller/journal/encoding.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>

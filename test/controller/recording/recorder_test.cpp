@@ -1,4 +1,4 @@
-#include "musher/controller/recording/recorder.hpp"
+#include "musher/controller/journal/recorder.hpp"
 
 #include <gmock/gmock.h>
 

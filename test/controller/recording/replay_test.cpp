@@ -1,12 +1,12 @@
 // A replay is right, or it says where and why it is not.
 
-#include "musher/controller/recording/replay.hpp"
+#include "musher/controller/journal/replay.hpp"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 
 namespace musher::recording::replay_test {

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher::fault_injection {
 namespace {
@@ -43,7 +43,7 @@ ifreq Request(const std::string& interface) {
 }
 
 void Control(unsigned long what, ifreq request) {
-  const transport::UniqueFd any(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const UniqueFd any(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (ioctl(any.get(), what, &request) != 0) FailToIsolate(request.ifr_name);
 }
 

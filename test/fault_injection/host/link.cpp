@@ -29,8 +29,8 @@ constexpr int kBatch = 64;                   // packets of one direction in a ro
 }
 
 // In the network namespace of the calling thread.
-transport::UniqueFd OpenEnd(const char* address) {
-  transport::UniqueFd fd(open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
+UniqueFd OpenEnd(const char* address) {
+  UniqueFd fd(open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!fd.valid()) Fail("/dev/net/tun");
   ifreq request{};
   std::snprintf(request.ifr_name, sizeof(request.ifr_name), "%s", Link::kInterface);
@@ -45,7 +45,7 @@ transport::UniqueFd OpenEnd(const char* address) {
 
 Link::Link(pid_t there) : there_(there), here_fd_(OpenEnd(kHere)) {
   InThere([this] { there_fd_ = OpenEnd(kThere); });
-  wake_ = transport::UniqueFd(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  wake_ = UniqueFd(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -61,7 +61,7 @@ void Link::InThere(const std::function<void()>& work) const {
   std::thread([&] {
     try {
       const std::string path = "/proc/" + std::to_string(there_) + "/ns/net";
-      const transport::UniqueFd other(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+      const UniqueFd other(open(path.c_str(), O_RDONLY | O_CLOEXEC));
       if (!other.valid() || setns(other.get(), CLONE_NEWNET) != 0) Fail(path);
       work();
     } catch (...) {

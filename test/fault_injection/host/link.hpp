@@ -17,9 +17,9 @@
 #include <thread>
 #include <vector>
 
-#include "musher/lifecycle/time.hpp"
+#include "musher/base/time.hpp"
+#include "musher/base/unique_fd.hpp"
 #include "musher/test/fault_injection/random.hpp"
-#include "musher/transport/unique_fd.hpp"
 
 namespace musher::fault_injection {
 
@@ -61,9 +61,9 @@ class Link {
   void InThere(const std::function<void()>& work) const;
 
   const pid_t there_;
-  transport::UniqueFd here_fd_;
-  transport::UniqueFd there_fd_;
-  transport::UniqueFd wake_;
+  UniqueFd here_fd_;
+  UniqueFd there_fd_;
+  UniqueFd wake_;
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;  // guards what follows
   LinkImpairment to_there_;

@@ -61,7 +61,7 @@ Reaper::Reaper() : folder_(NewFolder()) {
     _exit(0);
   }
   close(ends[0]);
-  alive_ = transport::UniqueFd(ends[1]);
+  alive_ = UniqueFd(ends[1]);
   setenv(kMark, std::to_string(getpid()).c_str(), 1);
 }
 

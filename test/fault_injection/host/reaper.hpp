@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "musher/transport/unique_fd.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher::fault_injection {
 
@@ -26,7 +26,7 @@ class Reaper {
 
  private:
   std::filesystem::path folder_;
-  transport::UniqueFd alive_;
+  UniqueFd alive_;
   pid_t pid_ = 0;
 };
 

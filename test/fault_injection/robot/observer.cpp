@@ -4,7 +4,7 @@
 #include <atomic>
 #include <utility>
 
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fault_injection {
 namespace {

@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "musher/controller/child_processes.hpp"
+#include "musher/base/host.hpp"
+#include "musher/controller/process/child_processes.hpp"
 #include "musher/test/fault_injection/robot/processes.hpp"
-#include "musher/transport/host.hpp"
 
 namespace musher::fault_injection {
 namespace {
@@ -173,7 +173,7 @@ pid_t Robot::ControllerPid() {
 }
 
 std::map<std::string, int> Robot::StartedProcesses() const {
-  const std::string prefix = transport::NameLock::NameOf(domain_, kNameSpace, "");
+  const std::string prefix = NameLock::NameOf(domain_, kNameSpace, "");
   std::map<std::string, int> running;
   for (const MarkedProcess& process : FindMarked()) {
     const bool ours = process.pid == process.started && process.mark.starts_with(prefix);

@@ -6,9 +6,9 @@
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/linux_event_loop.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::testing::estop_test {
 

@@ -4,7 +4,7 @@
 
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/test/integration/cli/machine.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::testing::power_test {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "musher/actuator/machine_actuator.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 int main() {
   const std::shared_ptr<musher::transport::NodeThread> node =

@@ -85,8 +85,8 @@ TEST_F(Upgrade, WhoseControllerCannotEvenBeginRollsBack) {
   EXPECT_EQ(Where(), "Active from a");
 
   const std::string taken = "elsewhere_" + std::to_string(getpid());
-  const auto leads = transport::NameLock::Acquire(
-      transport::NameLock::NameOf(transport::TestDomain(), taken, "musher/controller"));
+  const auto leads =
+      NameLock::Acquire(NameLock::NameOf(transport::TestDomain(), taken, "musher/controller"));
   ASSERT_TRUE(leads);
   Make("1.2.0", {.name_space = taken});
   const Ended second = Install("1.2.0");

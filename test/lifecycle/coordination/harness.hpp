@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 
 namespace musher::testing {

@@ -1,6 +1,6 @@
 // The result of a switch for every actuator, and its effects.
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::outcome_test {

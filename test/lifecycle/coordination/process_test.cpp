@@ -1,6 +1,6 @@
 // Which process belongs to an actuator, which may be signalled, and the effect of its exit.
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::process_test {

@@ -1,7 +1,7 @@
 // Which actuators are waited for, how long, and what is recorded, while the machine comes up and
 // goes down.
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::stage_test {

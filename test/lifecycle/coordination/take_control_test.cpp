@@ -1,6 +1,6 @@
 // How a controller takes control of an actuator, and which of its reports count.
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::take_control_test {

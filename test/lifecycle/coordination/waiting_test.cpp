@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/base/code.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::waiting_test {

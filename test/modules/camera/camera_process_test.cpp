@@ -84,7 +84,7 @@ class CameraManagerProcess : public ::testing::Test {
   exec::Child Tool(const std::vector<std::string>& arguments) {
     std::vector<std::string> argv = {std::string(MUSHER_BIN_DIR) + "/musher-camera"};
     argv.insert(argv.end(), arguments.begin(), arguments.end());
-    const transport::UniqueFd output(
+    const UniqueFd output(
         open((peer_.folder() / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     return exec::Child::Start({argv, peer_.folder().path(), {}}, reaper_, output.get()).value();
   }

@@ -25,11 +25,11 @@ class ChildTest : public ::testing::Test {
   std::string OutputOf(const ChildSpec& spec) {
     int ends[2];
     EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
-    const transport::UniqueFd reader(ends[0]);
-    transport::UniqueFd writer(ends[1]);
+    const UniqueFd reader(ends[0]);
+    UniqueFd writer(ends[1]);
     auto child = Start(spec, writer.get());
     EXPECT_TRUE(child);
-    writer = transport::UniqueFd();
+    writer = UniqueFd();
     std::string text;
     char buffer[256];
     for (ssize_t got = 0; (got = read(reader.get(), buffer, sizeof(buffer))) > 0;) {

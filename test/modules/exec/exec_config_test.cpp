@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::exec::exec_config_test {
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "musher/transport/host.hpp"
+#include "musher/base/host.hpp"
 
 namespace musher::exec {
 
@@ -20,7 +20,7 @@ inline Time Soon() {
 
 // Whether process `pid` has exited, at the latest Soon(). An unreaped process counts as exited.
 inline bool HasExited(pid_t pid) {
-  const auto pidfd = transport::OpenPidfd(pid);
+  const auto pidfd = OpenPidfd(pid);
   if (!pidfd) return true;
   pollfd ended{pidfd.value().get(), POLLIN, 0};
   return poll(&ended, 1, 20'000) == 1;

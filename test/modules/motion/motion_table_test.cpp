@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "musher/lifecycle/capability.hpp"
-#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/actuator/capability.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/modules/motion/motion_config.hpp"
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/test/modules/motion/harness.hpp"

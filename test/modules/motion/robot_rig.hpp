@@ -15,7 +15,7 @@
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/motion/topic_board.hpp"
-#include "musher/transport/node_thread.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::motion::testing {

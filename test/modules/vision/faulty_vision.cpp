@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "musher/modules/program/module_main.hpp"
+#include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/vision/vision_manager.hpp"
 
 namespace musher::vision {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "musher/modules/program/states.hpp"
+#include "musher/actuator/program/states.hpp"
 
 namespace musher::vision::vision_config_test {
 

@@ -17,7 +17,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::vision::vision_process_test {
 

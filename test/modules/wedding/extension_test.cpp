@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "musher/lifecycle/toml/file.hpp"
+#include "musher/base/toml/file.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding::extension_test {

@@ -143,8 +143,7 @@ class WeddingProcess : public ::testing::Test {
     spec.argv.insert(spec.argv.end(), words.begin(), words.end());
     spec.cwd = peer_.folder().path();
     const std::string output = peer_.folder() / "said";
-    const transport::UniqueFd file(
-        open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    const UniqueFd file(open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     exec::Child child = exec::Child::Start(spec, reaper_, file.get()).value();
     const auto look = peer_.node().loop().Every(Milliseconds(20), [] {});  // Until looks at events
     const bool ended = peer_.Until([&] { return child.Ended(); });

@@ -5,7 +5,7 @@
 #include "musher/messages/protocol/camera.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::wedding::wedding_process_test {
 

@@ -1,0 +1,220 @@
+#include "musher/base/host.hpp"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <system_error>
+
+#include "musher/base/files.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An abstract address: its path starts with a zero byte and counts to its very last byte.
+struct AbstractAddress {
+  sockaddr_un address{};
+  socklen_t size = 0;
+
+  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
+};
+
+std::optional<AbstractAddress> AddressOf(std::string_view name) {
+  const std::string path = std::string(1, '\0') + "musher/" + std::string(name);
+  AbstractAddress result;
+  if (path.size() > sizeof(result.address.sun_path)) return std::nullopt;
+  result.address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), result.address.sun_path);
+  result.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  return result;
+}
+
+// Datagram: connect() to a bound socket needs no listener.
+UniqueFd MakeSocket() {
+  return UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+}
+
+// The inode of the socket that is bound to an abstract address, from the kernel's table:
+// "ffff8880: 00000002 00000000 00000000 0002 01 41923 @musher/…", with '@' for the zero byte.
+std::string InodeOf(const std::string& address) {
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream words(line);
+    std::string skipped;
+    std::string inode;
+    std::string path;
+    for (int i = 0; i < 6; ++i) words >> skipped;
+    if (words >> inode >> path && path == address) return inode;
+  }
+  return {};
+}
+
+// A descriptor of a process.
+struct OpenFile {
+  fs::path descriptor;  // "/proc/4711/fd/5"
+  struct stat status {};
+};
+
+// The first descriptor of a process that `wanted` accepts; nullopt: none, or they are not visible.
+template <typename Wanted>
+std::optional<OpenFile> FindOpen(pid_t pid, const Wanted& wanted) {
+  const fs::path folder = fs::path("/proc") / std::to_string(pid) / "fd";
+  for (const fs::path& descriptor : EntriesOf(folder)) {
+    OpenFile file{descriptor, {}};
+    if (stat(file.descriptor.c_str(), &file.status) == 0 && wanted(file)) return file;
+  }
+  return std::nullopt;
+}
+
+bool IsTrusted(uid_t uid) {
+  return uid == 0 || uid == geteuid();
+}
+
+// The process as the holder of the socket with this inode, if it holds it.
+NameLock::Holder HolderIf(pid_t pid, const std::string& inode) {
+  const auto socket = FindOpen(pid, [&](const OpenFile& file) {
+    return S_ISSOCK(file.status.st_mode) && std::to_string(file.status.st_ino) == inode;
+  });
+  struct stat process {};
+  if (!socket || stat(("/proc/" + std::to_string(pid)).c_str(), &process) != 0) return {};
+  const uid_t user = socket->status.st_uid;
+  return {pid, user, IsTrusted(user) && IsTrusted(process.st_uid)};
+}
+
+}  // namespace
+
+Error SystemError(std::string_view what, int error_number) {
+  return {kCodeFailed, std::string(what) + ": " + std::generic_category().message(error_number)};
+}
+
+std::string HostId() {
+  std::ifstream file("/proc/sys/kernel/random/boot_id");
+  std::string boot;
+  struct stat pid_namespace {};
+  if (!(file >> boot) || stat("/proc/self/ns/pid", &pid_namespace) != 0) return {};
+  return boot + "/" + std::to_string(pid_namespace.st_ino);
+}
+
+std::uint64_t NewIncarnation() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U +
+         static_cast<std::uint64_t>(now.tv_nsec);
+}
+
+Result<UniqueFd> OpenPidfd(pid_t pid) {
+  UniqueFd fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));  // close-on-exec by itself
+  if (!fd.valid()) return SystemError("can't watch process " + std::to_string(pid));
+  return fd;
+}
+
+std::string NameLock::NameOf(int domain_id, std::string_view name_space,
+                             std::string_view actuator) {
+  return std::to_string(domain_id) + "/" + std::string(name_space) + "/" + std::string(actuator);
+}
+
+Result<NameLock> NameLock::Acquire(std::string_view name) {
+  const auto address = AddressOf(name);
+  if (!address) return Error{kCodeParametersInvalid, "too long: " + std::string(name)};
+  UniqueFd socket = MakeSocket();
+  if (!socket.valid()) return SystemError("can't make a socket");
+  if (bind(socket.get(), address->get(), address->size) == 0) return NameLock(std::move(socket));
+  Error error = SystemError("can't take the name " + std::string(name));
+  if (errno == EADDRINUSE) {
+    error = {kCodeTargetBusy, "a process named " + std::string(name) +
+                                  " already runs on this host: " + HolderOf(name).Text()};
+  }
+  return error;
+}
+
+bool NameLock::IsHeld(std::string_view name) {
+  const auto address = AddressOf(name);
+  if (!address) return false;
+  const UniqueFd socket = MakeSocket();
+  return socket.valid() && connect(socket.get(), address->get(), address->size) == 0;
+}
+
+std::string NameLock::Holder::Text() const {
+  if (pid == 0) return "a process of another user";
+  return "process " + std::to_string(pid) + " of user " + std::to_string(uid);
+}
+
+std::vector<std::string> NameLock::HeldBelow(std::string_view prefix) {
+  const std::string begin = "@musher/" + std::string(prefix);
+  std::set<std::string> names;
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);) {
+    const std::size_t at = line.find(begin);
+    if (at == std::string::npos || at == 0 || line[at - 1] != ' ') continue;
+    const std::string name = line.substr(at + begin.size());
+    if (!name.empty() && name.find('/') == std::string::npos) names.insert(name);
+  }
+  return {names.begin(), names.end()};
+}
+
+NameLock::Holder NameLock::HolderOf(std::string_view name) {
+  const std::string inode = InodeOf("@musher/" + std::string(name));
+  if (inode.empty()) return {};
+  for (const fs::path& process : EntriesOf("/proc")) {
+    const pid_t pid = std::atoi(process.filename().c_str());
+    if (pid == 0) continue;
+    if (const Holder holder = HolderIf(pid, inode); holder.pid != 0) return holder;
+  }
+  return {};
+}
+
+Result<> NameLock::CheckHolder(std::string_view name, pid_t pid) {
+  const std::string process = "process " + std::to_string(pid);
+  std::error_code error;
+  if (pid <= 0 || !fs::exists("/proc/" + std::to_string(pid), error)) {
+    return Error{kCodeStateInvalid, "there is no " + process};
+  }
+  const std::string inode = InodeOf("@musher/" + std::string(name));
+  if (inode.empty()) {
+    return Error{kCodePermissionDenied, "no process of this host holds its name"};
+  }
+  const Holder holder = HolderIf(pid, inode);
+  if (holder.pid == 0) {
+    return Error{kCodePermissionDenied,
+                 process + " does not hold its name, or is of a user whose files cannot be read"};
+  }
+  if (holder.trusted) return Ok();
+  return Error{kCodePermissionDenied, "its name is held by " + holder.Text() +
+                                          ", which is neither root nor user " +
+                                          std::to_string(geteuid()) + ", as this one is"};
+}
+
+// "lock:\t1: FLOCK  ADVISORY  WRITE 4711 fe:00:123 0 EOF"
+bool HoldsLockOn(pid_t pid, const std::string& path) {
+  struct stat locked {};
+  if (pid <= 0 || stat(path.c_str(), &locked) != 0) return false;
+  return FindOpen(
+             pid,
+             [&](const OpenFile& file) {
+               if (file.status.st_dev != locked.st_dev || file.status.st_ino != locked.st_ino) {
+                 return false;
+               }
+               std::ifstream info(file.descriptor.parent_path().parent_path() / "fdinfo" /
+                                  file.descriptor.filename());
+               for (std::string line; std::getline(info, line);) {
+                 if (line.starts_with("lock:") && line.find("WRITE") != std::string::npos)
+                   return true;
+               }
+               return false;
+             })
+      .has_value();
+}
+
+}  // namespace musher

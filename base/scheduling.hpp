@@ -1,0 +1,73 @@
+#pragma once
+// The state of the threads of a process of this host, from the kernel: whether they are stopped,
+// and how long they ran and waited for a CPU. It distinguishes a silent process that got no CPU
+// from one that could run and hangs.
+//
+// Keeps no state and never waits; a sample reads two small files of /proc for each thread.
+//
+// Threads: any. Nothing throws; nullopt if something can't be read.
+
+#include <sys/types.h>
+
+#include <map>
+#include <optional>
+
+#include "musher/base/time.hpp"
+
+namespace musher {
+
+// Since the thread started. Both zero on a kernel built without schedstats.
+struct CpuTime {
+  Duration ran{};
+  Duration waited{};  // ready to run, but without a CPU; counted once the wait has ended
+
+  friend bool operator==(const CpuTime&, const CpuTime&) = default;
+};
+
+std::optional<CpuTime> ThreadCpuTime(pid_t pid, pid_t tid);
+
+struct ThreadSample {
+  CpuTime cpu;
+  bool runnable = false;  // runs, or waits for a CPU
+
+  friend bool operator==(const ThreadSample&, const ThreadSample&) = default;
+};
+
+// One sample of a process.
+struct ProcessSample {
+  Time at{};
+  std::map<pid_t, ThreadSample> threads;  // by tid
+  Duration throttled{};  // CPU time that the quota of its cgroup has withheld so far
+};
+
+// The CPU time that the process's cgroup quota has withheld, over all CPUs; zero if there is no
+// quota or it is not visible to us.
+Duration ThrottledTime(pid_t pid);
+
+// nullopt if there is no such process, or all its threads have exited.
+std::optional<ProcessSample> SampleProcess(pid_t pid, Time now);
+
+// How long a thread waited for a CPU between two samples, or was throttled by a quota; never more
+// than the time between them in which it did not run. A thread that was ready at both samples and
+// did not run in between has waited all the time, although the kernel has not counted it yet.
+// nullopt for a thread that is not in `after`.
+std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSample& after,
+                                   pid_t tid);
+
+// The wait of the thread that waited longest. For a process that was silent between the samples: a
+// value near the time between them means that it may have been starved, a small value that it
+// hangs. If the silent thread is known, its ThreadWait() is more reliable: other threads of the
+// process may compute all the time and wait for each other.
+Duration LongestWait(const ProcessSample& before, const ProcessSample& after);
+
+enum class ProcessRunState {
+  kRunning,  // at least one thread runs or could: it sleeps, or waits for the disk
+  kStopped,  // every thread is stopped, by SIGSTOP or the like; SIGCONT continues it
+  kTraced,   // every thread is stopped, some by a debugger
+  kExited,   // it has exited, but its parent may not have reaped it yet
+};
+
+// nullopt if the process exists but is not visible to us in /proc.
+std::optional<ProcessRunState> RunStateOf(pid_t pid);
+
+}  // namespace musher

@@ -1,0 +1,9 @@
+#include "musher/base/version.hpp"
+
+namespace musher {
+
+std::string_view Version() {
+  return MUSHER_VERSION;
+}
+
+}  // namespace musher

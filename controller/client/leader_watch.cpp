@@ -1,0 +1,142 @@
+#include "musher/controller/client/leader_watch.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/base/host.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// A controller of another host is lost after this many missed heartbeats, but not before
+// kShortestSilence: a heartbeat may be lost, and a process may wait for a CPU.
+constexpr int kHeartbeatsMissed = 4;
+constexpr Duration kShortestSilence = Milliseconds(750);
+constexpr Duration kSlowestHeartbeat = Milliseconds(500);
+constexpr const char* kExited = "has exited";
+
+class PidfdWatch : public transport::LoopHandle {
+ public:
+  PidfdWatch(transport::EventLoop& loop, UniqueFd process, std::function<void()> on_end)
+      : process_(std::move(process)),
+        on_end_(std::move(on_end)),
+        watch_(loop.WhenReadable(process_.get(), [this] {
+          const auto ended = std::move(on_end_);
+          watch_ = nullptr;  // it stays readable
+          ended();           // last: it may drop this
+        })) {}
+
+ private:
+  UniqueFd process_;
+  std::function<void()> on_end_;
+  transport::LoopHandlePtr watch_;
+};
+
+}  // namespace
+
+WatchProcess WatchByPidfd(transport::EventLoop& loop) {
+  return [&loop](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
+    auto process = OpenPidfd(pid);
+    if (!process) return nullptr;
+    return std::make_unique<PidfdWatch>(loop, std::move(process).value(), std::move(on_end));
+  };
+}
+
+LeaderWatch::LeaderWatch(transport::Node& node, Options options, OnStatus on_status, OnEnd on_end)
+    : node_(node),
+      options_(std::move(options)),
+      on_status_(std::move(on_status)),
+      on_end_(std::move(on_end)) {}
+
+Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Options options,
+                                                       OnStatus on_status, OnEnd on_end) {
+  std::unique_ptr<LeaderWatch> watch(
+      new LeaderWatch(node, std::move(options), std::move(on_status), std::move(on_end)));
+  if (auto opened = watch->Open(); !opened) return opened.error();
+  return watch;
+}
+
+Result<> LeaderWatch::Open() {
+  auto heartbeats = transport::MakeSubscription<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(options_.name_space),
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) {
+        OnHeartbeat(heartbeat);
+      },
+      transport::kLatchedFromManyQos);
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [this](transport::PeerId writer) {
+    if (leader_ && writer == from_.writer) End("no longer leads");
+  };
+  auto statuses = transport::MakeSubscription<msg::MachineStatus>(
+      node_, transport::MachineStatusTopic(options_.name_space),
+      [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        OnStatusOf(status, info);
+      },
+      transport::kLatchedFromManyQos, std::move(events));
+  if (!statuses) return statuses.error();
+  statuses_ = std::move(statuses).value();
+  return Ok();
+}
+
+bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
+  return options_.watch_process && !leader.host.empty() && leader.host == options_.host;
+}
+
+void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from) {
+  const bool outdated = status.epoch <= ended_ || (leader_ && status.epoch < leader_->epoch);
+  if (outdated) return;
+  const bool another = !leader_ || from.writer != from_.writer;
+  if (leader_ && another) End("no longer leads");
+  silent_.reset();
+  leader_ = status;
+  from_ = from;
+  if (another) {
+    heartbeat_period_ = kSlowestHeartbeat;  // until its heartbeat has the period
+    if (!IsOurs(status)) {
+      ExpectHeartbeat();
+    } else {
+      process_ = options_.watch_process(status.pid, [this] { End(kExited); });
+      if (!process_) return End(kExited);
+    }
+  }
+  on_status_(status);
+}
+
+void LeaderWatch::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
+  const auto is_of = [&](const std::optional<msg::MachineStatus>& one) {
+    return one && heartbeat.pid == one->pid && heartbeat.host == one->host;
+  };
+  if (!leader_ && is_of(silent_))
+    OnStatusOf(msg::MachineStatus(*silent_), transport::SampleInfo(silent_from_));
+  const bool of_leader = is_of(leader_);
+  if (!of_leader || IsOurs(*leader_)) return;
+  heartbeat_period_ = std::clamp(Duration(heartbeat.period_ns), Duration(Milliseconds(10)),
+                                 Duration(std::chrono::seconds(10)));
+  ExpectHeartbeat();
+}
+
+void LeaderWatch::ExpectHeartbeat() {
+  transport::EventLoop& loop = node_.loop();
+  silence_ = loop.At(loop.Now() + std::max(kHeartbeatsMissed * heartbeat_period_, kShortestSilence),
+                     [this] { OnHeartbeatLost(); });
+}
+
+void LeaderWatch::OnHeartbeatLost() {
+  silent_ = leader_;
+  silent_from_ = from_;
+  End("sends no heartbeat");
+}
+
+void LeaderWatch::End(const std::string& how) {
+  const msg::MachineStatus leader = *std::exchange(leader_, std::nullopt);
+  if (IsOurs(leader) && how == kExited) ended_ = leader.epoch;
+  from_ = {};
+  process_ = nullptr;
+  silence_ = nullptr;
+  on_end_(leader, how);
+}
+
+}  // namespace musher

@@ -1,0 +1,282 @@
+#include "musher/controller/journal/encoding.hpp"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "musher/controller/journal/fields.hpp"
+
+namespace musher::recording {
+
+template <>
+inline constexpr std::tuple kFields<ConfigText> = {
+    Field{"file", &ConfigText::file},
+    Field{"hash", &ConfigText::hash},
+    Field{"text", &ConfigText::text},
+};
+template <>
+inline constexpr std::tuple kFields<Snapshot> = {
+    Field{"config_hash", &Snapshot::config_hash},
+    Field{"machine", &Snapshot::machine},
+};
+
+namespace {
+
+using Json = nlohmann::ordered_json;  // keys in the order they are written here
+
+template <class T>
+concept Whole = std::is_integral_v<T> && !std::is_same_v<T, bool>;
+template <class T>
+concept Enumeration = std::is_enum_v<T>;
+
+constexpr const char* kHex = "hex";
+constexpr std::string_view kDigits = "0123456789abcdef";
+
+// Writes values as JSON. `texts_as_hex`: for all texts.
+class Writer {
+ public:
+  explicit Writer(bool texts_as_hex) : texts_as_hex_(texts_as_hex) {}
+
+  Json Of(bool value) const { return value; }
+  template <Whole T>
+  Json Of(T value) const {
+    return value;
+  }
+  Json Of(const std::string& text) const {
+    if (!texts_as_hex_) return text;
+    std::string hex;
+    for (const char c : text) {
+      const auto byte = static_cast<unsigned char>(c);
+      hex += {kDigits[byte >> 4], kDigits[byte & 0xf]};
+    }
+    return Json{{kHex, hex}};
+  }
+  template <Enumeration T>
+  Json Of(T value) const {
+    const auto number = static_cast<std::size_t>(value);
+    if (number < kValueNames<T>.size()) return kValueNames<T>[number];
+    return number;
+  }
+  Json Of(Duration value) const { return value.count(); }
+  Json Of(Time value) const { return Of(Duration(value.time_since_epoch())); }
+  template <class T>
+  Json Of(const std::optional<T>& value) const {
+    return value ? Of(*value) : Json();
+  }
+  template <class T>
+  Json Of(const std::vector<T>& items) const {
+    Json list = Json::array();
+    for (const T& item : items) list.push_back(Of(item));
+    return list;
+  }
+  template <Struct T>
+  Json Of(const T& value) const {
+    Json json = Json::object();
+    AddFields(json, value);
+    return json;
+  }
+
+  template <Struct T>
+  void AddFields(Json& json, const T& value) const {
+    static_assert(kIsComplete<T>, "fields.hpp has to name every member");
+    [[maybe_unused]] static const T otherwise{};
+    const auto add = [&](const auto& field) {
+      if (value.*field.member == otherwise.*field.member) return;
+      json[field.name] = Of(value.*field.member);
+    };
+    std::apply([&](const auto&... fields) { (add(fields), ...); }, kFields<T>);
+  }
+
+ private:
+  bool texts_as_hex_;
+};
+
+// Why a text cannot be decoded.
+struct Fault {
+  std::string message;
+};
+
+// Reads values from JSON; throws Fault with the path of the value.
+class Reader {
+ public:
+  template <class T>
+  void Take(const Json& json, T& value) const {
+    Read(json, value);
+  }
+
+  template <Struct T>
+  void TakeFields(const Json& json, T& value) const {
+    if (!json.is_object()) Fail("an object", json);
+    const auto take = [&](const auto& field) {
+      const auto found = json.find(field.name);
+      if (found == json.end()) return;
+      At(field.name).Read(*found, value.*field.member);
+    };
+    std::apply([&](const auto&... fields) { (take(fields), ...); }, kFields<T>);
+  }
+
+  Reader At(const std::string& name) const {
+    return Reader(path_.empty() ? name : path_ + "." + name);
+  }
+
+  [[noreturn]] void Fail(const std::string& expected, const Json& found) const {
+    throw Fault{(path_.empty() ? "" : path_ + ": ") + "expected " + expected + ", found " +
+                found.dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 60)};
+  }
+
+  Reader() = default;
+
+ private:
+  explicit Reader(std::string path) : path_(std::move(path)) {}
+
+  void Read(const Json& json, bool& value) const {
+    if (!json.is_boolean()) Fail("true or false", json);
+    value = json.get<bool>();
+  }
+  template <Whole T>
+  void Read(const Json& json, T& value) const {
+    const bool fits = json.is_number_unsigned()
+                          ? std::in_range<T>(json.get<std::uint64_t>())
+                          : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
+    if (!fits) Fail("a whole number that fits", json);
+    value = json.get<T>();
+  }
+  void Read(const Json& json, std::string& text) const {
+    if (json.is_string()) {
+      text = json.get<std::string>();
+      return;
+    }
+    const auto hex = json.is_object() ? json.find(kHex) : json.end();
+    if (hex == json.end() || !hex->is_string() || json.size() != 1) Fail("a text", json);
+    const auto& digits = hex->get_ref<const std::string&>();
+    if (digits.size() % 2 != 0 || digits.find_first_not_of(kDigits) != std::string::npos) {
+      Fail("pairs of hex digits", *hex);
+    }
+    text.clear();
+    for (std::size_t i = 0; i < digits.size(); i += 2) {
+      text += static_cast<char>(kDigits.find(digits[i]) << 4 | kDigits.find(digits[i + 1]));
+    }
+  }
+  template <Enumeration T>
+  void Read(const Json& json, T& value) const {
+    for (std::size_t i = 0; i < kValueNames<T>.size(); ++i) {
+      if (json != kValueNames<T>[i]) continue;
+      value = static_cast<T>(i);
+      return;
+    }
+    std::string names;
+    for (const std::string_view name : kValueNames<T>) names += ", " + std::string(name);
+    Fail("one of" + names.substr(1), json);
+  }
+  void Read(const Json& json, Duration& value) const {
+    std::int64_t count = 0;
+    Read(json, count);
+    if (count < -kFarthestNs || count > kFarthestNs) Fail("a time that can be computed with", json);
+    value = Duration(count);
+  }
+  void Read(const Json& json, Time& value) const {
+    Duration since{};
+    Read(json, since);
+    value = Time(since);
+  }
+  template <class T>
+  void Read(const Json& json, std::optional<T>& value) const {
+    value.emplace();
+    Read(json, *value);
+  }
+  template <class T>
+  void Read(const Json& json, std::vector<T>& items) const {
+    if (!json.is_array()) Fail("a list", json);
+    items.clear();
+    for (std::size_t i = 0; i < json.size(); ++i) {
+      T item{};
+      Reader(path_ + "[" + std::to_string(i) + "]").Read(json[i], item);
+      items.push_back(std::move(item));
+    }
+  }
+  template <Struct T>
+  void Read(const Json& json, T& value) const {
+    TakeFields(json, value);
+  }
+
+  std::string path_;
+};
+
+// The text of the JSON that `make` makes with a Writer.
+template <class Make>
+std::string Encode(const Make& make) {
+  try {
+    return make(Writer(false)).dump();
+  } catch (const Json::type_error&) {  // a text that is not UTF-8
+    return make(Writer(true)).dump();
+  }
+}
+
+template <class T, class Take>
+Result<T> Decode(std::string_view text, const Take& take) {
+  try {
+    T value;
+    take(Json::parse(text), value);
+    return value;
+  } catch (const Json::exception& e) {
+    return Error{kCodeParametersInvalid, std::string("not JSON: ") + e.what()};
+  } catch (const Fault& fault) {
+    return Error{kCodeParametersInvalid, fault.message};
+  }
+}
+
+template <std::size_t I = 0>
+void TakeEvent(const Json& json, const std::string& name, Event& event) {
+  if constexpr (I == std::variant_size_v<Event>) {
+    throw Fault{"event: '" + name + "' is not known"};
+  } else {
+    using E = std::variant_alternative_t<I, Event>;
+    static_assert(!kEventName<E>.empty(), "fields.hpp has to name every event");
+    if (name != kEventName<E>) return TakeEvent<I + 1>(json, name, event);
+    Reader().TakeFields(json, event.emplace<E>());
+  }
+}
+
+}  // namespace
+
+std::string EncodeEvent(const Event& event, Time now) {
+  return Encode([&](const Writer& writer) {
+    return std::visit(
+        [&]<class E>(const E& e) {
+          Json json = {{"event", kEventName<E>}, {"now", writer.Of(now)}};
+          writer.AddFields(json, e);
+          return json;
+        },
+        event);
+  });
+}
+
+Result<TimedEvent> DecodeEvent(std::string_view text) {
+  return Decode<TimedEvent>(text, [](const Json& json, TimedEvent& value) {
+    if (!json.is_object()) Reader().Fail("an object", json);
+    std::string name;
+    Reader().At("event").Take(json.value("event", Json()), name);
+    Reader().At("now").Take(json.value("now", Json()), value.now);
+    TakeEvent(json, name, value.event);
+  });
+}
+
+std::string EncodeSnapshot(const Snapshot& snapshot) {
+  return Encode([&](const Writer& writer) { return writer.Of(snapshot); });
+}
+
+Result<Snapshot> DecodeSnapshot(std::string_view text) {
+  return Decode<Snapshot>(
+      text, [](const Json& json, Snapshot& value) { Reader().TakeFields(json, value); });
+}
+
+std::string EncodeConfig(const ConfigText& config) {
+  return Encode([&](const Writer& writer) { return writer.Of(config); });
+}
+
+Result<ConfigText> DecodeConfig(std::string_view text) {
+  return Decode<ConfigText>(
+      text, [](const Json& json, ConfigText& value) { Reader().TakeFields(json, value); });
+}
+
+}  // namespace musher::recording

@@ -1,0 +1,199 @@
+#pragma once
+// The recorded fields of the decision code's values: the name of every field of Machine and its
+// members; for events see event_fields.hpp. A new field needs one line here.
+//
+// Units: times and durations in nanoseconds.
+
+#include "musher/controller/journal/event_fields.hpp"
+#include "musher/controller/journal/field.hpp"
+
+namespace musher::recording {
+
+template <>
+inline constexpr std::tuple kFields<PendingCommand> = {
+    Field{"number", &PendingCommand::number}, Field{"target", &PendingCommand::target},
+    Field{"sent", &PendingCommand::sent},     Field{"deadline", &PendingCommand::deadline},
+    Field{"asked", &PendingCommand::queries},
+};
+
+template <>
+inline constexpr std::tuple kFields<ActuatorRecord> = {
+    Field{"presence", &ActuatorRecord::presence},
+    Field{"report", &ActuatorRecord::report},
+    Field{"other", &ActuatorRecord::other},
+    Field{"clock_theirs", &ActuatorRecord::clock_theirs},
+    Field{"clock_ours", &ActuatorRecord::clock_ours},
+    Field{"process", &ActuatorRecord::process},
+    Field{"launching", &ActuatorRecord::launching},
+    Field{"dead", &ActuatorRecord::dead},
+    Field{"found_running", &ActuatorRecord::found_running},
+    Field{"set_up_by", &ActuatorRecord::set_up_by},
+    Field{"claimed", &ActuatorRecord::controlled},
+    Field{"claim_again", &ActuatorRecord::take_control_again},
+    Field{"checked", &ActuatorRecord::checked},
+    Field{"join_tried", &ActuatorRecord::join_tried},
+    Field{"held", &ActuatorRecord::held},
+    Field{"due", &ActuatorRecord::due},
+    Field{"fault", &ActuatorRecord::fault},
+    Field{"tolerated", &ActuatorRecord::tolerated},
+    Field{"order", &ActuatorRecord::command},
+    Field{"cause", &ActuatorRecord::cause},
+    Field{"health", &ActuatorRecord::health},
+    Field{"restarts", &ActuatorRecord::restarts},
+    Field{"restart_at", &ActuatorRecord::restart_at},
+    Field{"healthy_at", &ActuatorRecord::healthy_at},
+    Field{"given_up", &ActuatorRecord::given_up},
+    Field{"restart_asked", &ActuatorRecord::restart_requested},
+    Field{"restart_requests", &ActuatorRecord::restart_requests},
+    Field{"doomed", &ActuatorRecord::terminating},
+    Field{"kill_at", &ActuatorRecord::kill_at},
+    Field{"terminate_at", &ActuatorRecord::terminate_at},
+    Field{"killed", &ActuatorRecord::killed},
+    Field{"parked", &ActuatorRecord::suspended},
+    Field{"outbid_at", &ActuatorRecord::outbid_at},
+    Field{"free_by", &ActuatorRecord::free_by},
+    Field{"hindered", &ActuatorRecord::blocked},
+    Field{"elsewhere", &ActuatorRecord::elsewhere},
+};
+
+template <>
+inline constexpr std::tuple kFields<Leg> = {
+    Field{"actuator", &Leg::actuator}, Field{"from", &Leg::from},
+    Field{"target", &Leg::target},     Field{"needs", &Leg::needs},
+    Field{"progress", &Leg::progress}, Field{"outcome", &Leg::outcome},
+    Field{"ran", &Leg::ran},           Field{"may_fail", &Leg::may_fail},
+    Field{"code", &Leg::code},         Field{"message", &Leg::message},
+    Field{"started", &Leg::started},   Field{"duration", &Leg::duration},
+};
+
+template <>
+inline constexpr std::tuple kFields<ActuatorResult> = {
+    Field{"name", &ActuatorResult::name},         Field{"outcome", &ActuatorResult::outcome},
+    Field{"code", &ActuatorResult::code},         Field{"message", &ActuatorResult::message},
+    Field{"duration", &ActuatorResult::duration}, Field{"state", &ActuatorResult::state},
+};
+
+template <>
+inline constexpr std::tuple kFields<SwitchResult> = {
+    Field{"number", &SwitchResult::number},       Field{"target", &SwitchResult::target},
+    Field{"actuator", &SwitchResult::actuator},   Field{"outcome", &SwitchResult::outcome},
+    Field{"code", &SwitchResult::code},           Field{"reason", &SwitchResult::reason},
+    Field{"state", &SwitchResult::state},         Field{"degraded", &SwitchResult::degraded},
+    Field{"actuators", &SwitchResult::actuators},
+};
+
+template <>
+inline constexpr std::tuple kFields<Switch> = {
+    Field{"number", &Switch::number},
+    Field{"from", &Switch::from},
+    Field{"target", &Switch::target},
+    Field{"only", &Switch::only},
+    Field{"direction", &Switch::direction},
+    Field{"purpose", &Switch::purpose},
+    Field{"requests", &Switch::requests},
+    Field{"legs", &Switch::legs},
+    Field{"others", &Switch::others},
+    Field{"stopped", &Switch::stopped},
+    Field{"rolling_back", &Switch::rolling_back},
+    Field{"back_number", &Switch::back_number},
+    Field{"back", &Switch::back},
+    Field{"cause", &Switch::cause},
+};
+
+template <>
+inline constexpr std::tuple kFields<WaitingSwitch> = {
+    Field{"target", &WaitingSwitch::target}, Field{"only", &WaitingSwitch::only},
+    Field{"until", &WaitingSwitch::until},   Field{"requests", &WaitingSwitch::requests},
+    Field{"cause", &WaitingSwitch::cause},
+};
+
+template <>
+inline constexpr std::tuple kFields<Stopping> = {
+    Field{"begun", &Stopping::begun},
+    Field{"after", &Stopping::after},
+    Field{"intent_by", &Stopping::intent_by},
+    Field{"tear_down_by", &Stopping::tear_down_by},
+    Field{"terminate_at", &Stopping::terminate_at},
+    Field{"kill_at", &Stopping::kill_at},
+    Field{"give_up_at", &Stopping::give_up_at},
+    Field{"terminated", &Stopping::terminated},
+    Field{"killed", &Stopping::killed},
+    Field{"look", &Stopping::look},
+    Field{"result", &Stopping::result},
+    Field{"requests", &Stopping::requests},
+};
+
+template <>
+inline constexpr std::tuple kFields<Keep> = {
+    Field{"state", &Keep::state},
+    Field{"seconds", &Keep::seconds},
+    Field{"until", &Keep::until},
+    Field{"switch_number", &Keep::switch_number},
+};
+template <>
+inline constexpr std::tuple kFields<PowerDown> = {
+    Field{"reboot", &PowerDown::reboot},     Field{"tear_down_at", &PowerDown::tear_down_at},
+    Field{"force_at", &PowerDown::force_at}, Field{"commanded", &PowerDown::commanded},
+    Field{"cause", &PowerDown::cause},
+};
+template <>
+inline constexpr std::tuple kFields<PolicyState> = {
+    Field{"clock", &PolicyState::clock},
+    Field{"loaded", &PolicyState::loaded},
+    Field{"battery", &PolicyState::battery},
+    Field{"charging", &PolicyState::charging},
+    Field{"battery_silent", &PolicyState::battery_silent},
+    Field{"invalid_told", &PolicyState::invalid_recorded},
+    Field{"level", &PolicyState::level},
+    Field{"level_cause", &PolicyState::level_cause},
+    Field{"stored", &PolicyState::stored},
+    Field{"withheld", &PolicyState::withheld},
+    Field{"low_power", &PolicyState::low_power},
+    Field{"still", &PolicyState::still},
+    Field{"still_since", &PolicyState::still_since},
+    Field{"keep", &PolicyState::keep},
+    Field{"power", &PolicyState::power},
+    Field{"failures", &PolicyState::failures},
+    Field{"retry_at", &PolicyState::retry_at},
+    Field{"calls", &PolicyState::calls},
+};
+
+template <>
+inline constexpr std::tuple kFields<Unsaved> = {
+    Field{"what", &Unsaved::what},
+    Field{"save", &Unsaved::save},
+    Field{"since", &Unsaved::since},
+    Field{"why", &Unsaved::why},
+};
+
+template <>
+inline constexpr std::tuple kFields<Machine> = {
+    Field{"phase", &Machine::phase},
+    Field{"by_hand", &Machine::by_hand},
+    Field{"finishing", &Machine::finishing},
+    Field{"state", &Machine::state},
+    Field{"host", &Machine::host},
+    Field{"epoch", &Machine::epoch},
+    Field{"number", &Machine::number},
+    Field{"last_switch", &Machine::last_switch},
+    Field{"set_up", &Machine::set_up},
+    Field{"stage", &Machine::stage},
+    Field{"actuators", &Machine::actuators},
+    Field{"current", &Machine::current},
+    Field{"waiting", &Machine::waiting},
+    Field{"fallback", &Machine::fallback},
+    Field{"fallback_cause", &Machine::fallback_cause},
+    Field{"stopping", &Machine::stopping},
+    Field{"emergency_stop", &Machine::emergency_stop},
+    Field{"stop_cause", &Machine::stop_cause},
+    Field{"other_stops", &Machine::other_stops},
+    Field{"released_stops", &Machine::released_stops},
+    Field{"set_up_requests", &Machine::set_up_requests},
+    Field{"last_record", &Machine::last_record},
+    Field{"told_state", &Machine::recorded_state},
+    Field{"last_save", &Machine::last_save},
+    Field{"unsaved", &Machine::unsaved},
+    Field{"policy", &Machine::policy},
+};
+
+}  // namespace musher::recording

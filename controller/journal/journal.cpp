@@ -1,0 +1,220 @@
+#include "musher/controller/journal/journal.hpp"
+
+#include <pthread.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <deque>
+#include <iterator>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "musher/controller/journal/journal_file.hpp"
+
+namespace musher {
+
+// The queue and the thread that empties it. `mutex_` guards all members below it; only the thread
+// uses `file_`, `in_trouble_` and `options_`.
+class Journal::Writer {
+ public:
+  Writer(std::string path, JournalOptions options);
+  ~Writer();
+
+  void Append(JournalItem item) noexcept;
+  bool WantsSnapshot() noexcept { return wants_snapshot_.exchange(false); }
+  bool Flush(Duration timeout);
+
+ private:
+  using Lock = std::unique_lock<std::mutex>;
+
+  void Run();
+  void WaitForWork(Lock& lock);
+  bool Write(const std::deque<JournalItem>& batch, std::uint64_t lost);
+  void Report(const std::string& text) const;
+  void PutBack(std::deque<JournalItem> batch);
+  void DropOldest();
+
+  const JournalOptions options_;
+  JournalFile file_;
+  bool in_trouble_ = false;
+  std::atomic<bool> wants_snapshot_ = false;
+
+  std::mutex mutex_;
+  std::condition_variable work_;       // the writer waits on it
+  std::condition_variable attempted_;  // Flush() waits on it
+  std::deque<JournalItem> waiting_;
+  std::uint64_t lost_ = 0;
+  std::uint64_t attempts_begun_ = 0;
+  std::uint64_t attempts_ended_ = 0;
+  bool last_attempt_worked_ = true;
+  bool hurry_ = false;  // try now, before the retry period is over
+  bool stop_ = false;
+  bool gathering_ = false;  // the writer needs no notification of more entries
+
+  std::thread thread_;  // last: it uses all of the above
+};
+
+namespace {
+
+// Time for collecting entries before a write: most switches end within it, so that all their
+// entries go into one transaction.
+constexpr Duration kGatherTime = Milliseconds(5);
+// Journal writes have a lower priority than the work of a switch.
+constexpr int kNiceness = 10;
+
+JournalEntry LostEntry(std::uint64_t lost) {
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+  JournalEntry entry;
+  entry.wall_ns = std::chrono::nanoseconds(wall).count();
+  entry.steady_ns = std::chrono::nanoseconds(steady).count();
+  entry.kind = "journal";
+  entry.code = kCodeFailed;
+  entry.message =
+      "entries and inputs lost before this one because the queue was full: " + std::to_string(lost);
+  entry.data = "{\"lost\":" + std::to_string(lost) + "}";
+  return entry;
+}
+
+// Starts a thread that no signal is delivered to.
+template <typename Work>
+std::thread StartQuietThread(Work work) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::move(work));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
+}  // namespace
+
+Journal::Writer::Writer(std::string path, JournalOptions options)
+    : options_(std::move(options)),
+      file_(std::move(path), options_.max_bytes, [this](const auto& text) { Report(text); }),
+      thread_(StartQuietThread([this] { Run(); })) {}
+
+Journal::Writer::~Writer() {
+  {
+    const Lock lock(mutex_);
+    stop_ = true;
+  }
+  work_.notify_one();
+  thread_.join();
+}
+
+void Journal::Writer::Append(JournalItem item) noexcept {
+  const Lock lock(mutex_);
+  try {
+    waiting_.push_back(std::move(item));
+    DropOldest();
+  } catch (const std::bad_alloc&) {
+    ++lost_;
+  }
+  if (!gathering_) work_.notify_one();
+}
+
+bool Journal::Writer::Flush(Duration timeout) {
+  Lock lock(mutex_);
+  if (waiting_.empty() && attempts_begun_ == attempts_ended_) return last_attempt_worked_;
+  // A running attempt has already taken its entries; later ones are written by the next.
+  const std::uint64_t enough = attempts_begun_ + (waiting_.empty() ? 0 : 1);
+  hurry_ = true;
+  work_.notify_one();
+  const bool in_time =
+      attempted_.wait_for(lock, timeout, [&] { return attempts_ended_ >= enough; });
+  return in_time && last_attempt_worked_;
+}
+
+void Journal::Writer::Run() {
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; unchanged if not permitted
+  Lock lock(mutex_);
+  while (true) {
+    WaitForWork(lock);
+    if (waiting_.empty() && lost_ == 0) return;  // stopped, and nothing to do
+    auto batch = std::exchange(waiting_, {});
+    const auto lost = std::exchange(lost_, 0);
+    hurry_ = false;
+    ++attempts_begun_;
+    lock.unlock();
+    if (lost > 0) batch.push_front(LostEntry(lost));
+    const bool worked = Write(batch, lost);
+    if (lost > 0) batch.pop_front();
+    lock.lock();
+    if (!worked) {
+      lost_ += lost;
+      PutBack(std::move(batch));
+    }
+    last_attempt_worked_ = worked;
+    ++attempts_ended_;
+    attempted_.notify_all();
+    if (stop_ && (!worked || waiting_.empty())) return;
+  }
+}
+
+// Returns when there is something to write and it is time to try, or to stop.
+void Journal::Writer::WaitForWork(Lock& lock) {
+  if (in_trouble_) {
+    work_.wait_for(lock, options_.retry_period, [&] { return stop_ || hurry_; });
+  }
+  work_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+  gathering_ = true;
+  work_.wait_for(lock, kGatherTime, [&] { return stop_ || hurry_; });
+  gathering_ = false;
+}
+
+// Without the lock.
+bool Journal::Writer::Write(const std::deque<JournalItem>& batch, std::uint64_t lost) {
+  try {
+    const auto written = file_.Write(batch, lost);
+    if (lost > 0 || written == JournalFile::Written::kNoSnapshotLeft) wants_snapshot_ = true;
+    in_trouble_ = false;
+    return true;
+  } catch (const std::exception& trouble) {
+    if (!in_trouble_) Report(std::string("writing failed, retrying: ") + trouble.what());
+    in_trouble_ = true;
+    return false;
+  }
+}
+
+void Journal::Writer::Report(const std::string& text) const {
+  if (options_.on_trouble) options_.on_trouble("journal: " + text);
+}
+
+void Journal::Writer::PutBack(std::deque<JournalItem> batch) {
+  batch.insert(batch.end(), std::make_move_iterator(waiting_.begin()),
+               std::make_move_iterator(waiting_.end()));
+  waiting_ = std::move(batch);
+  DropOldest();
+}
+
+void Journal::Writer::DropOldest() {
+  while (waiting_.size() > options_.max_waiting) {
+    waiting_.pop_front();
+    ++lost_;
+  }
+}
+
+Journal::Journal(std::string path, JournalOptions options)
+    : path_(std::move(path)), writer_(std::make_unique<Writer>(path_, std::move(options))) {}
+
+Journal::~Journal() = default;
+
+void Journal::Append(JournalItem item) noexcept {
+  writer_->Append(std::move(item));
+}
+
+bool Journal::WantsSnapshot() noexcept {
+  return writer_->WantsSnapshot();
+}
+
+bool Journal::Flush(Duration timeout) {
+  return writer_->Flush(timeout);
+}
+
+}  // namespace musher

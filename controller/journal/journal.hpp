@@ -1,0 +1,101 @@
+#pragma once
+// The journal records what happened on the robot and why, in a file that survives kill -9 and power
+// loss: entries for people, and all inputs of the decision code, so that they can be replayed.
+//
+// The loop hands both over and continues; a writer thread puts them into a SQLite database (WAL),
+// one transaction for all that are queued. An appended item is on disk some milliseconds after
+// Append(): kill -9 can lose queued items, a power cut the last transactions; neither damages the
+// file.
+//
+// A disk fault never reaches the robot. It is reported once for each period of trouble; entries
+// wait in a bounded queue, from which the oldest are dropped and counted; the writer retries
+// periodically, and after success an entry records the number of lost entries. A damaged file, or
+// one that is not a journal, is moved aside as <path>.damaged-<n> and a new one is created.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "musher/controller/journal/encoding.hpp"
+
+namespace musher {
+
+struct JournalEntry {
+  std::int64_t wall_ns = 0;         // since 1970, UTC
+  std::int64_t steady_ns = 0;       // of the controller's steady clock; orders entries of one boot
+  std::uint64_t epoch = 0;          // of the controller
+  std::uint64_t switch_number = 0;  // 0 = not part of a switch
+  std::string kind;      // "switch", "command", "exit", ...; "journal" is the journal's own
+  std::string actuator;  // empty = the machine
+  std::int32_t code = 0;
+  std::string message;      // a sentence
+  std::string data;         // more, as JSON; may be empty
+  std::uint64_t id = 0;     // of the decision's record, grows from 1 in a controller; 0: none
+  std::uint64_t cause = 0;  // id of the record that it follows from; 0: none
+  State state{};            // the machine's new state, if this entry records its change
+
+  friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
+};
+
+// An input of the decision code. It precedes the entries that follow from it.
+struct JournalInput {
+  std::int64_t wall_ns = 0;
+  std::variant<recording::ConfigText,   // a machine begins
+               recording::TimedEvent,   // a step
+               recording::SnapshotPtr>  // a replay can start here
+      what;
+};
+
+using JournalItem = std::variant<JournalEntry, JournalInput>;
+
+class JournalSink {
+ public:
+  virtual ~JournalSink() = default;
+
+  // Never blocks on the disk, never fails.
+  virtual void Append(JournalItem item) noexcept = 0;
+  // Whether a snapshot should come next, because earlier inputs are lost. Reading it resets it.
+  virtual bool WantsSnapshot() noexcept { return false; }
+};
+
+struct JournalOptions {
+  std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth goes, up to a snapshot
+  std::size_t max_waiting = 10000;    // entries and inputs
+  Duration retry_period = Milliseconds(10000);
+  // Receives a description of each problem and its outcome. Runs on the writer thread, with no lock
+  // held; it may Append(), but must not throw or Flush().
+  std::function<void(const std::string&)> on_trouble;
+};
+
+class Journal : public JournalSink {
+ public:
+  // Opens nothing itself: the writer thread opens the file and creates it, with its folder if
+  // needed.
+  Journal(std::string path, JournalOptions options);
+  // Tries once more to write the queued items.
+  ~Journal() override;
+
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  // From any thread.
+  void Append(JournalItem item) noexcept override;
+  bool WantsSnapshot() noexcept override;
+
+  const std::string& path() const { return path_; }
+
+  // Waits until everything appended before is written, at most `timeout`; returns whether it is. In
+  // trouble it makes the writer retry at once and returns after that attempt. From any thread
+  // except the loop's, which must not wait for a disk while the robot runs.
+  bool Flush(Duration timeout);
+
+ private:
+  class Writer;
+  const std::string path_;
+  std::unique_ptr<Writer> writer_;
+};
+
+}  // namespace musher

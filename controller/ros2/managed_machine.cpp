@@ -1,0 +1,92 @@
+#include "musher/controller/ros2/managed_machine.hpp"
+
+#include <utility>
+
+#include "musher/base/code.hpp"
+#include "musher/lifecycle/plan/plan.hpp"
+
+namespace musher {
+namespace {
+
+constexpr const char* kMachineNode = "musher";
+
+// Done-degraded is a success: the machine is in the target; the log names the missing actuators.
+Result<> ToResult(const SwitchResult& result) {
+  if (result.done() || result.outcome == SwitchOutcome::kDoneDegraded) return Ok();
+  return Error{result.code, std::string(OutcomeName(result.outcome)) + ": " + result.reason};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ManagedMachine>> ManagedMachine::Make(transport::Node& node,
+                                                             ControllerShell& shell,
+                                                             const std::string& instance) {
+  std::unique_ptr<ManagedMachine> machine(new ManagedMachine(shell));
+  ManagedMachine* self = machine.get();
+  transport::ManagedNodeEndpoints::Hooks hooks;
+  hooks.refusal = [self](const Ros2Transition* transition) { return self->Refusal(transition); };
+  hooks.change = [self](const Ros2Transition& transition, const Done& done) {
+    self->Change(transition, done);
+  };
+  hooks.log = [self](const std::string& line) {
+    self->shell_.Remark(kCodeStatusError, std::string(kMachineNode) + ": " + line);
+  };
+  auto endpoints = transport::ManagedNodeEndpoints::Make(node, shell.config().name_space,
+                                                         kMachineNode, instance, std::move(hooks));
+  if (!endpoints) return endpoints.error();
+  machine->endpoints_ = std::move(endpoints).value();
+  machine->OnRecord();
+  return machine;
+}
+
+void ManagedMachine::OnRecord() {
+  const Machine& machine = shell_.machine();
+  const bool moves = machine.current && !machine.current->only;
+  endpoints_->Observe(machine.state, moves ? machine.current->target : State());
+}
+
+// The requests that the decision code would refuse, without a record of each: there may be many.
+std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) const {
+  const Machine& machine = shell_.machine();
+  if (machine.current) {
+    return Error{kCodeTargetBusy, "switch " + std::to_string(machine.current->number) + " to " +
+                                      machine.current->target + " is under way"};
+  }
+  if (machine.phase == Phase::kStarting && !machine.by_hand) {
+    return Error{kCodeTargetBusy,
+                 "the machine is starting by itself; with [ros2] start = \"manager\" it waits"};
+  }
+  if (!machine.set_up || transition == nullptr) return std::nullopt;
+  const auto target = TargetOf(*transition, shell_.config());
+  if (!target || NeedsNoSwitch(*target)) return std::nullopt;
+  const Plan plan = MakePlan(shell_.config(), machine, *target);
+  return plan.free_by ? std::nullopt : plan.refusal;
+}
+
+bool ManagedMachine::NeedsNoSwitch(const State& target) const {
+  return target.empty() || (target == kTearDown && shell_.machine().state == kTearDown);
+}
+
+void ManagedMachine::Change(const Ros2Transition& transition, const Done& done) {
+  const auto target = TargetOf(transition, shell_.config());
+  if (!target) return done(Error{kCodeUnSupport, "the machine has no state for this transition"});
+  if (NeedsNoSwitch(*target)) return done(Ok());
+  if (shell_.machine().set_up) return Switch(*target, done);
+  // Its services are available before its actuators are set up. What becomes of an actuator that
+  // is not set up is the switch's decision, as after the set-up.
+  shell_.AwaitSetUp(
+      [this, target = *target, done, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
+        if (alive.expired()) return;
+        Switch(target, done);
+      });
+}
+
+void ManagedMachine::Switch(const State& target, const Done& done) {
+  shell_.SetState(target, std::nullopt,
+                  [this, done, alive = std::weak_ptr<bool>(alive_)](const SwitchResult& result) {
+                    if (!alive.expired()) OnRecord();
+                    done(ToResult(result));
+                  });
+}
+
+}  // namespace musher

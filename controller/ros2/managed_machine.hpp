@@ -1,0 +1,43 @@
+#pragma once
+// The whole machine as one ROS 2 managed node, <namespace>/musher: configure is SelfCheck, activate
+// Active, deactivate DeActive, cleanup and shutdown TearDown, unless [ros2] of the config sets
+// other states. A transition is a switch of the machine; it succeeds when the machine is in its
+// target, even if some actuators are not.
+//
+// Threads: loop thread only.
+
+#include <memory>
+#include <string>
+
+#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/wire/managed_node_endpoints.hpp"
+
+namespace musher {
+
+class ManagedMachine {
+ public:
+  // `instance` identifies this controller. Node and shell must outlive it.
+  static Result<std::unique_ptr<ManagedMachine>> Make(transport::Node& node, ControllerShell& shell,
+                                                      const std::string& instance);
+
+  // The machine has changed.
+  void OnRecord();
+  // A manager has not yet queried the state after its shutdown.
+  bool Holds() const { return endpoints_->Holds(); }
+
+ private:
+  explicit ManagedMachine(ControllerShell& shell) : shell_(shell) {}
+
+  using Done = transport::ManagedNodeEndpoints::Done;
+  std::optional<Error> Refusal(const Ros2Transition* transition) const;
+  bool NeedsNoSwitch(const State& target) const;
+  void Change(const Ros2Transition& transition, const Done& done);
+  void Switch(const State& target, const Done& done);
+
+  ControllerShell& shell_;
+  std::unique_ptr<transport::ManagedNodeEndpoints> endpoints_;
+  // Expires before late answers arrive.
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+};
+
+}  // namespace musher

@@ -1,0 +1,35 @@
+#pragma once
+// The interfaces of the machine for ROS 2's tools, each enabled by [ros2] of the config: a managed
+// node, /diagnostics, /rosout. Available while the controller leads.
+//
+// Threads: loop thread only.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/controller/ros2/diagnostics.hpp"
+#include "musher/controller/ros2/managed_machine.hpp"
+#include "musher/controller/ros2/rosout.hpp"
+
+namespace musher {
+
+class Ros2Tools {
+ public:
+  // `wall_ns`: since 1970; `instance` identifies this controller. All must outlive it. A part that
+  // cannot be opened is missing, and a record states why.
+  Ros2Tools(transport::Node& node, ControllerShell& shell,
+            const std::function<std::int64_t()>& wall_ns, const std::string& instance);
+
+  void OnRecord(const action::Record& record);
+  // A manager has not yet queried the state after its shutdown.
+  bool Holds() const { return managed_ && managed_->Holds(); }
+
+ private:
+  std::unique_ptr<ManagedMachine> managed_;
+  std::unique_ptr<Diagnostics> diagnostics_;
+  std::unique_ptr<Rosout> rosout_;
+};
+
+}  // namespace musher

@@ -1,0 +1,134 @@
+#include "musher/controller/shell/controller_presence.hpp"
+
+#include <tuple>
+#include <utility>
+
+#include "musher/lifecycle/actuator/actuator_core.hpp"
+#include "musher/lifecycle/health/health_monitor.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// The limit of engaged stops, and of released stops that are kept.
+constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
+                                   transport::Qos::Durability::kTransientLocal, 66};
+
+// Another host discovers a controller within 500 ms, with credentials within some seconds.
+constexpr Duration kListenTime = Milliseconds(1000);
+constexpr Duration kSecuredListenTime = Milliseconds(4000);
+// A controller that starts on another host takes over from one that is silent while it listens.
+constexpr Duration kLongestSilence = kListenTime / 2;
+
+}  // namespace
+
+Duration ListenTime(const MachineConfig& config) {
+  return config.keys.empty() ? kListenTime : kSecuredListenTime;
+}
+
+ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
+                                       Identity identity, Emit emit)
+    : node_(node), config_(config), identity_(std::move(identity)), emit_(std::move(emit)) {}
+
+Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::Node& node,
+                                                                     const MachineConfig& config,
+                                                                     Identity identity, Emit emit) {
+  std::unique_ptr<ControllerPresence> presence(
+      new ControllerPresence(node, config, std::move(identity), std::move(emit)));
+  if (auto opened = presence->Open(); !opened) return opened.error();
+  return presence;
+}
+
+Result<> ControllerPresence::Open() {
+  const std::string& name_space = config_.name_space;
+  auto heartbeats = transport::MakePublisher<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(name_space), transport::kLatchedQos);
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
+  auto stops = transport::MakePublisher<msg::EmergencyStop>(
+      node_, transport::EmergencyStopTopic(name_space), kStopsQos);
+  if (!stops) return stops.error();
+  released_stops_ = std::move(stops).value();
+  auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(name_space),
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) {
+        OnHeartbeat(heartbeat);
+      },
+      transport::kLatchedFromManyQos);
+  if (!rivals) return rivals.error();
+  rivals_ = std::move(rivals).value();
+  auto received = transport::MakeSubscription<msg::EmergencyStop>(
+      node_, transport::EmergencyStopTopic(name_space),
+      [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+        emit_(event::EmergencyStopSeen{{stop.id, stop.by, stop.reason}, stop.engaged});
+      },
+      transport::kLatchedFromManyQos);
+  if (!received) return received.error();
+  received_stops_ = std::move(received).value();
+  return Ok();
+}
+
+void ControllerPresence::Announce(std::uint64_t epoch) {
+  epoch_ = epoch;
+  Repeat();
+  timer_ = node_.loop().Every(ControllerBeatPeriod(config_), [this] { Repeat(); });
+}
+
+// A failed publish needs no retry: the next heartbeat follows.
+void ControllerPresence::Repeat() {
+  if (!heartbeats_) return;
+  NoteSilence();
+  last_heartbeat_ = node_.loop().Now();
+  static_cast<void>(
+      heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
+                            identity_.pid, ControllerBeatPeriod(config_).count()}));
+}
+
+void ControllerPresence::NoteSilence() {
+  const Time now = node_.loop().Now();
+  const bool was_silent = last_heartbeat_ != Time{} && now - last_heartbeat_ > kLongestSilence;
+  if (was_silent && config_.transport == TransportProfile::kLan) {
+    listens_until_ = now + ListenTime(config_);
+  }
+}
+
+Time ControllerPresence::MayStartProcessesAt() {
+  NoteSilence();  // perhaps the timer of the heartbeat comes after the caller's event
+  return listens_until_;
+}
+
+void ControllerPresence::FallSilent() {
+  timer_ = nullptr;
+  heartbeats_ = nullptr;  // removes the latched one, which late joiners would receive
+  engaged_stops_ = nullptr;
+  released_stops_ = nullptr;
+}
+
+void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
+  // Of two controllers with the same epoch the one with the lower identity has precedence, for both
+  // of them. Incarnations of different hosts, and of different boots of one host, cannot be
+  // compared: so the host is compared first.
+  const auto theirs = std::tie(heartbeat.host, heartbeat.incarnation, heartbeat.pid);
+  const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
+  if (theirs == ours) return;
+  if (heartbeat.epoch > kLastEpoch) return;  // out of range
+  rival_ = {"process " + std::to_string(heartbeat.pid) +
+                (heartbeat.host == identity_.host ? " of this host"
+                                                  : " of host " + heartbeat.host.substr(0, 64)),
+            heartbeat.epoch, heartbeat.machine};
+  // Only a heartbeat that may change something is an event: others would fill the journal.
+  if (heartbeat.epoch >= epoch_)
+    emit_(event::RivalSeen{heartbeat.epoch, rival_->who, theirs < ours});
+}
+
+void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
+  auto& stops = engaged ? engaged_stops_ : released_stops_;
+  if (engaged && !stops) {
+    auto made = transport::MakePublisher<msg::EmergencyStop>(
+        node_, transport::EmergencyStopTopic(config_.name_space), kStopsQos);
+    if (made) stops = std::move(made).value();
+  }
+  if (stops) static_cast<void>(stops->Publish({stop.id, engaged, stop.by, stop.reason}));
+}
+
+}  // namespace musher

@@ -1,0 +1,229 @@
+#include "musher/controller/shell/controller_services.hpp"
+
+#include <utility>
+
+#include "musher/base/suggest.hpp"
+#include "musher/controller/shell/switch_log.hpp"
+#include "musher/controller/shell/wire.hpp"
+#include "musher/lifecycle/plan/plan.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// Longer than any name in a valid config; a request with a longer one is refused unread.
+constexpr std::size_t kLongestName = 256;
+constexpr std::uint32_t kMostEntries = 1000;
+// Clients query the outcome soon after the end of a controller; later entries are a fraction of
+// these.
+constexpr std::size_t kEntriesOfPredecessor = 5000;
+
+template <class S>
+typename S::Response AnswerTo(const Result<>& result) {
+  if (result) return {};
+  return {result.error().code, result.error().message};
+}
+
+std::optional<Error> CheckLengths(const msg::SetState::Request& request) {
+  if (request.target.size() <= kLongestName && request.actuator.size() <= kLongestName) {
+    return std::nullopt;
+  }
+  return Error{kCodeParametersInvalid,
+               "a name of more than " + std::to_string(kLongestName) + " bytes is invalid"};
+}
+
+msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
+  msg::GetHistory::Response response;
+  if (!reading) {
+    response.error = reading.error().message;
+    return response;
+  }
+  response.error = reading.value().damage;
+  for (const JournalEntry& entry : reading.value().entries) {
+    response.entries.push_back(ToMessage(entry));
+  }
+  return response;
+}
+
+}  // namespace
+
+ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
+                                       ReadHistory read_history)
+    : node_(node), shell_(shell), read_history_(std::move(read_history)) {}
+
+Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::Node& node,
+                                                                     ControllerShell& shell,
+                                                                     ReadHistory read_history) {
+  std::unique_ptr<ControllerServices> services(
+      new ControllerServices(node, shell, std::move(read_history)));
+  if (auto opened = services->Open(); !opened) return opened.error();
+  return services;
+}
+
+Result<> ControllerServices::Open() {
+  const std::string& name_space = shell_.config().name_space;
+  const auto open = [&]<class S>(std::unique_ptr<transport::Server<S>>& server, const char* name,
+                                 typename transport::Server<S>::Handler handler) -> Result<> {
+    auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
+                                         std::move(handler));
+    if (!made) return made.error();
+    server = std::move(made).value();
+    return Ok();
+  };
+  if (auto r = open(set_state_, "set_state",
+                    [this](const auto& request, auto reply) { OnSetState(request, reply); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(restart_actuator_, "restart_actuator",
+                    [this](const auto& request, auto reply) {
+                      shell_.Restart(request.actuator, [reply](const Result<>& result) {
+                        reply(AnswerTo<msg::RestartActuator>(result));
+                      });
+                    });
+      !r) {
+    return r;
+  }
+  if (auto r = open(release_emergency_stop_, "release_emergency_stop",
+                    [this](const auto& request, auto reply) {
+                      shell_.ReleaseEmergencyStop(
+                          request.by.substr(0, kLongestName), [reply](const Result<>& result) {
+                            reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
+                          });
+                    });
+      !r) {
+    return r;
+  }
+  if (auto r = open(request_policy_, "request_policy",
+                    [this](const auto& request, auto reply) { OnRequestPolicy(request, reply); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(get_status_, "get_status",
+                    [this](const auto&, auto reply) { reply({shell_.Status()}); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(get_capabilities_, "get_capabilities",
+                    [this](const auto&, auto reply) { reply(shell_.Capabilities()); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(get_plan_, "get_plan",
+                    [this](const auto& request, auto reply) { reply(OnGetPlan(request)); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(get_switch_, "get_switch",
+                    [this](const auto& request, auto reply) { OnGetSwitch(request, reply); });
+      !r) {
+    return r;
+  }
+  return open(get_history_, "get_history",
+              [this](const auto& request, auto reply) { OnGetHistory(request, reply); });
+}
+
+void ControllerServices::OnSetState(const msg::SetState::Request& request,
+                                    const transport::Server<msg::SetState>::Reply& reply) {
+  if (const auto error = CheckLengths(request)) {
+    SwitchResult refusal;
+    refusal.outcome = SwitchOutcome::kRefused;
+    refusal.code = error->code;
+    refusal.reason = error->message;
+    refusal.state = shell_.machine().state;
+    return reply(ToMessage(refusal));
+  }
+  std::optional<std::string> actuator;
+  if (!request.actuator.empty()) actuator = request.actuator;
+  shell_.SetState(request.target, actuator,
+                  [reply](const SwitchResult& result) { reply(ToMessage(result)); });
+}
+
+void ControllerServices::OnRequestPolicy(
+    const msg::RequestPolicy::Request& request,
+    const transport::Server<msg::RequestPolicy>::Reply& reply) {
+  const auto answer = [this, reply](const Result<>& result) {
+    const Error end = result ? Error{kCodeOk, ""} : result.error();
+    reply({end.code, end.message, shell_.machine().state});
+  };
+  const auto what = RequestOf(request.request);
+  // A direct switch has a service of its own, whose reply has more detail.
+  if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
+    return answer(Error{kCodeParametersInvalid,
+                        "unknown request '" + request.request.substr(0, kLongestName) + "'"});
+  }
+  shell_.SendPolicyRequest({0, *what, request.state, request.seconds, request.enable}, answer);
+}
+
+msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
+  const MachineConfig& config = shell_.config();
+  const auto only = config.IndexOf(request.actuator);
+  auto error = CheckLengths(request);
+  if (!error && !request.actuator.empty() && !only) {
+    error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
+  }
+  if (!error) return ToMessage(config, MakePlan(config, shell_.machine(), request.target, only));
+  msg::GetPlan::Response response;
+  response.code = error->code;
+  response.reason = error->message;
+  response.state = shell_.machine().state;
+  return response;
+}
+
+// Own switches are in memory, those of an earlier controller in the journal, if it is the same one.
+void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
+                                     const SwitchReply& reply) {
+  const std::uint64_t own = shell_.machine().epoch;
+  msg::GetSwitch::Response known =
+      FindSwitch(shell_.switches(), request.epoch, request.switch_number);
+  if (known.found) {
+    if (known.outcome.empty()) known.outcome = msg::GetSwitch::kUnderWay;
+    return reply(known);
+  }
+  if (request.epoch >= own) {
+    known.reason = "the controller of epoch " + std::to_string(own) + " knows no such switch";
+    known.state = shell_.machine().state;
+    return reply(known);
+  }
+  if (!read_history_) return ReplyInterrupted(std::move(known), reply);
+  read_history_(INT64_MIN, kEntriesOfPredecessor,
+                [this, request, reply, alive = std::weak_ptr<bool>(alive_)](const auto& reading) {
+                  if (alive.expired()) return;
+                  const auto entries =
+                      reading ? reading.value().entries : std::vector<JournalEntry>();
+                  auto found = FindSwitch(entries, request.epoch, request.switch_number);
+                  if (!found.outcome.empty()) return reply(found);
+                  ReplyInterrupted(std::move(found), reply);
+                });
+}
+
+// Once this controller knows the machine's state: it continues from the actuators' states.
+void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
+                                          const SwitchReply& reply) {
+  shell_.AwaitSetUp(
+      [this, response, reply, alive = std::weak_ptr<bool>(alive_)](const Result<>&) mutable {
+        if (alive.expired()) return;
+        const std::string before = "the controller of epoch " + std::to_string(response.epoch);
+        response.state = shell_.machine().state;
+        response.code = kCodeNetError;
+        const bool begun = response.found && response.switch_number != 0;
+        response.outcome = begun ? msg::GetSwitch::kInterrupted : "";
+        response.reason = (begun ? before + " ended during it"
+                                 : "no such switch of " + before + " is recorded here") +
+                          "; the controller of epoch " + std::to_string(shell_.machine().epoch) +
+                          " continues with the machine in " + response.state;
+        reply(response);
+      });
+}
+
+void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request,
+                                      const HistoryReply& reply) {
+  if (!read_history_) {
+    return reply({"this controller has no journal: its folder is not usable", {}});
+  }
+  const std::size_t limit = request.limit == 0 ? kMostEntries : request.limit;
+  read_history_(request.since_wall_ns, limit,
+                [reply](const auto& reading) { reply(HistoryOf(reading)); });
+}
+
+}  // namespace musher

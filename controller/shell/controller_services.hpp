@@ -1,0 +1,62 @@
+#pragma once
+// What a controller answers under <namespace>/musher/: set_state, restart_actuator,
+// release_emergency_stop, request_policy, get_status, get_capabilities, get_plan, get_switch and
+// get_history, for the CLI and for any ROS 2 node. They are there only while the controller leads:
+// a request that comes before waits at its client for the next leader.
+//
+// Threads: loop thread only.
+
+#include <memory>
+#include <string>
+
+#include "musher/controller/journal/history_reader.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/policy_request.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher {
+
+class ControllerServices {
+ public:
+  // `read_history` is empty where there is no journal. What it reads by and the shell must outlive
+  // the services.
+  static Result<std::unique_ptr<ControllerServices>> Make(transport::Node& node,
+                                                          ControllerShell& shell,
+                                                          ReadHistory read_history);
+
+  // Whether the answer to a switch waits until its client can be reached.
+  bool HoldsAnswers() const { return set_state_ && set_state_->Holds(); }
+
+ private:
+  ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history);
+  Result<> Open();
+
+  using HistoryReply = transport::Server<msg::GetHistory>::Reply;
+  void OnSetState(const msg::SetState::Request& request,
+                  const transport::Server<msg::SetState>::Reply& reply);
+  void OnRequestPolicy(const msg::RequestPolicy::Request& request,
+                       const transport::Server<msg::RequestPolicy>::Reply& reply);
+  msg::GetPlan::Response OnGetPlan(const msg::GetPlan::Request& request) const;
+  using SwitchReply = transport::Server<msg::GetSwitch>::Reply;
+  void OnGetSwitch(const msg::GetSwitch::Request& request, const SwitchReply& reply);
+  void ReplyInterrupted(msg::GetSwitch::Response response, const SwitchReply& reply);
+  void OnGetHistory(const msg::GetHistory::Request& request, const HistoryReply& reply);
+
+  transport::Node& node_;
+  ControllerShell& shell_;
+  const ReadHistory read_history_;
+  std::unique_ptr<transport::Server<msg::SetState>> set_state_;
+  std::unique_ptr<transport::Server<msg::RestartActuator>> restart_actuator_;
+  std::unique_ptr<transport::Server<msg::ReleaseEmergencyStop>> release_emergency_stop_;
+  std::unique_ptr<transport::Server<msg::RequestPolicy>> request_policy_;
+  std::unique_ptr<transport::Server<msg::GetStatus>> get_status_;
+  std::unique_ptr<transport::Server<msg::GetCapabilities>> get_capabilities_;
+  std::unique_ptr<transport::Server<msg::GetPlan>> get_plan_;
+  std::unique_ptr<transport::Server<msg::GetSwitch>> get_switch_;
+  std::unique_ptr<transport::Server<msg::GetHistory>> get_history_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for answers that come later
+};
+
+}  // namespace musher

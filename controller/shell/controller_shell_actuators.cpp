@@ -1,0 +1,157 @@
+// Input from actuators: their status, their replies, and their loss.
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/controller/shell/wire.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+constexpr std::size_t kProcessesKept = 4;  // of one actuator, with the latest statuses
+constexpr std::size_t kMostUnlisted = 64;
+
+}  // namespace
+
+// Whether the latched status is of a running process that is not about to exit.
+bool ControllerShell::Runs(const MachineConfig& config, const ActuatorReport& report) {
+  const bool set_up_failed =
+      report.state == config.default_state && !report.busy() && report.outcome_code != kCodeOk;
+  return report.state != kTearDown && !set_up_failed;
+}
+
+void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
+                               const transport::SampleInfo& info) {
+  const auto found = index_.find(status.name);
+  if (!transport::IsFrom(status.name, info)) return;
+  if (found == index_.end()) return RecordUnlisted(status);
+  const std::size_t i = found->second;
+  const ActuatorReport report = WithProvenPid(i, transport::FromMessage(status));
+  status_writers_[info.writer] = {i, report.incarnation};
+  if (info.participant != 0) ProcessOf(i, report).participant = info.participant;
+  CompareHash(i, status.config_hash);
+  if (machine_.phase == Phase::kIdle) hashes_before_begin_[i] = status.config_hash;
+  Handle(event::StatusSeen{i, report});
+  const ActuatorReport& taken = machine_.actuators[i].report;
+  if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
+}
+
+// The process that sent the report. Keeps kProcessesKept processes for each actuator, those with
+// the latest reports; never drops the process whose report the machine uses.
+ControllerShell::Process& ControllerShell::ProcessOf(std::size_t actuator,
+                                                     const ActuatorReport& report) {
+  std::vector<Process>& known = peers_[actuator].processes;
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&](const Process& process) { return process.Is(report); });
+  if (found != known.end()) {
+    std::rotate(found, found + 1, known.end());
+    return known.back();
+  }
+  if (known.size() >= kProcessesKept) {
+    const bool is_taken = known.front().Is(machine_.actuators[actuator].report);
+    known.erase(known.begin() + (is_taken ? 1 : 0));
+  }
+  return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
+}
+
+// A reply counts as a heartbeat, and so does what the link of another protocol reports of its node.
+void ControllerShell::OnLinkEvent(const Event& from_link) {
+  Event event = from_link;
+  auto* replied = std::get_if<event::Replied>(&event);
+  if (replied) replied->report = WithProvenPid(replied->actuator, std::move(replied->report));
+  Handle(event);
+  if (replied != nullptr) return CountAsHeartbeat(replied->actuator, replied->report.incarnation);
+  const auto* seen = std::get_if<event::StatusSeen>(&event);
+  if (seen != nullptr) CountAsHeartbeat(seen->actuator, seen->report.incarnation);
+}
+
+// A program of another protocol does not report its pid; the controller knows the pid of a program
+// that it has started or found. Until the program is set up it need not answer: its constructor may
+// block its only thread.
+void ControllerShell::CountAsHeartbeat(std::size_t actuator, std::uint64_t incarnation) {
+  const ActuatorRecord& record = machine_.actuators[actuator];
+  if (record.report.incarnation != incarnation) return;
+  const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
+  if (!own && record.presence != Presence::kPresent) return;
+  ActuatorReport report = record.report;
+  if (report.host.empty() && record.process != 0) {
+    report.host = dependencies_.host;
+    report.pid = dependencies_.process_probe->WorkerOf(record.process);
+  }
+  health_->OnReport(actuator, report);
+}
+
+void ControllerShell::OnWriterLost(transport::PeerId writer) {
+  const auto lost = status_writers_.extract(writer);
+  if (lost.empty()) return;
+  const auto [actuator, incarnation] = lost.mapped();
+  Handle(event::Vanished{actuator, incarnation, false, kOutOfReach});
+}
+
+void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
+  Peer& peer = peers_[actuator];
+  if (hash == config_.hash || peer.hash_recorded) return;
+  peer.hash_recorded = true;
+  Do(action::Record{"actuator", actuator, 0, kCodeParametersInvalid,
+                    config_.actuators[actuator].name + " is using a different config (" + hash +
+                        ") than " + config_.file + " (" + config_.hash + ")"});
+}
+
+// An earlier config may have listed it. No controller controls it, so it is only reported here.
+void ControllerShell::RecordUnlisted(const msg::ActuatorStatus& status) {
+  if (!Runs(config_, transport::FromMessage(status))) return;
+  const auto [unlisted, added] =
+      unlisted_.try_emplace(status.name.substr(0, 64), status.incarnation);
+  const bool known = !added && unlisted->second == status.incarnation;
+  if (known || unlisted_.size() > kMostUnlisted) return;
+  unlisted->second = status.incarnation;
+  Remark(kCodeStateInvalid,
+         unlisted->first + " runs (pid " + std::to_string(status.pid) + ", in " + status.state +
+             "), but " + config_.file +
+             " does not list it: it is not controlled. `musher down` and then `musher down "
+             "--without-controller` stop it");
+}
+
+std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {
+  std::string names;
+  std::size_t count = 0;
+  for (const auto& [actuator, seen] : before_begin_) {
+    const auto theirs = hashes_before_begin_.find(actuator);
+    const bool ours = theirs == hashes_before_begin_.end() || theirs->second.empty() ||
+                      theirs->second == config_.hash || theirs->second == hash;
+    if (ours || seen.report.host != dependencies_.host || !Runs(config_, seen.report)) continue;
+    names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (pid " +
+             std::to_string(seen.report.pid) + ")";
+    ++count;
+  }
+  return names.empty() ? names : names + (count == 1 ? " runs" : " run");
+}
+
+// Keeps events from before Begin(): an actuator latches its status once, so a status received
+// before this controller begins would not be received again.
+bool ControllerShell::KeepForBegin(const Event& event) {
+  if (machine_.phase != Phase::kIdle) return false;
+  if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
+    before_begin_[seen->actuator] = *seen;
+    if (!first_status_at_) first_status_at_ = dependencies_.node->loop().Now();
+    return true;
+  }
+  if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
+    const StoredStops over{{}, {stop->stop.id}};
+    stops_before_begin_ =
+        Merge(stops_before_begin_, stop->engaged ? StoredStops{{stop->stop}, {}} : over);
+    return true;
+  }
+  if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
+    const auto kept = before_begin_.find(vanished->actuator);
+    if (kept != before_begin_.end() && kept->second.report.incarnation == vanished->incarnation) {
+      before_begin_.erase(kept);
+    }
+    return true;
+  }
+  return false;
+}
+
+}  // namespace musher

@@ -1,0 +1,27 @@
+#pragma once
+// The outcomes of switches from journal entries: those of this controller, kept in memory, or those
+// of an earlier controller, read from the journal.
+//
+// Threads: none of its own; plain values.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "musher/controller/journal/journal.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+
+namespace musher {
+
+// For JournalEntry::data.
+std::string EncodeSwitchNote(const action::SwitchNote& note);
+
+// The outcome of the switch with that epoch and number. `outcome` is empty if the entries, oldest
+// first, contain only its begin; `found` is false if they do not contain even that. Number 0 is the
+// last switch of the epoch; if there was none and the entries cover that epoch, `found` is true
+// with number 0.
+msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, std::uint64_t epoch,
+                                    std::uint64_t number);
+
+}  // namespace musher

@@ -1,0 +1,123 @@
+#include "musher/controller/shell/wire.hpp"
+
+#include <chrono>
+
+namespace musher {
+namespace {
+
+msg::PolicyInfo PolicyOf(const MachineConfig& config, const PolicyState& policy) {
+  msg::PolicyInfo info;
+  if (!config.policy) return info;
+  info.active = true;
+  info.battery = policy.battery.value_or(-1);
+  info.charging = policy.charging;
+  info.battery_silent = policy.battery_silent;
+  if (policy.battery && policy.level != BatteryLevel::kFree) {
+    info.ceiling = CeilingState(config, policy.level);
+    info.ceiling_reason = AboveCeiling(config, policy, policy.level).message;
+  }
+  if (policy.keep) {
+    info.kept = policy.keep->state;
+    info.keep_s = policy.keep->seconds;
+  }
+  info.low_power_switch = policy.low_power;
+  if (policy.power) info.power = policy.power->reboot ? "reboot" : "power-off";
+  return info;
+}
+
+}  // namespace
+
+msg::SetState::Response ToMessage(const SwitchResult& result) {
+  msg::SetState::Response response;
+  response.switch_number = result.number;
+  response.target = result.target;
+  response.actuator = result.actuator;
+  response.outcome = OutcomeName(result.outcome);
+  response.code = result.code;
+  response.reason = result.reason;
+  response.state = result.state;
+  response.degraded = result.degraded;
+  for (const ActuatorResult& actuator : result.actuators) {
+    const double duration_ms = std::chrono::duration<double, std::milli>(actuator.duration).count();
+    response.actuators.push_back({actuator.name, std::string(OutcomeName(actuator.outcome)),
+                                  actuator.code, actuator.message, duration_ms, actuator.state});
+  }
+  return response;
+}
+
+msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) {
+  msg::GetPlan::Response response;
+  response.target = plan.target;
+  if (plan.only) response.actuator = config.actuators[*plan.only].name;
+  response.allowed = !plan.refusal || plan.free_by;
+  if (plan.refusal) response.reason = plan.refusal->message;
+  if (!response.allowed) response.code = plan.refusal->code;
+  response.direction = DirectionName(plan.direction);
+  response.state = plan.from;
+  for (const PlanStep& step : plan.steps) {
+    const bool there =
+        step.part == PlanStep::Part::kInTarget || step.part == PlanStep::Part::kHeldInTarget;
+    response.steps.push_back({config.actuators[step.actuator].name, step.wave, step.from, step.to,
+                              step.driven() ? ToMilliseconds(step.deadline) : 0,
+                              there ? "is in the target state already" : step.note});
+  }
+  return response;
+}
+
+msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine) {
+  msg::MachineStatus status;
+  status.machine = config.name;
+  status.name_space = config.name_space;
+  status.phase = PhaseName(machine.phase);
+  status.state = machine.state;
+  status.epoch = machine.epoch;
+  if (machine.current) status.target = machine.current->target;
+  status.switch_number = machine.last_switch;
+  status.config_file = config.file;
+  status.config_hash = config.hash;
+  status.emergency_stop = machine.emergency_stop.has_value();
+  if (machine.emergency_stop) {
+    status.emergency_stop_by = machine.emergency_stop->by;
+    status.emergency_stop_reason = machine.emergency_stop->reason;
+  }
+  status.degraded = Degraded(config, machine);
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+    const ActuatorRecord& record = machine.actuators[i];
+    msg::ActuatorInfo info;
+    info.name = config.actuators[i].name;
+    info.state = record.state();
+    info.target = record.command ? record.command->target : record.report.target;
+    info.presence = PresenceName(record.presence);
+    info.pid = record.process != 0 ? record.process
+               : record.presence == Presence::kPresent || record.presence == Presence::kStarting
+                   ? record.report.pid
+                   : 0;
+    info.host = record.report.host;
+    info.stage = config.actuators[i].stage;
+    info.critical = config.actuators[i].critical;
+    info.held = record.held;
+    if (const auto trouble = TroubleOf(record)) {
+      info.degraded = true;
+      info.code = trouble->code;
+      info.message = trouble->message;
+    }
+    if (record.presence == Presence::kPresent && record.report.held_by_stop) {
+      status.held_by_stop.push_back(info.name);
+    }
+    info.protocol = ProtocolName(config.actuators[i].protocol);
+    info.health = HealthName(record.health);
+    info.restarts = record.restarts;
+    info.restarting = record.restart_at || record.restart_requested ||
+                      (record.restarts > 0 && record.presence == Presence::kStarting);
+    status.actuators.push_back(std::move(info));
+  }
+  status.policy = PolicyOf(config, machine.policy);
+  return status;
+}
+
+msg::HistoryEntry ToMessage(const JournalEntry& entry) {
+  return {entry.id,   entry.wall_ns, entry.epoch, entry.switch_number, entry.kind, entry.actuator,
+          entry.code, entry.message, entry.cause, entry.state,         entry.data};
+}
+
+}  // namespace musher

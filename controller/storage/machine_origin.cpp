@@ -1,0 +1,92 @@
+#include "musher/controller/storage/machine_origin.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLock = "controller.lock";
+
+std::string FileIn(const std::string& state_dir) {
+  return state_dir + "/machine";
+}
+
+// One line of the file.
+std::string Line(const std::string& key, std::string value) {
+  std::replace(value.begin(), value.end(), '\n', ' ');
+  return key + " " + value + "\n";
+}
+
+}  // namespace
+
+std::string MachineOrigin::Text() const {
+  return name + " of " + file + " (namespace '" + name_space + "', domain " +
+         std::to_string(domain) + ")";
+}
+
+bool MachineOrigin::IsOf(const MachineOrigin& now, bool led) const {
+  if (name != now.name || name_space != now.name_space || domain != now.domain) return false;
+  if (file == now.file) return true;
+  std::error_code error;
+  if (!fs::exists(file, error)) return !led;
+  return fs::equivalent(file, now.file, error) && !error;
+}
+
+std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
+  std::ifstream in(FileIn(state_dir));
+  MachineOrigin origin;
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t space = std::min(line.find(' '), line.size());
+    const std::string key = line.substr(0, space);
+    const std::string value = space < line.size() ? line.substr(space + 1) : "";
+    if (key == "name") origin.name = value;
+    if (key == "namespace") origin.name_space = value;
+    if (key == "domain") {
+      std::from_chars(value.data(), value.data() + value.size(), origin.domain);
+    }
+    if (key == "file") origin.file = value;
+  }
+  if (origin.name.empty() || origin.file.empty()) return std::nullopt;
+  return origin;
+}
+
+Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin) {
+  const std::string next = FileIn(state_dir) + ".new";
+  {
+    std::ofstream out(next, std::ios::trunc);
+    out << Line("name", origin.name) << Line("namespace", origin.name_space)
+        << Line("domain", std::to_string(origin.domain)) << Line("file", origin.file);
+    out.flush();
+    if (!out) return Error{kCodeFailed, "can't write " + next};
+  }
+  std::error_code error;
+  fs::rename(next, FileIn(state_dir), error);
+  if (error) return Error{kCodeFailed, "can't write " + FileIn(state_dir) + ": " + error.message()};
+  return Ok();
+}
+
+std::string StateDirOfProcess(pid_t pid) {
+  for (const fs::path& descriptor : EntriesOf("/proc/" + std::to_string(pid) + "/fd")) {
+    std::error_code closed;
+    const fs::path target = fs::read_symlink(descriptor, closed);
+    if (closed || target.filename() != kLock) continue;
+    if (HoldsLockOn(pid, target)) return target.parent_path();
+  }
+  return {};
+}
+
+std::optional<MachineOrigin> OriginOfProcess(pid_t pid) {
+  const std::string state_dir = StateDirOfProcess(pid);
+  return state_dir.empty() ? std::nullopt : LoadOrigin(state_dir);
+}
+
+}  // namespace musher

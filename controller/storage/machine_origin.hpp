@@ -1,0 +1,46 @@
+#pragma once
+// The identity of a machine: name, namespace, domain and the file that it was started from. It says
+// to which machine a state folder belongs and which machine a controller leads. A machine that
+// differs in one of them is another machine, with its own history, epochs and emergency stops.
+//
+// Stored in the state folder's file `machine`.
+//
+// Threads: any; Save() and Load() wait for the disk.
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+
+#include "musher/base/result.hpp"
+
+namespace musher {
+
+struct MachineOrigin {
+  std::string name;
+  std::string name_space;
+  int domain = 0;
+  std::string file;  // absolute: its config, or its upgrade root
+
+  // "robot of /etc/musher/robot.toml (namespace 'fleet', domain 7)"
+  std::string Text() const;
+  // Whether this identity was recorded for the machine `now`. The same file may have another path;
+  // a file that no longer exists was moved, unless a controller still leads the machine.
+  bool IsOf(const MachineOrigin& now, bool led) const;
+
+  friend bool operator==(const MachineOrigin&, const MachineOrigin&) = default;
+};
+
+// The identity saved in a folder; nullopt if there is none or it cannot be read.
+std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir);
+Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin);
+
+// The folder whose lock the controller process `pid` holds; empty if it holds none, or its open
+// files are not visible to us.
+std::string StateDirOfProcess(pid_t pid);
+
+// The identity of the controller process `pid`, from the folder whose lock it holds; nullopt if it
+// holds none, or its open files are not visible to us.
+std::optional<MachineOrigin> OriginOfProcess(pid_t pid);
+
+}  // namespace musher

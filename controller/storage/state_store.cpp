@@ -1,0 +1,280 @@
+#include "musher/controller/storage/state_store.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/controller/storage/private_folder.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files here
+constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why, of a host
+// The stop that a damaged file counts as.
+constexpr std::uint64_t kUnknownStop = 1;
+
+std::string ReadSmall(int fd) {
+  std::string text(kMaxFileSize, '\0');
+  const ssize_t size = pread(fd, text.data(), text.size(), 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  return text;
+}
+
+std::string OneWord(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return c <= ' '; });
+  return text.substr(0, kLongestText);
+}
+
+// Of a HostId(): "BOOT/PID NAMESPACE".
+std::string BootOf(const std::string& host) {
+  return host.substr(0, host.find('/'));
+}
+
+std::string ProcessesFileIn(const std::string& dir) {
+  return dir + "/processes";
+}
+
+// The name of a file is on disk once its folder is.
+bool SyncFolder(const std::string& dir) {
+  const UniqueFd folder(open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return folder.valid() && fsync(folder.get()) == 0;
+}
+
+Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
+              pid_t led_by) {
+  std::string what = dir + " belongs to another machine, " + recorded.Text();
+  if (led_by != 0) what += ", which process " + std::to_string(led_by) + " leads";
+  return {kCodePermissionDenied,
+          what + "; this one is " + machine.Text() +
+              ". Give this one a `name` or a `state_dir` of its own in [controller]" +
+              (led_by != 0 ? "" : ", or remove " + dir + "/machine if it replaces the other")};
+}
+
+}  // namespace
+
+Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin& machine) {
+  if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made.error();
+  const std::string path = dir + "/controller.lock";
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock.valid()) return SystemError("can't open " + path);
+  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return SystemError("can't lock " + path);
+    std::string owner = ReadSmall(lock.get());
+    owner = owner.substr(0, owner.find('\n'));
+    const auto recorded = LoadOrigin(dir);
+    if (recorded && !recorded->IsOf(machine, true)) {
+      return Foreign(dir, *recorded, machine, OwnerOf(dir));
+    }
+    return Error{kCodeTargetBusy, "a controller runs with " + dir + " already: process " +
+                                      (owner.empty() ? "unknown" : owner)};
+  }
+  const auto recorded = LoadOrigin(dir);
+  if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
+  // On a full disk it stays as it is, and the machine starts all the same.
+  if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
+  // The lock counts, not what is in the file: on a full disk it may stay empty.
+  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
+  if (ftruncate(lock.get(), 0) == 0) WriteAll(lock.get(), owner);
+  return StateStore(dir, std::move(lock));
+}
+
+Result<std::uint64_t> StateStore::LoadEpoch() const {
+  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) {
+    if (errno == ENOENT) return std::uint64_t{0};
+    return SystemError("can't read " + EpochFile());
+  }
+  const std::string text = ReadSmall(file.get());
+  std::uint64_t epoch = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), epoch);
+  if (error != std::errc() || std::string_view(end, text.data() + text.size()) != "\n") {
+    return Error{kCodeFailed, EpochFile() + " is damaged: it does not hold one number"};
+  }
+  return epoch;
+}
+
+Result<> StateStore::SaveEpoch(std::uint64_t epoch) {
+  return Replace(EpochFile(), std::to_string(epoch) + "\n");
+}
+
+// The file has either the old or the new content, also after a crash.
+Result<> StateStore::Replace(const std::string& path, const std::string& content) const {
+  const std::string next = path + ".new";
+  const auto failed = [&] {
+    Error error = SystemError("can't save " + path);
+    unlink(next.c_str());
+    return error;
+  };
+  const UniqueFd file(open(next.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (!file.valid()) return failed();
+  if (!WriteAll(file.get(), content) || fsync(file.get()) != 0) return failed();
+  if (std::rename(next.c_str(), path.c_str()) != 0 || !SyncFolder(dir_)) return failed();
+  return Ok();
+}
+
+// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".
+Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
+  const auto line = [](const std::string& name, std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return name + " " + text.substr(0, kLongestText) + "\n";
+  };
+  std::string text;
+  for (const EmergencyStop& stop : stops.engaged) {
+    text += line("engaged", std::to_string(stop.id));
+    text += line("by", stop.by) + line("reason", stop.reason);
+  }
+  for (const std::uint64_t id : stops.released) text += line("released", std::to_string(id));
+  return Replace(EmergencyStopFile(), text + "end\n");
+}
+
+// A file that cannot be read counts as an engaged stop: that is the safe side.
+StoredStops StateStore::LoadEmergencyStops() const {
+  StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
+  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) return errno == ENOENT ? StoredStops{} : damaged;
+  std::istringstream text(ReadSmall(file.get()));
+  StoredStops stops;
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t space = std::min(line.find(' '), line.size());
+    const std::string name = line.substr(0, space);
+    const std::string value = space < line.size() ? line.substr(space + 1) : "";
+    std::uint64_t id = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
+    const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
+    if (name == "end" && value.empty()) return stops;
+    if (name == "engaged" && is_id) {
+      stops.engaged.push_back({id, "", ""});
+    } else if (name == "released" && is_id) {
+      stops.released.push_back(id);
+    } else if (name == "by" && !stops.engaged.empty()) {
+      stops.engaged.back().by = value;
+    } else if (name == "reason" && !stops.engaged.empty()) {
+      stops.engaged.back().reason = value;
+    } else {
+      return damaged;
+    }
+  }
+  return damaged;  // cut short
+}
+
+Result<> StateStore::SaveStopIntent(bool intended) {
+  if (intended) return Replace(StopIntentFile(), "the machine is to stay down\n");
+  const bool gone = unlink(StopIntentFile().c_str()) == 0 || errno == ENOENT;
+  if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + StopIntentFile());
+  return Ok();
+}
+
+bool StateStore::LoadStopIntent() const {
+  return access(StopIntentFile().c_str(), F_OK) == 0 || errno != ENOENT;
+}
+
+// "host HOST" of the controller, then lines "actuator NAME HOST". A host comes from the network.
+Result<> StateStore::SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
+                                         const std::string& host) {
+  std::string text = "host " + host + "\n";
+  for (const RemoteActuator& actuator : actuators) {
+    text += "actuator " + actuator.name + " " + OneWord(actuator.host) + "\n";
+  }
+  return Replace(RemoteActuatorsFile(), text);
+}
+
+std::vector<RemoteActuator> StateStore::LoadRemoteActuators(const std::string& host) const {
+  const UniqueFd file(open(RemoteActuatorsFile().c_str(), O_RDONLY | O_CLOEXEC));
+  std::istringstream lines(file.valid() ? ReadSmall(file.get()) : "");
+  std::vector<RemoteActuator> actuators;
+  std::string boot_then;  // of this computer
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    RemoteActuator actuator;
+    words >> kind;
+    if (kind == "host" && words >> actuator.host) boot_then = BootOf(actuator.host);
+    if (kind != "actuator" || !(words >> actuator.name)) continue;
+    words >> actuator.host;
+    actuator.host = OneWord(actuator.host);
+    const bool was_here = !actuator.host.empty() && BootOf(actuator.host) == boot_then;
+    if (was_here && boot_then != BootOf(host)) continue;
+    actuators.push_back(std::move(actuator));
+  }
+  return actuators;
+}
+
+// "low_power on", "lowered Active Protected 7", the last the epoch.
+Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
+  std::string text;
+  if (policy.low_power)
+    text += std::string("low_power ") + (*policy.low_power ? "on" : "off") + "\n";
+  if (policy.lowering) {
+    text += "lowered " + policy.lowering->from + " " + policy.lowering->to + " " +
+            std::to_string(policy.lowering->epoch) + "\n";
+  }
+  return Replace(PolicyFile(), text);
+}
+
+StoredPolicy StateStore::LoadPolicy() const {
+  StoredPolicy policy;
+  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_CLOEXEC));
+  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
+  for (std::string word; text >> word;) {
+    Lowering lowering;
+    if (word == "low_power" && text >> word) {
+      if (word == "on" || word == "off") policy.low_power = word == "on";
+    } else if (word == "lowered" && text >> lowering.from >> lowering.to >> lowering.epoch) {
+      policy.lowering = lowering;
+    }
+  }
+  return policy;
+}
+
+Result<> StateStore::SaveConfigHash(const std::string& hash) {
+  return Replace(ConfigHashFile(), hash + "\n");
+}
+
+std::string StateStore::LoadConfigHash() const {
+  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const std::string text = file.valid() ? ReadSmall(file.get()) : "";
+  return text.substr(0, text.find('\n'));
+}
+
+Result<> StateStore::SaveChildren(const std::vector<ChildProcess>& children,
+                                  const std::string& host) {
+  return Replace(ProcessesFileIn(dir_), ToText(children, host));
+}
+
+std::vector<ChildProcess> StateStore::LoadChildren(const std::string& dir,
+                                                   const std::string& host) {
+  const UniqueFd file(open(ProcessesFileIn(dir).c_str(), O_RDONLY | O_CLOEXEC));
+  return ChildrenFrom(file.valid() ? ReadSmall(file.get()) : "", host);
+}
+
+pid_t StateStore::OwnerOf(const std::string& dir) {
+  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
+  const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";
+  pid_t owner = 0;
+  std::from_chars(text.data(), text.data() + text.size(), owner);
+  return std::max(owner, 0);  // a negative one would name a group of processes
+}
+
+bool StateStore::IsOwner(const std::string& dir, pid_t pid) {
+  return HoldsLockOn(pid, dir + "/controller.lock");
+}
+
+std::string StateStore::LogFile(std::string_view actuator) const {
+  return dir_ + "/logs/" + std::string(actuator) + ".log";
+}
+
+}  // namespace musher

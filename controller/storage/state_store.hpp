@@ -1,0 +1,119 @@
+#pragma once
+// The controller's folder, and the lock that says that it has a living owner:
+//
+//   controller.lock     held while the controller runs; names it: "4711 robot"
+//   machine             whose folder it is (machine_origin.hpp)
+//   config              the hash of the config that the machine was led with last
+//   epoch               the last epoch that was begun, as a decimal number
+//   emergency_stop      there while one is engaged: its number, by whom, why
+//   processes           the processes started for actuators (child_processes.hpp)
+//   stop_intent         there from the start of a TearDown until a person starts the machine
+//   remote_actuators    the actuators that run on other hosts, with the host
+//   policy              what the policy remembers: the low-power switch, where the battery took it
+//   last_selfcheck_info.json  what the self-check of the last start has found
+//   journal.sqlite      see journal.hpp
+//   logs/<actuator>.log what the actuator's process prints
+//
+// Threads: the loop thread; SaveEpoch() waits for the disk and is called once at start-up.
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/unique_fd.hpp"
+#include "musher/controller/process/child_processes.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine.hpp"
+
+namespace musher {
+
+// What the controller prints, for people.
+inline std::string ControllerLogFile(const MachineConfig& config) {
+  return config.log.empty() ? config.state_dir + "/controller.log" : config.log;
+}
+
+class StateStore {
+ public:
+  // Makes the folder (only for its owner) and takes the lock. Fails
+  //   - with kCodePermissionDenied if the folder belongs to another machine, with its name: exit;
+  //   - with kCodeTargetBusy if a running controller of this machine has the lock, with its name:
+  //     exit;
+  //   - with kCodeFailed on a disk error: a controller may continue without a store, with the epoch
+  //     that the actuators report.
+  // The kernel releases the lock when the process exits or crashes.
+  static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
+
+  // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
+  // and continue as with 0, because the epochs that the actuators report count as well.
+  Result<std::uint64_t> LoadEpoch() const;
+
+  // Replaces the saved epoch: after a power cut the file has the old one or the new one, never a
+  // part. After an Error report it and continue: the epoch is then only in memory and in the
+  // actuators.
+  Result<> SaveEpoch(std::uint64_t epoch);
+
+  // The emergency stops that are engaged, and the last ones that were released. A file that cannot
+  // be read counts as one that is engaged.
+  Result<> SaveEmergencyStops(const StoredStops& stops);
+  StoredStops LoadEmergencyStops() const;
+
+  // Whether the machine is to be torn down, and to stay so until a person starts it.
+  Result<> SaveStopIntent(bool intended);
+  bool LoadStopIntent() const;
+
+  // The actuators on other hosts. `host` is this one (HostId()). LoadRemoteActuators() skips those
+  // that ran on this computer, such as in another container, before it was booted; and damaged
+  // lines.
+  Result<> SaveRemoteActuators(const std::vector<RemoteActuator>& actuators,
+                               const std::string& host);
+  std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const;
+
+  // What the policy remembers; nothing where there is no file yet, or none that can be read.
+  Result<> SavePolicy(const StoredPolicy& policy);
+  StoredPolicy LoadPolicy() const;
+
+  // Another small file of the folder, for people and programs beside the controller.
+  Result<> SaveText(const std::string& name, const std::string& text) const {
+    return Replace(dir_ + "/" + name, text);
+  }
+
+  // The hash of the config that the machine was led with last; empty where none is known.
+  Result<> SaveConfigHash(const std::string& hash);
+  std::string LoadConfigHash() const;
+
+  // The running processes that were started for actuators. LoadChildren() returns those that were
+  // started on `host` (HostId()).
+  Result<> SaveChildren(const std::vector<ChildProcess>& children, const std::string& host);
+  static std::vector<ChildProcess> LoadChildren(const std::string& dir, const std::string& host);
+
+  // The process that is recorded as the holder of a folder's lock; 0 if none is.
+  static pid_t OwnerOf(const std::string& dir);
+  // Whether that process does hold it, as far as we may look into it.
+  static bool IsOwner(const std::string& dir, pid_t pid);
+
+  std::string JournalFile() const { return dir_ + "/journal.sqlite"; }
+  std::string LogFile(std::string_view actuator) const;
+
+ private:
+  StateStore(std::string dir, UniqueFd lock) : dir_(std::move(dir)), lock_(std::move(lock)) {}
+
+  std::string EpochFile() const { return dir_ + "/epoch"; }
+  std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
+  std::string PolicyFile() const { return dir_ + "/policy"; }
+  std::string ConfigHashFile() const { return dir_ + "/config"; }
+  std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
+  std::string RemoteActuatorsFile() const { return dir_ + "/remote_actuators"; }
+  Result<> Replace(const std::string& path, const std::string& content) const;
+
+  std::string dir_;
+  UniqueFd lock_;
+};
+
+}  // namespace musher

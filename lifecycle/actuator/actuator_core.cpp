@@ -1,0 +1,400 @@
+#include "musher/lifecycle/actuator/actuator_core.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/base/code.hpp"
+#include "musher/lifecycle/command/command_age.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
+
+namespace musher {
+namespace {
+
+using namespace actuator_action;  // NOLINT(google-build-using-namespace)
+namespace event = actuator_event;
+
+using Refusal = Error;
+
+// The number of announced controllers that are kept: those received last.
+constexpr std::size_t kAnnouncedKept = 8;
+
+// The number of released emergency stops that are kept; older ones have no samples left.
+constexpr std::size_t kReleasedKept = 64;
+// The most stops engaged at once. One more changes nothing until one of these is released.
+constexpr std::size_t kMostStops = 256;
+constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
+
+// The state of an actuator that has lost its controller, if it is below the present one.
+std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
+                               const ActuatorCore& core) {
+  const State& safe = config.actuators[index].on_controller_lost;
+  const auto own = config.RankOf(core.report.state);
+  const auto rank = config.RankOf(safe);
+  if (!own || !rank || *rank >= *own) return std::nullopt;
+  return safe;
+}
+
+// One event's decision: the arguments of Step() and the actions so far.
+class Deciding {
+ public:
+  Deciding(const MachineConfig& config, std::size_t index, ActuatorCore& core, Time now)
+      : machine_(config),
+        config_(config.actuators[index]),
+        index_(index),
+        core_(core),
+        report_(core.report),
+        now_(now) {}
+
+  void On(const event::Started&) { Run(State(kSetUp)); }
+
+  void On(const event::SwitchArrived& arrived) {
+    const SwitchCommand& command = arrived.command;
+    if (auto refusal = Authority(arrived.sender, command.epoch))
+      return Refuse({arrived.token}, *refusal);
+    if (Repeated(arrived)) return;
+    if (auto refusal = CheckCommand(command)) return Refuse({arrived.token}, *refusal);
+    report_.number = command.number;
+    if (report_.busy()) {
+      DropWaiting({kCodeTargetBusy, "replaced by command " + std::to_string(command.number)});
+      core_.waiting = {command, {arrived.token}};
+      return Do(PublishStatus{});
+    }
+    Begin(command, {arrived.token});
+  }
+
+  void On(const event::QueryArrived& arrived) {
+    if (auto refusal = Authority(arrived.sender, arrived.command.epoch)) {
+      return Refuse({arrived.token}, *refusal);
+    }
+    const std::uint64_t number = arrived.command.number;
+    report_.number = std::max(report_.number, number);
+    if (core_.waiting && core_.waiting->command.number <= number) {
+      DropWaiting({kCodeTimeout, "not started by its deadline; cancelled"});
+    }
+    if (arrived.command.stop && report_.busy()) Do(RequestStop{});
+    Do(Answer{arrived.token, Verdict::kDone, kCodeOk, ""});
+    Do(PublishStatus{});
+  }
+
+  void On(const event::ManagerCommand& arrived) {
+    if (auto refusal = EvaluateManager(arrived.target)) return Refuse({arrived.token}, *refusal);
+    SwitchCommand command;  // with number 0, which no controller uses
+    command.target = arrived.target;
+    Begin(command, {arrived.token});
+  }
+
+  void On(const event::CallbackEnded& ended) {
+    const State target = std::exchange(report_.target, "");
+    const auto tokens = std::exchange(core_.running_for, {});
+    const event::CallbackEnded end = UnderStop(target, ended);
+    if (target == kSetUp) return EndSetUp(end);
+    const bool down = LeadsDown(target);
+    EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
+    if (target == kSelfCheck) {
+      const bool passed = end.code == kCodeOk;
+      report_.degraded_code = passed ? end.degraded_code : kCodeOk;
+      report_.degraded_reason = passed ? end.degraded_reason : "";
+    } else if (end.code == kCodeOk && !core_.under_stop && !down) {
+      report_.held_by_stop = false;
+    }
+    if (target != kSelfCheck && end.code != kCodeOk) report_.apart = core_.was_apart;
+    for (const RequestToken token : tokens) {
+      Do(Answer{token, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, end.code,
+                end.message});
+    }
+    if (target == kTearDown && end.code == kCodeOk) {
+      DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
+      Do(PublishStatus{});
+      return Do(Finish{});
+    }
+    if (core_.waiting) {
+      const auto next = *std::exchange(core_.waiting, std::nullopt);
+      if (auto refusal = MayBegin(next.command)) {
+        Refuse(next.tokens, *refusal);
+      } else {
+        return Begin(next.command, next.tokens);
+      }
+    }
+    Do(PublishStatus{});
+  }
+
+  void On(const event::ControllerHeartbeatReceived& received) {
+    if (received.sender == 0) return;
+    if (received.sender == core_.controller) core_.controller_last_heartbeat = now_;
+    auto& announced = core_.announced;
+    std::erase_if(announced, [&](const auto& one) { return one.sender == received.sender; });
+    announced.push_back(received);
+    if (announced.size() > kAnnouncedKept) announced.erase(announced.begin());
+  }
+
+  void On(const event::EmergencyStopReceived& received) {
+    const bool entitled = received.sender == core_.controller && core_.controller != 0;
+    if (received.engaged) {
+      if (entitled) std::erase(core_.released, received.id);  // the controller decides
+      return Engage({received.id, received.by, received.reason});
+    }
+    if (!entitled) return;
+    core_.released.push_back(received.id);
+    if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
+    const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
+    if (std::erase_if(core_.stops, same) != 0) ReportStops();
+  }
+
+  // Goes to the safe state when the heartbeat of the controller is lost for too long.
+  void On(const event::TimePassed&) {
+    const auto deadline = NextDeadline(machine_, index_, core_);
+    if (!deadline || *deadline > now_) return;
+    core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
+    core_.was_apart = report_.apart;
+    report_.busy_number = 0;
+    Run(*SafeState(machine_, index_, core_));
+  }
+
+  std::vector<ActuatorAction> Take() && { return std::move(actions_); }
+
+ private:
+  void Do(ActuatorAction action) { actions_.push_back(std::move(action)); }
+
+  void Run(const State& target) {
+    report_.target = target;
+    core_.under_stop = !core_.stops.empty();
+    Do(RunCallback{target});
+    Do(PublishStatus{});
+  }
+
+  void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
+    for (const RequestToken token : tokens) {
+      Do(Answer{token, Verdict::kRefused, refusal.code, refusal.message});
+    }
+  }
+
+  void DropWaiting(const Refusal& why) {
+    if (const auto dropped = std::exchange(core_.waiting, {})) Refuse(dropped->tokens, why);
+  }
+
+  // One controller has control: the one with the highest epoch, once it has announced itself.
+  std::optional<Refusal> Authority(Sender sender, std::uint64_t epoch) {
+    const std::string number = std::to_string(epoch);
+    if (sender == 0) {
+      return Refusal{kCodePermissionDenied, "the participant that sent the command is unknown"};
+    }
+    if (epoch > kLastEpoch) {
+      return Refusal{kCodeParametersInvalid, "epoch " + number + " is out of range"};
+    }
+    if (epoch < report_.epoch) {
+      return Refusal{kCodePermissionDenied,
+                     "epoch " + number + " is outdated; this actuator is controlled by epoch " +
+                         std::to_string(report_.epoch)};
+    }
+    if (sender != core_.controller) {
+      if (epoch == report_.epoch) {
+        return Refusal{kCodePermissionDenied, "epoch " + number + " belongs to another controller"};
+      }
+      const event::ControllerHeartbeatReceived announced{sender, epoch};
+      if (std::find(core_.announced.begin(), core_.announced.end(), announced) ==
+          core_.announced.end()) {
+        return Refusal{kCodePermissionDenied,
+                       "no controller of epoch " + number + " has announced itself"};
+      }
+      core_.controller = sender;
+      // The new controller does not know the waiting command of the previous one.
+      DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
+    }
+    report_.epoch = epoch;
+    core_.controller_last_heartbeat = now_;
+    return std::nullopt;
+  }
+
+  void Engage(EmergencyStop stop) {
+    const bool over = std::ranges::count(core_.released, stop.id) != 0;
+    const bool known = std::ranges::count(core_.stops, stop.id, &EmergencyStop::id) != 0;
+    if (stop.id == 0 || over || known || core_.stops.size() >= kMostStops) return;
+    if (stop.by.size() + stop.reason.size() > kLongestStopWords) stop = {stop.id, "", ""};
+    core_.stops.push_back(std::move(stop));
+    report_.held_by_stop = true;
+    core_.stopped_meanwhile = core_.under_stop = report_.busy();
+    Do(RunEmergencyStop{});
+    if (report_.busy() && GoesUp(report_.target)) Do(RequestStop{});
+    if (core_.waiting && GoesUp(core_.waiting->command.target)) DropWaiting(Stopped());
+    ReportStops();
+  }
+
+  // The status names the oldest stop; the stop ends when that one and all others are released.
+  void ReportStops() {
+    const EmergencyStop first = core_.stops.empty() ? EmergencyStop{} : core_.stops.front();
+    report_.emergency_stop = first.id;
+    report_.emergency_stop_by = first.by;
+    report_.emergency_stop_reason = first.reason;
+    Do(PublishStatus{});
+  }
+
+  // The result of a callback that has ended. If an emergency stop was engaged while it ran, it may
+  // have switched on, after the stop action, what that had switched off: the action runs again. An
+  // upward callback has failed, even where the stop was released before its end.
+  event::CallbackEnded UnderStop(const State& target, const event::CallbackEnded& ended) {
+    if (!std::exchange(core_.stopped_meanwhile, false)) return ended;
+    Do(RunEmergencyStop{});
+    if (!GoesUp(target) || ended.code != kCodeOk) return ended;
+    return {kCodeProtectedError,
+            "an emergency stop was engaged while " + target + " ran; the state is not taken"};
+  }
+
+  static Refusal Stopped() {
+    return {kCodeProtectedError,
+            "an emergency stop is engaged; until it is released nothing goes up"};
+  }
+
+  // The callback of the present state leads up, too, where it undoes a failed downward callback, or
+  // would switch on what a stop has switched off. It leads down where it undoes a failed upward
+  // one.
+  bool GoesUp(const State& target) const {
+    if (target != report_.state) return Rises(machine_, report_.state, target);
+    const bool switches_on =
+        report_.held_by_stop && !core_.unsettled && Rises(machine_, kUninitialized, target);
+    return core_.half_way_down || switches_on;
+  }
+
+  // A downward callback does not switch on what a stop has switched off.
+  bool LeadsDown(const State& target) const {
+    const auto from = machine_.RankOf(report_.state);
+    const auto to = machine_.RankOf(target);
+    return from && to && *to < *from;
+  }
+
+  // A repeated command gets the same answer again, or the answer of its run.
+  bool Repeated(const event::SwitchArrived& arrived) {
+    const std::uint64_t number = arrived.command.number;
+    if (number == 0) return false;
+    if (report_.busy() && number == report_.busy_number) {
+      core_.running_for.push_back(arrived.token);
+    } else if (core_.waiting && number == core_.waiting->command.number) {
+      core_.waiting->tokens.push_back(arrived.token);
+    } else if (number == report_.outcome_number) {
+      const bool done = report_.outcome_code == kCodeOk;
+      Do(Answer{arrived.token, done ? Verdict::kDone : Verdict::kFailed, report_.outcome_code,
+                report_.outcome_message});
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  std::optional<Refusal> CheckCommand(const SwitchCommand& command) const {
+    if (command.incarnation != report_.incarnation) {
+      return Refusal{kCodePermissionDenied,
+                     "the command is meant for another process of this name"};
+    }
+    if (command.number <= report_.number) {
+      return Refusal{kCodeStatusError,
+                     "command " + std::to_string(command.number) + " is outdated; command " +
+                         std::to_string(report_.number) + " was received already"};
+    }
+    if (auto refusal = CheckTarget(command.target)) return refusal;
+    return MayBegin(command);
+  }
+
+  std::optional<Refusal> EvaluateManager(const State& target) const {
+    if (report_.epoch != 0) {
+      return Refusal{kCodePermissionDenied,
+                     "a controller has control, epoch " + std::to_string(report_.epoch)};
+    }
+    if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
+    if (report_.emergency_stop != 0 && GoesUp(target)) return Stopped();
+    return CheckTarget(target);
+  }
+
+  std::optional<Refusal> CheckTarget(const State& target) const {
+    if (report_.state == kTearDown) {
+      return Refusal{kCodeStateInvalid,
+                     "the actuator is torn down; only a new start brings it back"};
+    }
+    if (target == kSetUp || target == kUninitialized) {
+      return Refusal{kCodeStateInvalid,
+                     target + " cannot be commanded: it runs only at the start of a process"};
+    }
+    if (!config_.Lists(target)) {
+      return Refusal{kCodeUnSupport, config_.name + " has no state '" + target + "'"};
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
+    if (report_.emergency_stop != 0 && GoesUp(command.target)) return Stopped();
+    return CheckAge(command, now_);
+  }
+
+  void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
+    const bool there = command.target == report_.state && command.target != kSelfCheck;
+    if (there && !core_.unsettled && !report_.held_by_stop) {
+      EndCommand(command.number, command.target, kCodeOk, "");
+      report_.apart = command.apart;
+      for (const RequestToken token : tokens) Do(Answer{token, Verdict::kDone, kCodeOk, ""});
+      return Do(PublishStatus{});
+    }
+    report_.busy_number = command.number;
+    core_.running_for = tokens;
+    core_.was_apart = report_.apart;
+    if (command.target != kSelfCheck) report_.apart = command.apart;
+    Run(command.target);
+  }
+
+  void EndSetUp(const event::CallbackEnded& ended) {
+    report_.outcome_code = ended.code;
+    report_.outcome_message = ended.message;
+    if (ended.code == kCodeOk) {
+      report_.state = State(kSetUp);
+      Do(BecomeVisible{});
+      return Do(PublishStatus{});
+    }
+    Do(PublishStatus{});
+    Do(Finish{ended.code, ended.message});
+  }
+
+  void EndCommand(std::uint64_t number, const State& target, std::int32_t code,
+                  const std::string& message) {
+    if (number != 0) {  // what it did by itself is not the outcome of a command
+      report_.outcome_number = number;
+      report_.outcome_code = code;
+      report_.outcome_message = message;
+    }
+    if (target == kSelfCheck) {
+      // In the run phase a check does not change the state; during start-up it is a step.
+      const bool a_step =
+          report_.state == kSetUp || report_.state == kSelfCheck || report_.state == kError;
+      if (code == kCodeOk && a_step) report_.state = target;
+      return;
+    }
+    core_.unsettled = code != kCodeOk;
+    const bool switches_on = target == report_.state && report_.held_by_stop;
+    core_.half_way_down = core_.unsettled && (core_.half_way_down || switches_on ||
+                                              Rises(machine_, target, report_.state));
+    if (code == kCodeOk) report_.state = target;
+  }
+
+  const MachineConfig& machine_;
+  const ActuatorConfig& config_;
+  const std::size_t index_;
+  ActuatorCore& core_;
+  ActuatorReport& report_;
+  Time now_;
+  std::vector<ActuatorAction> actions_;
+};
+
+}  // namespace
+
+std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
+                                 const ActuatorEvent& event, Time now) {
+  Deciding deciding(config, index, core, now);
+  std::visit([&](const auto& e) { deciding.On(e); }, event);
+  return std::move(deciding).Take();
+}
+
+std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
+                                 const ActuatorCore& core) {
+  const auto timeout = config.actuators[index].controller_lost;
+  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
+  if (!SafeState(config, index, core)) return std::nullopt;
+  return core.controller_last_heartbeat + *timeout;
+}
+
+}  // namespace musher

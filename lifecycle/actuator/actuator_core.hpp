@@ -1,0 +1,200 @@
+#pragma once
+// The actuator's decision code: which command may run, which is refused and why, and what the
+// latched status says. Pure: Step(config, index, core, event, now) changes the core and gives the
+// actions; the shell around it (actuator/) turns DDS samples and the worker thread into events.
+//
+// clang-format off
+//           Started                       CallbackEnded ok
+//   (new) ───────────▶ busy in SetUp ─────────────────────────▶ free ◀─────────────────┐
+//                           │ CallbackEnded                      │ a command, or its   │ CallbackEnded
+//                           ▼ failed                             ▼ controller is lost  │
+//                      Finish{code}                             busy ──────────────────┘
+//                                                                │ a newer command waits: one
+//                                                                ▼ place, the newest keeps it
+//                                              TearDown ended ok: Finish{0}
+// clang-format on
+//
+// Rules:
+//   - One controller has control, and it must have announced itself. The epoch never falls.
+//   - A number is accepted once and never below a number accepted or fenced.
+//   - A command older than its budget by this actuator's clock cannot begin.
+//   - A running callback is never interrupted, only requested to stop.
+//   - While an emergency stop is latched, nothing goes up, not even back to the present state after
+//     a downward callback has failed. An upward callback that ends meanwhile has failed, whatever
+//     it returns: its state is not taken, and the stop action runs again.
+//   - What a stop has switched off stays off after the release, until a callback to the present
+//     state or a higher one succeeds without a stop: until then the actuator is held by the stop,
+//     and a command to its present state runs the callback.
+//   - A manager without epochs may command until a controller has sent a command or query, and its
+//     command never waits.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/lifecycle/actuator/report.hpp"
+#include "musher/lifecycle/config/config.hpp"
+
+namespace musher {
+
+// A request that came over the wire and must be answered exactly once; the shell knows its client.
+using RequestToken = std::uint64_t;
+
+// The participant that sent a sample, as the transport reports it. 0: unknown; such a command is
+// refused.
+using Sender = std::uint64_t;
+
+// "Run the callback of `target`."
+struct SwitchCommand {
+  std::uint64_t epoch = 0;
+  std::uint64_t number = 0;
+  State target;
+  Duration budget{};        // may not begin once it is older than this
+  Time status_stamp{};      // the stamp of the last status that its sender had of this actuator,
+  Duration since_status{};  // and the time since the sender received it: the command's age
+  std::uint64_t incarnation = 0;  // of the process it is meant for
+  bool apart = false;             // for this actuator alone, detached from the machine
+
+  friend bool operator==(const SwitchCommand&, const SwitchCommand&) = default;
+};
+
+// Queries the outcome of command `number`. The query also fences: a command up to `number` that has
+// not begun never will. With `stop` a running callback is requested to stop. Number 0 fences
+// nothing: a health probe.
+struct QueryCommand {
+  std::uint64_t epoch = 0;
+  std::uint64_t number = 0;
+  bool stop = false;
+
+  friend bool operator==(const QueryCommand&, const QueryCommand&) = default;
+};
+
+namespace actuator_event {
+struct Started {};
+struct SwitchArrived {
+  RequestToken token = 0;
+  SwitchCommand command;
+  Sender sender = 0;
+};
+struct QueryArrived {
+  RequestToken token = 0;
+  QueryCommand command;
+  Sender sender = 0;
+};
+// A manager without epochs and numbers (CyberDog's FsMachine) commands this state.
+struct ManagerCommand {
+  RequestToken token = 0;
+  State target;
+};
+struct CallbackEnded {
+  std::int32_t code = 0;
+  std::string message;
+  // Of a self-check that passed although part of the actuator does not work.
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason = {};
+};
+// A heartbeat of a controller.
+struct ControllerHeartbeatReceived {
+  Sender sender = 0;
+  std::uint64_t epoch = 0;
+  friend bool operator==(const ControllerHeartbeatReceived&,
+                         const ControllerHeartbeatReceived&) = default;
+};
+// A participant engages an emergency stop, or the controller releases it.
+struct EmergencyStopReceived {
+  std::uint64_t id = 0;
+  bool engaged = false;
+  Sender sender = 0;
+  std::string by = {};
+  std::string reason = {};
+};
+// Only time has passed.
+struct TimePassed {};
+}  // namespace actuator_event
+
+using ActuatorEvent =
+    std::variant<actuator_event::Started, actuator_event::SwitchArrived,
+                 actuator_event::QueryArrived, actuator_event::ManagerCommand,
+                 actuator_event::CallbackEnded, actuator_event::ControllerHeartbeatReceived,
+                 actuator_event::EmergencyStopReceived, actuator_event::TimePassed>;
+
+namespace actuator_action {
+// Run the callback of `target` on the worker; its end comes back as CallbackEnded.
+struct RunCallback {
+  State target;
+  friend bool operator==(const RunCallback&, const RunCallback&) = default;
+};
+// Request the running callback to stop.
+struct RequestStop {
+  friend bool operator==(const RequestStop&, const RequestStop&) = default;
+};
+// Stop all motion now, whatever else runs.
+struct RunEmergencyStop {
+  friend bool operator==(const RunEmergencyStop&, const RunEmergencyStop&) = default;
+};
+// Answer a request, with the status as it is after this step.
+struct Answer {
+  RequestToken token = 0;
+  Verdict verdict = Verdict::kDone;
+  std::int32_t code = 0;
+  std::string message;
+  friend bool operator==(const Answer&, const Answer&) = default;
+};
+// The latched status has changed.
+struct PublishStatus {
+  friend bool operator==(const PublishStatus&, const PublishStatus&) = default;
+};
+// SetUp is over: services may appear.
+struct BecomeVisible {
+  friend bool operator==(const BecomeVisible&, const BecomeVisible&) = default;
+};
+// The actuator has finished: torn down (code 0) or SetUp failed (its code).
+struct Finish {
+  std::int32_t code = 0;
+  std::string message;
+  friend bool operator==(const Finish&, const Finish&) = default;
+};
+}  // namespace actuator_action
+
+using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_action::RequestStop,
+                                    actuator_action::RunEmergencyStop, actuator_action::Answer,
+                                    actuator_action::PublishStatus, actuator_action::BecomeVisible,
+                                    actuator_action::Finish>;
+
+// The state of one actuator: a plain value.
+struct ActuatorCore {
+  ActuatorReport report;                  // all but `stamp`, which the shell sets when it publishes
+  std::vector<RequestToken> running_for;  // answered when the running callback ends
+  bool was_apart = false;                 // before the running callback; restored if it fails
+  struct Waiting {
+    SwitchCommand command;
+    std::vector<RequestToken> tokens;
+    friend bool operator==(const Waiting&, const Waiting&) = default;
+  };
+  std::optional<Waiting> waiting;  // the newest command, behind the running callback
+  bool unsettled = false;          // the last callback failed: the state may be incomplete
+  bool half_way_down = false;      // since the last settled state, a downward callback has failed,
+                                   // or one that was to switch on what a stop had switched off
+  Sender controller = 0;           // the controller that has control
+  Time controller_last_heartbeat{};  // its last heartbeat
+  std::vector<actuator_event::ControllerHeartbeatReceived>
+      announced;                        // the participants that announced themselves as controllers
+  std::vector<EmergencyStop> stops;     // the engaged stops, oldest first
+  std::vector<std::uint64_t> released;  // released stops: later samples of them are ignored
+  bool stopped_meanwhile = false;       // an emergency stop was engaged while the callback ran
+  bool under_stop = false;              // the same, or the callback began under one
+
+  friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
+};
+
+// One step of the decision for `config.actuators[index]`.
+std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
+                                 const ActuatorEvent& event, Time now);
+
+// When to step next with TimePassed, unless another event comes before; nullopt: never.
+std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
+                                 const ActuatorCore& core);
+
+}  // namespace musher

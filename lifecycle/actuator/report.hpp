@@ -1,0 +1,67 @@
+#pragma once
+// What an actuator reports about itself: the latched status of the wire as a plain value.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher {
+
+// Epochs grow by one with every controller, numbers with every command; values beyond these are
+// invalid.
+inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
+inline constexpr std::uint64_t kLastNumber = std::uint64_t{1} << 62;
+
+// Stops the robot until a person releases it. Several engaged at once count as one.
+struct EmergencyStop {
+  std::uint64_t id = 0;  // random, from the participant that engaged it
+  std::string by;
+  std::string reason;
+
+  friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
+};
+
+struct ActuatorReport {
+  State state{kUninitialized};
+  State target;                      // its callback runs for this state; empty when it is free
+  std::uint64_t busy_number = 0;     // the command that runs; 0 when free or in its own SetUp
+  std::uint64_t epoch = 0;           // highest controller epoch seen
+  std::uint64_t number = 0;          // highest command number accepted or fenced
+  std::uint64_t outcome_number = 0;  // the last command that ended, its code and message
+  std::int32_t outcome_code = 0;
+  std::string outcome_message;
+  std::uint64_t incarnation = 0;  // of its process: grows with every start on a host
+  std::int32_t pid = 0;
+  std::string host;
+  std::string config_hash;
+  // Detached: its state, or the one it is switching to, was set for it alone and is independent of
+  // the machine's state.
+  bool apart = false;
+  std::uint64_t emergency_stop = 0;  // the one that it has latched; 0: none
+  // A stop has switched off what its state had switched on, and since then no callback up, or to
+  // its present state, has succeeded without a stop. It outlasts the release.
+  bool held_by_stop = false;
+  // Its last self-check passed as degraded: part of it does not work. The code and the reason; 0:
+  // all works.
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason;
+  // Of `emergency_stop`, as it was engaged; empty where unknown.
+  std::string emergency_stop_by;
+  std::string emergency_stop_reason;
+  Time stamp{};  // by the actuator's own clock
+
+  bool busy() const { return !target.empty(); }
+
+  friend bool operator==(const ActuatorReport&, const ActuatorReport&) = default;
+};
+
+// How an actuator answered a command.
+enum class Verdict {
+  kDone,
+  kRefused,  // nothing ran
+  kFailed,   // the callback ran and gave a code
+};
+
+}  // namespace musher

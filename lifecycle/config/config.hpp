@@ -1,0 +1,157 @@
+#pragma once
+// The state config as one validated, immutable value. A MachineConfig that exists is consistent:
+// the readers that make one (config_toml.hpp) report every error and then give none. The file is
+// not read again after that.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/network_profile.hpp"
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/config/policy_config.hpp"
+#include "musher/lifecycle/config/ros2_config.hpp"
+#include "musher/lifecycle/ros2/ros2_states.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher {
+
+// How an actuator is driven.
+enum class Protocol {
+  kMusher,         // Musher's own contract, with fencing and definite outcomes
+  kCyberdog,       // CyberDog's FsMachine service and heartbeats
+  kRos2Lifecycle,  // an unmodified ROS 2 managed node
+};
+
+std::string_view ProtocolName(Protocol protocol);  // as the config writes it
+
+enum class RestartPolicy { kNo, kOnFailure, kAlways };
+
+// The exit code of a program that was called or configured wrongly: a restart does not help.
+inline constexpr int kUsageExitCode = 2;
+
+struct RestartConfig {
+  RestartPolicy policy = RestartPolicy::kNo;
+  Duration delay = Milliseconds(100);
+  double growth = 2.0;
+  Duration max_delay = Milliseconds(10'000);
+  int limit = 5;                                // restarts in a row before the actuator is given up
+  Duration reset_after = Milliseconds(60'000);  // healthy this long: the count is reset
+  std::vector<int> prevent_exit_codes = {kUsageExitCode};  // not restarted after one of them
+
+  bool Prevents(int exit_code) const;
+
+  friend bool operator==(const RestartConfig&, const RestartConfig&) = default;
+};
+
+struct ActuatorConfig {
+  std::string name;
+  std::vector<State> states;         // the states it can be switched to, as the file lists them
+  std::vector<Duration> times;       // what each may take, same order
+  std::vector<std::string> command;  // argv; empty: not started by the controller
+  std::string cwd;                   // absolute; empty: the controller's own
+  std::map<std::string, std::string> env;  // added to the controller's environment
+  Protocol protocol = Protocol::kMusher;
+  std::string heartbeat_name;              // of protocol cyberdog: whose `manager_heartbeats`
+  std::map<State, Ros2State> ros2_states;  // of ros2_lifecycle: where it differs from Ros2GoalOf()
+  int stage = 1;
+  std::vector<std::string> after;     // actuators that must be up first
+  std::vector<std::string> binds_to;  // actuators whose restart takes this one down and up again
+  bool critical = false;
+  // Codes of a self-check that count as failed; with any other code the actuator is degraded and
+  // continues. None: all codes count.
+  std::optional<std::vector<std::int32_t>> critical_codes;
+  RestartConfig restart;
+  std::optional<Duration> checkpoint;       // longest silence of the work thread
+  std::map<State, Duration> checkpoint_in;  // the same while the callback of a state runs
+  std::optional<Duration> controller_lost;  // without a controller this long: on_controller_lost
+  State on_controller_lost;                 // empty: the highest listed state up to Protected
+  State on_lost;  // the machine's state once this actuator is given up; may be empty
+  std::int64_t log_size_bytes = 50ll << 20;  // of its process, with older, compressed parts
+
+  bool Lists(std::string_view state) const;
+  // What a switch to `state` may take; nullopt where the state is not listed.
+  std::optional<Duration> TimeFor(std::string_view state) const;
+
+  friend bool operator==(const ActuatorConfig&, const ActuatorConfig&) = default;
+};
+
+// A transition of the run phase: the machine may go from one state to another.
+struct FlowEdge {
+  State from;
+  State to;
+
+  friend bool operator==(const FlowEdge&, const FlowEdge&) = default;
+};
+
+// A function of the robot, and where it may run. An undeclared one runs in Active only.
+struct CapabilityConfig {
+  std::string name;
+  std::string description;
+  std::vector<std::string> actuators;  // it uses these; all have to allow it
+  std::vector<State> states;           // it runs in these, as the file lists them
+  std::optional<int> min_battery;      // %; below, or where the level is unknown, it does not run
+
+  bool RunsIn(std::string_view state) const;
+  bool Takes(std::string_view actuator) const;
+
+  friend bool operator==(const CapabilityConfig&, const CapabilityConfig&) = default;
+};
+
+struct MachineConfig {
+  std::string name;        // of the machine; the file's stem unless the file gives one
+  std::string file;        // where it was read from, for messages only
+  std::string hash;        // 16 hex digits of the file's bytes, to notice different copies
+  std::string name_space;  // of all topics and services: "" or "dog1" or "fleet/dog1", no outer '/'
+  std::string state_dir;   // absolute; the controller's lock, epoch, journal and logs
+
+  std::vector<State> states;  // of the machine, as the file lists them
+  Duration default_time{};
+  State default_state{kUninitialized};
+  Duration shutdown_budget = Milliseconds(10'000);
+  std::string log;  // file of the controller's log; empty: state_dir/controller.log
+  std::int64_t journal_size_bytes = 64ll << 20;  // the journal is trimmed beyond this
+  std::int64_t log_size_bytes = 50ll << 20;      // of the controller's log, with its older parts
+  std::int64_t logs_size_bytes = 500ll << 20;    // of all logs
+
+  std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
+  std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
+  TransportProfile transport = TransportProfile::kLocal;
+  std::optional<RosDistro>
+      ros_distro;  // whose layouts are spoken; none: that of ROS_DISTRO, or Jazzy
+  ClockSource clock = ClockSource::kSteady;
+  std::string
+      keys;  // absolute folder of credentials: only authenticated participants; empty: no security
+
+  std::optional<PolicyConfig> policy;  // none: no rules
+  Ros2Config ros2;
+
+  std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
+  std::vector<CapabilityConfig> capabilities;  // in the order of the file
+
+  // Index into `actuators`, nullopt for an unknown name.
+  std::optional<std::size_t> IndexOf(std::string_view actuator) const;
+  // nullptr for an undeclared capability.
+  const CapabilityConfig* CapabilityOf(std::string_view capability) const;
+  // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and unknown
+  // states.
+  std::optional<Rank> RankOf(std::string_view state) const;
+  bool HasState(std::string_view state) const;
+  // The time an actuator may take for `state`: its own, else default_time.
+  Duration TimeFor(std::size_t actuator, std::string_view state) const;
+
+  friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
+};
+
+// NoSuch() (suggest.hpp) for an actuator of `config`.
+std::string NoSuchActuator(std::string_view name, const MachineConfig& config);
+
+// The flow where a config has none: all transitions among Active, Protected, DeActive, LowPower and
+// OTA; from each of them and from Error to Error and TearDown; from Error to SelfCheck; and from a
+// SelfCheck that followed Error to DeActive and Active. Only states that `states` lists are used.
+std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states);
+
+}  // namespace musher

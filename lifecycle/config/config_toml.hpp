@@ -1,0 +1,38 @@
+#pragma once
+// Reads a state config from TOML. All errors are reported at once, with their locations; of syntax
+// errors only the first, since the text after it cannot be parsed. A CyberDog state TOML works
+// unchanged.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
+
+namespace musher {
+
+struct ConfigReading {
+  std::optional<MachineConfig> config;  // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+  // What could be read of a faulty text: for more checks, never to be run.
+  std::optional<MachineConfig> faulty = std::nullopt;
+};
+
+// Reads and checks the file at `path`. Files over 8 MiB and machines of more than 4096 actuators
+// are refused. Never throws; an unreadable file is a diagnostic.
+ConfigReading ReadConfigFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics and relative paths refer to.
+ConfigReading ReadConfigText(std::string_view text, const std::string& path);
+
+// MachineConfig::hash of a text: 16 hex digits.
+std::string ConfigHash(std::string_view text);
+
+// For programs: the config at `path` (empty: the one that MUSHER_CONFIG names), or all its errors
+// as one message of several lines. Warnings are not reported.
+Result<MachineConfig> ReadValidConfig(std::string path);
+
+}  // namespace musher

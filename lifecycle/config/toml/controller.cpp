@@ -1,0 +1,178 @@
+// [controller], [transport] and [security].
+
+#include <algorithm>
+
+#include "musher/base/suggest.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/lifecycle/config/toml/draft.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher::config_toml {
+namespace {
+
+constexpr std::int64_t kLargestJournalMb = 100'000;
+constexpr std::int64_t kLargestControllerLogMb = 100'000;
+
+void ReadActuatorNames(TableReader& controller, Draft& draft) {
+  constexpr std::string_view kKey = "actuators";
+  draft.actuator_names = controller.Strings(kKey);
+  draft.actuators_at = controller.At(kKey);
+  if (!draft.actuator_names) return;
+  if (draft.actuator_names->size() > kMostActuators) {
+    controller.Fault(draft.actuators_at, kKey,
+                     "expected at most " + std::to_string(kMostActuators) + " actuators, found " +
+                         std::to_string(draft.actuator_names->size()));
+  }
+  for (const Word& name : *draft.actuator_names) {
+    if (IsName(name.text)) continue;
+    controller.Fault(name.at, kKey,
+                     "expected " + std::string(kNameRule) + ", found " + Quote(name.text));
+  }
+}
+
+void ReadState(const Word& state, TableReader& controller, Draft& draft) {
+  const auto& known = draft.known_states;
+  if (std::find(known.begin(), known.end(), state.text) != known.end()) {
+    draft.config.states.push_back(state.text);
+    draft.listed_states.insert(state.text);
+    return;
+  }
+  std::string guess = draft.findings.Guess(state.text, known);
+  if (guess.empty()) guess = "; expected a built-in state or one declared by [[state]]";
+  controller.Fault(state.at, "states", "unknown state " + Quote(state.text) + guess);
+  draft.listed_states.insert(state.text);
+  draft.listed_states.insert(Nearest(state.text, known));
+}
+
+void ReadStates(TableReader& controller, Draft& draft) {
+  constexpr std::string_view kKey = "states";
+  const auto states = controller.Strings(kKey);
+  if (!states) return;
+  const Position at = controller.At(kKey);
+  if (states->size() > kMostStates) {
+    controller.Fault(at, kKey,
+                     "expected at most " + std::to_string(kMostStates) + " states, found " +
+                         std::to_string(states->size()));
+    return;
+  }
+  for (const Word& state : *states) ReadState(state, controller, draft);
+  draft.states_read = true;
+  const auto listed = [&](std::string_view state) {
+    return draft.listed_states.contains(std::string(state));
+  };
+  if (!listed(kSetUp)) {
+    controller.Fault(at, kKey, "expected \"SetUp\" among them, which every start begins with");
+    draft.listed_states.emplace(kSetUp);
+  }
+  for (const std::string_view state : {kSelfCheck, kActive, kTearDown}) {
+    if (!listed(state)) {
+      controller.Warn(at, kKey, Quote(state) + " is not listed: the machine can never be in it");
+    }
+  }
+}
+
+void ReadDefaultState(TableReader& controller, Draft& draft) {
+  const auto state = controller.String("default_state");
+  if (!state || state->text == kUninitialized) return;
+  if (!Nearest(state->text, std::vector<std::string_view>{kUninitialized}).empty()) {
+    controller.Fault(state->at, "default_state",
+                     "unknown state " + Quote(state->text) + "; did you mean \"Uninitialized\"?");
+    return;
+  }
+  if (CheckState(*state, "default_state", controller, draft)) {
+    draft.config.default_state = state->text;
+  }
+}
+
+void ReadIdentity(TableReader& controller, Draft& draft) {
+  MachineConfig& config = draft.config;
+  config.name = NameOf(config.file);
+  if (const auto name = controller.String("name")) {
+    if (!IsName(name->text)) {
+      controller.Fault(name->at, "name",
+                       "expected " + std::string(kNameRule) + ", found " + Quote(name->text));
+    }
+    config.name = name->text;
+  }
+  if (const auto word = controller.String("namespace")) {
+    config.name_space = word->text.substr(word->text.starts_with('/') ? 1 : 0);
+    if (!IsNamespace(config.name_space)) {
+      controller.Fault(word->at, "namespace",
+                       "expected " + std::string(kNamespaceRule) + ", found " + Quote(word->text));
+    }
+  }
+}
+
+std::optional<std::string> ReadPath(std::string_view key, TableReader& controller,
+                                    const Draft& draft) {
+  const auto path = controller.String(key);
+  if (!path) return std::nullopt;
+  if (path->text.empty()) {
+    controller.Fault(path->at, key, "expected a path, found an empty string");
+    return std::nullopt;
+  }
+  return Absolute(draft.folder, path->text);
+}
+
+}  // namespace
+
+void ReadController(TableReader& root, Draft& draft) {
+  const Table* table = root.SubTable("controller");
+  if (table == nullptr) return;
+  TableReader controller(*table, root.At("controller"), "controller", draft.findings);
+  controller.Require("actuators", "an array of strings");
+  controller.Require("states", "an array of strings");
+  controller.Require("default_time", "an integer (milliseconds)");
+  controller.Require("default_state", "a string");
+  MachineConfig& config = draft.config;
+  ReadActuatorNames(controller, draft);
+  ReadStates(controller, draft);
+  config.default_time = controller.Time("default_time").value_or(config.default_time);
+  ReadDefaultState(controller, draft);
+  ReadIdentity(controller, draft);
+  const auto state_dir = ReadPath("state_dir", controller, draft);
+  config.state_dir = state_dir ? *state_dir : DefaultStateDir(config.name, config.name_space);
+  const auto budget = controller.Time("shutdown_budget_ms");
+  config.shutdown_budget = budget.value_or(config.shutdown_budget);
+  config.log = ReadPath("log", controller, draft).value_or("");
+  const auto clock = controller.Choice<ClockSource>(
+      "clock", {{"steady", ClockSource::kSteady}, {"topic", ClockSource::kTopic}});
+  config.clock = clock.value_or(config.clock);
+  if (const auto mb = controller.Integer("journal_size_mb", 1, kLargestJournalMb)) {
+    config.journal_size_bytes = *mb << 20;
+  }
+  if (const auto mb = controller.Integer("log_size_mb", 1, kLargestControllerLogMb)) {
+    config.log_size_bytes = *mb << 20;
+  }
+  if (const auto mb = controller.Integer("logs_size_mb", 1, kLargestControllerLogMb)) {
+    config.logs_size_bytes = *mb << 20;
+  }
+  controller.RefuseOthers();
+}
+
+void ReadTransport(TableReader& root, Draft& draft) {
+  const Table* table = root.SubTable("transport");
+  if (table == nullptr) return;
+  TableReader transport(*table, root.At("transport"), "transport", draft.findings);
+  const auto profile = transport.Choice<TransportProfile>(
+      "profile", {{"local", TransportProfile::kLocal}, {"lan", TransportProfile::kLan}});
+  draft.config.transport = profile.value_or(draft.config.transport);
+  draft.config.ros_distro =
+      transport.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
+                                                 {"humble", RosDistro::kHumble},
+                                                 {"iron", RosDistro::kIron},
+                                                 {"jazzy", RosDistro::kJazzy},
+                                                 {"kilted", RosDistro::kKilted}});
+  transport.RefuseOthers();
+}
+
+void ReadSecurity(TableReader& root, Draft& draft) {
+  const Table* table = root.SubTable("security");
+  if (table == nullptr) return;
+  TableReader security(*table, root.At("security"), "security", draft.findings);
+  security.Require("keys", "a string (the folder of keys)");
+  draft.config.keys = ReadPath("keys", security, draft).value_or("");
+  security.RefuseOthers();
+}
+
+}  // namespace musher::config_toml

@@ -1,0 +1,24 @@
+#pragma once
+// The health of an actuator, and the rule that evaluates its silence.
+
+#include <string_view>
+
+#include "musher/base/time.hpp"
+
+namespace musher {
+
+enum class Health {
+  kWell,
+  kStarved,      // alive, but waiting for a CPU: reported, not restarted
+  kHung,         // could run and made no progress
+  kCrashed,      // its process has exited
+  kPartitioned,  // the connection to its whole host is lost
+};
+std::string_view HealthName(Health health);  // "well", "starved", …
+
+// Evaluates a process that has been silent for `silent`, where `allowance` is the limit. For
+// `waited` of that time it was ready to run and got no CPU: that time does not count. Gives kWell,
+// kStarved or kHung.
+Health EvaluateSilence(Duration silent, Duration allowance, Duration waited);
+
+}  // namespace musher

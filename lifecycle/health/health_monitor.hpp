@@ -1,0 +1,123 @@
+#pragma once
+// Monitors the liveliness of actuators from what is received from them. Pure: its inputs are
+// samples and the time; its outputs say which actuator to probe, which process to examine, and
+// whose health has changed.
+//
+//   received ──▶ silent for half its limit: it is probed (Probe), and the kernel's counters of its
+//     ▲          process are taken as a mark (Examine) where that is possible
+//     │                    │
+//     └── received again ──┤ silent for its limit
+//                          ▼
+//          on this host:    Examine ──▶ waited for a CPU: starved   stopped, or could run: hung
+//          on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
+//
+// The exit of a process is not handled here: the kernel reports it at once. A program of another
+// protocol without heartbeats is never evaluated, except a ROS 2 node with a checkpoint, which
+// answers queries.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/health/health.hpp"
+
+namespace musher {
+
+// The heartbeat period of an actuator: half its checkpoint, at most 500 ms, and at most 125 ms
+// where there are several hosts, since there nothing else reports its exit. Three heartbeats missed
+// in a row are silence.
+Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator);
+// The heartbeat period of a controller.
+Duration ControllerBeatPeriod(const MachineConfig& config);
+
+// What an actuator reports about itself.
+struct Heartbeat {
+  Duration period{};            // until the next one
+  Health work = Health::kWell;  // of its work thread: well, starved or hung
+  State during;                 // the state whose callback runs; empty for work of its own
+  Duration silent{};            // since the work thread's last checkpoint
+  Duration waited{};            // the part of it spent waiting for a CPU
+};
+
+// What the kernel reports about a process of this host.
+struct Examination {
+  enum class Process { kRunning, kStopped, kTraced, kExited };
+
+  Process process = Process::kRunning;
+  Duration waited{};  // its longest wait for a CPU since the mark, or our own
+};
+
+namespace health_event {
+// Send it a query: an actuator that answers is alive.
+struct Probe {
+  std::size_t actuator = 0;
+};
+// Examine its process; with `mark`, keep the result to measure from.
+struct Examine {
+  std::size_t actuator = 0;
+  bool mark = false;
+};
+struct Changed {
+  std::size_t actuator = 0;
+  std::uint64_t incarnation = 0;
+  Health health = Health::kWell;
+  bool silent = false;  // it does not answer either
+  std::string how;      // "no heartbeat for 512 ms"
+};
+}  // namespace health_event
+
+using HealthEvent = std::variant<health_event::Probe, health_event::Examine, health_event::Changed>;
+
+class HealthMonitor {
+ public:
+  explicit HealthMonitor(const MachineConfig& config);
+
+  // Monitors an actuator from now on. `local`: the kernel can be queried about its process.
+  void Watch(std::size_t actuator, std::uint64_t incarnation, const std::string& host, bool local,
+             Time now);
+  // Its process has exited.
+  void Forget(std::size_t actuator);
+
+  // A sample came from it: a status, an answer.
+  std::vector<HealthEvent> OnSample(std::size_t actuator, std::uint64_t incarnation, Time now);
+  std::vector<HealthEvent> OnSample(std::size_t actuator, std::uint64_t incarnation,
+                                    const Heartbeat& heartbeat, Time now);
+  std::vector<HealthEvent> Examined(std::size_t actuator, const Examination& examination, Time now);
+  std::vector<HealthEvent> TimePassed(Time now);
+
+  std::optional<Time> NextDeadline() const;
+
+ private:
+  struct MonitoredProcess {
+    std::uint64_t incarnation = 0;  // 0: not monitored
+    std::string host;
+    bool local = false;
+    Duration limit{};  // of its silence; 0: no heartbeat is expected
+    Time last_received{};
+    bool probed = false;
+    bool excused = false;      // a late loop of the controller was excused, once
+    std::optional<Time> look;  // when to examine next
+    bool work_hung = false;    // as its heartbeat reports, not by its silence
+    Health health = Health::kWell;
+    Time starved{};  // when that was last observed
+  };
+
+  static void SetLimit(MonitoredProcess& process, Duration period);
+  void Revive(std::size_t actuator, MonitoredProcess& process, Time now,
+              std::vector<HealthEvent>& events);
+  void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
+                    Time now, std::vector<HealthEvent>& events);
+  void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
+                      std::vector<HealthEvent>& events);
+  bool HostIsAlive(const MonitoredProcess& process, Time now) const;
+  void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
+              std::string how, std::vector<HealthEvent>& events);
+
+  const MachineConfig* config_;
+  std::vector<MonitoredProcess> monitored_;
+};
+
+}  // namespace musher

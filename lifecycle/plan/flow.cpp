@@ -1,0 +1,30 @@
+#include "musher/lifecycle/plan/flow.hpp"
+
+#include <algorithm>
+
+namespace musher {
+
+bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to) {
+  if (!config.HasState(to) || to == kSetUp || to == kUninitialized) return false;
+  if (from == kTearDown) return false;  // only a new start leaves it
+  if (from == to || to == kTearDown) return true;
+  if (to == kSelfCheck) return from != kUninitialized;
+  if (from == kSelfCheck && (to == kActive || to == kDeActive || to == kError)) return true;
+  return std::any_of(config.flow.begin(), config.flow.end(),
+                     [&](const FlowEdge& edge) { return edge.from == from && edge.to == to; });
+}
+
+bool Rises(const MachineConfig& config, std::string_view from, std::string_view to) {
+  const auto rank = config.RankOf(to);
+  return rank && *rank > config.RankOf(from).value_or(*BuiltInRank(kDeActive));
+}
+
+std::vector<State> Reachable(const MachineConfig& config, std::string_view from) {
+  std::vector<State> reachable;
+  for (const State& to : config.states) {
+    if (to != from && FlowAllows(config, from, to)) reachable.push_back(to);
+  }
+  return reachable;
+}
+
+}  // namespace musher

@@ -1,0 +1,23 @@
+#pragma once
+// Which states may follow which. The flow is data of the config, plus what no config can remove:
+// TearDown is reachable from every state, a self-check may be run in every state of the run phase,
+// and a start goes SetUp → SelfCheck → Active.
+
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/config/config.hpp"
+
+namespace musher {
+
+// Whether an actuator or a machine in `from` may be switched to `to`. The same state is allowed.
+bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to);
+
+// Whether `to` is more active than `from`, which an emergency stop forbids. A step of the start
+// counts as DeActive.
+bool Rises(const MachineConfig& config, std::string_view from, std::string_view to);
+
+// The states that may follow `from`, in the config's order, without `from` itself.
+std::vector<State> Reachable(const MachineConfig& config, std::string_view from);
+
+}  // namespace musher

@@ -1,0 +1,390 @@
+#include "musher/lifecycle/plan/plan.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+
+#include "musher/base/code.hpp"
+#include "musher/base/suggest.hpp"
+#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
+
+namespace musher {
+namespace {
+
+std::string List(const std::vector<State>& names) {
+  std::string text;
+  for (const State& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+// SetUp, SelfCheck and Uninitialized count as less active than any state with a rank, except Error
+// and TearDown.
+Direction DirectionOf(const MachineConfig& config, const State& from, const State& to) {
+  if (to == kSelfCheck) return Direction::kCheck;
+  if (from == to) return Direction::kLevel;
+  const auto from_rank = config.RankOf(from);
+  const auto to_rank = config.RankOf(to);
+  if (!from_rank) {
+    return to == kError || to == kTearDown ? Direction::kDown : Direction::kUp;
+  }
+  if (!to_rank || *to_rank == *from_rank) return Direction::kLevel;
+  return *to_rank > *from_rank ? Direction::kUp : Direction::kDown;
+}
+
+class Planning {
+ public:
+  Planning(const MachineConfig& config, const Machine& machine, const State& target,
+           std::optional<std::size_t> only, bool for_safety)
+      : config_(config), machine_(machine), for_safety_(for_safety) {
+    plan_.target = target;
+    plan_.only = only;
+    plan_.from = only ? machine.actuators[*only].state() : machine.state;
+    plan_.direction = DirectionOf(config, plan_.from, target);
+  }
+
+  Plan Make() && {
+    plan_.refusal = CheckTarget();
+    if (plan_.refusal) return std::move(plan_);
+    if (plan_.only) {
+      AddSingle(*plan_.only);
+    } else {
+      for (std::size_t i = 0; i < config_.actuators.size(); ++i) AddStep(i);
+    }
+    RefuseWhileStopped();
+    RefuseWhileBusy();
+    if (!plan_.refusal || plan_.free_by) OrderSteps();
+    return std::move(plan_);
+  }
+
+ private:
+  std::optional<Error> CheckTarget() const {
+    const State& target = plan_.target;
+    if (!config_.HasState(target)) {
+      const std::string near = Nearest(target, config_.states);
+      return Error{kCodeParametersInvalid,
+                   "unknown state '" + target.substr(0, 64) + "'; " +
+                       (near.empty() ? "" : "did you mean '" + near + "'? ") + "the states are " +
+                       List(config_.states)};
+    }
+    const std::string subject = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
+    if (machine_.phase == Phase::kIdle ||
+        (!machine_.set_up && (target != kTearDown || plan_.only))) {
+      return Error{kCodeStatusError, "the machine is not set up yet"};
+    }
+    if (machine_.phase == Phase::kFenced) {
+      return Error{kCodePermissionDenied, "another controller leads this machine"};
+    }
+    if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
+      return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
+    }
+    // An actuator that is switching is checked again from the state it reaches.
+    const bool on_its_way =
+        plan_.only && machine_.actuators[*plan_.only].command && !machine_.current;
+    const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
+    if (!exempt && !FlowAllows(config_, plan_.from, target)) {
+      return Error{kCodeStateInvalid, subject + " cannot go from " + plan_.from + " to " + target +
+                                          "; from here it can go to " +
+                                          List(Reachable(config_, plan_.from))};
+    }
+    return plan_.only ? std::nullopt : RefusalByPolicy(config_, machine_, target);
+  }
+
+  // The first reason is kept.
+  void RefuseWith(std::int32_t code, const std::string& message) {
+    if (!plan_.refusal) plan_.refusal = Error{code, message};
+  }
+
+  // During an emergency stop no actuator becomes more active. On the way down the actuators that
+  // would have to come up for it refuse themselves.
+  void RefuseWhileStopped() {
+    if (!machine_.emergency_stop || plan_.direction == Direction::kDown) return;
+    const bool rises =
+        (plan_.direction == Direction::kUp && Rises(config_, plan_.from, plan_.target)) ||
+        std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
+          return step.driven() && Rises(config_, step.from, plan_.target);
+        });
+    // Its callback would switch on again what the stop has switched off.
+    const bool resumes = plan_.from == plan_.target && Rises(config_, kUninitialized, plan_.target);
+    if (!rises && !resumes) return;
+    const EmergencyStop& stop = *machine_.emergency_stop;
+    RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
+                                        (stop.by.empty() ? "" : " by " + stop.by) +
+                                        (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
+                                        (rises ? "; until it is released nothing goes up"
+                                               : "; until it is released it holds " + plan_.target +
+                                                     ", and nothing is switched on again"));
+  }
+
+  // Being busy is temporary: it is the reason only where there is no other.
+  void RefuseWhileBusy() {
+    if (plan_.refusal || busy_.empty()) return;
+    plan_.refusal = Error{kCodeTargetBusy, busy_};
+    if (busy_ends_) plan_.free_by = free_by_;
+  }
+
+  // `how`: "is busy with Active".
+  void NoteBusy(std::size_t i, const std::string& how) {
+    const ActuatorRecord& record = machine_.actuators[i];
+    if (busy_.empty()) busy_ = config_.actuators[i].name + " " + how;
+    const auto end = record.command ? record.command->deadline : record.free_by;
+    busy_ends_ = busy_ends_ && end.has_value() && !machine_.current;
+    free_by_ = std::max(free_by_, end.value_or(free_by_));
+  }
+
+  PlanStep Blank(std::size_t i) const {
+    PlanStep step;
+    step.actuator = i;
+    step.from = machine_.actuators[i].state();
+    step.to = plan_.target;
+    step.deadline = config_.TimeFor(i, plan_.target);
+    return step;
+  }
+
+  void AddSingle(std::size_t i) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const ActuatorRecord& record = machine_.actuators[i];
+    const auto rank = config_.RankOf(plan_.target);
+    const auto machine_rank = config_.RankOf(machine_.state);
+    if (record.presence != Presence::kPresent) {
+      RefuseWith(kCodeStatusError,
+                 actuator.name + " is " + std::string(PresenceName(record.presence)));
+    } else if (!actuator.Lists(plan_.target)) {
+      RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
+                                     List(actuator.states));
+    } else if (record.restart_requested) {
+      RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
+    } else if (record.report.busy() || record.command) {
+      NoteBusy(i, "is busy with " + BusyWith(record));
+    } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
+      RefuseWith(kCodeStateInvalid, actuator.name +
+                                        " may not be more active than the machine, which is in " +
+                                        machine_.state);
+    } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
+      RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
+    } else if (plan_.direction == Direction::kUp && record.suspended) {
+      RefuseWith(kCodeStatusError, actuator.name +
+                                       " is suspended until the "
+                                       "actuators in its binds_to are up");
+    }
+    PlanStep step = Blank(i);
+    if (plan_.target != kSelfCheck && IsInTarget(record)) {
+      step.part = PlanStep::Part::kInTarget;
+    }
+    plan_.steps.push_back(step);
+  }
+
+  // Whether it is in the target without running its callback. An actuator that is held by an
+  // emergency stop reports that state, and what the state had switched on is off.
+  bool IsInTarget(const ActuatorRecord& record) const {
+    if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the last state
+    return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
+  }
+
+  static State BusyWith(const ActuatorRecord& record) {
+    return record.command ? record.command->target : record.report.target;
+  }
+
+  void AddStep(std::size_t i) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const ActuatorRecord& record = machine_.actuators[i];
+    const bool up = plan_.direction == Direction::kUp;
+    const bool checking = plan_.direction == Direction::kCheck;
+    PlanStep step = Blank(i);
+    const auto leave_out = [&](const std::string& why, std::int32_t code, bool blocks) {
+      step.part = PlanStep::Part::kLeftOut;
+      step.note = why;
+      if (blocks && up && actuator.critical)
+        RefuseWith(code, "critical " + actuator.name + " " + why);
+    };
+    if (record.presence != Presence::kPresent) {
+      const bool loading = !record.fault && record.presence != Presence::kLost;
+      leave_out(loading ? "is still starting" : "is not available", kCodeStatusError, !loading);
+    } else if (record.state() == kTearDown && plan_.target != kTearDown) {
+      // Its process still runs, with other actuators in it.
+      leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
+    } else if (record.restart_requested && plan_.target != kTearDown) {
+      leave_out("is being restarted", kCodeTargetBusy, false);
+    } else if (Joining(record)) {
+      leave_out("is still starting", kCodeTargetBusy, false);
+    } else if (!actuator.Lists(plan_.target)) {
+      step.part = PlanStep::Part::kUnsupported;
+      step.note = "has no state '" + plan_.target + "'";
+      if (up) RefuseWith(kCodeUnSupport, actuator.name + " " + step.note);
+    } else if (checking && StartsByItself() && FailedSetUp(i)) {
+      leave_out("could not be configured", record.fault->code, false);
+    } else if (!checking && plan_.target != kTearDown && !record.checked &&
+               (up || !AtRest(record)) && !LeavesError(record) && !IsConfiguredByIt(i)) {
+      leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
+    } else if (!checking && record.suspended && Rises(config_, record.state(), plan_.target)) {
+      leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
+    } else if (!checking && IsInTarget(record) && !record.report.busy() && !record.command) {
+      step.part = record.held ? PlanStep::Part::kHeldInTarget : PlanStep::Part::kInTarget;
+    } else if (!checking && Unknown(actuator, record)) {
+      leave_out("has not answered " + record.report.target + " and cannot be queried",
+                kCodeTargetBusy, true);
+    } else if (up && !machine_.current && (record.report.busy() || record.command)) {
+      step.note = "is still busy with " + BusyWith(record);
+      NoteBusy(i, step.note);
+    }
+    plan_.steps.push_back(step);
+  }
+
+  // A late actuator in its first self-check is left out, unless the machine is ended.
+  bool Joining(const ActuatorRecord& record) const {
+    return record.command && record.command->target == kSelfCheck && !machine_.current &&
+           plan_.target != kTearDown && plan_.target != kError;
+  }
+
+  // A ROS 2 node whose configuration was just requested and has failed.
+  bool FailedSetUp(std::size_t i) const {
+    return IsUnconfigured(config_, i, machine_.actuators[i]) && machine_.actuators[i].fault;
+  }
+
+  // Whether this switch configures the node as its first step. The switch after the self-check of a
+  // start does not, because the node has just failed that self-check; nor does a switch down.
+  bool IsConfiguredByIt(std::size_t i) const {
+    return IsUnconfigured(config_, i, machine_.actuators[i]) && !StartsByItself() &&
+           plan_.direction != Direction::kDown;
+  }
+
+  bool StartsByItself() const { return machine_.phase == Phase::kStarting && !machine_.by_hand; }
+
+  // Leaving Error by the command of an earlier controller, while the machine stays in Error.
+  bool LeavesError(const ActuatorRecord& record) const {
+    return plan_.target == kError && record.state() == kError && record.report.busy();
+  }
+
+  // Overdue, with a protocol that has no query: nothing more is sent to it until it answers.
+  static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
+    return actuator.protocol == Protocol::kCyberdog && record.fault && record.report.busy() &&
+           !record.command;
+  }
+
+  // In a state with a rank, not in a step of a start or in Error.
+  bool AtRest(const ActuatorRecord& record) const {
+    return config_.RankOf(record.state()) && record.state() != kError;
+  }
+
+  const PlanStep* DrivenStep(std::size_t actuator) const {
+    const auto found = std::find_if(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& s) {
+      return s.actuator == actuator && s.driven();
+    });
+    return found == plan_.steps.end() ? nullptr : &*found;
+  }
+
+  // The driven actuators that `i` waits for on the way up: its `after`, or where one of those is
+  // not driven, the actuators that it waits for. `seen` keeps a diamond from being walked twice.
+  void CollectNeeds(std::size_t i, std::vector<bool>& seen, std::vector<std::size_t>& needs) const {
+    for (const std::string& name : config_.actuators[i].after) {
+      const std::size_t other = *config_.IndexOf(name);
+      if (seen[other]) continue;
+      seen[other] = true;
+      if (DrivenStep(other) != nullptr) {
+        needs.push_back(other);
+      } else {
+        CollectNeeds(other, seen, needs);
+      }
+    }
+  }
+
+  void OrderSteps() {
+    std::vector<std::vector<std::size_t>> needs(config_.actuators.size());
+    const bool any_after = std::any_of(config_.actuators.begin(), config_.actuators.end(),
+                                       [](const ActuatorConfig& a) { return !a.after.empty(); });
+    if (any_after) {
+      for (const PlanStep& step : plan_.steps) {
+        if (!step.driven()) continue;
+        std::vector<bool> seen(config_.actuators.size(), false);
+        std::vector<std::size_t> found;
+        CollectNeeds(step.actuator, seen, found);
+        for (const std::size_t other : found) {
+          if (plan_.direction == Direction::kDown) {
+            needs[other].push_back(step.actuator);
+          } else {
+            needs[step.actuator].push_back(other);
+          }
+        }
+      }
+    }
+    if (plan_.target == kTearDown) ReverseStages(needs);
+    std::vector<int> wave(config_.actuators.size(), 0);
+    for (PlanStep& step : plan_.steps) {
+      if (!step.driven()) continue;
+      std::sort(needs[step.actuator].begin(), needs[step.actuator].end());
+      step.needs = needs[step.actuator];
+      step.wave = WaveOf(step.actuator, needs, wave);
+    }
+  }
+
+  // The actuators of a stage are torn down after those of the next stage that has any.
+  void ReverseStages(std::vector<std::vector<std::size_t>>& needs) const {
+    std::map<int, std::vector<std::size_t>> stages;
+    for (const PlanStep& step : plan_.steps) {
+      if (step.driven()) stages[config_.actuators[step.actuator].stage].push_back(step.actuator);
+    }
+    for (auto stage = stages.begin(); stage != stages.end(); ++stage) {
+      const auto next = std::next(stage);
+      if (next == stages.end()) return;
+      for (const std::size_t i : stage->second) {
+        for (const std::size_t later : next->second) {
+          if (std::find(needs[i].begin(), needs[i].end(), later) == needs[i].end()) {
+            needs[i].push_back(later);
+          }
+        }
+      }
+    }
+  }
+
+  static int WaveOf(std::size_t i, const std::vector<std::vector<std::size_t>>& needs,
+                    std::vector<int>& wave) {
+    if (wave[i] == 0) {
+      int deepest = 0;
+      for (const std::size_t other : needs[i])
+        deepest = std::max(deepest, WaveOf(other, needs, wave));
+      wave[i] = deepest + 1;
+    }
+    return wave[i];
+  }
+
+  const MachineConfig& config_;
+  const Machine& machine_;
+  const bool for_safety_;
+  Plan plan_;
+  std::string busy_;  // the first busy actuator, and its callback
+  bool busy_ends_ = true;
+  Time free_by_{};
+};
+
+}  // namespace
+
+std::string_view DirectionName(Direction direction) {
+  switch (direction) {
+    case Direction::kUp:
+      return "up";
+    case Direction::kDown:
+      return "down";
+    case Direction::kLevel:
+      return "level";
+    case Direction::kCheck:
+      break;
+  }
+  return "check";
+}
+
+bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+                    const ActuatorRecord& record) {
+  return config.actuators[actuator].protocol == Protocol::kRos2Lifecycle &&
+         record.presence == Presence::kPresent && record.state() == config.default_state;
+}
+
+Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
+              std::optional<std::size_t> only) {
+  return Planning(config, machine, target, only, false).Make();
+}
+
+Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target) {
+  return Planning(config, machine, target, std::nullopt, true).Make();
+}
+
+}  // namespace musher

@@ -1,0 +1,79 @@
+#pragma once
+// What a switch would do: which actuators are driven, in which order and until when, which are left
+// out and why, and whether the switch would be refused. A switch executes exactly its plan.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/config/config.hpp"
+
+namespace musher {
+
+struct ActuatorRecord;
+struct Machine;
+
+enum class Direction {
+  kUp,     // more active: all actuators or none
+  kDown,   // less active: as many as can
+  kLevel,  // as active as before, or the present state again: as many as can
+  kCheck,  // SelfCheck: every actuator is checked
+};
+std::string_view DirectionName(Direction direction);  // "up", "down", "level", "check"
+
+struct PlanStep {
+  enum class Part {
+    kDriven,
+    kInTarget,      // is in the target state already
+    kHeldInTarget,  // the same, and no longer detached
+    kUnsupported,   // does not list the target
+    kLeftOut,       // not available, not checked, or still starting: `note` says which
+  };
+
+  std::size_t actuator = 0;
+  Part part = Part::kDriven;
+  State from;
+  State to;
+  int wave = 0;                    // depth in `needs`, from 1; 0 when not driven
+  std::vector<std::size_t> needs;  // actuators whose step must have ended before this one begins
+  Duration deadline{};
+  std::string note;
+
+  bool driven() const { return part == Part::kDriven; }
+
+  friend bool operator==(const PlanStep&, const PlanStep&) = default;
+};
+
+struct Plan {
+  State target;
+  std::optional<std::size_t> only;  // one actuator instead of the machine
+  State from;
+  Direction direction = Direction::kLevel;
+  std::optional<Error> refusal;  // set: the switch would be refused, and why
+  // Set with a refusal with TargetBusy when only busy actuators block the switch: by then each of
+  // them is free or known not to be. A request waits for that.
+  std::optional<Time> free_by;
+  std::vector<PlanStep> steps;  // every actuator concerned, in the config's order
+
+  friend bool operator==(const Plan&, const Plan&) = default;
+};
+
+// The plan for taking the machine (or `only`) to `target` from its present state. Checks everything
+// except whether another switch is under way.
+Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
+              std::optional<std::size_t> only = std::nullopt);
+
+// The plan for a safe state: the on_lost of an actuator, or the battery's limit. The flow is
+// ignored: a less active state can always be reached.
+Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
+
+// Whether the actuator is a ROS 2 node that runs and is unconfigured: its configuration has failed,
+// or error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
+// the current state.
+bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+                    const ActuatorRecord& record);
+
+}  // namespace musher

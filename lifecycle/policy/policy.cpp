@@ -1,0 +1,142 @@
+#include "musher/lifecycle/policy/policy.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/plan/flow.hpp"
+
+namespace musher {
+namespace {
+
+// The percentage at which a level is left, upwards.
+int LeftAt(const BatteryPolicy& policy, BatteryLevel level) {
+  const int at = level == BatteryLevel::kProtected ? policy.protected_at : policy.low_power_at;
+  return at + policy.hysteresis;
+}
+
+}  // namespace
+
+std::string_view LevelName(BatteryLevel level) {
+  switch (level) {
+    case BatteryLevel::kFree:
+      return "free";
+    case BatteryLevel::kProtected:
+      return "protected";
+    case BatteryLevel::kLowPower:
+      return "low power";
+    case BatteryLevel::kEmpty:
+      break;
+  }
+  return "empty";
+}
+
+std::string_view RequestName(PolicyRequest request) {
+  switch (request) {
+    case PolicyRequest::kSwitch:
+      return "switch";
+    case PolicyRequest::kKeep:
+      return "keep";
+    case PolicyRequest::kOta:
+      return "ota";
+    case PolicyRequest::kLowPowerSwitch:
+      return "low-power";
+    case PolicyRequest::kLowPowerStore:
+      return "low-power-store";
+    case PolicyRequest::kWakeUp:
+      return "wake-up";
+    case PolicyRequest::kPowerOff:
+      return "power-off";
+    case PolicyRequest::kReboot:
+      break;
+  }
+  return "reboot";
+}
+
+std::optional<PolicyRequest> RequestOf(std::string_view name) {
+  constexpr std::array kAll = {PolicyRequest::kSwitch,        PolicyRequest::kKeep,
+                               PolicyRequest::kOta,           PolicyRequest::kLowPowerSwitch,
+                               PolicyRequest::kLowPowerStore, PolicyRequest::kWakeUp,
+                               PolicyRequest::kPowerOff,      PolicyRequest::kReboot};
+  const auto* found = std::find_if(kAll.begin(), kAll.end(), [&](PolicyRequest request) {
+    return RequestName(request) == name;
+  });
+  if (found == kAll.end()) return std::nullopt;
+  return *found;
+}
+
+BatteryLevel LevelAt(const BatteryPolicy& policy, int percent, BatteryLevel before) {
+  if (percent <= policy.tear_down_at) return BatteryLevel::kEmpty;
+  const auto in = [&](BatteryLevel level, int at) {
+    return percent <= at || (before >= level && percent < LeftAt(policy, level));
+  };
+  if (in(BatteryLevel::kLowPower, policy.low_power_at)) return BatteryLevel::kLowPower;
+  if (in(BatteryLevel::kProtected, policy.protected_at)) return BatteryLevel::kProtected;
+  return BatteryLevel::kFree;
+}
+
+std::optional<Rank> CeilingRank(BatteryLevel level) {
+  if (level == BatteryLevel::kFree) return std::nullopt;
+  return BuiltInRank(level == BatteryLevel::kProtected ? kProtected : kLowPower);
+}
+
+State CeilingState(const MachineConfig& config, BatteryLevel level) {
+  const Rank most = CeilingRank(level).value_or(*BuiltInRank(kActive));
+  State best;
+  Rank best_rank = *BuiltInRank(kTearDown);
+  for (const State& state : config.states) {
+    const auto rank = config.RankOf(state);
+    if (!rank || *rank > most || state == kError || state == kOta) continue;
+    // Of several with the same rank, the built-in one.
+    const bool better = *rank > best_rank || (*rank == best_rank && IsBuiltInState(state));
+    if (state == kTearDown || !better) continue;
+    best = state;
+    best_rank = *rank;
+  }
+  return best;
+}
+
+BatteryLevel TakingDownLevel(const PolicyState& policy) {
+  return policy.charging ? std::min(policy.level, BatteryLevel::kProtected) : policy.level;
+}
+
+std::string BatteryText(const PolicyState& policy) {
+  return "the battery is at " + std::to_string(policy.battery.value_or(0)) + " %" +
+         (policy.charging ? ", being charged" : "");
+}
+
+Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level) {
+  const State most = CeilingState(config, level);
+  return {kCodeProtectedError, BatteryText(policy) + ": the machine is limited to " +
+                                   (most.empty() ? State(kLowPower) : most) +
+                                   " until it is charged to " +
+                                   std::to_string(LeftAt(*config.policy->battery, level)) + " %"};
+}
+
+std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine& machine,
+                                     const State& target) {
+  const PolicyState& policy = machine.policy;
+  const auto rank = config.RankOf(target);
+  const bool rises = Rises(config, machine.state, target);
+  if (!config.policy || !rank || (!rises && target != machine.state)) return std::nullopt;
+  if (policy.power && rises) {
+    return Error{kCodeProtectedError, policy.power->reboot
+                                          ? "the robot is about to reboot"
+                                          : "the robot is about to be powered off"};
+  }
+  const bool loading =
+      machine.phase == Phase::kStarting || (machine.phase == Phase::kRunning && !policy.loaded);
+  const bool kept = policy.keep && policy.keep->state == target;
+  if (!config.policy->battery || !policy.battery || kept || loading) return std::nullopt;
+  // Charging keeps the machine in its state; it does not raise the ceiling.
+  const BatteryLevel level = rises ? policy.level : TakingDownLevel(policy);
+  const auto most = CeilingRank(level);
+  if (!most || *rank <= *most) return std::nullopt;
+  return AboveCeiling(config, policy, level);
+}
+
+Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now) {
+  return config.clock == ClockSource::kTopic ? policy.clock : now;
+}
+
+}  // namespace musher

@@ -1,0 +1,43 @@
+#include "musher/lifecycle/switch/switch_result.hpp"
+
+namespace musher {
+
+std::string_view OutcomeName(ActuatorOutcome outcome) {
+  switch (outcome) {
+    case ActuatorOutcome::kDone:
+      return "done";
+    case ActuatorOutcome::kRefused:
+      return "refused";
+    case ActuatorOutcome::kFailed:
+      return "failed";
+    case ActuatorOutcome::kOverdue:
+      return "overdue";
+    case ActuatorOutcome::kLost:
+      return "lost";
+    case ActuatorOutcome::kUndone:
+      return "undone";
+    case ActuatorOutcome::kSkipped:
+      return "skipped";
+    case ActuatorOutcome::kUnsupported:
+      break;
+  }
+  return "unsupported";
+}
+
+std::string_view OutcomeName(SwitchOutcome outcome) {
+  switch (outcome) {
+    case SwitchOutcome::kDone:
+      return "done";
+    case SwitchOutcome::kRefused:
+      return "refused";
+    case SwitchOutcome::kUndone:
+      return "undone";
+    case SwitchOutcome::kDoneDegraded:
+      return "done-degraded";
+    case SwitchOutcome::kSuperseded:
+      break;
+  }
+  return "superseded";
+}
+
+}  // namespace musher

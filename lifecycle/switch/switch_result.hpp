@@ -1,0 +1,65 @@
+#pragma once
+// How a switch ended, for the machine and for each actuator.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/code.hpp"
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher {
+
+// What happened to one actuator.
+enum class ActuatorOutcome {
+  kDone,     // it is in the target state (or has passed its check)
+  kRefused,  // it refused; nothing ran
+  kFailed,   // its callback ran and gave a code
+  kOverdue,  // it missed its deadline; queried, it was still running, or was fenced before it began
+  kLost,     // it is not available, or does not answer at all
+  kUndone,   // it had switched, or tried to, and is back in its state before
+  kSkipped,  // nothing was sent: another actuator failed first, or one that it needs
+  kUnsupported,  // it does not list the target; nothing was sent
+};
+std::string_view OutcomeName(ActuatorOutcome outcome);  // "done", "refused", …
+
+// What happened to the machine.
+enum class SwitchOutcome {
+  kDone,
+  kRefused,       // nothing was sent
+  kUndone,        // the machine is in its state before
+  kDoneDegraded,  // the machine is in the target state, the degraded actuators are not
+  kSuperseded,    // a more urgent switch took over
+};
+std::string_view OutcomeName(SwitchOutcome outcome);  // "done", …, "done-degraded", "superseded"
+
+struct ActuatorResult {
+  std::string name;
+  ActuatorOutcome outcome = ActuatorOutcome::kDone;
+  std::int32_t code = kCodeOk;
+  std::string message;
+  Duration duration{};  // from command to outcome; 0 when nothing was sent
+  State state;          // the actuator's, now
+
+  friend bool operator==(const ActuatorResult&, const ActuatorResult&) = default;
+};
+
+struct SwitchResult {
+  std::uint64_t number = 0;  // 0: refused before it got a number
+  State target;
+  std::string actuator;  // empty: the whole machine
+  SwitchOutcome outcome = SwitchOutcome::kDone;
+  std::int32_t code = kCodeOk;  // 0 exactly for kDone
+  std::string reason;           // for kDone: empty, or a side effect: a keep has ended
+  State state;                  // of the machine (of the actuator when one was named), now
+  std::vector<std::string> degraded;
+  std::vector<ActuatorResult> actuators;  // the actuators concerned, in the config's order
+
+  bool done() const { return outcome == SwitchOutcome::kDone; }
+
+  friend bool operator==(const SwitchResult&, const SwitchResult&) = default;
+};
+
+}  // namespace musher

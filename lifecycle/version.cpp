@@ -1,9 +1,0 @@
-#include "musher/lifecycle/version.hpp"
-
-namespace musher {
-
-std::string_view Version() {
-  return MUSHER_VERSION;
-}
-
-}  // namespace musher

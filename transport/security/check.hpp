@@ -1,0 +1,16 @@
+#pragma once
+// Checks the files of an identity before they are used. DDS Security would either refuse wrong
+// files with a number, or accept them and then silently match no participant.
+
+#include <string>
+
+#include "musher/base/result.hpp"
+#include "musher/transport/security/key_folder.hpp"
+#include "musher/transport/security/role.hpp"
+
+namespace musher::transport::keys {
+
+// Until when they are valid. The error names the wrong file, what is wrong, and what to do.
+Result<WallTime> Check(const KeyFolder& folder, const std::string& identity);
+
+}  // namespace musher::transport::keys

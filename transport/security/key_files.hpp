@@ -1,0 +1,24 @@
+#pragma once
+// Reads and writes the files of a key folder. All errors name the file.
+
+#include <string>
+
+#include "musher/transport/security/openssl.hpp"
+
+namespace musher::transport::keys {
+
+// Refuses a key that other users can read.
+Result<std::string> ReadText(const std::string& file);
+Result<CertificatePtr> ReadCertificate(const std::string& file);
+Result<CrlPtr> ReadRevocations(const std::string& file);
+Result<KeyPtr> ReadKey(const std::string& file);
+
+// Writes are atomic, and files have their final mode from the start. Replaces a file only if
+// `replace`.
+Result<> MakeFolder(const std::string& folder);  // 0700; an existing one is unchanged
+Result<> WriteText(const std::string& file, const std::string& text, bool replace);
+Result<> WriteCertificate(const std::string& file, X509* certificate, bool replace);
+Result<> WriteRevocations(const std::string& file, X509_CRL* revocations);
+Result<> WriteKey(const std::string& file, EVP_PKEY* key, bool replace);  // 0600
+
+}  // namespace musher::transport::keys

@@ -1,0 +1,40 @@
+#include "musher/transport/security/role.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <iterator>
+
+namespace musher::transport::keys {
+
+std::string IsoTime(WallTime time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+std::string_view RoleName(Role role) {
+  switch (role) {
+    case Role::kController:
+      return "controller";
+    case Role::kActuator:
+      return "actuator";
+    case Role::kOperator:
+      return "operator";
+    case Role::kObserver:
+      break;
+  }
+  return "observer";
+}
+
+std::optional<Role> RoleFrom(std::string_view name) {
+  const auto* const found = std::find_if(std::begin(kRoles), std::end(kRoles),
+                                         [name](Role role) { return RoleName(role) == name; });
+  if (found == std::end(kRoles)) return std::nullopt;
+  return *found;
+}
+
+}  // namespace musher::transport::keys

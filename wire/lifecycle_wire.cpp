@@ -1,0 +1,130 @@
+#include "musher/wire/lifecycle_wire.hpp"
+
+#include <algorithm>
+
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::transport {
+
+std::string CommandService(std::string_view name_space, std::string_view actuator) {
+  return ResolveName(name_space, std::string(actuator) + "/musher_command");
+}
+std::string ActuatorStatusTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/actuator_status");
+}
+std::string MachineStatusTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/machine_status");
+}
+std::string CapabilitiesTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/capabilities");
+}
+std::string ActuatorBeatTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/actuator_beat");
+}
+std::string ControllerBeatTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/controller_beat");
+}
+std::string EmergencyStopTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/emergency_stop");
+}
+std::string MachineService(std::string_view name_space, std::string_view name) {
+  return ResolveName(name_space, "musher/" + std::string(name));
+}
+
+std::string_view WriterPartition(const MachineConfig& config, std::size_t actuator) {
+  return config.keys.empty() ? std::string_view() : config.actuators[actuator].name;
+}
+std::string_view ReaderPartition(bool with_keys) {
+  return with_keys ? kEveryPartition : std::string_view();
+}
+bool IsFrom(std::string_view actuator, const SampleInfo& info) {
+  return info.partition.value_or(actuator) == actuator;
+}
+
+std::int64_t ToNanoseconds(Time time) {
+  return Duration(time.time_since_epoch()).count();
+}
+Time FromNanoseconds(std::int64_t ns) {
+  return Time(Duration(ns));
+}
+
+msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& report) {
+  msg::ActuatorStatus status;
+  status.name = name;
+  status.state = report.state;
+  status.target = report.target;
+  status.busy_number = report.busy_number;
+  status.epoch = report.epoch;
+  status.number = report.number;
+  status.outcome_number = report.outcome_number;
+  status.outcome_code = report.outcome_code;
+  status.outcome_message = report.outcome_message;
+  status.incarnation = report.incarnation;
+  status.pid = report.pid;
+  status.host = report.host;
+  status.config_hash = report.config_hash;
+  status.apart = report.apart;
+  status.emergency_stop = report.emergency_stop;
+  status.held_by_stop = report.held_by_stop;
+  status.degraded_code = report.degraded_code;
+  status.degraded_reason = report.degraded_reason;
+  status.emergency_stop_by = report.emergency_stop_by;
+  status.emergency_stop_reason = report.emergency_stop_reason;
+  status.stamp_ns = ToNanoseconds(report.stamp);
+  return status;
+}
+
+ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
+  ActuatorReport report;
+  report.state = status.state;
+  report.target = status.target;
+  report.busy_number = status.busy_number;
+  report.epoch = status.epoch;
+  report.number = status.number;
+  report.outcome_number = status.outcome_number;
+  report.outcome_code = status.outcome_code;
+  report.outcome_message = status.outcome_message;
+  report.incarnation = status.incarnation;
+  report.pid = status.pid;
+  report.host = status.host;
+  report.config_hash = status.config_hash;
+  report.apart = status.apart;
+  report.emergency_stop = status.emergency_stop;
+  report.held_by_stop = status.held_by_stop;
+  report.degraded_code = status.degraded_code;
+  report.degraded_reason = status.degraded_reason;
+  report.emergency_stop_by = status.emergency_stop_by;
+  report.emergency_stop_reason = status.emergency_stop_reason;
+  report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
+  return report;
+}
+
+std::uint8_t ToMessage(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kDone:
+      return msg::ActuatorCommand::kVerdictDone;
+    case Verdict::kRefused:
+      return msg::ActuatorCommand::kVerdictRefused;
+    case Verdict::kFailed:
+      break;
+  }
+  return msg::ActuatorCommand::kVerdictFailed;
+}
+
+Verdict VerdictFrom(std::uint8_t verdict) {
+  if (verdict == msg::ActuatorCommand::kVerdictDone) return Verdict::kDone;
+  return verdict == msg::ActuatorCommand::kVerdictFailed ? Verdict::kFailed : Verdict::kRefused;
+}
+
+std::uint8_t ToMessage(Health work) {
+  if (work == Health::kHung) return msg::ActuatorBeat::kWorkHung;
+  return work == Health::kStarved ? msg::ActuatorBeat::kWorkStarved : msg::ActuatorBeat::kWorkWell;
+}
+
+Health WorkFrom(std::uint8_t work) {
+  if (work == msg::ActuatorBeat::kWorkHung) return Health::kHung;
+  return work == msg::ActuatorBeat::kWorkStarved ? Health::kStarved : Health::kWell;
+}
+
+}  // namespace musher::transport

@@ -1,0 +1,54 @@
+#pragma once
+// Converts values of the decision code to messages and back, and names a machine's topics and
+// services.
+
+#include <string>
+#include <string_view>
+
+#include "musher/lifecycle/actuator/actuator_core.hpp"
+#include "musher/lifecycle/actuator/report.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/health/health.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/transport/endpoint.hpp"
+
+namespace musher::transport {
+
+// Names of topics and services, resolved in the machine's namespace.
+std::string CommandService(std::string_view name_space, std::string_view actuator);
+std::string ActuatorStatusTopic(std::string_view name_space);
+std::string MachineStatusTopic(std::string_view name_space);
+std::string CapabilitiesTopic(std::string_view name_space);
+std::string ActuatorBeatTopic(std::string_view name_space);
+std::string ControllerBeatTopic(std::string_view name_space);
+std::string EmergencyStopTopic(std::string_view name_space);
+// `name` is "set_state", "restart_actuator", "release_emergency_stop", "get_status", "get_plan",
+// "get_capabilities" or "get_history".
+std::string MachineService(std::string_view name_space, std::string_view name);
+inline constexpr std::string_view kMachinesTopic = "musher/machines";
+
+// The partition in which an actuator publishes its status and heartbeats, and the one for their
+// readers. With keys an actuator writes in the partition of its name, where no other participant
+// may write; without keys in the default one.
+std::string_view WriterPartition(const MachineConfig& config, std::size_t actuator);
+std::string_view ReaderPartition(bool with_keys);
+// Whether a sample that names an actuator comes from that actuator, as far as known.
+bool IsFrom(std::string_view actuator, const SampleInfo& info);
+
+// A steady clock's time on the wire. Only the process that it came from can interpret it.
+std::int64_t ToNanoseconds(Time time);
+Time FromNanoseconds(std::int64_t ns);
+
+msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& report);
+// A stamp out of range becomes the nearest valid one.
+ActuatorReport FromMessage(const msg::ActuatorStatus& status);
+
+std::uint8_t ToMessage(Verdict verdict);
+// Of a work thread: well, starved or hung.
+std::uint8_t ToMessage(Health work);
+Health WorkFrom(std::uint8_t work);  // an unknown value counts as kWell
+
+Verdict VerdictFrom(std::uint8_t verdict);  // an unknown value counts as refused
+
+}  // namespace musher::transport
