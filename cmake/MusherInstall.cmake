@@ -22,7 +22,7 @@ foreach(header document findings module_file table_reader)  # for the TOML file 
   install(FILES ${CMAKE_SOURCE_DIR}/base/toml/${header}.hpp
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/base/toml)
 endforeach()
-install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp
+install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp ${CMAKE_SOURCE_DIR}/transport/dds/node_thread.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
 
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)

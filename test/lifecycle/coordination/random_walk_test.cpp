@@ -245,7 +245,7 @@ TEST(RandomWalk, LeavesEveryActuatorInItsStateAndAnswersEveryRequest) {
     Walk walk(seed);
     walk.Run();
     if (only != 0) std::cout << walk.Scenario();
-    ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " coordination_test\n"
+    ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " lifecycle_test\n"
                                << walk.Scenario();
   }
 }
