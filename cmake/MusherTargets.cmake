@@ -18,8 +18,8 @@ if(CCACHE)
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
-# musher_target(<target>) sets what all targets have in common: the warnings, and a unity build of ten
-# sources at a time, which halves the time because shared headers are read once. In a unity build the
+# musher_target(<target>) sets what all targets have in common: the warnings, and a unity build of
+# MUSHER_UNITY_BATCH sources at a time, which halves the time because shared headers are read once. In a unity build the
 # names in the anonymous namespaces of a target must differ, and each test has a namespace of its own
 # name.
 #
@@ -33,7 +33,8 @@ function(musher_target target)
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow=local -Wno-restrict -Wno-maybe-uninitialized>
     $<$<AND:$<BOOL:${MUSHER_UNITY}>,$<COMPILE_LANG_AND_ID:CXX,GNU>>:-Wno-subobject-linkage>
     $<$<BOOL:${MUSHER_WERROR}>:-Werror>)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${MUSHER_UNITY} UNITY_BUILD_BATCH_SIZE 10)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${MUSHER_UNITY}
+    UNITY_BUILD_BATCH_SIZE ${MUSHER_UNITY_BATCH})
 endfunction()
 
 # musher_library(<name> SOURCES <cpp>... DEPENDS <public target>... PRIVATE <private target>...)

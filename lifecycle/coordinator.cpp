@@ -23,9 +23,10 @@ void Decision::Settle() {
       changed |= StartProcesses();
       changed |= AdvanceStart();
       changed |= SuspendAndResume();
-      changed |= DriveLateOnes();
       changed |= BeginFallback();
       changed |= AdvancePolicy();
+      // Last: what comes before may take the machine to another state.
+      if (!changed) changed = DriveLateOnes();
     }
   }
   NoteHosts();

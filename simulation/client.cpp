@@ -10,6 +10,8 @@ namespace musher::simulation {
 namespace {
 
 constexpr Duration kCallTimeout = std::chrono::seconds(3);
+// As long as the command line searches for a controller of its host.
+constexpr Duration kFindTimeout = std::chrono::seconds(4);
 
 }  // namespace
 
@@ -35,6 +37,7 @@ void Client::SetState(const State& target, const std::string& actuator) {
   };
   SwitchClient::Options options;
   options.leader.name_space = config_.name_space;
+  options.find = kFindTimeout;
   auto client = SwitchClient::Make(
       *node_, std::move(options), target, actuator,
       [find](const std::string&) { find()->notified = true; },

@@ -63,6 +63,8 @@ Result<> SwitchClient::Open() {
   transport::EventLoop& loop = node_.loop();
   timeout_ = loop.At(loop.Now() + options_.timeout,
                      [this] { EndUnknown("no answer within " + Seconds(options_.timeout)); });
+  wait_ = loop.At(loop.Now() + options_.find,
+                  [this] { EndUnknown("no controller found within " + Seconds(options_.find)); });
   return Ok();
 }
 

@@ -45,6 +45,7 @@ class SwitchClient {
   struct Options {
     LeaderWatch::Options leader;
     Duration timeout = std::chrono::seconds(60);   // in total
+    Duration find = std::chrono::seconds(60);      // for a controller that leads
     Duration successor = std::chrono::seconds(5);  // for another controller to lead
   };
   // A sentence to print at once: the controller has exited, the client waits for another one.

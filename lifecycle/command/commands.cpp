@@ -282,7 +282,8 @@ void Decision::On(const event::Vanished& vanished) {
   AssumeTornDown(vanished.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (was_there) Lose(vanished.actuator, "crashed: " + vanished.how);
-  if (record.restart_at || record.given_up) return;  // our process has exited before
+  if (record.restart_at) return;  // our process has exited before
+  if (record.given_up) return FallBack(vanished.actuator);
   if (record.process != 0) return Terminate(vanished.actuator, record.process, kEndTime);
   Recover(vanished.actuator);
 }

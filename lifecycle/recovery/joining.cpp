@@ -47,12 +47,13 @@ bool Decision::MayFollow(std::size_t i) const {
   return Of(i).checked || (own && machine && *own > *machine);
 }
 
-// An actuator that was found in Error, or reached its state otherwise without a check, is not
-// driven up without a request.
+// An actuator that was found in Error, or reached its state otherwise without a check, or whose
+// check was superseded, is not driven up without a request.
 void Decision::ReportUnchecked(std::size_t i) {
   const ActuatorRecord& record = Of(i);
-  const bool stays = config_.RankOf(record.state()) && record.state() != machine_.state;
-  if (!stays || record.checked || record.fault) return;
+  const bool passes_by_itself = !config_.RankOf(record.state()) && !record.join_tried;
+  if (record.state() == machine_.state || passes_by_itself || record.checked || record.fault)
+    return;
   Degrade(i, kCodeStatusError,
           "it is in " + record.state() +
               " and has not passed its self-check; run `musher set SelfCheck`");

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "musher/test/contract/domain.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::testing {
 

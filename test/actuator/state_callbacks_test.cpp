@@ -10,7 +10,7 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/actuator/robot_file.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::state_callbacks_test {
 

@@ -10,7 +10,7 @@
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/test/controller/cli/program.hpp"
-#include "musher/test/integration/cli/process.hpp"
+#include "musher/test/support/process.hpp"
 
 namespace musher::behavior_command_test {
 

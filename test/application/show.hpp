@@ -17,8 +17,8 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/contract/domain.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
 

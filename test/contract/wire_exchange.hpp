@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/test/contract/fill.hpp"
 #include "musher/test/contract/wire_same.hpp"
 #include "musher/test/contract/world.hpp"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/sim/network.hpp"

@@ -18,7 +18,7 @@
 
 #include "musher/base/scheduling.hpp"
 #include "musher/controller/process/process_supervisor.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 extern "C" [[gnu::noinline]] void HangsInHere(int ready) {

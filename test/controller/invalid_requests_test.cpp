@@ -13,7 +13,7 @@
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
-#include "musher/test/integration/cli/process.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "musher/controller/journal/journal_reader.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher {
 

@@ -21,7 +21,7 @@
 #include <sstream>
 #include <thread>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::log_files_test {

@@ -26,7 +26,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/test/controller/supervised.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::process_supervisor_test {

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <optional>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::state_store_test {
 

@@ -25,7 +25,7 @@
 #include <thread>
 
 #include "musher/base/host.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 #include "musher/controller/process/process_supervisor.hpp"

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 

@@ -16,7 +16,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 
 namespace musher::benchmark {
 namespace {

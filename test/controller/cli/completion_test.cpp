@@ -11,7 +11,7 @@
 #include "musher/controller/cli/completion_scripts.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::completion_test {
 

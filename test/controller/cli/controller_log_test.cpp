@@ -13,7 +13,7 @@
 #include <iterator>
 
 #include "musher/base/unique_fd.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::cli::controller_log_test {

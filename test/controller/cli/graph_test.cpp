@@ -10,7 +10,7 @@
 #include "musher/controller/cli/render/svg.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::graph_test {
 

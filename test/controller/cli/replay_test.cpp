@@ -8,7 +8,7 @@
 
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::replay_test {
 

@@ -8,7 +8,7 @@
 #include "musher/controller/journal/journal.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::run_test {
 

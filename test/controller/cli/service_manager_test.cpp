@@ -9,7 +9,7 @@
 
 #include "musher/test/controller/cli/notify_socket.hpp"
 #include "musher/test/controller/cli/robot.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::cli::service_manager_test {

@@ -15,7 +15,7 @@
 #include "musher/controller/ota/install.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/signature.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::ota::kill_test {
 

@@ -12,8 +12,8 @@
 #include <iterator>
 
 #include "musher/controller/machine_controller.hpp"
-#include "musher/test/contract/domain.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::first_module_test {
 

@@ -4,7 +4,7 @@
 
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound_file.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/audio/harness.hpp"
 
 namespace musher::audio::testing::cues_test {

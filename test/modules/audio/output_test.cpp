@@ -13,7 +13,7 @@
 #include "musher/modules/audio/output.hpp"
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/modules/audio/sound_maker.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::audio::output_test {

@@ -6,7 +6,7 @@
 
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound_file.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::audio::phrases_test {
 

@@ -10,7 +10,7 @@
 
 #include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/source.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::camera::capture_source_test {

@@ -10,7 +10,7 @@
 #include <opencv2/videoio.hpp>
 #include <optional>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::camera::store_test {

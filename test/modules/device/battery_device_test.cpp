@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
 
 namespace musher::device::battery_device_test {

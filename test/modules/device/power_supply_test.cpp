@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::device::power_supply_test {
 

@@ -7,7 +7,7 @@
 #include <csignal>
 #include <string>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
 namespace musher::exec::child_test {

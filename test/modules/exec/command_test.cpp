@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
 namespace musher::exec::command_test {

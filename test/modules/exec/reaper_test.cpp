@@ -10,7 +10,7 @@
 #include <string>
 
 #include "musher/modules/exec/child.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
 namespace musher::exec::reaper_test {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
 namespace musher::exec::state_runner_test {

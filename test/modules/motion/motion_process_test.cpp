@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/modules/motion/robot_rig.hpp"
 

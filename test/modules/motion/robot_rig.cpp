@@ -13,7 +13,7 @@
 #include <future>
 #include <iterator>
 
-#include "musher/test/contract/domain.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/test/modules/motion/harness.hpp"
 
 namespace musher::motion::testing {

@@ -11,7 +11,7 @@
 #include "musher/modules/vision/lens.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 #include "musher/modules/world/render.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 

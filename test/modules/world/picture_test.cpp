@@ -9,7 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "musher/modules/world/palette.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
 namespace musher::world::picture_test {

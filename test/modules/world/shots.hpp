@@ -9,7 +9,7 @@
 #include <string>
 
 #include "musher/modules/world/render.hpp"
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::world {
 

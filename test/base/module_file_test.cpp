@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::module_file_test {
 

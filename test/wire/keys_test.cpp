@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/security/check.hpp"
 #include "musher/wire/security/authority.hpp"
 

@@ -1,4 +1,4 @@
-#include "musher/test/integration/cli/process.hpp"
+#include "musher/test/support/process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
