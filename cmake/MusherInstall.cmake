@@ -7,7 +7,7 @@ install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBD
 
 # What a robot's project includes; what only Musher's own sources include stays here.
 foreach(folder base lifecycle wire behavior messages transport actuator application controller simulation)
-  install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
           FILES_MATCHING PATTERN "*.hpp"
           PATTERN "lifecycle/decision.hpp" EXCLUDE
           PATTERN "base/toml" EXCLUDE
@@ -19,26 +19,26 @@ foreach(folder base lifecycle wire behavior messages transport actuator applicat
           PATTERN "idl" EXCLUDE)
 endforeach()
 foreach(header document findings module_file table_reader)  # for the TOML file of a module
-  install(FILES ${CMAKE_SOURCE_DIR}/base/toml/${header}.hpp
+  install(FILES ${PROJECT_SOURCE_DIR}/base/toml/${header}.hpp
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/base/toml)
 endforeach()
-install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp ${CMAKE_SOURCE_DIR}/transport/dds/node_thread.hpp
+install(FILES ${PROJECT_SOURCE_DIR}/transport/dds/dds_node.hpp ${PROJECT_SOURCE_DIR}/transport/dds/node_thread.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
 
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
-install(DIRECTORY ${CMAKE_BINARY_DIR}/share/musher/ros DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/share/musher/ros DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS)
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE)
-install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The unit names the installed program, wherever that is by then.
 install(CODE "
   get_filename_component(MUSHER_BIN \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\" ABSOLUTE)
-  configure_file(\"${CMAKE_SOURCE_DIR}/scripts/systemd/musher@.service.in\"
-                 \"${CMAKE_BINARY_DIR}/musher@.service\" @ONLY)")
-install(FILES ${CMAKE_BINARY_DIR}/musher@.service DESTINATION lib/systemd/system)
+  configure_file(\"${PROJECT_SOURCE_DIR}/scripts/systemd/musher@.service.in\"
+                 \"${PROJECT_BINARY_DIR}/musher@.service\" @ONLY)")
+install(FILES ${PROJECT_BINARY_DIR}/musher@.service DESTINATION lib/systemd/system)
 # Where the unit looks for configs. An install into a folder of one's own leaves the system alone.
 install(CODE "
   if(CMAKE_INSTALL_PREFIX MATCHES \"^/usr(/|$)\")
@@ -48,5 +48,5 @@ install(CODE "
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 write_basic_package_version_file(musherConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_BINARY_DIR}/musherConfig.cmake ${CMAKE_BINARY_DIR}/musherConfigVersion.cmake
+install(FILES ${PROJECT_BINARY_DIR}/musherConfig.cmake ${PROJECT_BINARY_DIR}/musherConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)

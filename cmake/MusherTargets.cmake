@@ -2,11 +2,11 @@
 
 # Sources are included as "musher/<folder>/<file>.hpp", in this tree as in an installed one: the
 # build tree has a folder "musher" of links to the source folders.
-set(MUSHER_INCLUDE_DIR ${CMAKE_BINARY_DIR}/include)
+set(MUSHER_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
 foreach(folder base lifecycle wire messages transport actuator controller simulation behavior application modules test)
-  if(IS_DIRECTORY ${CMAKE_SOURCE_DIR}/${folder})
-    file(CREATE_LINK ${CMAKE_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
+  if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${folder})
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
   endif()
 endforeach()
 
@@ -88,7 +88,7 @@ function(musher_test name)
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)  # for ccache
   target_precompile_headers(${name} REUSE_FROM musher_test_headers)
   target_compile_definitions(${name} PRIVATE
-    MUSHER_SOURCE_DIR="${CMAKE_SOURCE_DIR}" MUSHER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+    MUSHER_SOURCE_DIR="${PROJECT_SOURCE_DIR}" MUSHER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 180)
   endif()

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Show;
 
-class AnFsmActuator : public testing::WithHarness {
+class AFaultyFsmActuator : public testing::WithHarness {
  protected:
   // The log of the actuator meanwhile.
   static std::string Logged(const std::function<void()>& work) {
@@ -24,7 +24,7 @@ class AnFsmActuator : public testing::WithHarness {
   }
 };
 
-TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
+TEST_F(AFaultyFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
   Show show;
   show.data().throws = {{"resumes", "no"}};
   harness_.Open(show);
@@ -36,7 +36,7 @@ TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
 }
 
-TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
+TEST_F(AFaultyFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
   Show show({.machine = {.history = 0}});
   show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
   Begin(show);
@@ -48,7 +48,7 @@ TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
   EXPECT_EQ(ended.get(), 1);
 }
 
-TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
+TEST_F(AFaultyFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["before"] = "the camera is gone"; });
@@ -61,7 +61,7 @@ TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
   EXPECT_EQ(show.Of([](Show& s) { return s.data().runs["GREET"]; }), 0);
 }
 
-TEST_F(AnFsmActuator, LogsAFaultOfAHookOnceAndAgainWhenItComesBack) {
+TEST_F(AFaultyFsmActuator, LogsAFaultOfAHookOnceAndAgainWhenItComesBack) {
   Show show;
   Begin(show);
   for (const std::string hook : {"before", "after"}) {
@@ -79,7 +79,7 @@ TEST_F(AnFsmActuator, LogsAFaultOfAHookOnceAndAgainWhenItComesBack) {
   }
 }
 
-TEST_F(AnFsmActuator, LogsAnUnhandledCommandRateLimited) {
+TEST_F(AFaultyFsmActuator, LogsAnUnhandledCommandRateLimited) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
@@ -95,7 +95,7 @@ TEST_F(AnFsmActuator, LogsAnUnhandledCommandRateLimited) {
   EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 23) << "in 0.8 s";
 }
 
-TEST_F(AnFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
+TEST_F(AFaultyFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
   Show show;
   Begin(show);
   harness_.Tick(show, 6);
@@ -114,7 +114,7 @@ TEST_F(AnFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
 }
 
 // Its hooks would use what SetUp is just building, on another thread.
-TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
+TEST_F(AFaultyFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   class Early : public FsmActuator {
    public:
     Early() : FsmActuator("show") {}
@@ -152,7 +152,7 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
-TEST_F(AnFsmActuator, LogsAFaultOfTearDownOnce) {
+TEST_F(AFaultyFsmActuator, LogsAFaultOfTearDownOnce) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
@@ -192,7 +192,7 @@ class Nest : public FsmActuator {
   }
 };
 
-TEST_F(AnFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
+TEST_F(AFaultyFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
   Nest show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());

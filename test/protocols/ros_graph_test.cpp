@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cerrno>
+
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/rmw_dds_common/participant_entities.hpp"
@@ -90,20 +92,23 @@ class NodesBesideRos2 : public ::testing::Test {
   transport::LinuxEventLoop loop_;
 };
 
+// Of a node of this process that has no other name.
+std::string OwnName() {
+  return std::string(program_invocation_short_name) + "_" + std::to_string(getpid());
+}
+
 TEST_F(NodesBesideRos2, HaveTheNameOfTheirProgramWithoutAnother) {
   const auto thread = Must(transport::NodeThread::Start());
   RosGraphPeer ros;
-  EXPECT_TRUE(ros.Sees([](const RosGraph& graph) {
-    return graph.Has("/ros_graph_test_" + std::to_string(getpid()));
-  })) << ros.text();
+  EXPECT_TRUE(ros.Sees([](const RosGraph& graph) { return graph.Has("/" + OwnName()); }))
+      << ros.text();
 }
 
 TEST_F(NodesBesideRos2, AreHiddenWhereTheyOnlyCall) {
   const auto thread = Must(transport::NodeThread::Start({.hidden = true}));
   RosGraphPeer ros;
-  EXPECT_TRUE(ros.Sees([](const RosGraph& graph) {
-    return graph.Has("/_ros_graph_test_" + std::to_string(getpid()));
-  })) << ros.text();
+  EXPECT_TRUE(ros.Sees([](const RosGraph& graph) { return graph.Has("/_" + OwnName()); }))
+      << ros.text();
 }
 
 TEST_F(NodesBesideRos2, HaveNamesThatRos2Accepts) {
