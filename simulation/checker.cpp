@@ -158,7 +158,9 @@ void Checker::CheckController(const ControllerProcess& controller) {
   CheckDeadline(controller, seen);
   NoteReceived(controller, seen);
   const std::uint64_t epoch = std::exchange(seen.epoch, machine.epoch);
-  if (epoch != 0 && epoch != machine.epoch) CarryCommandsOver(epoch, machine.epoch);
+  if (epoch != 0 && epoch != machine.epoch) {
+    CarryCommandsOver(controller.serial(), epoch, machine.epoch);
+  }
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
@@ -171,14 +173,26 @@ void Checker::CheckController(const ControllerProcess& controller) {
 
 void Checker::OnSend(const Machine& machine, const action::SendSwitch& command) {
   sent_commands_[{machine.epoch, command.actuator, command.number}] = {
-      robot_.network().now(), command.budget, MayRise(machine, command.target)};
+      robot_.network().now(), command.budget, MayRise(machine, command.target), SerialOf(machine)};
 }
 
-// A controller has raised its epoch: what waits at the actuators keeps waiting, under the new one.
-void Checker::CarryCommandsOver(std::uint64_t from, std::uint64_t to) {
+std::uint64_t Checker::SerialOf(const Machine& machine) const {
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* controller = robot_.controller(which);
+    if (controller != nullptr && &controller->shell().machine() == &machine) {
+      return controller->serial();
+    }
+  }
+  return 0;
+}
+
+// A controller has raised its epoch: what it has sent and what waits at the actuators keeps
+// waiting, under the new one.
+void Checker::CarryCommandsOver(std::uint64_t controller, std::uint64_t from, std::uint64_t to) {
   const std::vector<std::pair<CommandKey, SentCommand>> sent(
       sent_commands_.lower_bound({from, 0, 0}), sent_commands_.lower_bound({from + 1, 0, 0}));
   for (const auto& [key, command] : sent) {
+    if (command.controller != controller) continue;
     sent_commands_.try_emplace({to, std::get<1>(key), std::get<2>(key)}, command);
   }
 }

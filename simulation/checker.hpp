@@ -76,7 +76,8 @@ class Checker {
   struct SentCommand {
     Time sent{};
     Duration budget{};
-    bool may_rise = false;  // it may lead to a more active state
+    bool may_rise = false;         // it may lead to a more active state
+    std::uint64_t controller = 0;  // the serial of the controller that sent it
   };
   struct Seen {  // of a controller
     State state;
@@ -98,7 +99,8 @@ class Checker {
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
   void CheckController(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
-  void CarryCommandsOver(std::uint64_t from, std::uint64_t to);
+  std::uint64_t SerialOf(const Machine& machine) const;
+  void CarryCommandsOver(std::uint64_t controller, std::uint64_t from, std::uint64_t to);
   void OnStart(const ControllerProcess& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
   void CheckDeadline(const ControllerProcess& controller, Seen& seen);

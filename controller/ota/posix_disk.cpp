@@ -22,7 +22,6 @@
 namespace musher::ota {
 namespace {
 
-
 // Limit for a stopped lock holder: a robot's start must not wait for ever.
 constexpr int kTries = 500;
 constexpr int kTryEveryMs = 20;

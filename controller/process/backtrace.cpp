@@ -18,7 +18,6 @@
 namespace musher {
 namespace {
 
-
 constexpr std::size_t kMostText = 64 * 1024;  // bytes
 constexpr int kMostReads = 32;                // of 4 KiB at a time; a full pipe has 16
 

@@ -27,7 +27,6 @@
 namespace musher {
 namespace {
 
-
 constexpr int kReportFd = 3;  // in the child, beside 0, 1 and 2
 
 // What the child could not do.

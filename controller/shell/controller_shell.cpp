@@ -91,7 +91,8 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
     if (WatchFound(i, pid, is_child ? &*child : nullptr)) continue;
     begin.processes[i] = 0;
     const auto seen = before_begin_.find(i);
-    const bool reported = seen != before_begin_.end() && Runs(config_, seen->second.report);
+    const bool reported = seen != before_begin_.end() && (Runs(config_, seen->second.report) ||
+                                                          SharesItsProcess(seen->second.report));
     const bool exited =
         is_child && dependencies_.process_probe->StartTimeOf(pid) != child->start_time;
     if (exited && !reported) begin.running[i] = false;

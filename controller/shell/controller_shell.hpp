@@ -223,6 +223,7 @@ class ControllerShell {
   std::vector<Peer> peers_;
   std::map<std::size_t, ChildProcess> children_;  // by actuator; the running ones
   bool children_unsaved_ = false;                 // the last save failed, which was reported
+  bool power_command_runs_ = false;               // the command of power-off or reboot
   StoredStops stops_before_begin_;
   std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
   std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs

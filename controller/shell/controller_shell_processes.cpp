@@ -122,14 +122,18 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
   spec.name = a.reboot ? "reboot" : "power_off";
   spec.argv = a.reboot ? power.reboot_command : power.off_command;
   if (spec.argv.empty()) return;
+  if (power_command_runs_) return;  // it was requested again meanwhile
   const auto output = dependencies_.output(spec.name);
   if (output) spec.output = output->get();
   const auto failed = [this, name = spec.name](const std::string& how) {
     Do(action::Record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how});
   };
-  const auto started = dependencies_.processes->Start(spec, [failed](const ProcessExit& exit) {
-    if (!exit.clean()) failed(" failed: " + exit.Text());
-  });
+  const auto started =
+      dependencies_.processes->Start(spec, [this, failed](const ProcessExit& exit) {
+        power_command_runs_ = false;
+        if (!exit.clean()) failed(" failed: " + exit.Text());
+      });
+  power_command_runs_ = started.ok();
   if (!started) failed(" could not be executed: " + started.error().message);
 }
 

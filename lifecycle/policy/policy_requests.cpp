@@ -209,8 +209,8 @@ std::optional<Error> Decision::HandleWakeUp(const Requested& requested,
 std::optional<Error> Decision::HandlePower(const Requested& requested,
                                            std::uint64_t request_record) {
   const bool reboot = requested.what == PolicyRequest::kReboot;
-  const auto& power = machine_.policy.power;
-  if (power && power->reboot != reboot) {
+  auto& power = machine_.policy.power;
+  if (power && power->reboot != reboot && !power->commanded) {
     return Error{kCodeTargetBusy, power->reboot ? "the robot is about to reboot"
                                                 : "the robot is about to be powered off"};
   }
@@ -220,7 +220,10 @@ std::optional<Error> Decision::HandlePower(const Requested& requested,
   if (updating) return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
   if (!power) BeginPowerDown(reboot, now_ + config_.policy->power.delay, request_record);
   Do(action::AnswerCall{requested.request, Ok()});
-  if (std::exchange(machine_.policy.power->commanded, false)) CommandPower(false);
+  if (std::exchange(power->commanded, false)) {
+    power->reboot = reboot;
+    CommandPower(false);
+  }
   return std::nullopt;
 }
 

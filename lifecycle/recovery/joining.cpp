@@ -18,7 +18,9 @@ bool Decision::DriveLateOnes() {
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held) continue;
     if (!record.due && !unchecked) {
+      const bool had_a_fault = record.fault.has_value();
       ReportUnchecked(i);
+      changed |= !had_a_fault && record.fault;
       continue;
     }
     std::string blocker;
@@ -51,6 +53,7 @@ bool Decision::MayFollow(std::size_t i) const {
 // check was superseded, is not driven up without a request.
 void Decision::ReportUnchecked(std::size_t i) {
   const ActuatorRecord& record = Of(i);
+  if (record.command || record.report.busy() || record.free_by) return;  // perhaps with its check
   const bool passes_by_itself = !config_.RankOf(record.state()) && !record.join_tried;
   if (record.state() == machine_.state || passes_by_itself || record.checked || record.fault)
     return;

@@ -12,8 +12,8 @@
 
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/support/domain.hpp"
 #include "musher/test/contract/world.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"

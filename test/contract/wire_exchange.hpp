@@ -7,10 +7,10 @@
 
 #include <string>
 
-#include "musher/test/support/domain.hpp"
 #include "musher/test/contract/fill.hpp"
 #include "musher/test/contract/wire_same.hpp"
 #include "musher/test/contract/world.hpp"
+#include "musher/test/support/domain.hpp"
 
 namespace musher::transport {
 

@@ -21,19 +21,27 @@ const std::map<std::string, Folders>& MayInclude() {
       {"wire", {"wire", "base", "lifecycle", "messages", "transport"}},
       {"actuator", {"actuator", "base", "lifecycle", "messages", "transport", "wire"}},
       {"application",
-       {"application", "actuator", "base", "lifecycle", "messages", "transport", "behavior"}},
+       {"application", "actuator", "base", "lifecycle", "messages", "transport", "wire",
+        "behavior"}},
       {"controller", {"controller", "base", "lifecycle", "messages", "transport", "wire"}},
       {"simulation",
        {"simulation", "actuator", "controller", "base", "lifecycle", "messages", "transport",
         "wire"}},
       {"modules",
-       {"modules", "application", "actuator", "base", "lifecycle", "messages", "transport",
+       {"modules", "application", "actuator", "base", "lifecycle", "messages", "transport", "wire",
         "behavior"}},
       {"examples",
        {"application", "actuator", "controller", "simulation", "base", "lifecycle", "messages",
         "transport", "wire", "behavior"}},
   };
   return table;
+}
+
+// Headers of base/ that query the kernel. Folders without IO may not include them.
+bool IsOfTheKernel(const std::string& header) {
+  static const std::set<std::string> kernel = {"base/files.hpp", "base/host.hpp",
+                                               "base/scheduling.hpp", "base/unique_fd.hpp"};
+  return kernel.contains(header);
 }
 
 // Libraries by the beginning of their headers, and the places that may include them.
@@ -79,6 +87,8 @@ std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   // The command line is a program on top of everything; the rest of controller/ is not.
   if (folder == "simulation" && file.In("controller/cli/")) return {};
   if (!allowed->second.contains(folder)) return file.Folder() + " may not include " + folder;
+  const bool pure = file.In("lifecycle/") || file.In("behavior/");
+  if (pure && IsOfTheKernel(header)) return file.Folder() + " may not include " + header;
   const bool module_to_module =
       folder == "modules" && file.Folder() == "modules" && ModuleOf(header) != ModuleOf(file.path);
   if (module_to_module) {

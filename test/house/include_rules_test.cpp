@@ -20,6 +20,13 @@ TEST(IncludeRules, ReportFileAndLineWhenAFolderReachesUp) {
               ElementsAre("transport/a.cpp:2: transport may not include lifecycle"));
 }
 
+TEST(IncludeRules, KeepTheKernelOutOfPureFolders) {
+  EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/a.cpp", "\"musher/base/host.hpp\"")),
+              ElementsAre("lifecycle/a.cpp:2: lifecycle may not include base/host.hpp"));
+  EXPECT_THAT(ForbiddenIncludes(Including("transport/a.cpp", "\"musher/base/host.hpp\"")),
+              IsEmpty());
+}
+
 TEST(IncludeRules, KeepControllerAndActuatorApart) {
   const std::string actuator = "\"musher/actuator/worker.hpp\"";
   const std::string controller = "\"musher/controller/journal/journal.hpp\"";

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <utility>
 
-#include "musher/test/support/domain.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::test {

@@ -287,7 +287,7 @@ def main():
                 continue
             number += 1
             m.number = number
-            chosen.append({"number": number, "file": source.path[source.path.index("/lifecycle/") + 1:], "line": m.line,
+            chosen.append({"number": number, "file": source.path[source.path.rindex("/lifecycle/") + 1:], "line": m.line,
                            "function": m.function, "kind": m.kind, "original": m.original,
                            "mutated": m.mutated})
         text = b'#include "musher/test/mutation/mutants.hpp"\n#line 1 "' + \

@@ -14,7 +14,6 @@
 namespace musher::cli {
 namespace {
 
-
 // An anonymous file in memory: `dot` reads one and writes another, so neither end ever blocks.
 Result<UniqueFd> MemoryFile(const std::string& content) {
   UniqueFd file(memfd_create("musher-graph", MFD_CLOEXEC));

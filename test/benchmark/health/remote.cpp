@@ -21,7 +21,6 @@
 namespace musher::benchmark {
 namespace {
 
-
 constexpr int kVictims = 8;
 
 // A pid namespace counts as a host of its own: pids of one mean nothing in the other, so only

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "musher/test/support/domain.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/integration/cli/arrival.hpp"
+#include "musher/test/support/domain.hpp"
 #include "musher/test/support/process.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::testing {
 

@@ -297,4 +297,52 @@ TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasE
                                        "elsewhere, took over"));
 }
 
+TEST_F(FoundBySimulation, AnActuatorThatReportedAFalseTearDownIsStillKnownToHang) {
+  Harness& t = In("Active");
+  t.Find("b", Health::kHung);
+  const auto say = [&](const State& state) {
+    ActuatorReport report = t.CoreOf("b").report;
+    report.stamp = t.now();
+    report.state = state;
+    t.Feed(event::StatusSeen{*t.config().IndexOf("b"), report});
+    t.RunFor(Milliseconds(1));
+  };
+  say("TearDown");
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("torn down"));
+  say("Active");
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("hung"));
+}
+
+// A late one runs its first check while the others are switched: it is neither listed nor at fault.
+TEST_F(FoundBySimulation, ALateActuatorInItsCheckIsNoFaultOfASwitch) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").stage = 2;
+  Harness t(config);
+  t.On("b", "SelfCheck").takes = Milliseconds(90);
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil(
+      [&] { return std::find(t.log().begin(), t.log().end(), "b:SelfCheck") != t.log().end(); }));
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDone);
+  EXPECT_FALSE(t.RecordOf("b").fault);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+TEST_F(FoundBySimulation, AnActuatorWhoseCheckWasSupersededHasAReasonWhyItStays) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").stage = 2;
+  Harness t(config);
+  t.On("b", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  t.On("b", "SelfCheck").takes = Milliseconds(90);
+  t.RequestSwitch("SelfCheck");
+  t.RunFor(Milliseconds(5));
+  t.Set("Error");
+  t.Rest();
+  EXPECT_TRUE(t.StateOf("b") == "Error" || t.RecordOf("b").fault);
+}
+
 }  // namespace musher::testing::found_by_simulation_test

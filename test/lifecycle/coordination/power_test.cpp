@@ -90,6 +90,26 @@ TEST_F(Power, RequestedTwiceItIsOnePowerOff) {
   EXPECT_EQ(robot().power.size(), 1U);
 }
 
+// A command may fail; the robot still runs then.
+TEST_F(Power, RequestedAgainAfterItsCommandTheCommandIsGivenAgainAlsoTheOther) {
+  MachineConfig config = WithPolicy();
+  config.default_time = seconds(60);
+  config.shutdown_budget = seconds(40);
+  for (ActuatorConfig& actuator : config.actuators) actuator.times.back() = seconds(60);
+  ActuatorNamed(config, "a").times.assign(config.states.size(), seconds(60));
+  Robot("Active", config);
+  robot().On("a", "LowPower").hangs = true;
+  robot().RequestSwitch("LowPower");
+  RequestPolicy(PolicyRequest::kPowerOff);
+  robot().RunFor(seconds(16));
+  ASSERT_EQ(robot().power.size(), 1U);
+  EXPECT_EQ(Text(robot().calls.at(RequestPolicy(PolicyRequest::kPowerOff))), "ok");
+  EXPECT_EQ(Text(robot().calls.at(RequestPolicy(PolicyRequest::kReboot))), "ok");
+  ASSERT_EQ(robot().power.size(), 3U);
+  EXPECT_FALSE(robot().power[1].second);
+  EXPECT_TRUE(robot().power[2].second);
+}
+
 TEST_F(Power, MeanwhileNothingGoesUp) {
   Robot("Protected");
   RequestPolicy(PolicyRequest::kPowerOff);

@@ -4,8 +4,8 @@
 
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound_file.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/audio/harness.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::audio::testing::cues_test {
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::device::battery_device_test {
 

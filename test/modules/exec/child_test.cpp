@@ -7,8 +7,8 @@
 #include <csignal>
 #include <string>
 
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::exec::child_test {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::exec::command_test {
 

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "musher/modules/exec/child.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::exec::reaper_test {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::exec::state_runner_test {
 

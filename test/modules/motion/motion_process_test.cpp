@@ -4,9 +4,9 @@
 
 #include <csignal>
 
-#include "musher/test/support/domain.hpp"
 #include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/modules/motion/robot_rig.hpp"
+#include "musher/test/support/domain.hpp"
 
 namespace musher::motion::testing::motion_process_test {
 

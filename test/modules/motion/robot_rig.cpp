@@ -13,8 +13,8 @@
 #include <future>
 #include <iterator>
 
-#include "musher/test/support/domain.hpp"
 #include "musher/test/modules/motion/harness.hpp"
+#include "musher/test/support/domain.hpp"
 
 namespace musher::motion::testing {
 namespace {

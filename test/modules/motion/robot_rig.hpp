@@ -13,8 +13,8 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/motion/topic_board.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 

@@ -11,9 +11,9 @@
 #include "musher/modules/vision/lens.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 #include "musher/modules/world/render.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::vision::cascade_detector_test {
 

@@ -13,8 +13,8 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 

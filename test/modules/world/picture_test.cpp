@@ -9,8 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "musher/modules/world/palette.hpp"
-#include "musher/test/support/temp_folder.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::world::picture_test {
 
