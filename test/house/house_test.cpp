@@ -10,6 +10,7 @@
 #include "musher/test/house/doc_rules.hpp"
 #include "musher/test/house/include_rules.hpp"
 #include "musher/test/house/interface_rules.hpp"
+#include "musher/test/house/reference_rules.hpp"
 #include "musher/test/house/text_rules.hpp"
 
 namespace musher::house::house_test {
@@ -142,6 +143,11 @@ TEST(House, TheReferenceExplainsEveryConfigKey) {
                             File("test/golden/configs/good/" + std::string(file))),
                 IsEmpty());
   }
+}
+
+TEST(House, TheReferenceListsEveryCodeAndEveryEnvironmentVariable) {
+  EXPECT_THAT(WrongCodes(File("docs/reference.md"), File("base/code.hpp")), IsEmpty());
+  EXPECT_THAT(WrongVariables(File("docs/reference.md"), Tree()), IsEmpty());
 }
 
 TEST(House, ThePageOfCyberDogSaysWhatIsThereAndWhatIsLeftOut) {

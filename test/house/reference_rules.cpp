@@ -1,0 +1,105 @@
+#include "musher/test/house/reference_rules.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace musher::house {
+namespace {
+
+using Numbers = std::map<std::string, int>;  // by name, in lower case
+
+std::string InLowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+void ForEachMatch(const std::string& text, const std::regex& pattern,
+                  const std::function<void(const std::smatch&)>& use) {
+  for (std::sregex_iterator i(text.begin(), text.end(), pattern), end; i != end; ++i) use(*i);
+}
+
+// The enumerators "kName = 12," of "enum class <name>".
+Numbers EnumOf(const SourceFile& header, const std::string& name) {
+  static const std::regex enumerator(R"(\bk(\w+) = (\d+))");
+  const std::size_t begin = header.text.find("enum class " + name);
+  const std::string body = header.text.substr(begin, header.text.find("};", begin) - begin);
+  Numbers numbers;
+  ForEachMatch(body, enumerator, [&](const std::smatch& match) {
+    numbers[InLowerCase(match[1])] = std::stoi(match[2]);
+  });
+  return numbers;
+}
+
+std::vector<std::string> Compare(const std::string& what, const Numbers& code,
+                                 const Numbers& listed) {
+  std::vector<std::string> wrong;
+  for (const auto& [name, number] : code) {
+    const auto found = listed.find(name);
+    if (found == listed.end()) {
+      wrong.push_back("the reference does not list the " + what + " " + name);
+    } else if (found->second != number) {
+      wrong.push_back("the reference says " + std::to_string(found->second) + " for the " + what +
+                      " " + name + ", which is " + std::to_string(number));
+    }
+  }
+  for (const auto& [name, number] : listed) {
+    if (!code.contains(name)) wrong.push_back("there is no " + what + " " + name);
+  }
+  return wrong;
+}
+
+}  // namespace
+
+std::string SectionOf(const SourceFile& page, const std::string& title) {
+  const std::size_t begin = page.text.find("\n## " + title + "\n");
+  if (begin == std::string::npos) return {};
+  return page.text.substr(begin, page.text.find("\n## ", begin + 1) - begin);
+}
+
+std::vector<std::string> WrongVariables(const SourceFile& page,
+                                        const std::vector<SourceFile>& tree) {
+  static const std::regex quoted(R"("(MUSHER_[A-Z_0-9]+)=?")");
+  static const std::regex listed(R"(`(MUSHER_[A-Z_0-9]+)`)");
+  std::set<std::string> in_code;
+  for (const SourceFile& file : tree) {
+    if (!file.IsCpp() || file.In("test/") || file.In("examples/")) continue;
+    ForEachMatch(file.text, quoted, [&](const std::smatch& match) { in_code.insert(match[1]); });
+  }
+  std::set<std::string> in_page;
+  ForEachMatch(SectionOf(page, "Environment variables"), listed,
+               [&](const std::smatch& match) { in_page.insert(match[1]); });
+  std::vector<std::string> wrong;
+  for (const std::string& name : in_code) {
+    if (!in_page.contains(name)) wrong.push_back("the reference does not explain " + name);
+  }
+  for (const std::string& name : in_page) {
+    if (!in_code.contains(name)) wrong.push_back("no program reads or sets " + name);
+  }
+  return wrong;
+}
+
+std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header) {
+  static const std::regex key_row(R"(\n\| (\d+) \| (\w+) \|)");
+  static const std::regex module_cell(R"(\| (\w+)(?: \([a-z ]+\))? \| (\d+00) (?=\|))");
+  const std::string section = SectionOf(page, "Codes");
+  Numbers keys = {{"ok", 0}};
+  Numbers modules;
+  ForEachMatch(section, key_row, [&](const std::smatch& match) {
+    if (std::stoi(match[1]) < 100) keys[InLowerCase(match[2])] = std::stoi(match[1]);
+  });
+  ForEachMatch(section, module_cell, [&](const std::smatch& match) {
+    modules[InLowerCase(match[1])] = std::stoi(match[2]);
+  });
+  std::vector<std::string> wrong = Compare("key", EnumOf(header, "KeyCode"), keys);
+  const std::vector<std::string> of_modules =
+      Compare("module", EnumOf(header, "ModuleCode"), modules);
+  wrong.insert(wrong.end(), of_modules.begin(), of_modules.end());
+  return wrong;
+}
+
+}  // namespace musher::house

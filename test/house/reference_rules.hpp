@@ -1,0 +1,20 @@
+#pragma once
+// The lists of docs/reference.md agree with the code.
+
+#include "musher/test/house/source_tree.hpp"
+
+namespace musher::house {
+
+// The text of the section "## <title>", up to the next section; empty if there is none.
+std::string SectionOf(const SourceFile& page, const std::string& title);
+
+// Environment variables MUSHER_… that a program reads or sets and the page does not name, and those
+// that the page names and no program has.
+std::vector<std::string> WrongVariables(const SourceFile& page,
+                                        const std::vector<SourceFile>& tree);
+
+// Keys and modules of base/code.hpp that the section "Codes" lacks or names with another number,
+// and those it names that are not there.
+std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header);
+
+}  // namespace musher::house

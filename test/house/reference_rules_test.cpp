@@ -1,0 +1,41 @@
+#include "musher/test/house/reference_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::house::reference_rules_test {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+const SourceFile kHeader = {"base/code.hpp",
+                            "enum class KeyCode {\n  kOk = 0,\n  kFailed = 1,\n};\n"
+                            "enum class ModuleCode {\n  kUnknown = -1,\n  kRobot = 100,\n"
+                            "  kUwb = 1600,\n};\n"};
+
+SourceFile PageWith(const std::string& text) {
+  return {"docs/reference.md", "# Reference\n\n" + text + "\n## Files\n"};
+}
+
+TEST(ReferenceRules, AcceptAListThatAgrees) {
+  const SourceFile page =
+      PageWith("## Codes\n\n| 1 | Failed | why |\n\n| Robot (the machine) | 100 | UWB | 1600 |\n");
+  EXPECT_THAT(WrongCodes(page, kHeader), IsEmpty());
+}
+
+TEST(ReferenceRules, ReportACodeThatIsMissingWrongOrGone) {
+  const SourceFile page =
+      PageWith("## Codes\n\n| 7 | Timeout | why |\n\n| Robot (the machine) | 200 | UWB | 1600 |\n");
+  EXPECT_THAT(WrongCodes(page, kHeader),
+              ElementsAre("the reference does not list the key failed", "there is no key timeout",
+                          "the reference says 200 for the module robot, which is 100"));
+}
+
+TEST(ReferenceRules, ReportAVariableThatIsUnexplainedOrGone) {
+  const SourceFile page = PageWith("## Environment variables\n\n| `MUSHER_OLD` | all | gone |\n");
+  const SourceFile code = {"controller/a.cpp", "getenv(\"MUSHER_NEW\");"};
+  EXPECT_THAT(WrongVariables(page, {code}), ElementsAre("the reference does not explain MUSHER_NEW",
+                                                        "no program reads or sets MUSHER_OLD"));
+}
+
+}  // namespace musher::house::reference_rules_test
