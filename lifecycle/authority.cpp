@@ -23,14 +23,7 @@ void Decision::On(const event::RivalSeen& rival) {
       (rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence));
   const bool at_work = machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped &&
                        machine_.phase != Phase::kFenced;
-  if (!at_work) return;
-  if (!leads && rival.epoch == machine_.epoch && machine_.epoch < kLastEpoch) {
-    // What it has taken control of would obey neither: both have the same epoch.
-    RaiseEpoch(machine_.epoch + 1, std::nullopt,
-               "another controller, " + rival.who + ", has led with epoch " +
-                   std::to_string(rival.epoch) + ", too");
-  }
-  if (!leads) return;
+  if (!leads || !at_work) return;
   const std::string why = "another controller, " + rival.who + ", leads this machine with epoch " +
                           std::to_string(rival.epoch);
   const Error fenced{kCodePermissionDenied, why};

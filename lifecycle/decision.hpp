@@ -87,8 +87,7 @@ class Decision {
   void FoundTornDown(std::size_t i, const ActuatorReport& report);
   void SetUpFailed(std::size_t i, const ActuatorReport& report);
   void TakeControl(std::size_t i);
-  void RaiseEpoch(std::uint64_t epoch, std::optional<std::size_t> because_of,
-                  const std::string& why);
+  void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
   void Attach(std::size_t i);
 
   // commands.cpp

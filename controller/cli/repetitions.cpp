@@ -49,7 +49,7 @@ std::string ReasonIn(const std::string& message) {
   return at == std::string::npos ? "" : message.substr(at + kBefore.size());
 }
 
-Progress Summary(const Progress& of, int times) {
+Progress SummaryOf(const Progress& of, int times) {
   Progress summary = of;
   summary.code = 0;
   summary.message =
@@ -97,11 +97,11 @@ std::vector<Progress> Repetitions::NewLines(const Progress& progress) {
     if (!restart) return {};
     ++loop.times;
     return loop.times >= 10 && IsPowerOfTen(loop.times)
-               ? std::vector<Progress>{Summary(progress, loop.times)}
+               ? std::vector<Progress>{SummaryOf(progress, loop.times)}
                : std::vector<Progress>{};
   }
   std::vector<Progress> lines;
-  if (loop.times > 0) lines.push_back(Summary(progress, loop.times));
+  if (loop.times > 0) lines.push_back(SummaryOf(progress, loop.times));
   if (loop.restarted) loop = {progress.wall_ns, {}, false, 0};  // a new failure: print all lines
   lines.push_back(progress);
   loop.said.insert(said);

@@ -70,6 +70,12 @@ void Decision::On(const event::Replied& replied) {
   const bool denied = replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
   if (replied.query && denied && replied.report.epoch > machine_.epoch)
     return TakeControl(replied.actuator);
+  if (denied && replied.report.epoch == machine_.epoch) {
+    // Another controller with the same epoch has taken it, unnoticed: on the other side of a
+    // partition.
+    record.controlled = 0;
+    TakeControl(replied.actuator);
+  }
   if (replied.query && denied && record.take_control_again) {
     record.take_control_again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
   }

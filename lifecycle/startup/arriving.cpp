@@ -116,7 +116,7 @@ void Decision::TakeControl(std::size_t i) {
         record.set_up_by = std::max(*record.set_up_by, *record.outbid_at + kTakeControlPeriod);
       return;
     }
-    RaiseEpoch(seen + 1, i, ConfigOf(i).name + " was controlled by epoch " + std::to_string(seen));
+    RaiseEpoch(seen + 1, i);
   }
   record.outbid_at.reset();
   record.controlled = record.report.incarnation;
@@ -124,13 +124,13 @@ void Decision::TakeControl(std::size_t i) {
   Do(action::SendQuery{i, record.report.number, false});
 }
 
-// Another controller was here, or still is. The attached actuators get the new epoch at once.
-void Decision::RaiseEpoch(std::uint64_t epoch, std::optional<std::size_t> because_of,
-                          const std::string& why) {
+// An earlier controller was here. The attached actuators get the new epoch at once.
+void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
   machine_.epoch = epoch;
   Save(Stored::kEpoch);
   Lower(std::nullopt);  // that controller may have changed the state of the machine
-  RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + why);
+  RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
+                             " was controlled by epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
     Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting

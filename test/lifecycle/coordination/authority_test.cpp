@@ -49,20 +49,6 @@ TEST_F(Authority, AControllerWithALowerOrInvalidEpochIsIgnored) {
   EXPECT_TRUE(t.fenced);
 }
 
-// A regression: both had taken control of some actuators with the same epoch, and those of the one
-// that released control refused the other one for ever.
-TEST_F(Authority, OfTwoControllersWithTheSameEpochTheOneThatStaysRaisesItsOwn) {
-  Harness& t = In("Active");
-  const std::uint64_t epoch = t.machine().epoch;
-  t.ReceiveRivalHeartbeat(epoch);
-  EXPECT_FALSE(t.fenced);
-  EXPECT_EQ(t.machine().epoch, epoch + 1);
-  t.RunFor(Milliseconds(100));
-  EXPECT_EQ(t.CoreOf("a").report.epoch, epoch + 1);
-  t.ReceiveRivalHeartbeat(epoch);  // its last one, late
-  EXPECT_EQ(t.machine().epoch, epoch + 1);
-}
-
 TEST_F(Authority, EveryCallerIsAnsweredWhenTheControllerIsFenced) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
