@@ -129,12 +129,23 @@ std::optional<Time> Observer::AwaitSince(Time since, const Is& is, Duration time
   });
 }
 
+// The last status, or that of a controller of another host with a higher epoch: the one that
+// releases control may have published last.
+const Observer::Seen* Observer::OfTheLeader() const {
+  if (machine_.empty() || !machine_.back().status) return nullptr;
+  const msg::MachineStatus& last = *machine_.back().status;
+  for (auto seen = machine_.rbegin(); seen != machine_.rend(); ++seen) {
+    if (!seen->status) break;
+    if (seen->status->host != last.host && seen->status->epoch > last.epoch) return &*seen;
+  }
+  return &machine_.back();
+}
+
 std::optional<Time> Observer::Await(const Is& is, Duration timeout) {
   return AwaitUntil(Now() + timeout, [&]() -> std::optional<Time> {
-    if (machine_.empty() || !machine_.back().status || !is(*machine_.back().status)) {
-      return std::nullopt;
-    }
-    return machine_.back().at;
+    const Seen* leader = OfTheLeader();
+    if (leader == nullptr || !is(*leader->status)) return std::nullopt;
+    return leader->at;
   });
 }
 

@@ -83,6 +83,7 @@ class Observer {
   void Make(const std::string& name_space);
   void OnMachine(std::optional<msg::MachineStatus> status);
   void OnActuator(const msg::ActuatorStatus& status);
+  const Seen* OfTheLeader() const;  // null: no status; under the mutex
   std::optional<Time> AwaitUntil(Time deadline, const std::function<std::optional<Time>()>& found);
   // Sends the request as soon as the service of the current leader is discovered: the service of a
   // controller that has just ended is still matched.
