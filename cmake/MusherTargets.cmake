@@ -19,9 +19,9 @@ if(CCACHE)
 endif()
 
 # musher_target(<target>) sets what all targets have in common: the warnings, and a unity build of
-# MUSHER_UNITY_BATCH sources at a time, which halves the time because shared headers are read once. In a unity build the
-# names in the anonymous namespaces of a target must differ, and each test has a namespace of its own
-# name.
+# MUSHER_UNITY_BATCH sources at a time, which halves the time because shared headers are read once. In a
+# unity build the names in the anonymous namespaces of a target must differ, and each test has a namespace of
+# its own name.
 #
 # -Wno-restrict, -Wno-maybe-uninitialized: false alarms of GCC 12 when it optimises strings and variants
 # (its bugs 105651 and 105562). -Wno-subobject-linkage: GCC warns of a class with a member of a type in

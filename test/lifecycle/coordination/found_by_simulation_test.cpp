@@ -331,18 +331,26 @@ TEST_F(FoundBySimulation, ALateActuatorInItsCheckIsNoFaultOfASwitch) {
 
 TEST_F(FoundBySimulation, AnActuatorWhoseCheckWasSupersededHasAReasonWhyItStays) {
   MachineConfig config = Ours(2);
-  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "b").command.clear();  // started by hand, after the start has failed
   Harness t(config);
-  t.On("b", "SelfCheck").code = 5001;
+  t.On("a", "SelfCheck").code = 5001;
   t.Begin();
+  t.Crash("b");
   t.Rest();
-  ASSERT_TRUE(t.RecordOf("b").fault);
-  t.On("b", "SelfCheck").takes = Milliseconds(90);
+  t.StartActuator("b");
+  t.Rest();
+  ASSERT_EQ(t.StateOf("b"), "SetUp");
+  t.On("a", "SelfCheck").code = kCodeOk;
+  t.Mute("b", true, false);
   t.RequestSwitch("SelfCheck");
   t.RunFor(Milliseconds(5));
   t.Set("Error");
+  t.Mute("b", false, false);
   t.Rest();
-  EXPECT_TRUE(t.StateOf("b") == "Error" || t.RecordOf("b").fault);
+  ASSERT_EQ(t.StateOf("b"), "SetUp");
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("has not passed its self-check"));
 }
 
 }  // namespace musher::testing::found_by_simulation_test
