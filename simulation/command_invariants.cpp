@@ -124,12 +124,15 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
   }
   const bool done =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
+  // Beyond a partition a second controller may lead, with other actuators: the result is about
+  // those of the controller that replies.
+  const ControllerProcess* controller = robot_.leader();
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* replying = robot_.controller(which);
-    if (replying != nullptr && replying->serial() == open.mapped().controller)
-      CheckTornDown(*replying, result);
+    if (replying == nullptr || replying->serial() != open.mapped().controller) continue;
+    CheckTornDown(*replying, result);
+    controller = replying;
   }
-  const ControllerProcess* controller = robot_.leader();
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
   if (!done || !result.actuator.empty() || !ranked || controller == nullptr) return;
   requested_state_at_ = robot_.age();
