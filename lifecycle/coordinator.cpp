@@ -1,96 +1,162 @@
 #include "musher/lifecycle/coordinator.hpp"
 
 #include <algorithm>
+#include <variant>
 
-#include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/authority.hpp"
+#include "musher/lifecycle/command/arrivals.hpp"
+#include "musher/lifecycle/recovery/binding.hpp"
+#include "musher/lifecycle/recovery/fallback.hpp"
+#include "musher/lifecycle/recovery/joining.hpp"
+#include "musher/lifecycle/recovery/recovery.hpp"
+#include "musher/lifecycle/rules/policy_requests.hpp"
+#include "musher/lifecycle/startup/start_up.hpp"
 
 namespace musher {
+namespace {
 
-void Decision::Settle() {
-  if (machine_.phase == Phase::kFenced) return;
-  CheckCommands();
-  TakeUpOthers();
-  CheckSetUpDeadlines();
-  CheckRestarts();
-  // Each can make the next one possible; the loop ends when all of them wait for an event.
+// The parts of one step, each after those that it uses.
+class Coordinator {
+ public:
+  explicit Coordinator(StepContext& step) : step_(step) {}
+
+  void Handle(const Event& event);
+  // Handles deadlines, then does what has become possible. Ends every step.
+  void Settle();
+  // A fenced controller only answers requests, with a refusal.
+  void Decline(const Event& event);
+
+ private:
+  void On(const event::Begin& begin);
+  void Advance();
+  bool AdvanceSwitch();
+
+  StepContext& step_;
+  Saving saving_{step_};
+  EmergencyStops stops_{step_, saving_};
+  PolicyMemory memory_{step_, saving_};
+  Power power_{step_};
+  Processes processes_{step_};
+  Commands commands_{step_, stops_, processes_};
+  Control control_{step_, saving_, memory_, processes_};
+  Arrivals arrivals_{step_, saving_, processes_, commands_, control_};
+  Switching switching_{step_, memory_, commands_};
+  TearDown tear_down_{step_, saving_, power_, commands_, switching_};
+  Requests requests_{step_, switching_, tear_down_};
+  StartUp start_up_{step_, saving_, switching_, tear_down_};
+  Recovery recovery_{step_, processes_, commands_, control_};
+  Binding binding_{step_};
+  Joining joining_{step_, commands_};
+  Fallback fallback_{step_, memory_, switching_};
+  PolicyRules rules_{step_, memory_, power_, switching_, tear_down_};
+  PolicyRequests policy_requests_{step_,      saving_,    memory_,   power_,
+                                  switching_, tear_down_, requests_, rules_};
+  Authority authority_{step_, switching_, tear_down_};
+};
+
+template <typename... Handlers>
+struct Overloaded : Handlers... {
+  using Handlers::operator()...;
+};
+
+void Coordinator::Handle(const Event& event) {
+  std::visit(Overloaded{
+                 [&](const event::Begin& e) { On(e); },
+                 [&](const event::StatusSeen& e) { arrivals_.On(e); },
+                 [&](const event::Replied& e) { arrivals_.On(e); },
+                 [&](const event::Vanished& e) { arrivals_.On(e); },
+                 [&](const event::ProcessStarted& e) { recovery_.On(e); },
+                 [&](const event::ProcessNotStarted& e) { recovery_.On(e); },
+                 [&](const event::ProcessesFound& e) { tear_down_.On(e); },
+                 [&](const event::ProcessEnded& e) { recovery_.On(e); },
+                 [&](const event::HealthChanged& e) { recovery_.On(e); },
+                 [&](const event::BacktraceTaken& e) { recovery_.On(e); },
+                 [&](const event::RestartRequested& e) { recovery_.On(e); },
+                 [&](const event::RivalSeen& e) { authority_.On(e); },
+                 [&](const event::EmergencyStopSeen& e) { stops_.On(e); },
+                 [&](const event::ReleaseRequested& e) { stops_.On(e); },
+                 [&](const event::SetStateRequested& e) { requests_.On(e); },
+                 [&](const event::SetUpAwaited& e) { start_up_.On(e); },
+                 [&](const event::BatterySeen& e) { rules_.On(e); },
+                 [&](const event::MotionSeen& e) { rules_.On(e); },
+                 [&](const event::InputSilent& e) { rules_.On(e); },
+                 [&](const event::ClockReceived& e) { rules_.On(e); },
+                 [&](const event::PolicyRequested& e) { policy_requests_.On(e); },
+                 [&](const event::SaveEnded& e) { saving_.On(e); },
+                 [](const event::TimePassed&) {},
+             },
+             event);
+}
+
+void Coordinator::On(const event::Begin& begin) {
+  start_up_.Begin(begin);
+  stops_.Begin(begin.stops);
+  rules_.Begin(begin.policy);
+}
+
+void Coordinator::Settle() {
+  if (step_.machine.phase == Phase::kFenced) return;
+  arrivals_.CheckDeadlines();
+  arrivals_.TakeUpOthers();
+  start_up_.CheckDeadlines();
+  recovery_.CheckDeadlines();
+  Advance();
+  saving_.NoteHosts();
+}
+
+// Each can make the next one possible; the loop ends when all of them wait for an event.
+void Coordinator::Advance() {
+  const Phase& phase = step_.machine.phase;
   bool changed = true;
   while (changed) {
     changed = AdvanceSwitch();
-    if (machine_.phase == Phase::kStopping) {
-      AdvanceStopping();
-    } else if (machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped) {
-      changed |= BeginWaiting();
-      changed |= StartProcesses();
-      changed |= AdvanceStart();
-      changed |= SuspendAndResume();
-      changed |= BeginFallback();
-      changed |= AdvancePolicy();
+    if (phase == Phase::kStopping) {
+      tear_down_.Advance();
+    } else if (phase != Phase::kIdle && phase != Phase::kStopped) {
+      changed |= requests_.BeginWaiting();
+      changed |= start_up_.StartProcesses();
+      changed |= start_up_.Advance();
+      changed |= binding_.SuspendAndResume();
+      changed |= fallback_.Begin();
+      changed |= rules_.Advance();
       // Last: what comes before may take the machine to another state.
-      if (!changed) changed = DriveLateOnes();
+      if (!changed) changed = joining_.DriveLateOnes();
     }
   }
-  NoteHosts();
 }
 
-// Numbers the record. A record about the machine also reports a change of its state.
-std::uint64_t Decision::Record(action::Record record) {
-  record.id = ++machine_.last_record;
-  const bool of_machine = record.kind == "machine" || (record.kind == "switch" && !record.actuator);
-  if (of_machine && machine_.state != machine_.recorded_state) {
-    record.state = machine_.recorded_state = machine_.state;
+bool Coordinator::AdvanceSwitch() {
+  if (tear_down_.WaitsForIntent()) return false;
+  const Switching::Progress progress = switching_.Advance();
+  if (const auto& ended = progress.ended) {
+    if (ended->purpose == Purpose::kStop) {
+      tear_down_.OnTornDown(ended->result);
+    } else {
+      start_up_.OnSwitchEnded(*ended);
+    }
   }
-  Do(record);
-  return record.id;
+  return progress.changed;
 }
 
-std::uint64_t Decision::RecordMachine(std::int32_t code, const std::string& message,
-                                      std::uint64_t cause) {
-  return Record({"machine", std::nullopt, 0, code, message, 0, cause, {}});
-}
-
-std::uint64_t Decision::RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
-                                     std::uint64_t cause) {
-  return Record({"switch", s.only, s.number, code, message, 0, cause, {}});
-}
-
-std::uint64_t Decision::RecordEnd(const Switch& s, const SwitchResult& result,
-                                  const std::string& message, std::uint64_t cause) {
-  action::Record record{"switch", s.only, s.number, result.code, message, 0, cause, {}};
-  record.of_switch = {s.target, result.outcome, result.state};
-  return Record(record);
-}
-
-std::uint64_t Decision::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
-                                       std::uint64_t cause) {
-  const std::uint64_t number = Of(i).command ? Of(i).command->number : 0;
-  return Record({"actuator", i, number, code, message, 0, cause, {}});
-}
-
-std::uint64_t Decision::RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
-                                      std::uint64_t cause) {
-  return Record({"process", i, 0, code, message, 0, cause, {}});
-}
-
-void Decision::Degrade(std::size_t i, std::int32_t code, const std::string& message,
-                       std::uint64_t cause) {
-  const Error fault{code, message};
-  if (Of(i).fault == fault) return;
-  Of(i).fault = fault;
-  Of(i).cause = RecordActuator(i, code, ConfigOf(i).name + " is degraded: " + message, cause);
-}
-
-std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
-                         Time now) {
-  Decision decision(config, machine, now);
-  if (machine.phase == Phase::kFenced) {
-    decision.Decline(event);
-  } else {
-    std::visit([&](const auto& e) { decision.On(e); }, event);
-    decision.Settle();
+void Coordinator::Decline(const Event& event) {
+  const Error fenced{kCodePermissionDenied, "another controller leads this machine"};
+  const auto answer = [&](RequestId request) {
+    step_.actions.emplace_back(action::AnswerCall{request, fenced});
+  };
+  if (const auto* requested = std::get_if<event::SetStateRequested>(&event)) {
+    requests_.On(*requested);
+  } else if (const auto* restart = std::get_if<event::RestartRequested>(&event)) {
+    answer(restart->request);
+  } else if (const auto* release = std::get_if<event::ReleaseRequested>(&event)) {
+    answer(release->request);
+  } else if (const auto* awaited = std::get_if<event::SetUpAwaited>(&event)) {
+    answer(awaited->request);
+  } else if (const auto* of_policy = std::get_if<event::PolicyRequested>(&event)) {
+    answer(of_policy->request);
   }
-  return std::move(decision).Take();
 }
 
+// When the next command, take-control attempt or set-up deadline of one actuator is due.
 std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   std::optional<Time> next;
   const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
@@ -102,6 +168,21 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
     if (when) consider(*when);
   }
   return next;
+}
+
+}  // namespace
+
+std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
+                         Time now) {
+  StepContext step{config, machine, now};
+  Coordinator coordinator(step);
+  if (machine.phase == Phase::kFenced) {
+    coordinator.Decline(event);
+  } else {
+    coordinator.Handle(event);
+    coordinator.Settle();
+  }
+  return std::move(step.actions);
 }
 
 std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& machine) {

@@ -60,6 +60,14 @@ Machine MakeMachine(const MachineConfig& config) {
   return machine;
 }
 
+StoredStops StopsOf(const Machine& machine) {
+  StoredStops stops;
+  if (machine.emergency_stop) stops.engaged.push_back(*machine.emergency_stop);
+  stops.engaged.insert(stops.engaged.end(), machine.other_stops.begin(), machine.other_stops.end());
+  stops.released = machine.released_stops;
+  return stops;
+}
+
 std::optional<Error> PartialFaultOf(const ActuatorRecord& record) {
   if (record.presence != Presence::kPresent) return std::nullopt;
   if (record.tolerated) return record.tolerated;

@@ -197,6 +197,8 @@ struct Stopping {
   friend bool operator==(const Stopping&, const Stopping&) = default;
 };
 
+struct Machine;
+
 // The emergency stops that are stored for the next controller.
 struct StoredStops {
   std::vector<EmergencyStop> engaged;   // oldest first
@@ -208,6 +210,7 @@ struct StoredStops {
 // Merges what is on disk with what was received from other controllers and panels since. A stop
 // that is released in either of them is over.
 StoredStops Merge(const StoredStops& stored, const StoredStops& received);
+StoredStops StopsOf(const Machine& machine);
 
 // An actuator that runs on another host, as it is stored for the next controller.
 struct RemoteActuator {

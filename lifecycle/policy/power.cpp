@@ -1,13 +1,11 @@
-// Power-off and reboot: TearDown, then the command; when the time expires, the command regardless.
-// By the steady clock, whatever clock the rest of the policy uses.
+#include "musher/lifecycle/policy/power.hpp"
 
 #include <algorithm>
-
-#include "musher/lifecycle/decision.hpp"
+#include <utility>
 
 namespace musher {
 
-void Decision::BeginPowerDown(bool reboot, Time tear_down_at, std::uint64_t cause) {
+void Power::Begin(bool reboot, Time tear_down_at, std::uint64_t cause) {
   PowerDown power;
   power.reboot = reboot;
   power.tear_down_at = tear_down_at;
@@ -17,21 +15,7 @@ void Decision::BeginPowerDown(bool reboot, Time tear_down_at, std::uint64_t caus
   machine_.policy.power = power;
 }
 
-// As soon as no switch is under way.
-bool Decision::TearDownForPower() {
-  PowerDown& power = *machine_.policy.power;
-  if (now_ < power.tear_down_at) return false;
-  const Plan plan = MakePlan(config_, machine_, State(kTearDown));
-  if (plan.refusal) {
-    power.tear_down_at = Time::max();  // the command comes in time, regardless
-    RecordPolicy(plan.refusal->code, "no TearDown: " + plan.refusal->message, power.cause);
-    return false;
-  }
-  Stop(plan, {}, power.cause);
-  return true;
-}
-
-void Decision::CommandPower(bool in_time) {
+void Power::Command(bool in_time) {
   PowerDown& power = *machine_.policy.power;
   if (std::exchange(power.commanded, true)) return;
   const PowerPolicy& policy = config_.policy->power;
@@ -46,9 +30,9 @@ void Decision::CommandPower(bool in_time) {
   Do(action::RunPowerCommand{power.reboot});
 }
 
-void Decision::ForcePower() {
+void Power::Force() {
   const auto& power = machine_.policy.power;
-  if (power && now_ >= power->force_at) CommandPower(false);
+  if (power && now_ >= power->force_at) Command(false);
 }
 
 std::optional<Time> NextPowerDeadline(const Machine& machine) {

@@ -1,52 +1,8 @@
-// binds_to: an actuator that needs another is suspended while that one is not up, and is driven to
-// the state of the machine when the other is in that state again; that it is present is not enough.
-// The rule depends on the present situation only, not on what led to it.
-
-#include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/recovery/binding.hpp"
 
 namespace musher {
 
-// Whether the actuators bound to it may be up.
-bool Decision::IsUp(std::size_t i) const {
-  const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
-         record.health != Health::kHung && !record.restart_requested && record.state() != kTearDown;
-}
-
-bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const {
-  for (const std::string& name : ConfigOf(i).binds_to) {
-    const std::size_t needed = *config_.IndexOf(name);
-    if (seen[needed]) continue;
-    seen[needed] = true;
-    if (needed == other || IsBoundTo(needed, other, seen)) return true;
-  }
-  return false;
-}
-
-// Whether `needed` does not require `i` to be suspended. Once `i` is suspended, `needed` has to be
-// in the state of the machine again, unless it waits for `i` in turn.
-bool Decision::Suffices(std::size_t needed, std::size_t i) const {
-  if (!IsUp(needed)) return false;
-  std::vector<bool> seen(machine_.actuators.size(), false);
-  if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
-  return !Of(needed).command && Of(needed).state() == machine_.state;
-}
-
-// An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
-// actuators bound to each other do not keep each other down: `seen` breaks the cycle.
-const std::string* Decision::MissingFor(std::size_t bound, std::size_t i,
-                                        std::vector<bool>& seen) const {
-  for (const std::string& name : ConfigOf(i).binds_to) {
-    const std::size_t needed = *config_.IndexOf(name);
-    if (seen[needed]) continue;
-    seen[needed] = true;
-    if (!Suffices(needed, bound)) return &name;
-    if (const std::string* missing = MissingFor(bound, needed, seen)) return missing;
-  }
-  return nullptr;
-}
-
-bool Decision::SuspendAndResume() {
+bool Binding::SuspendAndResume() {
   if (machine_.phase != Phase::kRunning || machine_.current) return false;
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
@@ -69,28 +25,52 @@ bool Decision::SuspendAndResume() {
   return changed;
 }
 
-void Decision::Suspend(std::size_t i, const std::string& missing) {
+// Whether the actuators bound to it may be up.
+bool Binding::IsUp(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
+         record.health != Health::kHung && !record.restart_requested && record.state() != kTearDown;
+}
+
+bool Binding::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const {
+  for (const std::string& name : ConfigOf(i).binds_to) {
+    const std::size_t needed = *config_.IndexOf(name);
+    if (seen[needed]) continue;
+    seen[needed] = true;
+    if (needed == other || IsBoundTo(needed, other, seen)) return true;
+  }
+  return false;
+}
+
+// Whether `needed` does not require `i` to be suspended. Once `i` is suspended, `needed` has to be
+// in the state of the machine again, unless it waits for `i` in turn.
+bool Binding::Suffices(std::size_t needed, std::size_t i) const {
+  if (!IsUp(needed)) return false;
+  std::vector<bool> seen(machine_.actuators.size(), false);
+  if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
+  return !Of(needed).command && Of(needed).state() == machine_.state;
+}
+
+// An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
+// actuators bound to each other do not keep each other down: `seen` breaks the cycle.
+const std::string* Binding::MissingFor(std::size_t bound, std::size_t i,
+                                       std::vector<bool>& seen) const {
+  for (const std::string& name : ConfigOf(i).binds_to) {
+    const std::size_t needed = *config_.IndexOf(name);
+    if (seen[needed]) continue;
+    seen[needed] = true;
+    if (!Suffices(needed, bound)) return &name;
+    if (const std::string* missing = MissingFor(bound, needed, seen)) return missing;
+  }
+  return nullptr;
+}
+
+void Binding::Suspend(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
   record.suspended = true;
   record.due = true;
   Degrade(i, kCodeStatusError, "suspended: " + missing + ", in its binds_to, is not up",
           Of(*config_.IndexOf(missing)).cause);
-}
-
-// Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
-// than its present state.
-State Decision::PlaceOf(std::size_t i) const {
-  const ActuatorRecord& record = Of(i);
-  if (!record.suspended) return machine_.state;
-  const auto own = config_.RankOf(record.state());
-  const auto machine = config_.RankOf(machine_.state);
-  for (const std::string_view rest : {kDeActive, kLowPower}) {
-    const auto rank = config_.RankOf(rest);
-    if (!ConfigOf(i).Lists(rest) || !rank) continue;
-    if (!own || *own <= *rank) break;
-    return machine && *machine < *rank ? machine_.state : State(rest);
-  }
-  return record.state();
 }
 
 }  // namespace musher

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::stopping_test {
 

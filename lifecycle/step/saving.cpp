@@ -1,14 +1,10 @@
-// What has to survive the controller: handed to the disk thread, which only TearDown waits for, and
-// saved once the disk thread reports it.
+#include "musher/lifecycle/step/saving.hpp"
 
 #include <algorithm>
-#include <utility>
-
-#include "musher/lifecycle/decision.hpp"
 
 namespace musher {
 
-void Decision::Save(Stored what) {
+void Saving::Save(Stored what) {
   const std::uint64_t save = ++machine_.last_save;
   auto& unsaved = machine_.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(),
@@ -22,7 +18,7 @@ void Decision::Save(Stored what) {
     case Stored::kEpoch:
       return Do(action::SaveEpoch{machine_.epoch, save});
     case Stored::kEmergencyStops:
-      return Do(action::SaveEmergencyStops{Stops(), save});
+      return Do(action::SaveEmergencyStops{StopsOf(machine_), save});
     case Stored::kPolicy:
       return Do(action::SavePolicy{machine_.policy.stored, save});
     case Stored::kStopIntent:
@@ -32,7 +28,7 @@ void Decision::Save(Stored what) {
   }
 }
 
-std::vector<RemoteActuator> Decision::RemoteActuators() const {
+std::vector<RemoteActuator> Saving::RemoteActuators() const {
   std::vector<RemoteActuator> remote;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (Of(i).elsewhere) remote.push_back({ConfigOf(i).name, *Of(i).elsewhere});
@@ -42,7 +38,7 @@ std::vector<RemoteActuator> Decision::RemoteActuators() const {
 
 // Whether it runs on another host, by its last status. A process whose protocol does not name its
 // host may be on another one with profile lan only.
-bool Decision::IsElsewhere(std::size_t i) const {
+bool Saving::IsElsewhere(std::size_t i) const {
   const ActuatorReport& report = Of(i).report;
   if (Of(i).process != 0 || report.incarnation == Of(i).dead || report.state == kTearDown) {
     return false;
@@ -55,7 +51,7 @@ bool Decision::IsElsewhere(std::size_t i) const {
   return !machine_.host.empty() && report.host != machine_.host;
 }
 
-void Decision::NoteHosts() {
+void Saving::NoteHosts() {
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -70,7 +66,7 @@ void Decision::NoteHosts() {
   if (changed) Save(Stored::kRemoteActuators);
 }
 
-void Decision::On(const event::SaveEnded& ended) {
+void Saving::On(const event::SaveEnded& ended) {
   auto& unsaved = machine_.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(), [&](const Unsaved& one) {
     return one.what == ended.what && one.save == ended.save;

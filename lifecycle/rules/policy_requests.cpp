@@ -1,9 +1,6 @@
-// The requests of people, applications and the robot's own buttons to the policy. Each is answered,
-// and a refusal says why and what to do.
+#include "musher/lifecycle/rules/policy_requests.hpp"
 
-#include <algorithm>
-
-#include "musher/lifecycle/decision.hpp"
+#include <utility>
 
 namespace musher {
 namespace {
@@ -40,7 +37,7 @@ std::string Describe(const event::PolicyRequested& requested) {
 
 }  // namespace
 
-void Decision::On(const event::PolicyRequested& requested) {
+void PolicyRequests::On(const event::PolicyRequested& requested) {
   const auto refuse = [&](const Error& why, std::uint64_t request_record) {
     if (request_record != 0) {
       RecordPolicy(why.code, Describe(requested) + " refused: " + why.message, request_record);
@@ -55,14 +52,15 @@ void Decision::On(const event::PolicyRequested& requested) {
   if (const auto refusal = Handle(requested, request_record)) refuse(*refusal, request_record);
 }
 
-std::optional<Error> Decision::Handle(const Requested& requested, std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::Handle(const Requested& requested,
+                                            std::uint64_t request_record) {
   if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
     return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
   }
   switch (requested.what) {
     case PolicyRequest::kSwitch:
       machine_.policy.calls.push_back(requested.request);
-      On(event::SetStateRequested{requested.request, requested.state, std::nullopt});
+      requests_.On(event::SetStateRequested{requested.request, requested.state, std::nullopt});
       return std::nullopt;
     case PolicyRequest::kKeep:
       return HandleKeep(requested, request_record);
@@ -80,50 +78,15 @@ std::optional<Error> Decision::Handle(const Requested& requested, std::uint64_t 
   return HandlePower(requested, request_record);
 }
 
-// What blocks most requests: a keep, or a switch under way.
-std::optional<Error> Decision::KeptOrBusy() const {
-  if (const auto& keep = machine_.policy.keep) {
-    const auto left = std::chrono::ceil<std::chrono::seconds>(keep->until - policy_now()).count();
-    return Error{kCodeStateInvalid, "the machine is kept in " + keep->state + " for another " +
-                                        std::to_string(left) +
-                                        " s; end it with `musher keep --end`"};
-  }
-  if (!machine_.current) return std::nullopt;
-  return Error{kCodeTargetBusy, "switch " + std::to_string(machine_.current->number) + " (to " +
-                                    machine_.current->target + ") is under way"};
-}
-
-std::optional<Error> Decision::BeginRequested(const Requested& requested, const State& target,
-                                              std::uint64_t request_record) {
-  const Plan plan = MakePlan(config_, machine_, target);
-  if (plan.refusal) return plan.refusal;
-  machine_.policy.calls.push_back(requested.request);
-  if (target == kTearDown) {
-    Stop(plan, {requested.request}, request_record);
-  } else {
-    Begin(plan, Purpose::kRequested, {requested.request}, request_record);
-  }
-  return std::nullopt;
-}
-
-// To Active, or as far as the battery allows; the rest follows when the battery allows it.
-std::optional<Error> Decision::BeginUp(const Requested& requested, std::uint64_t request_record) {
-  const State most = CeilingState(config_, BatteryLevel::kFree);
-  const State target = UpTo(most);
-  if (auto refusal = BeginRequested(requested, target, request_record)) return refusal;
-  if (target != most) machine_.policy.withheld = Lowering{most, target, 0};
-  return std::nullopt;
-}
-
-std::optional<Error> Decision::HandleKeep(const Requested& requested,
-                                          std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::HandleKeep(const Requested& requested,
+                                                std::uint64_t request_record) {
   PolicyState& policy = machine_.policy;
   if (requested.ticks < 0 || requested.ticks > kLongestKeep) {
     return Error{kCodeParametersInvalid, "a keep lasts 0 to " + std::to_string(kLongestKeep) +
                                              " s, not " + std::to_string(requested.ticks) + " s"};
   }
   if (policy.keep && requested.ticks == 0) {
-    EndKeep("cancelled");
+    memory_.EndKeep("cancelled");
     Do(action::AnswerCall{requested.request, Ok()});
     return std::nullopt;
   }
@@ -153,7 +116,8 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested,
   return std::nullopt;
 }
 
-std::optional<Error> Decision::HandleOta(const Requested& requested, std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::HandleOta(const Requested& requested,
+                                               std::uint64_t request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   const bool inside = machine_.state == kOta;
   if (requested.enable && inside) {
@@ -165,13 +129,8 @@ std::optional<Error> Decision::HandleOta(const Requested& requested, std::uint64
   return Error{kCodeStateInvalid, "the machine is not in OTA, it is in " + machine_.state};
 }
 
-bool Decision::InLowPower() const {
-  return machine_.state == kLowPower ||
-         machine_.state == CeilingState(config_, BatteryLevel::kLowPower);
-}
-
-std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
-                                                    std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::HandleLowPowerSwitch(const Requested& requested,
+                                                          std::uint64_t request_record) {
   PolicyState& policy = machine_.policy;
   if (!config_.policy->low_power) {
     return Error{kCodeUnSupport, "the config has no [policy.low_power]"};
@@ -182,7 +141,7 @@ std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
   policy.low_power = requested.enable;
   if (requested.what == PolicyRequest::kLowPowerStore) {
     policy.stored.low_power = requested.enable;
-    Save(Stored::kPolicy);
+    saving_.Save(Stored::kPolicy);
   }
   // Off also wakes up a machine that is in LowPower for another reason than the battery.
   const bool wakes = off && machine_.state == kLowPower && !policy.stored.lowering &&
@@ -192,8 +151,8 @@ std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
   return std::nullopt;
 }
 
-std::optional<Error> Decision::HandleWakeUp(const Requested& requested,
-                                            std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::HandleWakeUp(const Requested& requested,
+                                                  std::uint64_t request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   if (!InLowPower()) {
     return Error{kCodeStateInvalid, "the machine is not in LowPower, it is in " + machine_.state};
@@ -206,8 +165,8 @@ std::optional<Error> Decision::HandleWakeUp(const Requested& requested,
 
 // Answered at once: later the robot is off. If the command was given already and the robot still
 // runs, the command has failed, or takes long: it is given again.
-std::optional<Error> Decision::HandlePower(const Requested& requested,
-                                           std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::HandlePower(const Requested& requested,
+                                                 std::uint64_t request_record) {
   const bool reboot = requested.what == PolicyRequest::kReboot;
   auto& power = machine_.policy.power;
   if (power && power->reboot != reboot && !power->commanded) {
@@ -218,13 +177,54 @@ std::optional<Error> Decision::HandlePower(const Requested& requested,
   const bool updating =
       machine_.state == kOta || (machine_.current && machine_.current->target == kOta);
   if (updating) return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
-  if (!power) BeginPowerDown(reboot, now_ + config_.policy->power.delay, request_record);
+  if (!power) power_.Begin(reboot, now_ + config_.policy->power.delay, request_record);
   Do(action::AnswerCall{requested.request, Ok()});
   if (std::exchange(power->commanded, false)) {
     power->reboot = reboot;
-    CommandPower(false);
+    power_.Command(false);
   }
   return std::nullopt;
+}
+
+// What blocks most requests: a keep, or a switch under way.
+std::optional<Error> PolicyRequests::KeptOrBusy() const {
+  if (const auto& keep = machine_.policy.keep) {
+    const auto left = std::chrono::ceil<std::chrono::seconds>(keep->until - policy_now()).count();
+    return Error{kCodeStateInvalid, "the machine is kept in " + keep->state + " for another " +
+                                        std::to_string(left) +
+                                        " s; end it with `musher keep --end`"};
+  }
+  if (!machine_.current) return std::nullopt;
+  return Error{kCodeTargetBusy, "switch " + std::to_string(machine_.current->number) + " (to " +
+                                    machine_.current->target + ") is under way"};
+}
+
+std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, const State& target,
+                                                    std::uint64_t request_record) {
+  const Plan plan = MakePlan(config_, machine_, target);
+  if (plan.refusal) return plan.refusal;
+  machine_.policy.calls.push_back(requested.request);
+  if (target == kTearDown) {
+    tear_down_.Begin(plan, {requested.request}, request_record);
+  } else {
+    switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record);
+  }
+  return std::nullopt;
+}
+
+// To Active, or as far as the battery allows; the rest follows when the battery allows it.
+std::optional<Error> PolicyRequests::BeginUp(const Requested& requested,
+                                             std::uint64_t request_record) {
+  const State most = CeilingState(config_, BatteryLevel::kFree);
+  const State target = rules_.UpTo(most);
+  if (auto refusal = BeginRequested(requested, target, request_record)) return refusal;
+  if (target != most) machine_.policy.withheld = Lowering{most, target, 0};
+  return std::nullopt;
+}
+
+bool PolicyRequests::InLowPower() const {
+  return machine_.state == kLowPower ||
+         machine_.state == CeilingState(config_, BatteryLevel::kLowPower);
 }
 
 }  // namespace musher

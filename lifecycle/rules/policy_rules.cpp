@@ -1,17 +1,14 @@
-// The rules that act by themselves: the battery's ceiling, and LowPower when the robot lies still.
-// They never supersede a switch; they are evaluated again after each.
+#include "musher/lifecycle/rules/policy_rules.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/coordinator.hpp"
 
 namespace musher {
 namespace {
 
 constexpr int kFullBattery = 100;
-// The delay before a retry of a failed switch; doubled each time.
-constexpr Duration kFirstRetry = std::chrono::seconds(1);
-constexpr int kMostDoublings = 6;  // about a minute
 
 std::string InSeconds(Duration duration) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(duration).count()) + " s";
@@ -19,34 +16,16 @@ std::string InSeconds(Duration duration) {
 
 }  // namespace
 
-std::uint64_t Decision::RecordPolicy(std::int32_t code, const std::string& message,
-                                     std::uint64_t cause) {
-  return Record({"policy", std::nullopt, 0, code, message, 0, cause, {}});
-}
-
-void Decision::BeginPolicy(const StoredPolicy& stored) {
+void PolicyRules::Begin(const StoredPolicy& stored) {
   if (!config_.policy) return;
   PolicyState& policy = machine_.policy;
   policy.stored = stored;
-  ResumeLowering();
+  memory_.ResumeLowering();
   const auto& rule = config_.policy->low_power;
   policy.low_power = rule && stored.low_power.value_or(rule->enabled);
 }
 
-// Restores what an earlier controller stored about the battery, if none has led since. The level
-// was at least as low then; so its hysteresis applies.
-void Decision::ResumeLowering() {
-  PolicyState& policy = machine_.policy;
-  auto lowering = policy.stored.lowering;
-  if (!lowering) return;
-  if (lowering->epoch + 1 != machine_.epoch) return Lower(std::nullopt);
-  const auto to = config_.RankOf(lowering->to);
-  policy.level =
-      to && *to <= *BuiltInRank(kLowPower) ? BatteryLevel::kLowPower : BatteryLevel::kProtected;
-  Lower(lowering);
-}
-
-void Decision::On(const event::BatterySeen& seen) {
+void PolicyRules::On(const event::BatterySeen& seen) {
   if (!config_.policy || !config_.policy->battery || machine_.phase == Phase::kIdle) return;
   PolicyState& policy = machine_.policy;
   if (seen.percent < 0 || seen.percent > kFullBattery) {
@@ -65,7 +44,7 @@ void Decision::On(const event::BatterySeen& seen) {
 }
 
 // Records a change of the ceiling; the record is the cause of what follows.
-void Decision::EvaluateLevel(const std::string& seen) {
+void PolicyRules::EvaluateLevel(const std::string& seen) {
   PolicyState& policy = machine_.policy;
   const BatteryLevel before = policy.level;
   policy.level = LevelAt(*config_.policy->battery, *policy.battery, before);
@@ -83,13 +62,13 @@ void Decision::EvaluateLevel(const std::string& seen) {
   policy.level_cause = RecordPolicy(kCodeOk, text);
 }
 
-void Decision::On(const event::MotionSeen& seen) {
+void PolicyRules::On(const event::MotionSeen& seen) {
   if (!config_.policy || !config_.policy->low_power) return;
   const std::vector<std::int32_t>& still = config_.policy->low_power->motion_ids;
   machine_.policy.still = std::find(still.begin(), still.end(), seen.motion) != still.end();
 }
 
-void Decision::On(const event::InputSilent& silent) {
+void PolicyRules::On(const event::InputSilent& silent) {
   if (!config_.policy || machine_.phase == Phase::kIdle) return;
   PolicyState& policy = machine_.policy;
   if (silent.input == PolicyInput::kMotion) {
@@ -105,7 +84,7 @@ void Decision::On(const event::InputSilent& silent) {
 }
 
 // The clock of a restarted world, or of one received for the first time, has another zero.
-void Decision::On(const event::ClockReceived& received) {
+void PolicyRules::On(const event::ClockReceived& received) {
   if (!config_.policy || config_.clock != ClockSource::kTopic) return;
   PolicyState& policy = machine_.policy;
   if (policy.clock == Time{} || received.clock < policy.clock) {
@@ -116,16 +95,16 @@ void Decision::On(const event::ClockReceived& received) {
   policy.clock = received.clock;
 }
 
-bool Decision::AdvancePolicy() {
+bool PolicyRules::Advance() {
   if (!config_.policy) return false;
   PolicyState& policy = machine_.policy;
   // During an emergency stop no actuator goes up; the battery rule does not wait for that.
   const bool settled = machine_.emergency_stop ||
-                       (machine_.stage >= LastStage(config_) && StageSettled(machine_.stage));
+                       (machine_.stage >= LastStage(config_) && StageIsSettled(machine_.stage));
   policy.loaded |= machine_.phase == Phase::kRunning && settled;
-  if (policy.keep && policy_now() >= policy.keep->until) EndKeep("time expired");
+  if (policy.keep && policy_now() >= policy.keep->until) memory_.EndKeep("time expired");
   CountStillness();
-  ForcePower();
+  power_.Force();
   if (machine_.current) return false;
   if (policy.power) return TearDownForPower();
   if (policy.retry_at && now_ < *policy.retry_at) return false;
@@ -133,40 +112,28 @@ bool Decision::AdvancePolicy() {
   return ApplyBatteryRule() || LowPowerWhenStill();
 }
 
-// Whether a switch that is done has led the machine out of the state in which it is kept.
-bool Decision::EndsKeep(const Switch& s) const {
-  const auto& keep = machine_.policy.keep;
-  const bool leads_elsewhere = !s.only && s.direction != Direction::kCheck;
-  return keep && leads_elsewhere && s.purpose != Purpose::kStop && keep->state != s.target;
-}
-
-void Decision::EndKeep(const std::string& why) {
-  const Keep keep = *std::exchange(machine_.policy.keep, std::nullopt);
-  RecordPolicy(kCodeOk, "the machine is no longer kept in " + keep.state + ": " + why);
-}
-
-bool Decision::BatteryRulesWait() const {
+bool PolicyRules::BatteryRulesWait() const {
   const PolicyState& policy = machine_.policy;
   const bool loading =
       machine_.phase == Phase::kStarting || (machine_.phase == Phase::kRunning && !policy.loaded);
   return loading || !policy.battery || policy.keep || machine_.state == kOta;
 }
 
-bool Decision::ApplyBatteryRule() {
+bool PolicyRules::ApplyBatteryRule() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
   const BatteryLevel level = TakingDownLevel(machine_.policy);
   if (level == BatteryLevel::kEmpty) {
     // A manager that speaks announces it first, before its voice is torn down with the rest.
     const bool speaks = config_.policy->manager && config_.policy->voice.Says(Occasion::kBattery);
     const Duration word = speaks ? config_.policy->power.delay : Duration{};
-    BeginPowerDown(false, now_ + word, machine_.policy.level_cause);
+    power_.Begin(false, now_ + word, machine_.policy.level_cause);
     return TearDownForPower();
   }
   if (machine_.phase != Phase::kRunning) return false;
   return TakeDown(level) || BringBack();
 }
 
-bool Decision::TakeDown(BatteryLevel level) {
+bool PolicyRules::TakeDown(BatteryLevel level) {
   const auto most = CeilingRank(level);
   const auto rank = config_.RankOf(machine_.state);
   const State target = CeilingState(config_, level);
@@ -178,16 +145,16 @@ bool Decision::TakeDown(BatteryLevel level) {
                      machine_.policy.level_cause)) {
     return false;
   }
-  Lower(Lowering{from, target, 0});
+  memory_.Lower(Lowering{from, target, 0});
   return true;
 }
 
 // Back to the state before the battery rule took the machine down, as far as the battery allows.
-bool Decision::BringBack() {
+bool PolicyRules::BringBack() {
   const auto lowering = machine_.policy.stored.lowering;
   if (!lowering) return false;
   if (machine_.state != lowering->to) {
-    Lower(std::nullopt);  // another request has changed its state
+    memory_.Lower(std::nullopt);  // another request has changed its state
     return false;
   }
   const State target = UpTo(lowering->from);
@@ -198,15 +165,14 @@ bool Decision::BringBack() {
                        machine_.policy.level_cause);
 }
 
-// `wanted`, or the most that the battery allows.
-State Decision::UpTo(const State& wanted) const {
+State PolicyRules::UpTo(const State& wanted) const {
   const auto most = CeilingRank(machine_.policy.level);
   const auto rank = config_.RankOf(wanted);
   const bool allowed = config_.HasState(wanted) && rank && (!most || *rank <= *most);
   return allowed ? wanted : CeilingState(config_, machine_.policy.level);
 }
 
-void Decision::CountStillness() {
+void PolicyRules::CountStillness() {
   PolicyState& policy = machine_.policy;
   const bool awake = machine_.state == kActive || machine_.state == kProtected;
   const bool counts = policy.low_power && policy.still && policy.loaded && !policy.keep && awake;
@@ -217,91 +183,41 @@ void Decision::CountStillness() {
   }
 }
 
-bool Decision::LowPowerWhenStill() {
+bool PolicyRules::LowPowerWhenStill() {
   const auto since = machine_.policy.still_since;
   if (!since || machine_.phase != Phase::kRunning) return false;
   const Duration limit = config_.policy->low_power->lying_still;
   if (policy_now() < *since + limit) return false;
-  Lower(std::nullopt);  // from now on it is in LowPower for another reason
+  memory_.Lower(std::nullopt);  // from now on it is in LowPower for another reason
   return BeginByPolicy(MakePlan(config_, machine_, State(kLowPower)),
                        "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
                        0);
 }
 
-bool Decision::BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause) {
+bool PolicyRules::BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause) {
   if (plan.refusal) {
     if (machine_.policy.failures == 0) {
       RecordPolicy(plan.refusal->code, why + " refused: " + plan.refusal->message, cause);
     }
-    BackOff();
+    memory_.BackOff();
     return false;
   }
-  Begin(plan, Purpose::kPolicy, {}, RecordPolicy(kCodeOk, why, cause));
+  switching_.Begin(plan, Purpose::kPolicy, {}, RecordPolicy(kCodeOk, why, cause));
   return true;
 }
 
-void Decision::BackOff() {
-  PolicyState& policy = machine_.policy;
-  policy.retry_at = now_ + kFirstRetry * (1 << std::min(policy.failures, kMostDoublings));
-  ++policy.failures;
-}
-
-void Decision::Lower(std::optional<Lowering> lowering) {
-  StoredPolicy& stored = machine_.policy.stored;
-  if (lowering) lowering->epoch = machine_.epoch;
-  if (stored.lowering == lowering) return;
-  stored.lowering = lowering;
-  Save(Stored::kPolicy);
-}
-
-// An actuator is lost: the battery rule brings the machine back at most to `most`.
-void Decision::LowerAtMostTo(const State& most) {
-  auto lowering = machine_.policy.stored.lowering;
-  if (!lowering) return;
-  const auto from = config_.RankOf(lowering->from);
-  const auto to = config_.RankOf(lowering->to);
-  const auto limit = config_.RankOf(most);
-  if (!from || !to || !limit || *from <= *limit) return;
-  lowering->from = most;
-  Lower(*limit > *to ? lowering : std::nullopt);
-}
-
-void Decision::NoteEndOfSwitch(const Switch& s, bool undone) {
-  if (!config_.policy) return;
-  PolicyState& policy = machine_.policy;
-  const auto withheld = std::exchange(policy.withheld, std::nullopt);
-  if (undone && policy.keep && policy.keep->switch_number == s.number) {
-    EndKeep("the switch to it was undone");
+// As soon as no switch is under way.
+bool PolicyRules::TearDownForPower() {
+  PowerDown& power = *machine_.policy.power;
+  if (now_ < power.tear_down_at) return false;
+  const Plan plan = MakePlan(config_, machine_, State(kTearDown));
+  if (plan.refusal) {
+    power.tear_down_at = Time::max();  // the command comes in time, regardless
+    RecordPolicy(plan.refusal->code, "no TearDown: " + plan.refusal->message, power.cause);
+    return false;
   }
-  if (!undone && EndsKeep(s)) EndKeep("the machine is in " + s.target + " now");
-  if (s.only || s.direction == Direction::kCheck) return;
-  if (s.purpose == Purpose::kPolicy && undone) {
-    // The battery may have fallen during a raise that has failed: lowering does not wait for the
-    // next attempt to raise.
-    const BatteryLevel level = TakingDownLevel(policy);
-    const auto rank = config_.RankOf(machine_.state);
-    const auto most = CeilingRank(level);
-    const bool lowers = level == BatteryLevel::kEmpty || (rank && most && *rank > *most);
-    if (s.direction != Direction::kUp || !lowers) BackOff();
-    return;
-  }
-  if (undone) return;
-  if (s.purpose != Purpose::kPolicy) {
-    return Lower(withheld && withheld->to == machine_.state ? withheld : std::nullopt);
-  }
-  policy.failures = 0;
-  auto lowering = policy.stored.lowering;
-  if (!lowering) return;
-  lowering->to = machine_.state;
-  Lower(lowering->from == machine_.state ? std::nullopt : lowering);
-}
-
-void Decision::NoteSuperseded(const Switch& s) {
-  PolicyState& policy = machine_.policy;
-  policy.withheld.reset();
-  if (policy.keep && policy.keep->switch_number == s.number) {
-    EndKeep("the switch to it was superseded");
-  }
+  tear_down_.Begin(plan, {}, power.cause);
+  return true;
 }
 
 std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine) {

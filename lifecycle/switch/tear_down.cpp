@@ -1,18 +1,7 @@
-// The end: TearDown in reverse order, then SIGTERM, then SIGKILL. TearDown may use 70 % of the
-// budget; at 90 % the remaining processes are killed; at 100 % the machine is stopped
-// unconditionally.
-//
-// Before the first TearDown the intent goes to disk, so that a controller which a supervisor starts
-// after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
-// answer delays it for a moment only.
-//
-// An actuator that was lost without a known exit may still run in its last state, also when only an
-// earlier controller of this host has received its status: it is listed as degraded, and the
-// outcome is done-degraded.
+#include "musher/lifecycle/switch/tear_down.hpp"
 
 #include <algorithm>
-
-#include "musher/lifecycle/decision.hpp"
+#include <utility>
 
 namespace musher {
 namespace {
@@ -22,9 +11,9 @@ constexpr Duration kIntentTime = Milliseconds(500);
 
 }  // namespace
 
-void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
-                    AfterTearDown after) {
-  if (machine_.current) Supersede(machine_.number + 1, plan.target, cause);
+void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
+                     AfterTearDown after) {
+  if (machine_.current) switching_.Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
     Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
   }
@@ -41,7 +30,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
   machine_.stopping->after = after;
   if (after != AfterTearDown::kStartsAgain && !machine_.finishing) {  // then it is on disk already
     machine_.stopping->intent_by = now_ + std::min(kIntentTime, budget / 10);
-    Save(Stored::kStopIntent);
+    saving_.Save(Stored::kStopIntent);
   }
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -56,21 +45,20 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
   ListSurvivors();
-  Begin(plan, Purpose::kStop, {}, cause);
+  switching_.Begin(plan, Purpose::kStop, {}, cause);
 }
 
 // Of several TearDown requests, the one counts that keeps the machine down.
-void Decision::JoinStop(const event::SetStateRequested& requested) {
+void TearDown::Join(const event::SetStateRequested& requested) {
   Stopping& stopping = *machine_.stopping;
   stopping.requests.push_back(requested.request);
   if (requested.after >= stopping.after) return;
   const bool saved = stopping.after != AfterTearDown::kStartsAgain || machine_.finishing;
   stopping.after = requested.after;
-  if (!saved) Save(Stored::kStopIntent);
+  if (!saved) saving_.Save(Stored::kStopIntent);
 }
 
-// Whether the first TearDown still waits for the intent to be on disk.
-bool Decision::WaitsForIntent() {
+bool TearDown::WaitsForIntent() {
   if (!machine_.stopping || !machine_.stopping->intent_by) return false;
   if (now_ < *machine_.stopping->intent_by) return true;
   machine_.stopping->intent_by.reset();
@@ -81,9 +69,87 @@ bool Decision::WaitsForIntent() {
   return false;
 }
 
+void TearDown::OnTornDown(SwitchResult result) {
+  Stopping& stopping = *machine_.stopping;
+  stopping.result = std::move(result);
+  const Duration grace = std::min(kExitGrace, config_.shutdown_budget / 10);
+  stopping.terminate_at = std::min(now_ + grace, stopping.kill_at);
+}
+
+void TearDown::Advance() {
+  Stopping& stopping = *machine_.stopping;
+  if (stopping.terminate_at && now_ >= *stopping.terminate_at && !stopping.terminated) {
+    stopping.terminated = true;
+    SignalProcesses(false);
+  }
+  if (now_ >= stopping.kill_at && !stopping.killed) {
+    stopping.killed = true;
+    SignalProcesses(true);
+  }
+  power_.Force();
+  const bool out_of_time = now_ >= stopping.give_up_at;
+  if (out_of_time && machine_.current) EndUnfinished();
+  if (!stopping.result) return;
+  if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
+  const SwitchResult result = Conclude({kCodeTimeout, "has not ended"});
+  machine_.phase = Phase::kStopped;
+  if (stopping.after == AfterTearDown::kMayStart)
+    saving_.Save(Stored::kStopIntent);  // there is none now
+  RecordMachine(result.code, "the machine is stopped after " +
+                                 std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms" +
+                                 (result.done() ? "" : "; " + result.reason));
+  switching_.Answer(stopping.requests, result);
+  if (machine_.policy.power) power_.Command(true);
+  Do(action::Stopped{});
+}
+
+// The budget is used up while an actuator has not answered TearDown.
+void TearDown::EndUnfinished() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (Of(i).command)
+      commands_.End(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
+  }
+  for (Leg& leg : machine_.current->legs) {
+    if (leg.progress != Leg::Progress::kWaiting) continue;
+    EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, "the budget was used up", false}, now_);
+  }
+  OnTornDown(switching_.End().result);
+}
+
+// The result of TearDown after the processes have had their time. An actuator that was lost only
+// since then, and a process that outlives SIGKILL, are left behind. So is a process that this
+// controller was still ending, or starting, when another one took over: `not_ended` says why.
+SwitchResult TearDown::Conclude(const Error& not_ended) {
+  ListSurvivors();
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const std::int32_t pid = OwnProcess(i);
+    if (pid == 0 && !Of(i).launching) continue;
+    const std::string process = pid == 0 ? "process" : "process " + std::to_string(pid);
+    Degrade(i, not_ended.code, "its " + process + " " + not_ended.message, Of(i).cause);
+  }
+  SwitchResult result = *machine_.stopping->result;
+  result.degraded = Degraded(config_, machine_);
+  const auto left =
+      std::find_if(machine_.actuators.begin(), machine_.actuators.end(),
+                   [](const ActuatorRecord& record) { return record.fault.has_value(); });
+  if (result.outcome != SwitchOutcome::kDone || left == machine_.actuators.end()) return result;
+  const auto i = static_cast<std::size_t>(left - machine_.actuators.begin());
+  result.outcome = SwitchOutcome::kDoneDegraded;
+  result.code = left->fault->code;
+  result.reason = ConfigOf(i).name + ": " + left->fault->message;
+  return result;
+}
+
+void TearDown::ListSurvivors() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const std::string why = WhyMayRun(i);
+    if (!why.empty()) Degrade(i, kCodeNetError, why, Of(i).cause);
+  }
+}
+
 // Why an actuator that TearDown does not reach may still run; empty: it has exited, or is reached,
 // or its process is ended with the machine.
-std::string Decision::WhyMayRun(std::size_t i) const {
+std::string TearDown::WhyMayRun(std::size_t i) const {
   const std::string lost = "connection lost and no exit seen; it may still run in ";
   const ActuatorRecord& record = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
@@ -106,27 +172,7 @@ std::string Decision::WhyMayRun(std::size_t i) const {
   return lost + record.state();
 }
 
-void Decision::ListSurvivors() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const std::string why = WhyMayRun(i);
-    if (!why.empty()) Degrade(i, kCodeNetError, why, Of(i).cause);
-  }
-}
-
-void Decision::OnTornDown(SwitchResult result) {
-  Stopping& stopping = *machine_.stopping;
-  stopping.result = std::move(result);
-  const Duration grace = std::min(kExitGrace, config_.shutdown_budget / 10);
-  stopping.terminate_at = std::min(now_ + grace, stopping.kill_at);
-}
-
-// The process that has to exit with the machine: one that this controller or an earlier one has
-// started. Processes started by other parties are not ended.
-std::int32_t Decision::OwnProcess(std::size_t i) const {
-  return ConfigOf(i).command.empty() ? 0 : ProcessOf(i);
-}
-
-bool Decision::ProcessesLeft() const {
+bool TearDown::ProcessesLeft() const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (OwnProcess(i) != 0 || Of(i).launching) return true;
   }
@@ -136,7 +182,7 @@ bool Decision::ProcessesLeft() const {
 // Another controller may have started a process just before it received the heartbeat of this one,
 // and the process may not have published anything yet. So processes are searched for once more when
 // all known ones have exited.
-bool Decision::HasSearched() {
+bool TearDown::HasSearched() {
   Stopping::Look& look = machine_.stopping->look;
   const bool may_run =
       std::any_of(config_.actuators.begin(), config_.actuators.end(),
@@ -147,7 +193,7 @@ bool Decision::HasSearched() {
   return false;
 }
 
-void Decision::On(const event::ProcessesFound& found) {
+void TearDown::On(const event::ProcessesFound& found) {
   if (machine_.phase != Phase::kStopping) return;
   Stopping& stopping = *machine_.stopping;
   stopping.look = Stopping::Look::kDone;
@@ -165,7 +211,7 @@ void Decision::On(const event::ProcessesFound& found) {
   }
 }
 
-void Decision::SignalProcesses(bool kill) {
+void TearDown::SignalProcesses(bool kill) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0) continue;
@@ -174,69 +220,6 @@ void Decision::SignalProcesses(bool kill) {
                       (kill ? " gets SIGKILL" : " gets SIGTERM"));
     Do(action::SignalProcess{i, pid, kill});
   }
-}
-
-void Decision::AdvanceStopping() {
-  Stopping& stopping = *machine_.stopping;
-  if (stopping.terminate_at && now_ >= *stopping.terminate_at && !stopping.terminated) {
-    stopping.terminated = true;
-    SignalProcesses(false);
-  }
-  if (now_ >= stopping.kill_at && !stopping.killed) {
-    stopping.killed = true;
-    SignalProcesses(true);
-  }
-  ForcePower();
-  const bool out_of_time = now_ >= stopping.give_up_at;
-  if (out_of_time && machine_.current) EndUnfinished();
-  if (!stopping.result) return;
-  if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
-  const SwitchResult result = StopResult({kCodeTimeout, "has not ended"});
-  machine_.phase = Phase::kStopped;
-  if (stopping.after == AfterTearDown::kMayStart) Save(Stored::kStopIntent);  // there is none now
-  RecordMachine(result.code, "the machine is stopped after " +
-                                 std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms" +
-                                 (result.done() ? "" : "; " + result.reason));
-  Answer(stopping.requests, result);
-  if (machine_.policy.power) CommandPower(true);
-  Do(action::Stopped{});
-}
-
-// The result of TearDown after the processes have had their time. An actuator that was lost only
-// since then, and a process that outlives SIGKILL, are left behind. So is a process that this
-// controller was still ending, or starting, when another one took over: `not_ended` says why.
-SwitchResult Decision::StopResult(const Error& not_ended) {
-  ListSurvivors();
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const std::int32_t pid = OwnProcess(i);
-    if (pid == 0 && !Of(i).launching) continue;
-    const std::string process = pid == 0 ? "process" : "process " + std::to_string(pid);
-    Degrade(i, not_ended.code, "its " + process + " " + not_ended.message, Of(i).cause);
-  }
-  SwitchResult result = *machine_.stopping->result;
-  result.degraded = Degraded(config_, machine_);
-  const auto left =
-      std::find_if(machine_.actuators.begin(), machine_.actuators.end(),
-                   [](const ActuatorRecord& record) { return record.fault.has_value(); });
-  if (result.outcome != SwitchOutcome::kDone || left == machine_.actuators.end()) return result;
-  const auto i = static_cast<std::size_t>(left - machine_.actuators.begin());
-  result.outcome = SwitchOutcome::kDoneDegraded;
-  result.code = left->fault->code;
-  result.reason = ConfigOf(i).name + ": " + left->fault->message;
-  return result;
-}
-
-// The budget is used up while an actuator has not answered TearDown.
-void Decision::EndUnfinished() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    if (Of(i).command)
-      EndCommand(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
-  }
-  for (Leg& leg : machine_.current->legs) {
-    if (leg.progress != Leg::Progress::kWaiting) continue;
-    EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, "the budget was used up", false});
-  }
-  EndSwitch();
 }
 
 }  // namespace musher

@@ -1,0 +1,41 @@
+#pragma once
+// What arrives from the actuators: their status, their replies, the loss of their writer; and the
+// deadlines for what does not arrive.
+
+#include "musher/lifecycle/command/commands.hpp"
+#include "musher/lifecycle/command/control.hpp"
+
+namespace musher {
+
+class Arrivals : StepPart {
+ public:
+  Arrivals(StepContext& step, Saving& saving, Processes& processes, Commands& commands,
+           Control& control)
+      : StepPart(step),
+        saving_(saving),
+        processes_(processes),
+        commands_(commands),
+        control_(control) {}
+
+  void On(const event::StatusSeen& seen);
+  void On(const event::Replied& replied);
+  void On(const event::Vanished& vanished);
+
+  void CheckDeadlines();
+  // A rebooted host counts as another host: the status that its actuators published while the
+  // processes from before the reboot were still present is used when those are lost.
+  void TakeUpOthers();
+
+ private:
+  void FoundTornDown(std::size_t i, const ActuatorReport& report);
+  void SetUpFailed(std::size_t i, const ActuatorReport& report);
+  bool IsImpostor(std::size_t i, const ActuatorReport& report);
+  void EvaluateFoundBusy(std::size_t i);
+
+  Saving& saving_;
+  Processes& processes_;
+  Commands& commands_;
+  Control& control_;
+};
+
+}  // namespace musher

@@ -1,0 +1,167 @@
+// The end of a command, and the loss of an actuator.
+
+#include "musher/lifecycle/command/commands.hpp"
+
+#include <algorithm>
+
+namespace musher {
+
+void EndLeg(Leg& leg, const CommandResult& end, Time now) {
+  leg.progress = Leg::Progress::kEnded;
+  leg.outcome = end.outcome;
+  leg.code = end.code;
+  leg.message = end.message;
+  leg.ran = end.ran;
+  leg.duration = now - leg.started;
+}
+
+void Commands::End(std::size_t i, const CommandResult& given) {
+  const PendingCommand command = *Of(i).command;
+  const CommandResult end = Tolerate(i, command, given);
+  const std::string took = std::to_string(ToMilliseconds(now_ - command.sent)) + " ms";
+  const std::uint64_t cause = end.cause != 0                             ? end.cause
+                              : machine_.current && command.queries == 0 ? machine_.current->cause
+                                                                         : Of(i).cause;
+  const std::uint64_t recorded = RecordActuator(
+      i, end.code,
+      ConfigOf(i).name + ": " + command.target + " " + std::string(OutcomeName(end.outcome)) +
+          " after " + took + (end.message.empty() ? "" : ": " + end.message),
+      cause);
+  if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = recorded;
+  Of(i).command.reset();
+  if (end.outcome == ActuatorOutcome::kDone) {
+    // A ROS 2 node that has reached a state is configured, and answers.
+    const bool configured =
+        ConfigOf(i).protocol == Protocol::kRos2Lifecycle && config_.RankOf(command.target);
+    if (command.target == kSelfCheck || configured) Of(i).checked = true;
+    // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
+    // fault.
+    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).suspended;
+    if (well || command.target == kTearDown) Of(i).fault.reset();
+  }
+  // Driven on once it is free, unless a check is still running.
+  if (end.outcome == ActuatorOutcome::kOverdue && command.target != kSelfCheck) Of(i).due = true;
+  if (Leg* leg = LegUnderWay(i)) {
+    EndLeg(*leg, end, now_);
+  } else {
+    EndOwn(i, command, end);
+  }
+  // Of an actuator that cannot be queried nothing more is known until it is restarted.
+  const bool unknown = ConfigOf(i).protocol == Protocol::kCyberdog &&
+                       end.outcome == ActuatorOutcome::kOverdue &&
+                       machine_.phase != Phase::kStopping;
+  if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
+    Hang(i, true, "hung: in " + command.target + " for " + took + ", and it cannot be queried");
+  }
+}
+
+// A self-check that fails with a code that is not critical counts as passed, and the actuator is
+// degraded.
+CommandResult Commands::Tolerate(std::size_t i, const PendingCommand& command,
+                                 const CommandResult& end) {
+  if (command.target != kSelfCheck) return end;
+  Of(i).tolerated.reset();
+  const auto& critical = ConfigOf(i).critical_codes;
+  const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
+                         std::find(critical->begin(), critical->end(), end.code) == critical->end();
+  if (!tolerated) return end;
+  const std::string why = end.message.empty() ? "its self-check failed" : end.message;
+  Of(i).tolerated = Error{end.code, why};
+  return {ActuatorOutcome::kDone, end.code, "degraded: " + why, true, end.cause};
+}
+
+// The part of the switch under way that waits for this actuator; null when there is none.
+Leg* Commands::LegUnderWay(std::size_t i) {
+  if (!machine_.current) return nullptr;
+  Switch& s = *machine_.current;
+  std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  const auto found = std::find_if(legs.begin(), legs.end(), [i](const Leg& leg) {
+    return leg.actuator == i && leg.progress == Leg::Progress::kUnderWay;
+  });
+  return found == legs.end() ? nullptr : &*found;
+}
+
+// The end of a command that was not part of a switch.
+void Commands::EndOwn(std::size_t i, const PendingCommand& command, const CommandResult& end) {
+  ActuatorRecord& record = Of(i);
+  if (record.restart_requested) return EndTornDown(i, end);
+  if (end.outcome == ActuatorOutcome::kDone) {
+    record.due = command.target == kSelfCheck || record.state() != PlaceOf(i);
+    return;
+  }
+  if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
+  Degrade(i, end.code,
+          command.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
+          record.cause);
+  FallBack(i);
+}
+
+// Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
+// that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
+void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
+  ActuatorRecord& record = Of(i);
+  const bool ends_itself =
+      end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;
+  const Duration grace = ends_itself ? kExitGrace : Duration::zero();
+  processes_.Terminate(i, ProcessOf(i), grace + kEndTime);
+  if (record.terminating == 0) return;
+  if (ends_itself) {
+    record.terminate_at = now_ + grace;
+  } else {
+    Do(action::SignalProcess{i, record.terminating, false});
+  }
+}
+
+void Commands::AssumeTornDown(std::size_t i) {
+  if (!Of(i).command || Of(i).command->target != kTearDown) return;
+  Of(i).report.state = State(kTearDown);
+  Of(i).report.apart = true;  // it was commanded alone, the machine continues
+  End(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
+}
+
+void Commands::Lose(std::size_t i, const std::string& how, std::uint64_t cause, std::int32_t code) {
+  ActuatorRecord& record = Of(i);
+  const bool torn_down = record.state() == kTearDown;
+  const bool had_answered = record.presence == Presence::kPresent;
+  if (record.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
+  record.presence = Presence::kLost;
+  record.take_control_again.reset();
+  record.checked = false;
+  record.held = record.held && torn_down;  // an actuator torn down alone stays detached
+  record.due = false;
+  record.healthy_at.reset();
+  record.outbid_at.reset();
+  record.free_by.reset();
+  record.report.target.clear();
+  record.report.busy_number = 0;
+  if (machine_.phase == Phase::kStopping) return;
+  if (torn_down) {
+    return Degrade(i, kCodeStateInvalid, kTornDownAlone, cause);
+  }
+  // The reason why its SetUp failed says more than that its process has exited.
+  if (!record.fault || had_answered) Degrade(i, code, how, cause);
+}
+
+void Commands::LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause) {
+  Lose(i, how, cause);
+  if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
+}
+
+void Commands::Hang(std::size_t i, bool silent, const std::string& how) {
+  const std::int32_t pid = ProcessOf(i);
+  const bool killable = MayRestart(i) && pid != 0;
+  if (killable || silent) {
+    Lose(i, how);
+  } else {
+    Degrade(i, kCodeTimeout, how);
+  }
+  if (!killable) return FallBack(i);
+  Of(i).cause = RecordProcess(i, kCodeTimeout,
+                              "taking a backtrace of " + ConfigOf(i).name + "; then process " +
+                                  std::to_string(pid) + " gets SIGKILL",
+                              Of(i).cause);
+  processes_.Terminate(i, pid, kBacktraceTime);
+  Do(action::TakeBacktrace{i, pid});
+}
+
+}  // namespace musher

@@ -1,0 +1,73 @@
+#pragma once
+// One command to one actuator, with a definite outcome; and the loss of an actuator, which ends its
+// command.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/process/processes.hpp"
+#include "musher/lifecycle/step/emergency_stops.hpp"
+
+namespace musher {
+
+// How long an actuator has to answer the query for the outcome of a command, and how often it is
+// queried: an actuator answers this from its loop, whatever its callback does, so no answer for
+// 3 × 300 ms means that the connection is lost.
+inline constexpr Duration kQueryTimeout = Milliseconds(300);
+inline constexpr int kQueryAttempts = 3;
+
+// How one command ended.
+struct CommandResult {
+  ActuatorOutcome outcome = ActuatorOutcome::kDone;
+  std::int32_t code = kCodeOk;
+  std::string message;
+  bool ran = false;         // the callback ran, or may have run
+  std::uint64_t cause = 0;  // the record that says why; 0: the switch it was part of
+};
+
+class Commands : StepPart {
+ public:
+  Commands(StepContext& step, EmergencyStops& stops, Processes& processes)
+      : StepPart(step), stops_(stops), processes_(processes) {}
+
+  void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
+             bool apart = false);
+  // Stores a newer report.
+  void Accept(std::size_t i, const ActuatorReport& report);
+  // The deadline of its command has passed.
+  void QueryOrLose(std::size_t i);
+  // The outcome of the command by the latched status of a queried actuator.
+  CommandResult EvaluateReport(std::size_t i, const PendingCommand& command) const;
+  // The actuator reports that the command is done; its own status may contradict that.
+  CommandResult DoneUnlessContradicted(std::size_t i, const std::string& message) const;
+  // Ends the command under way, and the leg of the switch that waits for it.
+  void End(std::size_t i, const CommandResult& given);
+
+  void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,
+            std::int32_t code = kCodeNetError);
+  // The connection to it is lost. The state of a process that this controller has started is
+  // determined: if it has exited or hangs, it is restarted.
+  void LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause = 0);
+  // A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator
+  // that the controller may not restart is left as it is: it may recover.
+  void Hang(std::size_t i, bool silent, const std::string& how);
+  // The exit of a process can overtake its last sample.
+  void AssumeTornDown(std::size_t i);
+  // An actuator that was found in Error, or reached its state otherwise without a check, or whose
+  // check was superseded, is not driven up without a request.
+  void ReportUnchecked(std::size_t i);
+
+ private:
+  void Drifted(std::size_t i);
+  CommandResult Tolerate(std::size_t i, const PendingCommand& command, const CommandResult& end);
+  Leg* LegUnderWay(std::size_t i);
+  void EndOwn(std::size_t i, const PendingCommand& command, const CommandResult& end);
+  void EndTornDown(std::size_t i, const CommandResult& end);
+
+  EmergencyStops& stops_;
+  Processes& processes_;
+};
+
+void EndLeg(Leg& leg, const CommandResult& end, Time now);
+
+}  // namespace musher

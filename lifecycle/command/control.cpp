@@ -1,0 +1,80 @@
+#include "musher/lifecycle/command/control.hpp"
+
+#include <algorithm>
+
+namespace musher {
+
+void Control::Take(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  const std::uint64_t seen = record.report.epoch;
+  const bool ours = record.controlled == record.report.incarnation;
+  if (seen >= kLastEpoch) {
+    record.take_control_again.reset();
+    return Degrade(i, kCodePermissionDenied,
+                   "it reports epoch " + std::to_string(seen) + ", which is out of range");
+  }
+  if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
+    // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
+    // control.
+    if (!record.outbid_at)
+      record.outbid_at = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
+    if (now_ < *record.outbid_at) {
+      record.take_control_again = record.outbid_at;
+      if (record.set_up_by)
+        record.set_up_by = std::max(*record.set_up_by, *record.outbid_at + kTakeControlPeriod);
+      return;
+    }
+    RaiseEpoch(seen + 1, i);
+  }
+  record.outbid_at.reset();
+  record.controlled = record.report.incarnation;
+  record.take_control_again = now_ + kTakeControlPeriod;
+  Do(action::SendQuery{i, record.report.number, false});
+}
+
+// An earlier controller was here. The attached actuators get the new epoch at once.
+void Control::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
+  machine_.epoch = epoch;
+  saving_.Save(Stored::kEpoch);
+  memory_.Lower(std::nullopt);  // that controller may have changed the state of the machine
+  RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
+                             " was controlled by epoch " + std::to_string(epoch - 1));
+  for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
+    if (other == because_of || Of(other).presence != Presence::kPresent) continue;
+    Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting
+  }
+}
+
+void Control::Attach(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.take_control_again.reset();
+  if (record.presence == Presence::kPresent) return;
+  const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
+  record.presence = Presence::kPresent;
+  record.set_up_by.reset();
+  record.restart_at.reset();  // it was started by another party first
+  record.fault.reset();
+  record.tolerated.reset();
+  const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
+  record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
+  record.join_tried = false;
+  record.held = record.report.apart;
+  record.suspended = false;
+  record.health = Health::kWell;
+  record.due = late && record.checked && !record.held;
+  if (record.report.busy()) record.free_by = now_ + config_.TimeFor(i, record.report.target);
+  record.cause = RecordActuator(
+      i, kCodeOk,
+      ConfigOf(i).name + " is present in " + record.state() +
+          (record.report.pid == 0 ? "" : " (pid " + std::to_string(record.report.pid) + ")"),
+      record.cause);
+  if (machine_.emergency_stop && record.report.emergency_stop == 0) {
+    Do(action::PublishEmergencyStop{*machine_.emergency_stop,
+                                    true});  // it may have missed the stop
+  }
+  if (record.state() == kTearDown && record.held)
+    Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
+  processes_.EvaluateArrival(i);
+}
+
+}  // namespace musher

@@ -1,0 +1,42 @@
+#pragma once
+// An actuator obeys one controller: this one takes control of an actuator that has published its
+// status, with a higher epoch if another one had it, and the actuator is present once it answers.
+
+#include <cstdint>
+
+#include "musher/lifecycle/policy/policy_memory.hpp"
+#include "musher/lifecycle/process/processes.hpp"
+
+namespace musher {
+
+// The period at which the controller retries to take control of an actuator that has published its
+// status but has not answered.
+inline constexpr Duration kTakeControlPeriod = Milliseconds(500);
+// The retry period where the actuator has not yet received the heartbeat of this controller.
+inline constexpr Duration kIntroductionPeriod = Milliseconds(20);
+// How long an actuator with a higher epoch is left alone: a controller that leads with that epoch
+// sends at least two heartbeats in this time.
+inline constexpr Duration kRivalGrace = Milliseconds(1200);
+// The same with credentials: participants authenticate each other first.
+inline constexpr Duration kSecuredRivalGrace = Milliseconds(4000);
+
+class Control : StepPart {
+ public:
+  Control(StepContext& step, Saving& saving, PolicyMemory& memory, Processes& processes)
+      : StepPart(step), saving_(saving), memory_(memory), processes_(processes) {}
+
+  // Takes control of an actuator that has published its status. The answer has its status and a
+  // fresh stamp, from which the actuator later computes the age of a command.
+  void Take(std::size_t i);
+  // The actuator has answered: it is present.
+  void Attach(std::size_t i);
+
+ private:
+  void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
+
+  Saving& saving_;
+  PolicyMemory& memory_;
+  Processes& processes_;
+};
+
+}  // namespace musher

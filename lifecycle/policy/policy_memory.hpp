@@ -1,0 +1,34 @@
+#pragma once
+// What the policy remembers of the switches: to where the battery has lowered the machine, in which
+// state it is kept, and when a failed switch is tried again. The rules that begin switches are
+// in rules/.
+
+#include <optional>
+#include <string>
+
+#include "musher/lifecycle/step/saving.hpp"
+
+namespace musher {
+
+class PolicyMemory : StepPart {
+ public:
+  PolicyMemory(StepContext& step, Saving& saving) : StepPart(step), saving_(saving) {}
+
+  // Restores what an earlier controller stored about the battery, if none has led since.
+  void ResumeLowering();
+  // Stores the lowering, when it has changed.
+  void Lower(std::optional<Lowering> lowering);
+  // An actuator is lost: the battery rule brings the machine back at most to `most`.
+  void LowerAtMostTo(const State& most);
+  void EndKeep(const std::string& why);
+  // A switch of the policy has failed, or was refused: when to try again.
+  void BackOff();
+
+  void OnSwitchEnded(const Switch& s, bool undone);
+  void OnSuperseded(const Switch& s);
+
+ private:
+  Saving& saving_;
+};
+
+}  // namespace musher

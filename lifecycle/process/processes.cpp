@@ -1,0 +1,128 @@
+#include "musher/lifecycle/process/processes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace musher {
+namespace {
+
+// Before restart n, counted from 0.
+Duration DelayOf(const RestartConfig& restart, int n) {
+  if (restart.delay == Duration::zero()) return {};  // unbounded growth would be infinite
+  const double factor = std::pow(restart.growth, n);
+  const double longest = static_cast<double>(restart.max_delay.count());
+  const double delay = static_cast<double>(restart.delay.count()) * factor;
+  return Duration(static_cast<Duration::rep>(std::min(delay, longest)));
+}
+
+}  // namespace
+
+void Processes::Recover(std::size_t i, const event::ProcessEnded& ended) {
+  ActuatorRecord& record = Of(i);
+  const ActuatorConfig& config = ConfigOf(i);
+  record.terminating = 0;
+  record.terminate_at.reset();
+  record.kill_at.reset();
+  record.killed = false;
+  record.healthy_at.reset();
+  const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
+                      machine_.phase == Phase::kFailed;
+  if (!wanted) return;
+  if (std::exchange(record.restart_requested, false)) {
+    record.restart_at = now_;
+    return;
+  }
+  // An actuator that was torn down alone stays down.
+  if (record.state() == kTearDown && record.report.apart) return;
+  const bool content = ended.clean && config.restart.policy == RestartPolicy::kOnFailure;
+  if (!MayRestart(i) || content) return FallBack(i);
+  if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
+  if (record.restarts >= config.restart.limit) {
+    return GiveUp(i, "given up after " + std::to_string(record.restarts) + " restarts; " +
+                         (record.fault ? record.fault->message : "its process ended"));
+  }
+  const Duration delay = DelayOf(config.restart, record.restarts);
+  ++record.restarts;
+  record.restart_at = now_ + delay;
+  record.cause = RecordProcess(
+      i, kCodeOk,
+      config.name + ": restarting in " + std::to_string(ToMilliseconds(delay)) + " ms (" +
+          std::to_string(record.restarts) + " of " + std::to_string(config.restart.limit) + ")",
+      record.cause);
+}
+
+void Processes::GiveUp(std::size_t i, const std::string& why) {
+  Of(i).given_up = true;
+  Degrade(i, kCodeFailed, why, Of(i).cause);
+  FallBack(i);
+}
+
+void Processes::EvaluateArrival(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  const RestartConfig& restart = ConfigOf(i).restart;
+  record.given_up = record.restarts > restart.limit;
+  if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
+  if (!record.given_up) return;
+  Degrade(i, kCodeFailed,
+          "started " + std::to_string(record.restarts) +
+              " times in a row; not driven until it has run for " +
+              std::to_string(ToMilliseconds(restart.reset_after)) + " ms",
+          record.cause);
+  FallBack(i);
+}
+
+void Processes::StartAgain(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.restart_at.reset();
+  record.blocked = false;
+  record.found_running = false;
+  record.report.state = config_.default_state;  // the old process does not count any more
+  record.presence = Presence::kStarting;
+  record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+  record.launching = true;
+  Do(action::StartProcess{i});
+}
+
+void Processes::Terminate(std::size_t i, std::int32_t pid, Duration grace) {
+  ActuatorRecord& record = Of(i);
+  record.terminating = pid;
+  record.killed = false;
+  record.terminate_at.reset();
+  record.kill_at = now_ + grace;
+  if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
+}
+
+void Processes::Kill(std::size_t i) {
+  Of(i).killed = true;
+  Of(i).kill_at = now_ + kEndTime;
+  Do(action::SignalProcess{i, Of(i).terminating, true});
+}
+
+void Processes::ForgetEnd(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.terminating = 0;
+  record.killed = false;
+  record.terminate_at.reset();
+  record.kill_at.reset();
+  record.restart_requested = false;
+}
+
+void Processes::CancelRestart(std::size_t i) {
+  Of(i).restart_at.reset();
+  Of(i).set_up_by = now_ + config_.TimeFor(i, kSetUp);
+}
+
+bool Processes::IsFinal(std::size_t i, const event::ProcessEnded& ended) const {
+  return MayRestart(i) && !Of(i).restart_requested && ConfigOf(i).restart.Prevents(ended.exit_code);
+}
+
+std::string Processes::WhyFinal(const event::ProcessEnded& ended) const {
+  const std::string code = "exit code " + std::to_string(ended.exit_code);
+  return ended.how + "; not restarted automatically, because " + code +
+         (ended.exit_code == kUsageExitCode ? " means a configuration error"
+                                            : " is one of its restart_prevent_exit_codes") +
+         "; restart it with `musher restart " + ConfigOf(ended.actuator).name + "`";
+}
+
+}  // namespace musher

@@ -1,0 +1,43 @@
+#pragma once
+// The processes of the actuators: their termination, and the restarts by [restart].
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/step/step_part.hpp"
+
+namespace musher {
+
+// How long a hung process is kept for its backtrace, and how long a process may take to exit.
+inline constexpr Duration kBacktraceTime = Milliseconds(5000);
+inline constexpr Duration kEndTime = Milliseconds(2000);
+// A process that is torn down exits by itself; the time it gets for that.
+inline constexpr Duration kExitGrace = Milliseconds(1000);
+
+class Processes : StepPart {
+ public:
+  using StepPart::StepPart;
+
+  // Process `pid` is to be killed after `grace`, unless it exits before.
+  void Terminate(std::size_t i, std::int32_t pid, Duration grace);
+  void Kill(std::size_t i);
+  // The process to be terminated has exited, or there would be no successor.
+  void ForgetEnd(std::size_t i);
+
+  // Its process has exited, or could not be started: decides what follows.
+  void Recover(std::size_t i, const event::ProcessEnded& ended = {});
+  // It is present; its restarts are counted until it has run for a while.
+  void EvaluateArrival(std::size_t i);
+  void StartAgain(std::size_t i);
+  // Another party has started it first.
+  void CancelRestart(std::size_t i);
+
+  // Whether the exit code says that a restart does not help.
+  bool IsFinal(std::size_t i, const event::ProcessEnded& ended) const;
+  std::string WhyFinal(const event::ProcessEnded& ended) const;
+
+ private:
+  void GiveUp(std::size_t i, const std::string& why);
+};
+
+}  // namespace musher

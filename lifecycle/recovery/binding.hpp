@@ -1,0 +1,28 @@
+#pragma once
+// binds_to: an actuator that needs another is suspended while that one is not up, and is driven to
+// the state of the machine when the other is in that state again; that it is present is not enough.
+// The rule depends on the present situation only, not on what led to it.
+
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/step/step_part.hpp"
+
+namespace musher {
+
+class Binding : StepPart {
+ public:
+  using StepPart::StepPart;
+
+  // Returns whether something changed.
+  bool SuspendAndResume();
+
+ private:
+  bool IsUp(std::size_t i) const;
+  bool IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const;
+  bool Suffices(std::size_t needed, std::size_t i) const;
+  const std::string* MissingFor(std::size_t bound, std::size_t i, std::vector<bool>& seen) const;
+  void Suspend(std::size_t i, const std::string& missing);
+};
+
+}  // namespace musher

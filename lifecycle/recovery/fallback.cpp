@@ -1,0 +1,26 @@
+#include "musher/lifecycle/recovery/fallback.hpp"
+
+#include <utility>
+
+namespace musher {
+
+bool Fallback::Begin() {
+  if (!machine_.fallback || machine_.current || machine_.phase != Phase::kRunning) return false;
+  const State target = *std::exchange(machine_.fallback, std::nullopt);
+  memory_.LowerAtMostTo(target);
+  const auto rank = config_.RankOf(machine_.state);
+  if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is that safe already
+  const Plan plan = MakeSafetyPlan(config_, machine_, target);
+  if (plan.refusal) {  // not of a running machine with a valid config
+    RecordMachine(plan.refusal->code,
+                  "cannot fall back to " + target + ": " + plan.refusal->message,
+                  machine_.fallback_cause);
+    return false;
+  }
+  const std::uint64_t recorded = RecordMachine(
+      kCodeOk, "an actuator is lost; falling back to " + target, machine_.fallback_cause);
+  switching_.Begin(plan, Purpose::kFallback, {}, recorded);
+  return true;
+}
+
+}  // namespace musher

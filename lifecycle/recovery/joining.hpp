@@ -1,0 +1,25 @@
+#pragma once
+// Drives one actuator on its own to the state of the machine: actuators of late stages, restarted
+// ones, and those that were overdue. Switches go first; joining waits for them.
+
+#include <string>
+
+#include "musher/lifecycle/command/commands.hpp"
+
+namespace musher {
+
+class Joining : StepPart {
+ public:
+  Joining(StepContext& step, Commands& commands) : StepPart(step), commands_(commands) {}
+
+  // Returns whether a change may let other actuators proceed.
+  bool DriveLateOnes();
+
+ private:
+  bool MayJoin(std::size_t i, std::string& blocker) const;
+  void Join(std::size_t i);
+
+  Commands& commands_;
+};
+
+}  // namespace musher

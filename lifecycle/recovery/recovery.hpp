@@ -1,0 +1,38 @@
+#pragma once
+// Actuators that crashed, hang or lost their connection: a verdict, then a restart by policy or by
+// request, then back to the state of the machine; and what follows when no restarts are left.
+
+#include <string>
+
+#include "musher/lifecycle/command/commands.hpp"
+#include "musher/lifecycle/command/control.hpp"
+
+namespace musher {
+
+class Recovery : StepPart {
+ public:
+  Recovery(StepContext& step, Processes& processes, Commands& commands, Control& control)
+      : StepPart(step), processes_(processes), commands_(commands), control_(control) {}
+
+  void On(const event::ProcessStarted& started);
+  void On(const event::ProcessNotStarted& failed);
+  void On(const event::ProcessEnded& ended);
+  void On(const event::HealthChanged& changed);
+  void On(const event::BacktraceTaken& taken);
+  void On(const event::RestartRequested& requested);  // restart_requests.cpp
+
+  void CheckDeadlines();
+
+ private:
+  void Recovered(std::size_t i, const std::string& how);
+  void AssumeExited(std::size_t i);
+  bool WasDisconnected(std::size_t i) const;
+  void EndForRestart(std::size_t i);
+  void AnswerRestarts(std::size_t i);
+
+  Processes& processes_;
+  Commands& commands_;
+  Control& control_;
+};
+
+}  // namespace musher

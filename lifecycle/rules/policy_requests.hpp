@@ -1,0 +1,54 @@
+#pragma once
+// The requests of people, applications and the robot's own buttons to the policy. Each is answered,
+// and a refusal says why and what to do.
+
+#include <cstdint>
+#include <optional>
+
+#include "musher/lifecycle/rules/policy_rules.hpp"
+#include "musher/lifecycle/switch/requests.hpp"
+
+namespace musher {
+
+class PolicyRequests : StepPart {
+ public:
+  PolicyRequests(StepContext& step, Saving& saving, PolicyMemory& memory, Power& power,
+                 Switching& switching, TearDown& tear_down, Requests& requests,
+                 const PolicyRules& rules)
+      : StepPart(step),
+        saving_(saving),
+        memory_(memory),
+        power_(power),
+        switching_(switching),
+        tear_down_(tear_down),
+        requests_(requests),
+        rules_(rules) {}
+
+  using Requested = event::PolicyRequested;
+  void On(const Requested& requested);
+
+ private:
+  // Each returns why it refuses, or arranges the answer.
+  std::optional<Error> Handle(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandleKeep(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandleOta(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandleLowPowerSwitch(const Requested& requested,
+                                            std::uint64_t request_record);
+  std::optional<Error> HandleWakeUp(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandlePower(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> BeginRequested(const Requested& requested, const State& target,
+                                      std::uint64_t request_record);
+  std::optional<Error> BeginUp(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> KeptOrBusy() const;
+  bool InLowPower() const;
+
+  Saving& saving_;
+  PolicyMemory& memory_;
+  Power& power_;
+  Switching& switching_;
+  TearDown& tear_down_;
+  Requests& requests_;
+  const PolicyRules& rules_;
+};
+
+}  // namespace musher

@@ -1,0 +1,51 @@
+#pragma once
+// The rules that act by themselves: the battery's ceiling, LowPower when the robot lies still, and
+// the TearDown before a power-off. They never supersede a switch; they are evaluated again after
+// each.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/switch/tear_down.hpp"
+
+namespace musher {
+
+class PolicyRules : StepPart {
+ public:
+  PolicyRules(StepContext& step, PolicyMemory& memory, Power& power, Switching& switching,
+              TearDown& tear_down)
+      : StepPart(step),
+        memory_(memory),
+        power_(power),
+        switching_(switching),
+        tear_down_(tear_down) {}
+
+  void Begin(const StoredPolicy& stored);
+  void On(const event::BatterySeen& seen);
+  void On(const event::MotionSeen& seen);
+  void On(const event::InputSilent& silent);
+  void On(const event::ClockReceived& received);
+  // Returns whether something changed.
+  bool Advance();
+
+  // `wanted`, or the most that the battery allows.
+  State UpTo(const State& wanted) const;
+
+ private:
+  void EvaluateLevel(const std::string& seen);
+  bool BatteryRulesWait() const;
+  bool ApplyBatteryRule();
+  bool TakeDown(BatteryLevel level);
+  bool BringBack();
+  void CountStillness();
+  bool LowPowerWhenStill();
+  bool BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause);
+  bool TearDownForPower();
+
+  PolicyMemory& memory_;
+  Power& power_;
+  Switching& switching_;
+  TearDown& tear_down_;
+};
+
+}  // namespace musher

@@ -1,0 +1,27 @@
+#pragma once
+// A starting controller finds running actuators: the state from which the machine continues, and
+// whether the previous controller crashed during a switch. Reads only.
+
+#include <optional>
+#include <string>
+
+#include "musher/lifecycle/step/machine_view.hpp"
+
+namespace musher {
+
+class Adoption : MachineView {
+ public:
+  using MachineView::MachineView;
+
+  // The least active state of the running actuators, or of the targets they are switching to.
+  std::optional<State> LowestFound() const;
+  // Whether the previous controller crashed during a switch.
+  bool FoundSwitching() const;
+  // The actuators that are in another state than the machine, or switching.
+  std::string Elsewhere() const;
+
+ private:
+  bool AgreesWith(std::size_t i, const State& state) const;
+};
+
+}  // namespace musher

@@ -1,0 +1,60 @@
+// Actuators that are not set up in time, and why.
+
+#include "musher/lifecycle/startup/start_up.hpp"
+
+namespace musher {
+
+void StartUp::CheckDeadlines() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    if (!record.set_up_by || *record.set_up_by > now_ || record.presence == Presence::kPresent) {
+      continue;
+    }
+    record.set_up_by.reset();
+    if (record.fault && record.presence != Presence::kStarting)
+      continue;                        // the known fault says more
+    if (machine_.finishing) continue;  // an actuator that does not run need not be torn down
+    // The reason of a failed SetUp says more as well.
+    const ActuatorReport& report = record.report;
+    const bool failed = record.fault && report.incarnation != record.dead &&
+                        report.state == config_.default_state && report.outcome_code != kCodeOk;
+    if (!failed) Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
+    FallBack(i);
+  }
+}
+
+// Why it is not set up by its deadline.
+std::string StartUp::NotSetUp(std::size_t i) const {
+  const ActuatorConfig& actuator = ConfigOf(i);
+  const ActuatorRecord& record = Of(i);
+  const std::string within =
+      "within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) + " ms";
+  const bool announced = record.report.incarnation != 0 && record.report.incarnation != record.dead;
+  if (actuator.protocol == Protocol::kRos2Lifecycle && !announced) {
+    const std::string folder = config_.name_space.empty() ? "/" : "/" + config_.name_space + "/";
+    return "no managed node " + folder + actuator.name + " was discovered " + within +
+           (record.process == 0
+                ? ""
+                : ", but its program runs (process " + std::to_string(record.process) + ")") +
+           "; the node has another name, or no lifecycle states, or does not meet the machine: "
+           "`musher check` says why";
+  }
+  if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
+    return "was not set up " + within;
+  }
+  for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
+    const bool shared = other != i && Of(other).process == record.process;
+    if (!shared || Of(other).presence != Presence::kPresent) continue;
+    return "was not set up " + within + ": process " + std::to_string(record.process) +
+           ", which runs it and " + ConfigOf(other).name +
+           ", did not announce it; `musher restart " + actuator.name + "` starts both again";
+  }
+  std::string command = R"(["musher-exec", "--")";
+  for (const std::string& word : actuator.command) command += ", \"" + word + "\"";
+  return "its program runs (process " + std::to_string(record.process) +
+         ") but never announced itself as actuator " + actuator.name + " " + within +
+         "; wrap a program that is not a Musher module with musher-exec: command = " + command +
+         "]";
+}
+
+}  // namespace musher

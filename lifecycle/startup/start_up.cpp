@@ -1,0 +1,258 @@
+#include "musher/lifecycle/startup/start_up.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/startup/adoption.hpp"
+
+namespace musher {
+namespace {
+
+// The record that Begin makes is the first one.
+constexpr std::uint64_t kBegun = 1;
+// How long a supervisor's start that finishes a TearDown waits for unknown actuators. They run
+// already, and are discovered within a second.
+constexpr Duration kFinishingGrace = std::chrono::seconds(3);
+
+}  // namespace
+
+void StartUp::Begin(const event::Begin& begin) {
+  machine_.phase = Phase::kStarting;
+  machine_.by_hand = begin.by_hand;
+  machine_.host = begin.host;
+  machine_.epoch = begin.epoch + 1;
+  machine_.finishing = begin.stop_intent && begin.restarted;
+  saving_.Save(Stored::kEpoch);
+  for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
+  for (std::size_t i = 0; i < begin.processes.size(); ++i) Of(i).process = begin.processes[i];
+  for (const RemoteActuator& remote : begin.remote) {
+    if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
+  }
+  RecordMachine(kCodeOk, "controller started: epoch " + std::to_string(machine_.epoch) + ", " +
+                             std::to_string(machine_.actuators.size()) + " actuators");
+  if (machine_.finishing) {
+    RecordMachine(
+        kCodeOk,
+        "the previous controller was tearing the machine down; this start by a supervisor "
+        "finishes that TearDown, and the machine stays down until `musher up` starts it",
+        kBegun);
+  } else if (begin.stop_intent) {
+    saving_.Save(Stored::kStopIntent);  // clears the intent
+  }
+  StartStage(begin.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
+}
+
+void StartUp::StartStage(int stage, std::uint64_t cause) {
+  machine_.stage = stage;
+  if (stage > 1 && !machine_.by_hand) {
+    cause = RecordMachine(kCodeOk, "starting stage " + std::to_string(stage), cause);
+  }
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const bool waited_for = ConfigOf(i).command.empty() || record.found_running;
+    if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
+      continue;
+    record.cause = cause;
+    const Duration set_up = config_.TimeFor(i, kSetUp);
+    const Duration timeout = machine_.finishing ? std::min(set_up, kFinishingGrace) : set_up;
+    // Only a Musher process holds its actuator's name, by which it is found running.
+    const bool may_run = machine_.finishing && ConfigOf(i).protocol != Protocol::kMusher;
+    if (waited_for || may_run) record.set_up_by = now_ + timeout;
+  }
+}
+
+bool StartUp::StartProcesses() {
+  if (machine_.finishing) return false;
+  bool changed = false;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const ActuatorConfig& actuator = ConfigOf(i);
+    if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
+        record.presence != Presence::kAbsent || record.set_up_by ||
+        (record.fault && !record.blocked)) {
+      continue;
+    }
+    std::string blocker;
+    if (!NeedsMet(i, blocker)) {
+      if (blocker.empty()) blocker = WaitsForSuspended(i);
+      if (blocker.empty() || record.blocked) continue;
+      record.blocked = true;
+      Degrade(i, kCodeStatusError, blocker, CauseOfBlocker(i));
+      FallBack(i);
+    } else {
+      if (std::exchange(record.blocked, false)) record.fault.reset();
+      record.presence = Presence::kStarting;
+      record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+      record.launching = true;
+      Do(action::StartProcess{i});
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+bool StartUp::Advance() {
+  if (!machine_.set_up && machine_.phase == Phase::kStarting) {
+    if (!StageIsSetUp(machine_.stage)) return false;
+    EndFirstStage();
+    return true;
+  }
+  const bool more = machine_.phase == Phase::kRunning && machine_.stage < LastStage(config_);
+  if (!more || machine_.current || !StageIsSettled(machine_.stage)) return false;
+  StartStage(machine_.stage + 1, kBegun);
+  return true;
+}
+
+// All actuators of the first stage are set up, or given up.
+void StartUp::EndFirstStage() {
+  machine_.set_up = true;
+  machine_.state = State(kSetUp);
+  std::vector<std::string> missing;
+  std::size_t present = 0;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
+    if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
+  }
+  AnswerSetUpRequests();
+  const std::uint64_t recorded =
+      RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
+  if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
+  if (const auto lowest = Adoption(config_, machine_).LowestFound())
+    return AdoptFrom(*lowest, recorded);
+  if (machine_.by_hand && config_.ros2.started_by_manager)
+    return WaitForManager(present, missing, recorded);
+  if (machine_.by_hand) return;
+  if (present == 0) {
+    return Fail(missing.empty() ? "there is no actuator in stage 1" : missing.front(), recorded);
+  }
+  if (machine_.emergency_stop) {
+    return Fail(
+        "an emergency stop is engaged; run `musher estop --release`, then `musher set SelfCheck` "
+        "and `musher set Active`",
+        recorded);
+  }
+  if (!config_.HasState(kSelfCheck)) return Activate(recorded);
+  switching_.Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {},
+                   recorded);
+}
+
+void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
+                             std::uint64_t cause) {
+  if (FailOnCriticalFault()) return;
+  if (present == 0) {
+    return Fail(missing.empty() ? "the machine has no actuator" : missing.front(), cause);
+  }
+  std::string message = "the machine waits in SetUp for a manager to configure it";
+  for (const std::string& actuator : missing) message += "; " + actuator;
+  RecordMachine(kCodeOk, message, cause);
+  Do(action::StartUpEnded{true, message});
+}
+
+// Returns whether a critical actuator of the stages so far has a fault.
+bool StartUp::FailOnCriticalFault() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;
+    Fail("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
+             Of(i).fault->message,
+         Of(i).cause);
+    return true;
+  }
+  return false;
+}
+
+void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
+  if (ended.purpose == Purpose::kStartUpCheck) {
+    if (!FailOnCriticalFault()) Activate(ended.record);
+    return;
+  }
+  if (ended.purpose == Purpose::kStartUpActivate && ended.undone) {
+    return Fail(ended.result.reason, ended.record);
+  }
+  if (!ended.of_machine || ended.undone || !config_.RankOf(machine_.state)) return;
+  if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
+    BecomeRunning("the machine is " + machine_.state +
+                      (ended.result.degraded.empty() ? "" : ", degraded: " + FirstTrouble()),
+                  ended.record);
+  }
+}
+
+void StartUp::Activate(std::uint64_t cause) {
+  if (!config_.HasState(kActive)) {
+    return BecomeRunning("self-check done; the machine has no Active", cause);
+  }
+  const Plan plan = MakePlan(config_, machine_, State(kActive));
+  if (plan.refusal) return Fail(plan.refusal->message, cause);
+  switching_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
+}
+
+void StartUp::Fail(const std::string& why, std::uint64_t cause) {
+  machine_.phase = Phase::kFailed;
+  const std::string message =
+      "start-up failed, the machine stays in " + machine_.state + ": " + why;
+  RecordMachine(kCodeFailed, message, cause);
+  Do(action::StartUpEnded{false, message});
+}
+
+// An earlier controller left actuators running: the machine continues from the least active state,
+// so that no actuator becomes more active by a restart; the others are driven there.
+void StartUp::AdoptFrom(const State& lowest, std::uint64_t cause) {
+  if (lowest == kTearDown) {
+    const std::string message =
+        "the previous controller ended during TearDown; this one finishes it";
+    const std::uint64_t recorded = RecordMachine(kCodeOk, message, cause);
+    Do(action::StartUpEnded{false, message});
+    return tear_down_.Begin(MakePlan(config_, machine_, lowest), {}, recorded);
+  }
+  machine_.state = lowest;
+  const Adoption adoption(config_, machine_);
+  if (const std::string elsewhere = adoption.Elsewhere(); !elsewhere.empty()) {
+    cause = RecordMachine(
+        kCodeOk,
+        adoption.FoundSwitching()
+            ? "a previous controller left a switch unfinished (" + elsewhere +
+                  "); finishing it in " + lowest
+            : "the least active state found is " + lowest + "; elsewhere: " + elsewhere,
+        cause);
+  }
+  BecomeRunning("the machine is adopted in " + lowest, cause);
+}
+
+void StartUp::BecomeRunning(const std::string& message, std::uint64_t cause) {
+  machine_.phase = Phase::kRunning;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const bool there = record.presence == Presence::kPresent;
+    if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
+      record.due = true;
+    }
+    const bool away = !there || IsUnconfigured(config_, i, record);
+    if (away && record.fault && !IsComing(i)) FallBack(i);
+  }
+  RecordMachine(kCodeOk, message, cause);
+  Do(action::StartUpEnded{true, message});
+}
+
+// The fault of the first degraded actuator; there is one.
+std::string StartUp::FirstTrouble() const {
+  const std::string name = Degraded(config_, machine_).front();
+  return name + ": " + TroubleOf(Of(*config_.IndexOf(name)))->message;
+}
+
+void StartUp::On(const event::SetUpAwaited& awaited) {
+  machine_.set_up_requests.push_back(awaited.request);
+  if (machine_.set_up) AnswerSetUpRequests();
+}
+
+void StartUp::AnswerSetUpRequests() {
+  Result<> answer;
+  for (std::size_t i = 0; i < machine_.actuators.size() && answer; ++i) {
+    const auto& fault = Of(i).fault;
+    if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + " " + fault->message};
+  }
+  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+    Do(action::AnswerCall{request, answer});
+  }
+}
+
+}  // namespace musher

@@ -1,0 +1,47 @@
+#pragma once
+// Brings the machine up: processes in the order of `stage` and `after`, the first stage through
+// SelfCheck to Active, or adoption of running actuators; later stages while the machine is in use.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/switch/tear_down.hpp"
+
+namespace musher {
+
+class StartUp : StepPart {
+ public:
+  StartUp(StepContext& step, Saving& saving, Switching& switching, TearDown& tear_down)
+      : StepPart(step), saving_(saving), switching_(switching), tear_down_(tear_down) {}
+
+  void Begin(const event::Begin& begin);
+  void On(const event::SetUpAwaited& awaited);
+  // A switch has ended: of the start-up, or one by hand that makes the machine usable.
+  void OnSwitchEnded(const EndedSwitch& ended);
+  // Each returns whether something changed.
+  bool StartProcesses();
+  bool Advance();
+  // Gives up actuators that were not set up in time.
+  void CheckDeadlines();
+
+ private:
+  void StartStage(int stage, std::uint64_t cause);
+  void EndFirstStage();
+  void WaitForManager(std::size_t present, const std::vector<std::string>& missing,
+                      std::uint64_t cause);
+  void AdoptFrom(const State& lowest, std::uint64_t cause);
+  bool FailOnCriticalFault();
+  void Activate(std::uint64_t cause);
+  void Fail(const std::string& why, std::uint64_t cause);
+  void BecomeRunning(const std::string& message, std::uint64_t cause);
+  void AnswerSetUpRequests();
+  std::string FirstTrouble() const;
+  std::string NotSetUp(std::size_t i) const;
+
+  Saving& saving_;
+  Switching& switching_;
+  TearDown& tear_down_;
+};
+
+}  // namespace musher

@@ -1,0 +1,29 @@
+#pragma once
+// The emergency stops of the machine: several can be engaged at a time, each with an id. They are
+// published first and saved after; one release ends all of them.
+
+#include "musher/lifecycle/step/saving.hpp"
+
+namespace musher {
+
+class EmergencyStops : StepPart {
+ public:
+  EmergencyStops(StepContext& step, Saving& saving) : StepPart(step), saving_(saving) {}
+
+  // Continues those that were stored, or received from other controllers and panels.
+  void Begin(const StoredStops& stops);
+  void On(const event::EmergencyStopSeen& seen);
+  void On(const event::ReleaseRequested& requested);
+  // An actuator may have latched a stop that this controller missed, or missed a release.
+  void Compare(const ActuatorReport& report, std::size_t i);
+
+ private:
+  bool IsReleased(std::uint64_t id) const;
+  bool Add(const EmergencyStop& stop);
+  void Engage(const EmergencyStop& stop);
+  void Release(std::uint64_t id);
+
+  Saving& saving_;
+};
+
+}  // namespace musher

@@ -1,0 +1,198 @@
+#pragma once
+// What happens to the machine: the input of Step() (coordinator.hpp).
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/lifecycle/machine.hpp"
+
+namespace musher {
+
+// Identifies a caller that waits for an answer; chosen by the shell.
+using RequestId = std::uint64_t;
+
+// The fault of an actuator that sends nothing any more, until more is known about it.
+inline constexpr const char* kOutOfReach = "connection lost";
+
+namespace event {
+
+// Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
+// a process of actuator i runs on this host already, `processes[i]` is its pid where its end can be
+// seen, else 0. `epoch`, `stops`, `policy`, `stop_intent` and `remote` are what was found on disk.
+// `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
+// controller finishes the TearDown that was begun, and the machine stays down. A person's start
+// clears the intent.
+struct Begin {
+  bool by_hand = false;
+  std::uint64_t epoch = 0;
+  std::vector<bool> running;
+  std::string host = {};  // of the controller
+  StoredStops stops = {};
+  std::vector<std::int32_t> processes = {};
+  StoredPolicy policy = {};
+  bool stop_intent = false;
+  bool restarted = false;
+  std::vector<RemoteActuator> remote = {};
+  friend bool operator==(const Begin&, const Begin&) = default;
+};
+// An actuator's latched status was received.
+struct StatusSeen {
+  std::size_t actuator = 0;
+  ActuatorReport report;
+  friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
+};
+// An actuator replied to command `number`, or to the query about it (`query`).
+struct Replied {
+  std::size_t actuator = 0;
+  std::uint64_t number = 0;
+  bool query = false;
+  Verdict verdict = Verdict::kDone;
+  std::int32_t code = kCodeOk;
+  std::string message;
+  ActuatorReport report;
+  friend bool operator==(const Replied&, const Replied&) = default;
+};
+// The actuator of this incarnation was lost: its process exited or its writer was lost.
+struct Vanished {
+  std::size_t actuator = 0;
+  std::uint64_t incarnation = 0;
+  bool for_good = false;  // its process has exited; otherwise it may connect again
+  std::string how;        // "its process 4711 ended", kOutOfReach
+  friend bool operator==(const Vanished&, const Vanished&) = default;
+};
+struct ProcessStarted {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  friend bool operator==(const ProcessStarted&, const ProcessStarted&) = default;
+};
+struct ProcessNotStarted {
+  std::size_t actuator = 0;
+  std::string why;
+  friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
+};
+// The result of action::FindProcesses: for each actuator the pid of the process that runs and is
+// watched now, or 0.
+struct ProcessesFound {
+  std::vector<std::int32_t> processes;
+  friend bool operator==(const ProcessesFound&, const ProcessesFound&) = default;
+};
+// A process that this controller started has exited.
+struct ProcessEnded {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  bool clean = false;          // exit code 0
+  std::string how;             // "exit code 3", "killed by SIGKILL"
+  std::int32_t exit_code = 0;  // of a process that exited by itself; 0 otherwise, or where unknown
+  friend bool operator==(const ProcessEnded&, const ProcessEnded&) = default;
+};
+// The health monitor's verdict on a running process.
+struct HealthChanged {
+  std::size_t actuator = 0;
+  std::uint64_t incarnation = 0;
+  Health health = Health::kWell;
+  bool silent = false;  // it does not answer either
+  std::string how;
+  friend bool operator==(const HealthChanged&, const HealthChanged&) = default;
+};
+// The backtrace of a hung process, or why there is none.
+struct BacktraceTaken {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  std::string text;
+  friend bool operator==(const BacktraceTaken&, const BacktraceTaken&) = default;
+};
+// A person requests a restart of an actuator's process.
+struct RestartRequested {
+  RequestId request = 0;
+  std::string actuator;
+  friend bool operator==(const RestartRequested&, const RestartRequested&) = default;
+};
+// A heartbeat of another controller of this machine was received.
+struct RivalSeen {
+  std::uint64_t epoch = 0;
+  std::string who;              // "process 4711 on this host"
+  bool has_precedence = false;  // where both have the same epoch
+  friend bool operator==(const RivalSeen&, const RivalSeen&) = default;
+};
+// A participant engages an emergency stop, or has released one.
+struct EmergencyStopSeen {
+  EmergencyStop stop;
+  bool engaged = true;
+  friend bool operator==(const EmergencyStopSeen&, const EmergencyStopSeen&) = default;
+};
+struct ReleaseRequested {
+  RequestId request = 0;
+  std::string by;
+  friend bool operator==(const ReleaseRequested&, const ReleaseRequested&) = default;
+};
+struct SetStateRequested {
+  RequestId request = 0;
+  State target;
+  std::optional<std::string> actuator = {};
+  AfterTearDown after = AfterTearDown::kStaysDown;  // of a TearDown of the machine
+  friend bool operator==(const SetStateRequested&, const SetStateRequested&) = default;
+};
+// Answer when all actuators are set up, or when that has failed.
+struct SetUpAwaited {
+  RequestId request = 0;
+  friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
+};
+// The battery has changed. A value out of range is recorded and otherwise ignored.
+struct BatterySeen {
+  std::int32_t percent = 0;
+  bool charging = false;
+  friend bool operator==(const BatterySeen&, const BatterySeen&) = default;
+};
+// The body has begun another motion.
+struct MotionSeen {
+  std::int32_t motion = 0;  // its id
+  friend bool operator==(const MotionSeen&, const MotionSeen&) = default;
+};
+// An input of the policy has timed out: no sample for its time.
+struct InputSilent {
+  PolicyInput input = PolicyInput::kBattery;
+  friend bool operator==(const InputSilent&, const InputSilent&) = default;
+};
+// The time of /clock, where the policy follows it: sent when NextPolicyDeadline() is reached, and
+// just before any other event that concerns the policy.
+struct ClockReceived {
+  Time clock{};
+  friend bool operator==(const ClockReceived&, const ClockReceived&) = default;
+};
+struct PolicyRequested {
+  RequestId request = 0;
+  PolicyRequest what = PolicyRequest::kWakeUp;
+  State state;             // of kSwitch and kKeep
+  std::int64_t ticks = 0;  // of kKeep, in seconds
+  bool enable = false;     // of kOta and the low-power switch
+  friend bool operator==(const PolicyRequested&, const PolicyRequested&) = default;
+};
+// The save of that number has ended. A failed save may still succeed later; then this event comes
+// again.
+struct SaveEnded {
+  Stored what = Stored::kEpoch;
+  std::uint64_t save = 0;
+  bool ok = false;
+  std::string why;  // of a failure
+  friend bool operator==(const SaveEnded&, const SaveEnded&) = default;
+};
+// Only time has passed.
+struct TimePassed {
+  friend bool operator==(const TimePassed&, const TimePassed&) = default;
+};
+
+}  // namespace event
+
+using Event =
+    std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
+                 event::ProcessStarted, event::ProcessNotStarted, event::ProcessesFound,
+                 event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
+                 event::RestartRequested, event::RivalSeen, event::EmergencyStopSeen,
+                 event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited,
+                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockReceived,
+                 event::PolicyRequested, event::SaveEnded, event::TimePassed>;
+
+}  // namespace musher

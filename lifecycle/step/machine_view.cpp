@@ -1,0 +1,131 @@
+#include "musher/lifecycle/step/machine_view.hpp"
+
+#include <algorithm>
+
+namespace musher {
+
+bool MachineView::IsComing(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  const bool about_to_end = record.terminating != 0;  // and is restarted after that
+  return record.restart_at || record.restart_requested ||
+         (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
+}
+
+bool MachineView::MayRestart(std::size_t i) const {
+  return !ConfigOf(i).command.empty() && ConfigOf(i).restart.policy != RestartPolicy::kNo;
+}
+
+std::int32_t MachineView::ProcessOf(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  if (record.process != 0) return record.process;
+  const ActuatorReport& report = record.report;
+  const bool here = !report.host.empty() && report.host == view_.host;
+  return here && report.incarnation != record.dead ? report.pid : 0;
+}
+
+std::int32_t MachineView::OwnProcess(std::size_t i) const {
+  return ConfigOf(i).command.empty() ? 0 : ProcessOf(i);
+}
+
+bool MachineView::RunsElsewhere(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  const bool connected =
+      record.presence == Presence::kPresent || record.presence == Presence::kStarting;
+  const ActuatorReport& report = record.report;
+  return connected && record.process == 0 && report.incarnation != 0 &&
+         report.incarnation != record.dead && !report.host.empty() && report.host != view_.host;
+}
+
+bool MachineView::AnotherProcessIsPresent(std::size_t i, std::int32_t pid) const {
+  const ActuatorRecord& record = Of(i);
+  const bool speaks =
+      record.presence == Presence::kPresent ||
+      (record.presence == Presence::kStarting && record.report.incarnation != record.dead);
+  const bool here = !record.report.host.empty() && record.report.host == view_.host;
+  return speaks && here && record.report.pid != 0 && record.report.pid != pid;
+}
+
+bool MachineView::Fits(std::size_t i) const {
+  return Of(i).checked || Of(i).state() == view_.state;
+}
+
+bool MachineView::MayFollow(std::size_t i) const {
+  const auto own = config_.RankOf(Of(i).state());
+  const auto machine = config_.RankOf(view_.state);
+  return Of(i).checked || (own && machine && *own > *machine);
+}
+
+bool MachineView::NeedsMet(std::size_t i, std::string& blocker) const {
+  bool met = true;
+  for (const std::string& name : ConfigOf(i).after) {
+    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+    if (needed.fault && !needed.suspended && !IsComing(*config_.IndexOf(name)))
+      blocker = "needs " + name + ", which is degraded: " + needed.fault->message;
+    if (needed.presence != Presence::kPresent || needed.fault) met = false;
+  }
+  return met;
+}
+
+std::uint64_t MachineView::CauseOfBlocker(std::size_t i) const {
+  for (const std::string& name : ConfigOf(i).after) {
+    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+    if (needed.fault) return needed.cause;
+  }
+  return 0;
+}
+
+std::string MachineView::WaitsForSuspended(std::size_t i) const {
+  for (const std::string& name : ConfigOf(i).after) {
+    if (Of(*config_.IndexOf(name)).suspended) return "waits for " + name + ", which is suspended";
+  }
+  return {};
+}
+
+State MachineView::PlaceOf(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  if (!record.suspended) return view_.state;
+  const auto own = config_.RankOf(record.state());
+  const auto machine = config_.RankOf(view_.state);
+  for (const std::string_view rest : {kDeActive, kLowPower}) {
+    const auto rank = config_.RankOf(rest);
+    if (!ConfigOf(i).Lists(rest) || !rank) continue;
+    if (!own || *own <= *rank) break;
+    return machine && *machine < *rank ? view_.state : State(rest);
+  }
+  return record.state();
+}
+
+bool MachineView::StageIsSetUp(int stage) const {
+  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+    if (ConfigOf(i).stage > stage) continue;
+    if (view_.finishing && !Of(i).set_up_by) continue;
+    if (Of(i).presence != Presence::kPresent && (!Of(i).fault || IsComing(i))) return false;
+  }
+  return true;
+}
+
+// Whether each actuator of the stage is in the state of the machine, or will not be.
+bool MachineView::StageIsSettled(int stage) const {
+  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
+    const bool joined =
+        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.command;
+    if (!joined) return false;
+  }
+  return true;
+}
+
+bool MachineView::EndsKeep(const Switch& s) const {
+  const auto& keep = view_.policy.keep;
+  const bool leads_elsewhere = !s.only && s.direction != Direction::kCheck;
+  return keep && leads_elsewhere && s.purpose != Purpose::kStop && keep->state != s.target;
+}
+
+int LastStage(const MachineConfig& config) {
+  int last = 1;
+  for (const ActuatorConfig& actuator : config.actuators) last = std::max(last, actuator.stage);
+  return last;
+}
+
+}  // namespace musher

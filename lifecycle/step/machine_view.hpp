@@ -1,0 +1,65 @@
+#pragma once
+// What the parts of a step ask about the machine and its actuators. Reads only.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/machine.hpp"
+
+namespace musher {
+
+class MachineView {
+ public:
+  MachineView(const MachineConfig& config, const Machine& machine)
+      : config_(config), view_(machine) {}
+
+  const ActuatorRecord& Of(std::size_t i) const { return view_.actuators[i]; }
+  const ActuatorConfig& ConfigOf(std::size_t i) const { return config_.actuators[i]; }
+
+  // Whether it is starting, though it is not present yet.
+  bool IsComing(std::size_t i) const;
+  bool MayRestart(std::size_t i) const;
+  // The process that can be signalled: one that we started, or one of this host that publishes as
+  // it. 0: none.
+  std::int32_t ProcessOf(std::size_t i) const;
+  // The process that has to exit with the machine: one that this controller or an earlier one has
+  // started. Processes started by other parties are not ended. 0: none.
+  std::int32_t OwnProcess(std::size_t i) const;
+  // Whether its process runs on another host: a second one here would run in parallel.
+  bool RunsElsewhere(std::size_t i) const;
+  // Whether a process of this host other than `pid` publishes as this actuator: another party has
+  // started it first, or `pid` was only the program that started it.
+  bool AnotherProcessIsPresent(std::size_t i, std::int32_t pid) const;
+
+  // Whether it may be in the state of the machine: it has passed its check, or is present without
+  // one, in Error.
+  bool Fits(std::size_t i) const;
+  // Whether it may be driven to the state of the machine: down always, up only after its check.
+  bool MayFollow(std::size_t i) const;
+  // Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
+  // than its present state.
+  State PlaceOf(std::size_t i) const;
+
+  // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
+  bool NeedsMet(std::size_t i, std::string& blocker) const;
+  // The record of the fault that blocks it; 0: none.
+  std::uint64_t CauseOfBlocker(std::size_t i) const;
+  // The suspended actuator in its `after` that it waits for; empty: none.
+  std::string WaitsForSuspended(std::size_t i) const;
+
+  // Whether each actuator of the stages so far is present, or will not be.
+  bool StageIsSetUp(int stage) const;
+  // Whether each of them is in the state of the machine, or will not be.
+  bool StageIsSettled(int stage) const;
+
+  // Whether a switch that is done has led the machine out of the state in which it is kept.
+  bool EndsKeep(const Switch& s) const;
+
+ protected:
+  const MachineConfig& config_;
+  const Machine& view_;
+};
+
+int LastStage(const MachineConfig& config);
+
+}  // namespace musher

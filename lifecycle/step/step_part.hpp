@@ -1,0 +1,78 @@
+#pragma once
+// One step of the decisions, and what every part of it can do: change the machine, emit actions,
+// and record. The parts are small classes in the rooms beside this one; each names in its
+// constructor the parts that it uses, and none uses one that uses it. coordinator.cpp makes them.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/lifecycle/step/action.hpp"
+#include "musher/lifecycle/step/event.hpp"
+#include "musher/lifecycle/step/machine_view.hpp"
+
+namespace musher {
+
+// The fault of an actuator that was torn down alone, whether its process has exited or still runs
+// other actuators.
+inline constexpr const char* kTornDownAlone = "is torn down; only a new start brings it back";
+
+// What a step reads, changes and gives.
+struct StepContext {
+  const MachineConfig& config;
+  Machine& machine;
+  Time now{};
+  std::vector<Action> actions = {};
+};
+
+class StepPart : protected MachineView {
+ public:
+  explicit StepPart(StepContext& step)
+      : MachineView(step.config, step.machine),
+        machine_(step.machine),
+        now_(step.now),
+        actions_(step.actions) {}
+
+ protected:
+  using MachineView::Of;
+  ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }
+  bool Critical(std::size_t i) const { return ConfigOf(i).critical; }
+
+  void Do(Action action) { actions_.push_back(std::move(action)); }
+
+  // Each returns the id of its record. `cause`: the id of the record that it follows from, where
+  // one is known. A decision with later effects stores the id for them in ActuatorRecord, Switch or
+  // Machine.
+  std::uint64_t Record(action::Record record);
+  std::uint64_t RecordMachine(std::int32_t code, const std::string& message,
+                              std::uint64_t cause = 0);
+  std::uint64_t RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
+                             std::uint64_t cause);
+  std::uint64_t RecordEnd(const Switch& s, const SwitchResult& result, const std::string& message,
+                          std::uint64_t cause);
+  std::uint64_t RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+                               std::uint64_t cause = 0);
+  std::uint64_t RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+                              std::uint64_t cause = 0);
+  std::uint64_t RecordPolicy(std::int32_t code, const std::string& message,
+                             std::uint64_t cause = 0);
+
+  // Records the fault, once; the record becomes the cause of what follows from the fault.
+  void Degrade(std::size_t i, std::int32_t code, const std::string& message,
+               std::uint64_t cause = 0);
+  // An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no
+  // switch is under way. Of several the least active counts.
+  void FallBack(std::size_t i);
+
+  Time policy_now() const { return PolicyNow(config_, machine_.policy, now_); }
+
+  Machine& machine_;
+  const Time now_;
+
+ private:
+  std::vector<Action>& actions_;
+};
+
+}  // namespace musher

@@ -1,0 +1,120 @@
+#include "musher/lifecycle/switch/requests.hpp"
+
+#include <utility>
+
+#include "musher/base/suggest.hpp"
+
+namespace musher {
+namespace {
+
+// After its deadline an actuator is queried for the outcome: by then that is known.
+constexpr Duration kAnswered = kQueryTimeout * kQueryAttempts + Milliseconds(100);
+
+// TearDown before Error before the rest.
+int Urgency(const State& target) {
+  if (target == kTearDown) return 2;
+  return target == kError ? 1 : 0;
+}
+
+}  // namespace
+
+void Requests::On(const event::SetStateRequested& requested) {
+  std::optional<std::size_t> only;
+  if (requested.actuator) {
+    only = config_.IndexOf(*requested.actuator);
+    if (!only) {
+      const Error unknown{kCodeParametersInvalid, NoSuchActuator(*requested.actuator, config_)};
+      // An unknown actuator has no state.
+      return switching_.Answer({requested.request},
+                               Refusal(requested.target, *requested.actuator, "", unknown));
+    }
+  }
+  const std::uint64_t request_record =
+      Record({"switch", only, 0, kCodeOk,
+              "switch " + Describe(config_, requested.target.substr(0, 64), only) + " requested"});
+  if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
+    return;
+  const Plan plan = MakePlan(config_, machine_, requested.target, only);
+  if (plan.free_by) return Await(plan, requested.request, request_record);
+  if (plan.refusal) {
+    return switching_.Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
+                             request_record);
+  }
+  if (requested.target == kTearDown && !only) {
+    return tear_down_.Begin(plan, {requested.request}, request_record, requested.after);
+  }
+  if (machine_.current) switching_.Supersede(machine_.number + 1, requested.target, request_record);
+  switching_.Begin(plan, Purpose::kRequested, {requested.request}, request_record);
+}
+
+// One switch at a time: the same request joins the switch under way. A more urgent one may take
+// over, unless it is of one actuator and would leave the others unfinished. Any other is refused.
+// Returns whether the request is handled.
+bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
+                            std::optional<std::size_t> only, std::uint64_t request_record) {
+  if (!machine_.current) {
+    if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
+    tear_down_.Join(requested);
+    return true;
+  }
+  Switch& s = *machine_.current;
+  if (s.target == requested.target && s.only == only && !s.rolling_back) {
+    if (machine_.stopping) {
+      tear_down_.Join(requested);
+    } else {
+      s.requests.push_back(requested.request);
+    }
+    return true;
+  }
+  const bool concerns_all = !only || s.only;
+  if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
+  const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
+                                        Describe(config_, s.target, s.only) + ") is under way"};
+  switching_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
+                    request_record);
+  return true;
+}
+
+// As with a switch under way: the same request joins the waiting one, a more urgent one goes on to
+// take over, any other is refused. Returns whether the request is handled.
+bool Requests::JoinWaiting(const event::SetStateRequested& requested,
+                           std::optional<std::size_t> only, std::uint64_t request_record) {
+  if (!machine_.waiting) return false;
+  WaitingSwitch& waiting = *machine_.waiting;
+  if (waiting.target == requested.target && waiting.only == only) {
+    waiting.requests.push_back(requested.request);
+    return true;
+  }
+  if (!only && Urgency(requested.target) > Urgency(waiting.target)) return false;
+  const auto left = std::to_string(ToMilliseconds(waiting.until - now_));
+  const Error busy{kCodeTargetBusy, "switch " + Describe(config_, waiting.target, waiting.only) +
+                                        " is waiting to start; retry in " + left + " ms"};
+  switching_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
+                    request_record);
+  return true;
+}
+
+void Requests::Await(const Plan& plan, RequestId request, std::uint64_t request_record) {
+  const Time until = *plan.free_by + kAnswered;
+  machine_.waiting = WaitingSwitch{plan.target, plan.only, until, {request}, request_record};
+  machine_.waiting->cause =
+      Record({"switch", plan.only, 0, kCodeOk,
+              "switch " + Describe(config_, plan.target, plan.only) + " waits at most " +
+                  std::to_string(ToMilliseconds(until - now_)) + " ms: " + plan.refusal->message,
+              0, request_record});
+}
+
+bool Requests::BeginWaiting() {
+  if (!machine_.waiting) return false;
+  const Plan plan = MakePlan(config_, machine_, machine_.waiting->target, machine_.waiting->only);
+  if (plan.free_by && now_ < machine_.waiting->until) return false;
+  if (plan.refusal) {
+    switching_.EndWaiting(*plan.refusal, machine_.waiting->cause);
+    return true;
+  }
+  const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);
+  switching_.Begin(plan, Purpose::kRequested, waiting.requests, waiting.cause);
+  return true;
+}
+
+}  // namespace musher

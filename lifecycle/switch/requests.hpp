@@ -1,0 +1,35 @@
+#pragma once
+// Requests for a switch. One switch at a time: the same request joins the one under way, a more
+// urgent one takes over, any other is refused. While a late actuator is being driven to the state
+// of the machine on its own, a request waits until that actuator is free, at most as long as its
+// command may take; then it is planned as if it came only now.
+
+#include <cstdint>
+#include <optional>
+
+#include "musher/lifecycle/switch/tear_down.hpp"
+
+namespace musher {
+
+class Requests : StepPart {
+ public:
+  Requests(StepContext& step, Switching& switching, TearDown& tear_down)
+      : StepPart(step), switching_(switching), tear_down_(tear_down) {}
+
+  void On(const event::SetStateRequested& requested);
+  // Begins the waiting switch, when it need not wait any more. Returns whether a change may let
+  // other actuators proceed.
+  bool BeginWaiting();
+
+ private:
+  bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+                    std::uint64_t request_record);
+  bool JoinWaiting(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+                   std::uint64_t request_record);
+  void Await(const Plan& plan, RequestId request, std::uint64_t request_record);
+
+  Switching& switching_;
+  TearDown& tear_down_;
+};
+
+}  // namespace musher

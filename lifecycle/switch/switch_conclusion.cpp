@@ -1,0 +1,162 @@
+#include "musher/lifecycle/switch/switch_conclusion.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace musher {
+namespace {
+
+// The severity of an outcome: silence is worse than a reported failure.
+int Badness(const Leg& leg, bool critical) {
+  if (!leg.failed()) return 0;
+  if (critical) return 4;
+  if (leg.outcome == ActuatorOutcome::kLost || leg.outcome == ActuatorOutcome::kOverdue) return 3;
+  return leg.outcome == ActuatorOutcome::kSkipped ? 1 : 2;
+}
+
+}  // namespace
+
+SwitchResult SwitchConclusion::Conclude(const Switch& s, bool undone) const {
+  SwitchResult result;
+  result.number = s.number;
+  result.target = s.target;
+  if (s.only) result.actuator = ConfigOf(*s.only).name;
+  result.state = s.only ? Of(*s.only).state() : view_.state;
+  result.degraded = Degraded(config_, view_);
+  result.actuators = Results(s);
+  if (s.stopped && undone) {
+    result.code = kCodeProtectedError;
+    result.reason = "an emergency stop was engaged";
+  } else if (const Leg* worst = WorstLeg(s)) {
+    result.code = worst->code;
+    result.reason = ConfigOf(worst->actuator).name + ": " +
+                    std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +
+                    (worst->message.empty() ? "" : ", " + worst->message);
+  } else if (const auto away = FirstAway(s); away && !s.only) {
+    const Error why = *WhyAway(s, *away);
+    result.code = why.code;
+    result.reason = ConfigOf(*away).name + ": " + why.message;
+  } else if (const Leg* partial = FirstPartial(s)) {
+    result.code = partial->code;
+    result.reason = ConfigOf(partial->actuator).name + ": " + partial->message;
+  }
+  if (!undone && EndsKeep(s)) {
+    result.reason += (result.reason.empty() ? "" : "; ") +
+                     ("the machine is no longer kept in " + view_.policy.keep->state);
+  }
+  if (undone) {
+    result.outcome = SwitchOutcome::kUndone;
+  } else if (result.code != kCodeOk) {
+    result.outcome = SwitchOutcome::kDoneDegraded;
+  }
+  return result;
+}
+
+std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
+  std::vector<ActuatorResult> results;
+  for (const Leg& leg : s.legs) {
+    ActuatorResult result{
+        ConfigOf(leg.actuator).name, leg.outcome, leg.code, leg.message, leg.duration,
+        Of(leg.actuator).state()};
+    if (leg.progress != Leg::Progress::kEnded) {
+      result.outcome = ActuatorOutcome::kSkipped;
+      result.message =
+          leg.progress == Leg::Progress::kWaiting ? "nothing was sent" : "was under way";
+    }
+    CorrectIfAway(s, leg.actuator, result);
+    for (const Leg& back : s.back) {
+      if (back.actuator == leg.actuator && back.outcome == ActuatorOutcome::kDone &&
+          leg.outcome == ActuatorOutcome::kDone) {
+        result.outcome = ActuatorOutcome::kUndone;
+        result.message = "is back in " + back.target;
+      }
+    }
+    results.push_back(std::move(result));
+  }
+  for (const ActuatorResult& other : s.others) {
+    const std::size_t i = *config_.IndexOf(other.name);
+    results.push_back(other);
+    results.back().state = Of(i).state();
+    CorrectIfAway(s, i, results.back());
+  }
+  std::sort(results.begin(), results.end(), [&](const ActuatorResult& a, const ActuatorResult& b) {
+    return config_.IndexOf(a.name) < config_.IndexOf(b.name);
+  });
+  return results;
+}
+
+// An actuator whose part was done, or that was in the target before, may have left it since.
+void SwitchConclusion::CorrectIfAway(const Switch& s, std::size_t i, ActuatorResult& result) const {
+  if (result.outcome != ActuatorOutcome::kDone || s.rolling_back) return;
+  const auto away = WhyAway(s, i);
+  if (!away) return;
+  result.outcome = ActuatorOutcome::kLost;
+  result.code = away->code;
+  result.message = away->message;
+}
+
+const Leg* SwitchConclusion::WorstLeg(const Switch& s) const {
+  const Leg* worst = nullptr;
+  for (const Leg& leg : s.legs) {
+    if (!leg.failed()) continue;
+    if (worst == nullptr || Badness(leg, ConfigOf(leg.actuator).critical) >
+                                Badness(*worst, ConfigOf(worst->actuator).critical)) {
+      worst = &leg;
+    }
+  }
+  return worst;
+}
+
+// The first leg whose check has passed as degraded; null when there is none.
+const Leg* SwitchConclusion::FirstPartial(const Switch& s) {
+  const auto found = std::find_if(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
+    return leg.outcome == ActuatorOutcome::kDone && leg.code != kCodeOk;
+  });
+  return s.direction == Direction::kCheck && found != s.legs.end() ? &*found : nullptr;
+}
+
+// The reason why it is not in the target of the switch; nullopt: it is, or was not expected.
+std::optional<Error> SwitchConclusion::WhyAway(const Switch& s, std::size_t i) const {
+  if (IsAway(i, s.target)) return Of(i).fault;
+  const std::string left = LeftSince(s, i);
+  return left.empty() ? std::nullopt : std::optional(Error{kCodeNetError, left});
+}
+
+// The first actuator that is away; nullopt when all expected ones are in the target.
+std::optional<std::size_t> SwitchConclusion::FirstAway(const Switch& s) const {
+  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+    if (WhyAway(s, i)) return i;
+  }
+  return std::nullopt;
+}
+
+// Whether it is not in the target of a switch of the machine, with a recorded reason. A fault from
+// before the switch says nothing about its state.
+bool SwitchConclusion::IsAway(std::size_t i, const State& target) const {
+  const ActuatorRecord& record = Of(i);
+  if (!record.fault) return false;
+  if (record.report.busy()) return true;  // its next state is unknown
+  if (record.state() == kTearDown) return target != kTearDown;
+  const bool there = record.presence == Presence::kPresent || target == kTearDown;
+  return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
+}
+
+// The current place of an actuator whose part of the switch was done, or that was already in the
+// target, and that has left the target while other actuators were still switching: it has exited,
+// and may have been restarted. Empty: it is in the target, or was not expected.
+std::string SwitchConclusion::LeftSince(const Switch& s, std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  if (record.fault || record.held || record.suspended || s.target == kTearDown) return {};
+  const bool had_done = std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
+    return leg.actuator == i && leg.outcome == ActuatorOutcome::kDone;
+  });
+  const bool was_there = std::any_of(s.others.begin(), s.others.end(), [&](const auto& other) {
+    return other.name == ConfigOf(i).name && other.outcome == ActuatorOutcome::kDone;
+  });
+  if (!had_done && !was_there) return {};
+  if (record.presence != Presence::kPresent) return "its process has exited since; it is starting";
+  const bool there = s.direction == Direction::kCheck ? record.checked : record.state() == s.target;
+  return there ? "" : "it has switched to " + record.state() + " since, and is being driven back";
+}
+
+}  // namespace musher

@@ -1,0 +1,79 @@
+#pragma once
+// A switch: the legs of its plan, each begun when the legs it needs have ended; on the way up a
+// rollback when one fails; a result with the outcome of every actuator.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/command/commands.hpp"
+#include "musher/lifecycle/policy/policy_memory.hpp"
+#include "musher/lifecycle/switch/switch_conclusion.hpp"
+
+namespace musher {
+
+// A switch that has ended; what follows depends on its purpose.
+struct EndedSwitch {
+  Purpose purpose = Purpose::kRequested;
+  bool undone = false;
+  bool of_machine = false;  // not of one actuator
+  SwitchResult result;
+  std::uint64_t record = 0;  // of its end
+};
+
+class Switching : StepPart {
+ public:
+  Switching(StepContext& step, PolicyMemory& memory, Commands& commands)
+      : StepPart(step), memory_(memory), commands_(commands) {}
+
+  // Returns the number of the switch.
+  std::uint64_t Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
+                      std::uint64_t cause);
+  // Sends what can be sent.
+  struct Progress {
+    bool changed = false;  // other actuators may be able to proceed
+    std::optional<EndedSwitch> ended = {};
+  };
+  Progress Advance();
+  // Ends the current switch, all of whose legs have ended.
+  EndedSwitch End();
+  // Ends the current switch without rollback. Running callbacks finish; the newest command waits
+  // behind them at the actuator.
+  void Supersede(std::uint64_t by, const State& target, std::uint64_t cause);
+
+  // Refuses a request for a switch that was not begun.
+  void Refuse(const State& target, std::optional<std::size_t> only,
+              const std::vector<RequestId>& requests, const State& state, const Error& why,
+              std::uint64_t cause);
+  // Ends a waiting switch without beginning it: nothing was sent for it.
+  void EndWaiting(const Error& why, std::uint64_t cause);
+  void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
+
+ private:
+  void AddLeg(Switch& s, const PlanStep& step);
+  bool StartLegs(std::vector<Leg>& legs);
+  std::optional<CommandResult> FindUnfit(const Leg& leg) const;
+  const Leg* FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const;
+  void SkipLeg(Leg& leg, const Leg* blocker);
+  Duration TearDownShare(const Leg& leg) const;
+  bool Failed(const Switch& s) const;
+  void BeginRollback(Switch& s);
+  State WayBack(const Leg& leg) const;
+  void Apply(const Switch& s, bool undone);
+  void DriveTheRest(const Switch& s);
+  void SettleBack(const Switch& s);
+  SwitchConclusion conclusion() const { return {config_, machine_}; }
+
+  PolicyMemory& memory_;
+  Commands& commands_;
+};
+
+// The answer to a request that is refused; `actuator`: of one actuator instead of the machine.
+SwitchResult Refusal(const State& target, const std::string& actuator, const State& state,
+                     const Error& why);
+// "to Active", "of eyes to Active".
+std::string Describe(const MachineConfig& config, const State& target,
+                     std::optional<std::size_t> only);
+
+}  // namespace musher

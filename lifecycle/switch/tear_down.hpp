@@ -1,0 +1,62 @@
+#pragma once
+// The end: TearDown in reverse order, then SIGTERM, then SIGKILL. TearDown may use 70 % of the
+// budget; at 90 % the remaining processes are killed; at 100 % the machine is stopped
+// unconditionally.
+//
+// Before the first TearDown the intent goes to disk, so that a controller which a supervisor starts
+// after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
+// answer delays it for a moment only.
+//
+// An actuator that was lost without a known exit may still run in its last state, also when only an
+// earlier controller of this host has received its status: it is listed as degraded, and the
+// outcome is done-degraded.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/policy/power.hpp"
+#include "musher/lifecycle/switch/switching.hpp"
+
+namespace musher {
+
+class TearDown : StepPart {
+ public:
+  TearDown(StepContext& step, Saving& saving, Power& power, Commands& commands,
+           Switching& switching)
+      : StepPart(step),
+        saving_(saving),
+        power_(power),
+        commands_(commands),
+        switching_(switching) {}
+
+  void Begin(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
+             AfterTearDown after = AfterTearDown::kStaysDown);
+  // Another request for the TearDown under way. Of several, the one counts that keeps the machine
+  // down.
+  void Join(const event::SetStateRequested& requested);
+  // Whether the first TearDown still waits for the intent to be on disk.
+  bool WaitsForIntent();
+  // The switch to TearDown has ended.
+  void OnTornDown(SwitchResult result);
+  void On(const event::ProcessesFound& found);
+  // Escalates, and stops the machine when all processes have exited or the budget is used up.
+  void Advance();
+  // The result of TearDown now. `not_ended`: why processes that still run are left behind.
+  SwitchResult Conclude(const Error& not_ended);
+
+ private:
+  void ListSurvivors();
+  std::string WhyMayRun(std::size_t i) const;
+  bool ProcessesLeft() const;
+  bool HasSearched();
+  void SignalProcesses(bool kill);
+  void EndUnfinished();
+
+  Saving& saving_;
+  Power& power_;
+  Commands& commands_;
+  Switching& switching_;
+};
+
+}  // namespace musher
