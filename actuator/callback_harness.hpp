@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
-#include "musher/lifecycle/actuator/report.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 
 namespace musher {
 

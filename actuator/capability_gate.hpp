@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "musher/lifecycle/actuator/capability.hpp"
-#include "musher/lifecycle/actuator/report.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 
 namespace musher {
 

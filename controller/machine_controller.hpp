@@ -20,7 +20,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/switch/switch_result.hpp"
+#include "musher/lifecycle/machine/switch_result.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 
 namespace musher {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/coordinator.hpp"
-#include "musher/lifecycle/plan/flow.hpp"
 
 namespace musher::simulation {
 namespace {

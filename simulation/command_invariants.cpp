@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/simulation/checker.hpp"
 
 namespace musher::simulation {

@@ -4,7 +4,7 @@
 #include <deque>
 #include <map>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 
 namespace musher::simulation {
 

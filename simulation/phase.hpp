@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher::simulation {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::simulation {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/simulation/checker.hpp"
 
 namespace musher::simulation {

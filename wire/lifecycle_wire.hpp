@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "musher/lifecycle/actuator/actuator_core.hpp"
-#include "musher/lifecycle/actuator/report.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/transport/endpoint.hpp"

@@ -5,7 +5,7 @@
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::cli {

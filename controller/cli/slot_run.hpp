@@ -14,7 +14,7 @@
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/ota/disk.hpp"
 #include "musher/controller/ota/slots.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/transport/disk_writer.hpp"
 #include "musher/transport/event_loop.hpp"
 

@@ -11,7 +11,7 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/wall_time.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/transport/endpoints.hpp"

@@ -3,7 +3,7 @@
 // its actuators. Pure.
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/messages/protocol/manager.hpp"
 
 namespace musher::cyberdog {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::cyberdog {

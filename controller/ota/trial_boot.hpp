@@ -5,7 +5,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher::ota {
 

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/wire/battery_watch.hpp"

@@ -2,7 +2,7 @@
 // Results, plans and records of the decision code as messages.
 
 #include "musher/controller/journal/journal.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/lifecycle/plan/plan.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"

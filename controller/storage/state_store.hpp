@@ -30,7 +30,7 @@
 #include "musher/controller/process/child_processes.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/command/command_age.hpp"
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/actuator/command_age.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 
 namespace musher {
 namespace {

@@ -34,8 +34,8 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/actuator/report.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 
 namespace musher {
 

@@ -15,7 +15,7 @@
 #include "musher/base/code.hpp"
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
 

@@ -14,7 +14,7 @@
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/policy_config.hpp"
 #include "musher/lifecycle/config/ros2_config.hpp"
-#include "musher/lifecycle/ros2/ros2_states.hpp"
+#include "musher/lifecycle/config/ros2_states.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {

@@ -6,8 +6,8 @@
 
 #include "musher/base/code.hpp"
 #include "musher/base/suggest.hpp"
-#include "musher/lifecycle/machine.hpp"
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "musher/lifecycle/machine.hpp"
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
 namespace {

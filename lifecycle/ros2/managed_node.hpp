@@ -22,7 +22,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/ros2/ros2_states.hpp"
+#include "musher/lifecycle/config/ros2_states.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/ros2/ros2_states.hpp"
+#include "musher/lifecycle/config/ros2_states.hpp"
 
 namespace musher {
 

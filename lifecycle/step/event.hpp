@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
 

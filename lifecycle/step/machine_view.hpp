@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
 

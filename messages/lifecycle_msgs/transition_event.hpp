@@ -3,7 +3,7 @@
 
 namespace musher::msg {
 
-// lifecycle_msgs/msg/State. The ids are those of Ros2State (lifecycle/ros2/ros2_states.hpp).
+// lifecycle_msgs/msg/State. The ids are those of Ros2State (lifecycle/config/ros2_states.hpp).
 struct State {
   static constexpr std::string_view kTypeName = "lifecycle_msgs::msg::dds_::State_";
   std::uint8_t id = 0;

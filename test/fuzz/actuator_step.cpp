@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/test/fuzz/untrusted.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 

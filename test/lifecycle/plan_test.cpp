@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/base/code.hpp"
-#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::plan_test {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/actuator/report.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/modules/exec/child.hpp"

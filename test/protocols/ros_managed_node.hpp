@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/ros2/ros2_states.hpp"
+#include "musher/lifecycle/config/ros2_states.hpp"
 #include "musher/messages/lifecycle_msgs/services.hpp"
 #include "musher/messages/lifecycle_msgs/transition_event.hpp"
 #include "musher/transport/service.hpp"

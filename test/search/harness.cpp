@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/test/search/rules.hpp"
 
 namespace musher::search {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 
 namespace musher::search {
 namespace {

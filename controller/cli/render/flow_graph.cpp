@@ -2,7 +2,7 @@
 #include <map>
 
 #include "musher/controller/cli/render/graph.hpp"
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 
 namespace musher::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/switch/switch_result.hpp"
+#include "musher/lifecycle/machine/switch_result.hpp"
 
 namespace musher::benchmark {
 

@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
-#include "musher/lifecycle/actuator/report.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/machine/report.hpp"
+#include "musher/lifecycle/machine/switch_result.hpp"
 #include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
-#include "musher/lifecycle/switch/switch_result.hpp"
 
 namespace musher {
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/command/command_age.hpp"
+#include "musher/lifecycle/actuator/command_age.hpp"
 
 #include "musher/base/code.hpp"
 

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/ros2/ros2_states.hpp"
+#include "musher/lifecycle/config/ros2_states.hpp"
 
 namespace musher {
 namespace {

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/plan/flow.hpp"
+#include "musher/lifecycle/config/flow.hpp"
 
 #include <algorithm>
 

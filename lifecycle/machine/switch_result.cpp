@@ -1,4 +1,4 @@
-#include "musher/lifecycle/switch/switch_result.hpp"
+#include "musher/lifecycle/machine/switch_result.hpp"
 
 namespace musher {
 
