@@ -204,4 +204,19 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   return next;
 }
 
+std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine) {
+  const bool at_work = machine.phase == Phase::kStarting || machine.phase == Phase::kRunning ||
+                       machine.phase == Phase::kFailed;
+  if (!config.policy || !at_work) return std::nullopt;
+  const PolicyState& policy = machine.policy;
+  std::optional<Time> next;
+  if (policy.keep) next = policy.keep->until;
+  const bool waits = machine.current || policy.power || policy.retry_at;
+  if (policy.still_since && !waits) {
+    const Time rests_at = *policy.still_since + config.policy->low_power->lying_still;
+    next = next ? std::min(*next, rests_at) : rests_at;
+  }
+  return next;
+}
+
 }  // namespace musher

@@ -7,6 +7,8 @@
 
 #include "musher/simulation/checker.hpp"
 
+#include "musher/lifecycle/policy/policy.hpp"
+
 namespace musher::simulation {
 namespace {
 

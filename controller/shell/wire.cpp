@@ -1,5 +1,7 @@
 #include "musher/controller/shell/wire.hpp"
 
+#include "musher/lifecycle/policy/policy.hpp"
+
 #include <chrono>
 
 namespace musher {

@@ -18,10 +18,9 @@
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
-#include "musher/lifecycle/plan/plan.hpp"
-#include "musher/lifecycle/policy/policy.hpp"
 
 namespace musher {
 

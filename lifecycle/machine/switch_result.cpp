@@ -2,6 +2,20 @@
 
 namespace musher {
 
+std::string_view DirectionName(Direction direction) {
+  switch (direction) {
+    case Direction::kUp:
+      return "up";
+    case Direction::kDown:
+      return "down";
+    case Direction::kLevel:
+      return "level";
+    case Direction::kCheck:
+      break;
+  }
+  return "check";
+}
+
 std::string_view OutcomeName(ActuatorOutcome outcome) {
   switch (outcome) {
     case ActuatorOutcome::kDone:

@@ -12,6 +12,15 @@
 
 namespace musher {
 
+// Of a switch.
+enum class Direction {
+  kUp,     // more active: all actuators or none
+  kDown,   // less active: as many as can
+  kLevel,  // as active as before, or the present state again: as many as can
+  kCheck,  // SelfCheck: every actuator is checked
+};
+std::string_view DirectionName(Direction direction);  // "up", "down", "level", "check"
+
 // What happened to one actuator.
 enum class ActuatorOutcome {
   kDone,     // it is in the target state (or has passed its check)

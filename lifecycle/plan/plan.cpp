@@ -7,7 +7,7 @@
 #include "musher/base/code.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/lifecycle/config/flow.hpp"
-#include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
 
 namespace musher {
 namespace {
@@ -357,20 +357,6 @@ class Planning {
 };
 
 }  // namespace
-
-std::string_view DirectionName(Direction direction) {
-  switch (direction) {
-    case Direction::kUp:
-      return "up";
-    case Direction::kDown:
-      return "down";
-    case Direction::kLevel:
-      return "level";
-    case Direction::kCheck:
-      break;
-  }
-  return "check";
-}
 
 bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
                     const ActuatorRecord& record) {

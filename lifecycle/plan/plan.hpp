@@ -5,24 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "musher/base/result.hpp"
-#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/machine/machine.hpp"
 
 namespace musher {
-
-struct ActuatorRecord;
-struct Machine;
-
-enum class Direction {
-  kUp,     // more active: all actuators or none
-  kDown,   // less active: as many as can
-  kLevel,  // as active as before, or the present state again: as many as can
-  kCheck,  // SelfCheck: every actuator is checked
-};
-std::string_view DirectionName(Direction direction);  // "up", "down", "level", "check"
 
 struct PlanStep {
   enum class Part {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/policy/policy.hpp"
+
 namespace musher {
 namespace {
 

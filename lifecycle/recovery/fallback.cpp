@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/lifecycle/plan/plan.hpp"
+
 namespace musher {
 
 bool Fallback::Begin() {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/lifecycle/policy/policy.hpp"
+
 namespace musher {
 namespace {
 

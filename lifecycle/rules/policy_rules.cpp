@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
 
 namespace musher {
 namespace {
@@ -218,21 +218,6 @@ bool PolicyRules::TearDownForPower() {
   }
   tear_down_.Begin(plan, {}, power.cause);
   return true;
-}
-
-std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine) {
-  const bool at_work = machine.phase == Phase::kStarting || machine.phase == Phase::kRunning ||
-                       machine.phase == Phase::kFailed;
-  if (!config.policy || !at_work) return std::nullopt;
-  const PolicyState& policy = machine.policy;
-  std::optional<Time> next;
-  if (policy.keep) next = policy.keep->until;
-  const bool waits = machine.current || policy.power || policy.retry_at;
-  if (policy.still_since && !waits) {
-    const Time rests_at = *policy.still_since + config.policy->low_power->lying_still;
-    next = next ? std::min(*next, rests_at) : rests_at;
-  }
-  return next;
 }
 
 }  // namespace musher

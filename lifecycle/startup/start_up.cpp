@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/startup/adoption.hpp"
 
 namespace musher {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/lifecycle/command/commands.hpp"
+#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/policy_memory.hpp"
 #include "musher/lifecycle/switch/switch_conclusion.hpp"
 

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/power.hpp"
 #include "musher/lifecycle/switch/switching.hpp"
 

@@ -111,12 +111,15 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
   return {};
 }
 
-// The folder of a file as a node of the graph. The rules of the controller are one class over
-// several folders, and so is the command line: each of these is one node.
+// The folder of a file as a node of the graph. The command line is one node. In lifecycle/ the
+// rooms stand on some files beside them and below others: there each file is a node.
 std::string NodeOf(const std::string& path) {
-  for (const std::string one : {"lifecycle/", "controller/cli/"}) {
-    if (path.starts_with(one)) return one.substr(0, one.size() - 1);
-  }
+  const std::string cli = "controller/cli";
+  if (path.starts_with(cli + "/")) return cli;
+  const std::string lifecycle = "lifecycle/";
+  const bool beside_the_rooms =
+      path.starts_with(lifecycle) && path.find('/', lifecycle.size()) == std::string::npos;
+  if (beside_the_rooms) return path.substr(0, path.rfind('.'));
   if (path.starts_with("modules/")) return "modules/" + ModuleOf(path);
   const std::size_t slash = path.rfind('/');
   return slash == std::string::npos ? path : path.substr(0, slash);

@@ -73,4 +73,12 @@ TEST(IncludeRules, ReportFoldersAndSubfoldersThatIncludeEachOther) {
   EXPECT_THAT(IncludeCycles({shell}), IsEmpty());
 }
 
+TEST(IncludeRules, LetARoomOfTheLifecycleStandOnAFileThatIsBesideIt) {
+  const SourceFile top = Including("lifecycle/coordinator.cpp", "\"musher/lifecycle/step/a.hpp\"");
+  const SourceFile below = Including("lifecycle/step/a.hpp", "\"musher/lifecycle/state.hpp\"");
+  const SourceFile up = Including("lifecycle/step/b.cpp", "\"musher/lifecycle/coordinator.hpp\"");
+  EXPECT_THAT(IncludeCycles({top, below}), IsEmpty());
+  EXPECT_THAT(IncludeCycles({top, up}), SizeIs(2));
+}
+
 }  // namespace musher::house::include_rules_test

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/controller/cyberdog/voice.hpp"
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::cyberdog {

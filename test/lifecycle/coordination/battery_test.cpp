@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
 namespace musher::testing::battery_test {

@@ -1,0 +1,111 @@
+#pragma once
+// The state of the policy (battery, lying still, keep, power). Plain values; the rules are in
+// policy/ and rules/.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher {
+
+// The lower the battery, the higher the value.
+enum class BatteryLevel {
+  kFree,       // no limit
+  kProtected,  // at most Protected
+  kLowPower,   // at most LowPower
+  kEmpty,      // the machine is torn down, the robot is powered off
+};
+std::string_view LevelName(BatteryLevel level);  // "free", "protected", "low power", "empty"
+
+// What a person, an application or the robot's own buttons request from the policy.
+enum class PolicyRequest {
+  kSwitch,          // to `state`, directly
+  kKeep,            // to `state`, and stay there for `ticks` seconds; 0: end of that, or no stay
+  kOta,             // `enable`: into OTA, else out of it
+  kLowPowerSwitch,  // `enable` for this run
+  kLowPowerStore,   // the same, stored on disk
+  kWakeUp,          // out of LowPower
+  kPowerOff,
+  kReboot,
+};
+std::string_view RequestName(PolicyRequest request);  // "switch", "keep", … as on the wire
+std::optional<PolicyRequest> RequestOf(std::string_view name);
+
+// What the policy subscribes to.
+enum class PolicyInput { kBattery, kMotion };
+
+// The state to which the battery rule took the machine, and the state before, to which it returns.
+// Survives the controller, unless another one has led meanwhile.
+struct Lowering {
+  State from;
+  State to;
+  std::uint64_t epoch = 0;  // of the controller that stored it
+
+  friend bool operator==(const Lowering&, const Lowering&) = default;
+};
+
+// What has to survive the controller.
+struct StoredPolicy {
+  std::optional<bool> low_power;  // the switch, once it was stored
+  std::optional<Lowering> lowering;
+
+  friend bool operator==(const StoredPolicy&, const StoredPolicy&) = default;
+};
+
+// The machine is kept in a state for a while.
+struct Keep {
+  State state;
+  std::int64_t seconds = 0;
+  Time until{};                     // by the policy's clock
+  std::uint64_t switch_number = 0;  // of the switch to it; if that is undone, the keep ends
+
+  friend bool operator==(const Keep&, const Keep&) = default;
+};
+
+// The robot is about to be powered off. Always by the steady clock: this powers off the real robot.
+struct PowerDown {
+  bool reboot = false;
+  Time tear_down_at{};
+  Time force_at{};
+  bool commanded = false;   // the command has been given
+  std::uint64_t cause = 0;  // the record that says why
+
+  friend bool operator==(const PowerDown&, const PowerDown&) = default;
+};
+
+struct PolicyState {
+  Time clock{};         // the last time received from /clock, where the policy follows it
+  bool loaded = false;  // all stages have been up, or given up: the battery rules begin
+
+  std::optional<int> battery;  // in percent, the last valid one
+  bool charging = false;
+  bool battery_silent = false;
+  bool invalid_recorded = false;  // an out-of-range value was recorded
+  BatteryLevel level = BatteryLevel::kFree;
+  std::uint64_t level_cause = 0;  // the record of the level
+
+  StoredPolicy stored;
+  std::optional<Lowering> withheld;  // the higher state that the battery does not allow yet
+  bool low_power = false;            // the switch
+  bool still = false;                // the robot lies still
+  std::optional<Time> still_since;   // since when it lies still
+  std::optional<Keep> keep;
+  std::optional<PowerDown> power;
+
+  int failures = 0;                  // of switches of the policy in a row
+  std::optional<Time> retry_at;      // by the steady clock
+  std::vector<std::uint64_t> calls;  // requests that wait for the end of a switch
+
+  friend bool operator==(const PolicyState&, const PolicyState&) = default;
+};
+
+// The time by the clock of the policy.
+Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now);
+
+}  // namespace musher
