@@ -1,9 +1,15 @@
 #include "musher/base/files.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <fstream>
+
+#include "musher/base/host.hpp"
+#include "musher/base/unique_fd.hpp"
 
 namespace musher {
 
@@ -28,6 +34,28 @@ bool WriteAll(int fd, std::string_view text) {
     text.remove_prefix(static_cast<std::size_t>(written));
   }
   return true;
+}
+
+Result<> ReplaceFile(const std::string& path, std::string_view content,
+                     const ReplaceOptions& options) {
+  const std::string draft = path + options.draft;
+  const auto failed = [&] {
+    Error error = SystemError("can't save " + path);
+    unlink(draft.c_str());
+    return error;
+  };
+  UniqueFd file(open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, options.mode));
+  if (!file.valid() || !WriteAll(file.get(), content)) return failed();
+  if (options.synced && fsync(file.get()) != 0) return failed();
+  if (!file.Close() || rename(draft.c_str(), path.c_str()) != 0) return failed();
+  if (!options.synced) return Ok();
+  return SyncFolder(std::filesystem::path(path).parent_path()) ? Ok() : Result<>(failed());
+}
+
+bool SyncFolder(const std::string& folder) {
+  const char* path = folder.empty() ? "." : folder.c_str();
+  const UniqueFd fd(open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return fd.valid() && fsync(fd.get()) == 0;
 }
 
 std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder,

@@ -1,15 +1,19 @@
 #pragma once
-// Files and folders that may vanish while they are read, as those of /proc/<pid> do when the
-// process exits. The standard library's iterators over files and folders throw then; these
-// functions do not.
+// Reading files and folders that may vanish meanwhile, as those of /proc/<pid> do when the process
+// exits (the standard library's iterators throw then; these functions do not), and replacing files
+// that are read meanwhile.
 //
 // Threads: any.
+
+#include <sys/types.h>
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+#include "musher/base/result.hpp"
 
 namespace musher {
 
@@ -18,6 +22,20 @@ std::string ReadFile(const std::filesystem::path& file);
 
 // Whether all of it was written; errno says why not. An interrupted write goes on.
 bool WriteAll(int fd, std::string_view text);
+
+// Replaces the content of a file, or makes it: a reader gets the old or the new content, never a
+// part. It is written to `path` + `draft` first; writers of the same file at the same time need
+// drafts of their own.
+struct ReplaceOptions {
+  mode_t mode = 0644;
+  bool synced = true;  // also after a power cut; waits for the disk
+  std::string draft = ".new";
+};
+Result<> ReplaceFile(const std::string& path, std::string_view content,
+                     const ReplaceOptions& options = {});
+
+// Waits until the names of the files in a folder are on disk; errno says why not.
+bool SyncFolder(const std::string& folder);
 
 // What a folder contains, in no order. `error` is set if it cannot be read to its end.
 std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder,

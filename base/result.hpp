@@ -1,15 +1,15 @@
 #pragma once
 // Musher's three lanes of error:
-//   assert       a bug in Musher itself; the program stops where it happened.
+//   MUSHER_CHECK a bug in Musher itself; the program stops where it happened (check.hpp).
 //   Result       an expected failure (a refusal, a missing file, a lost peer).
 //   Diagnostic   an error in a file that a person wrote, with line and column (diagnostic.hpp).
 
-#include <cassert>
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "musher/base/check.hpp"
 #include "musher/base/code.hpp"
 
 namespace musher {
@@ -33,19 +33,19 @@ class [[nodiscard]] Result {
   explicit operator bool() const { return ok(); }
 
   const T& value() const& {
-    assert(ok());
+    MUSHER_CHECK(ok(), "the error is:", std::get<Error>(content_).message);
     return std::get<T>(content_);
   }
   T& value() & {
-    assert(ok());
+    MUSHER_CHECK(ok(), "the error is:", std::get<Error>(content_).message);
     return std::get<T>(content_);
   }
   T&& value() && {
-    assert(ok());
+    MUSHER_CHECK(ok(), "the error is:", std::get<Error>(content_).message);
     return std::get<T>(std::move(content_));
   }
   const Error& error() const {
-    assert(!ok());
+    MUSHER_CHECK(!ok());
     return std::get<Error>(content_);
   }
 
@@ -63,7 +63,7 @@ class [[nodiscard]] Result<void> {
   bool ok() const { return !failed_; }
   explicit operator bool() const { return ok(); }
   const Error& error() const {
-    assert(failed_);
+    MUSHER_CHECK(failed_);
     return error_;
   }
 

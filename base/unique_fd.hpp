@@ -22,6 +22,8 @@ class UniqueFd {
 
   bool valid() const { return fd_ >= 0; }
   int get() const { return fd_; }
+  // Closes it; returns whether that succeeded: a disk may report a failed write only then.
+  bool Close() { return close(std::exchange(fd_, -1)) == 0; }
 
  private:
   int fd_ = -1;

@@ -9,7 +9,20 @@ install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBD
 foreach(folder base lifecycle wire behavior messages transport actuator application controller simulation)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
           FILES_MATCHING PATTERN "*.hpp"
-          PATTERN "lifecycle/decision.hpp" EXCLUDE
+          PATTERN "lifecycle/authority.hpp" EXCLUDE
+          PATTERN "lifecycle/command" EXCLUDE
+          PATTERN "lifecycle/process" EXCLUDE
+          PATTERN "lifecycle/recovery" EXCLUDE
+          PATTERN "lifecycle/rules" EXCLUDE
+          PATTERN "lifecycle/startup" EXCLUDE
+          PATTERN "lifecycle/switch" EXCLUDE
+          PATTERN "policy/policy_memory.hpp" EXCLUDE
+          PATTERN "policy/power.hpp" EXCLUDE
+          PATTERN "step/emergency_stops.hpp" EXCLUDE
+          PATTERN "step/machine_view.hpp" EXCLUDE
+          PATTERN "step/saving.hpp" EXCLUDE
+          PATTERN "step/step_part.hpp" EXCLUDE
+          PATTERN "machine_actuator_impl.hpp" EXCLUDE
           PATTERN "base/toml" EXCLUDE
           PATTERN "config/toml" EXCLUDE
           PATTERN "transport/dds" EXCLUDE

@@ -28,7 +28,7 @@ endif()
 # an anonymous namespace unless both are in the main file, which in a unity build they are not.
 function(musher_target target)
   target_compile_options(${target} PRIVATE
-    -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion
+    -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow=local -Wno-restrict -Wno-maybe-uninitialized>
     $<$<AND:$<BOOL:${MUSHER_UNITY}>,$<COMPILE_LANG_AND_ID:CXX,GNU>>:-Wno-subobject-linkage>

@@ -5,6 +5,7 @@
 
 #include "musher/lifecycle/authority.hpp"
 #include "musher/lifecycle/command/arrivals.hpp"
+#include "musher/lifecycle/machine/machine_invariants.hpp"
 #include "musher/lifecycle/recovery/binding.hpp"
 #include "musher/lifecycle/recovery/fallback.hpp"
 #include "musher/lifecycle/recovery/joining.hpp"
@@ -16,15 +17,18 @@ namespace musher {
 namespace {
 
 // The parts of one step, each after those that it uses.
-class Coordinator {
+class Coordinator : StepPart {
  public:
-  explicit Coordinator(StepContext& step) : step_(step) {}
+  explicit Coordinator(StepContext& step) : StepPart(step), step_(step) {}
 
   void Handle(const Event& event);
   // Handles deadlines, then does what has become possible. Ends every step.
   void Settle();
   // A fenced controller only answers requests, with a refusal.
   void Decline(const Event& event);
+  // Records what the step has broken, if anything. The machine goes on: what a person sees of it,
+  // and a stop, are worth more than a controller that ends.
+  void ReportIfBroken();
 
  private:
   void On(const event::Begin& begin);
@@ -95,7 +99,7 @@ void Coordinator::On(const event::Begin& begin) {
 }
 
 void Coordinator::Settle() {
-  if (step_.machine.phase == Phase::kFenced) return;
+  if (machine_.phase == Phase::kFenced) return;
   arrivals_.CheckDeadlines();
   arrivals_.TakeUpOthers();
   start_up_.CheckDeadlines();
@@ -106,7 +110,7 @@ void Coordinator::Settle() {
 
 // Each can make the next one possible; the loop ends when all of them wait for an event.
 void Coordinator::Advance() {
-  const Phase& phase = step_.machine.phase;
+  const Phase& phase = machine_.phase;
   bool changed = true;
   while (changed) {
     changed = AdvanceSwitch();
@@ -136,6 +140,11 @@ bool Coordinator::AdvanceSwitch() {
     }
   }
   return progress.changed;
+}
+
+void Coordinator::ReportIfBroken() {
+  const std::string broken = BrokenInvariant(config_, machine_);
+  if (!broken.empty()) RecordMachine(kCodeFailed, kBrokenInvariant + broken);
 }
 
 void Coordinator::Decline(const Event& event) {
@@ -174,6 +183,8 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
 
 std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
                          Time now) {
+  // A fault that a snapshot brought along is not the step's.
+  const bool was_sound = BrokenInvariant(config, machine).empty();
   StepContext step{config, machine, now};
   Coordinator coordinator(step);
   if (machine.phase == Phase::kFenced) {
@@ -182,6 +193,7 @@ std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Ev
     coordinator.Handle(event);
     coordinator.Settle();
   }
+  if (was_sound) coordinator.ReportIfBroken();
   return std::move(step.actions);
 }
 
@@ -212,7 +224,7 @@ std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machin
   std::optional<Time> next;
   if (policy.keep) next = policy.keep->until;
   const bool waits = machine.current || policy.power || policy.retry_at;
-  if (policy.still_since && !waits) {
+  if (policy.still_since && config.policy->low_power && !waits) {
     const Time rests_at = *policy.still_since + config.policy->low_power->lying_still;
     next = next ? std::min(*next, rests_at) : rests_at;
   }

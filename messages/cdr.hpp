@@ -98,7 +98,7 @@ class CdrWriter {
   }
   template <Fielded T>
   void Put(const T& message) {
-    std::apply([this](const auto&... field) { (Put(field), ...); }, T::Fields(message));
+    std::apply([&](const auto&... field) { (Put(field), ...); }, T::Fields(message));
   }
 
   Bytes Take() && { return std::move(bytes_); }

@@ -4,6 +4,7 @@
 
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/machine/machine_invariants.hpp"
 
 namespace musher::simulation {
 namespace {
@@ -155,6 +156,9 @@ void Checker::AfterEvent() {
 void Checker::CheckController(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
   Seen& seen = seen_[controller.serial()];
+  if (const std::string broken = BrokenInvariant(config_, machine); !broken.empty()) {
+    ReportViolation(Invariant::kMachineIsConsistent, broken);
+  }
   CheckDeadline(controller, seen);
   NoteReceived(controller, seen);
   const std::uint64_t epoch = std::exchange(seen.epoch, machine.epoch);

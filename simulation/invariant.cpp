@@ -14,6 +14,8 @@ std::string_view InvariantText(Invariant invariant) {
       return "no actuator becomes more active during an emergency stop";
     case Invariant::kOneReplyPerRequest:
       return "every request gets one reply";
+    case Invariant::kMachineIsConsistent:
+      return "the values of the machine agree with each other after each step";
     case Invariant::kStatesRecorded:
       return "the journal records every state of the machine";
     case Invariant::kNoPastDeadline:

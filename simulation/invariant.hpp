@@ -18,6 +18,7 @@ enum class Invariant : std::uint8_t {
   kEmergencyStopHolds,         // no actuator becomes more active during an emergency stop
   kOneReplyPerRequest,         // every request gets one reply
   kStatesRecorded,             // the journal records every state of the machine
+  kMachineIsConsistent,        // the values of the machine agree with each other after each step
   kNoPastDeadline,             // the next deadline is never in the past
   kReachesStableState,         // after the last fault, within the bound
   kStatesAgree,                // then each live actuator is in the machine's state, or degraded
@@ -43,7 +44,7 @@ enum class Invariant : std::uint8_t {
   kRecoverable,                // an operator can recover the machine from every stable state
   kAllAvailableAfterRecovery,  // and then all actuators are available
 };
-inline constexpr std::size_t kInvariants = 28;
+inline constexpr std::size_t kInvariants = 29;
 
 std::string_view InvariantText(Invariant invariant);  // a sentence without its full stop
 // Whether the config, rather than the middleware, can be the reason for a violation.

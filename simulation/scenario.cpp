@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/simulation/path.hpp"
 
 namespace musher::simulation {
@@ -71,6 +72,7 @@ void Scenario::UseModule(
 
 Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
                    const ScenarioOptions& options) {
+  const CheckContext context("the scenario of seed " + std::to_string(seed));
   return Scenario(config, seed, injections, options).Run();
 }
 

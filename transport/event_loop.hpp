@@ -9,9 +9,12 @@
 // dropped before their loop. A callback may drop any handle, its own too, but must not run the
 // loop.
 
+#include <atomic>
 #include <functional>
 #include <memory>
+#include <thread>
 
+#include "musher/base/check.hpp"
 #include "musher/base/time.hpp"
 
 namespace musher::transport {
@@ -52,6 +55,32 @@ class EventLoop {
 
   // Makes Run() return; RunUntil() continues. From any thread, also before Run().
   virtual void Stop() = 0;
+
+  // Ends the process when another thread runs the loop. Called where "loop thread only" is written,
+  // but for handles that are dropped.
+  void CheckThread() const {
+    const std::thread::id runner = runner_.load(std::memory_order_relaxed);
+    MUSHER_CHECK(runner == std::thread::id() || runner == std::this_thread::get_id(),
+                 "called on another thread than the loop's; Post() it");
+  }
+
+ protected:
+  // The calling thread runs the loop as long as this exists.
+  class Running {
+   public:
+    explicit Running(EventLoop& loop)
+        : loop_(loop), before_(loop.runner_.exchange(std::this_thread::get_id())) {}
+    ~Running() { loop_.runner_ = before_; }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+   private:
+    EventLoop& loop_;
+    std::thread::id before_;
+  };
+
+ private:
+  std::atomic<std::thread::id> runner_;
 };
 
 }  // namespace musher::transport

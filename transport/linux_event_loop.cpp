@@ -5,10 +5,11 @@
 #include <sys/timerfd.h>
 
 #include <array>
-#include <cassert>
 #include <cerrno>
 #include <system_error>
 #include <utility>
+
+#include "musher/base/check.hpp"
 
 namespace musher::transport {
 
@@ -39,6 +40,7 @@ class LinuxEventLoop::WatchHandle : public LoopHandle {
   WatchHandle(const WatchHandle&) = delete;
   WatchHandle& operator=(const WatchHandle&) = delete;
   ~WatchHandle() override {
+    loop_.CheckThread();
     const auto watch = loop_.watches_.find(key_);
     epoll_ctl(loop_.epoll_.get(), EPOLL_CTL_DEL, watch->second->fd, nullptr);
     loop_.watches_.erase(watch);
@@ -71,15 +73,18 @@ void LinuxEventLoop::Post(std::function<void()> work) {
 }
 
 LoopHandlePtr LinuxEventLoop::At(Time when, std::function<void()> callback) {
+  CheckThread();
   return timers_.Add(when, Duration::zero(), std::move(callback));
 }
 
 LoopHandlePtr LinuxEventLoop::Every(Duration period, std::function<void()> callback) {
-  assert(period > Duration::zero());
+  CheckThread();
+  MUSHER_CHECK(period > Duration::zero(), "ns:", period.count());
   return timers_.Add(Now() + period, period, std::move(callback));
 }
 
 LoopHandlePtr LinuxEventLoop::WhenReadable(int fd, std::function<void()> callback) {
+  CheckThread();
   const std::uint64_t key = next_watch_++;
   AddToEpoll(epoll_.get(), fd, EPOLLIN, key);
   watches_.emplace(key, std::make_shared<Watch>(Watch{fd, std::move(callback)}));
@@ -87,6 +92,8 @@ LoopHandlePtr LinuxEventLoop::WhenReadable(int fd, std::function<void()> callbac
 }
 
 void LinuxEventLoop::Run() {
+  CheckThread();
+  const Running running(*this);
   const Done stopped = [this] { return stop_.exchange(false); };
   if (stopped()) return;
   while (!Turn(stopped)) {
@@ -94,6 +101,8 @@ void LinuxEventLoop::Run() {
 }
 
 bool LinuxEventLoop::RunUntil(const std::function<bool()>& done, Time deadline) {
+  CheckThread();
+  const Running running(*this);
   if (done()) return true;
   const LoopHandlePtr alarm = At(deadline, [] {});
   while (!Turn(done)) {
@@ -152,7 +161,7 @@ int LinuxEventLoop::Poll() {
   if (block) ArmTimer(timers_.NextDue());
   std::array<epoll_event, kMaxReady> events{};
   const int count = epoll_wait(epoll_.get(), events.data(), kMaxReady, block ? -1 : 0);
-  assert(count >= 0 || errno == EINTR);
+  MUSHER_CHECK(count >= 0 || errno == EINTR, "epoll_wait, errno", errno);
   {
     const std::lock_guard lock(mutex_);
     asleep_ = false;

@@ -38,6 +38,7 @@ std::vector<PeerId> RawClient::Servers() const {
 }
 
 msg::RequestId RawClient::NextId() {
+  loop_.CheckThread();
   return {requests_->UniqueId(), next_sequence_++};
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 // The last changes of a machine. Allocates once.
 
-#include <cassert>
 #include <vector>
 
+#include "musher/base/check.hpp"
 #include "musher/behavior/fsm/listener.hpp"
 
 namespace musher::fsm {
@@ -25,7 +25,7 @@ class History {
   std::size_t capacity() const { return ring_.size(); }
   // 0 is the oldest.
   const Change& operator[](std::size_t i) const {
-    assert(i < size_);
+    MUSHER_CHECK(i < size_);
     return ring_[(next_ + ring_.size() - size_ + i) % ring_.size()];
   }
   const Change& back() const { return (*this)[size_ - 1]; }

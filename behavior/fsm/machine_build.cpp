@@ -5,6 +5,7 @@
 #include <exception>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/behavior/fsm/check.hpp"
 #include "musher/behavior/fsm/machine.hpp"
@@ -87,21 +88,21 @@ Machine::Machine(Options options)
 Machine::~Machine() = default;
 
 StateId Machine::Add(std::string name, std::unique_ptr<State> state, Role role) {
-  assert(!built_ && state != nullptr);
+  MUSHER_CHECK(!built_ && state != nullptr);
   if (const auto fault = NameFault("state", name)) errors_.push_back(*fault);
   if (FindState(name)) errors_.push_back(name + ": registered twice");
   if (role == Role::kSafe && safe_ != kNoState) {
     errors_.push_back(name + ": a second safe state; " + std::string(Name(safe_)) + " is one");
   }
   const auto id = static_cast<StateId>(nodes_.size());
-  assert(id < kNoState);
+  MUSHER_CHECK(id < kNoState);
   if (role == Role::kSafe) safe_ = id;
   nodes_.push_back({std::move(name), std::move(state), role});
   return id;
 }
 
 EventId Machine::AddEvent(std::string name, Urgency urgency) {
-  assert(!built_);
+  MUSHER_CHECK(!built_);
   if (const auto fault = NameFault("event", name)) errors_.push_back(*fault);
   if (FindEvent(name)) errors_.push_back("event " + name + ": registered twice");
   events_.push_back({std::move(name), urgency});
@@ -109,13 +110,13 @@ EventId Machine::AddEvent(std::string name, Urgency urgency) {
 }
 
 void Machine::AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe) {
-  assert(!built_ && is_safe);
+  MUSHER_CHECK(!built_ && is_safe);
   if (FindCheck(name)) errors_.push_back("safety check " + name + ": registered twice");
   checks_.push_back({std::move(name), std::move(is_safe)});
 }
 
 void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
-  assert(!built_ && persist);
+  MUSHER_CHECK(!built_ && persist);
   if (Find<std::size_t>(data_, name)) errors_.push_back("data " + name + ": registered twice");
   data_.push_back({std::move(name), std::move(persist)});
 }
@@ -156,7 +157,7 @@ void Machine::CheckAll(std::string_view start) {
 }
 
 Result<> Machine::Build(std::string_view start) {
-  assert(!built_);
+  MUSHER_CHECK(!built_);
   DeclareStates();
   CheckAll(start);
   if (errors_.empty()) {
@@ -189,7 +190,7 @@ Result<> Machine::Force(std::string_view target) {
 }
 
 void Machine::Listen(Listener* listener) {
-  assert(listener != nullptr);
+  MUSHER_CHECK(listener != nullptr);
   listeners_.push_back(listener);
 }
 

@@ -1,8 +1,9 @@
 #include "musher/behavior/fsm/nested.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
+
+#include "musher/base/check.hpp"
 
 namespace musher::fsm {
 
@@ -11,7 +12,7 @@ Nested::Nested(std::unique_ptr<Machine> inner, std::string start)
 
 Nested::Nested(std::unique_ptr<Machine> inner, std::string start, Options options)
     : inner_(std::move(inner)), start_(std::move(start)), options_(std::move(options)) {
-  assert(inner_ != nullptr);
+  MUSHER_CHECK(inner_ != nullptr);
 }
 
 Nested::~Nested() = default;

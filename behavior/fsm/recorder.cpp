@@ -1,10 +1,10 @@
 #include "musher/behavior/fsm/recorder.hpp"
 
 #include <array>
-#include <cassert>
 #include <charconv>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/behavior/fsm/recording_text.hpp"
 
 namespace musher::fsm {
@@ -81,7 +81,7 @@ void AppendChange(std::string& line, const Machine& machine, const Change& chang
 }
 
 Recorder::Recorder(Machine& machine, Sink sink) : machine_(machine), sink_(std::move(sink)) {
-  assert(sink_ && !machine.running());
+  MUSHER_CHECK(sink_ && !machine.running());
   line_ = kRecordingFormat;
   AppendWord(line_, machine.name());
   Write();

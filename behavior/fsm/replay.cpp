@@ -1,9 +1,9 @@
 #include "musher/behavior/fsm/replay.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/behavior/fsm/recording_text.hpp"
 
 namespace musher::fsm {
@@ -132,7 +132,7 @@ class Replaying {
 }  // namespace
 
 Result<Replayed> Replay(const Recording& recording, Machine& machine, const ApplyInput& apply) {
-  assert(apply && !machine.running());
+  MUSHER_CHECK(apply && !machine.running());
   if (machine.name() != recording.machine) {
     return Error{kCodeParametersInvalid, recording.file +
                                              ":1: error: it was recorded from machine " +

@@ -1,26 +1,16 @@
 #include "musher/controller/cli/program_check.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <chrono>
-#include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <string>
 #include <string_view>
 
-#include "musher/base/host.hpp"
-#include "musher/base/unique_fd.hpp"
+#include "musher/base/program.hpp"
 #include "musher/controller/cli/config_places.hpp"
 #include "musher/transport/ros_environment.hpp"
 
@@ -80,58 +70,25 @@ struct Ran {
   std::string err;
 };
 
-bool ExitsWithin(pid_t pid, Duration timeout) {
-  const auto process = OpenPidfd(pid);
-  if (!process) return false;
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-        deadline - std::chrono::steady_clock::now());
-    pollfd ended{process.value().get(), POLLIN, 0};
-    const int ready = poll(&ended, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
-    if (ready >= 0 || errno != EINTR) return ready == 1;
-  }
-}
-
 // Runs the program with --check and returns its report.
 Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
              const std::string& config_file, Duration timeout) {
-  std::vector<std::string> words = {program,     "--check",    "--config",
-                                    config_file, "--actuator", actuator.name};
-  words.insert(words.end(), actuator.command.begin() + 1, actuator.command.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const UniqueFd output(memfd_create("check", MFD_CLOEXEC));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, output.get(), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output.get(), STDERR_FILENO);
-  if (!actuator.cwd.empty()) posix_spawn_file_actions_addchdir_np(&actions, actuator.cwd.c_str());
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return {false, "can't run " + program + ": " + std::strerror(error)};
-  const bool exited = ExitsWithin(pid, timeout);
-  if (!exited) kill(pid, SIGKILL);
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!exited) {
+  ProgramSpec spec;
+  spec.argv = {program, "--check", "--config", config_file, "--actuator", actuator.name};
+  spec.argv.insert(spec.argv.end(), actuator.command.begin() + 1, actuator.command.end());
+  spec.cwd = actuator.cwd;
+  const auto run = RunProgram(spec, "", timeout);
+  if (!run) return {false, run.error().message};
+  const ProgramEnd& end = run.value();
+  if (end.failure) return {false, end.failure->error.message};
+  if (end.timed_out) {
     return {false, program + " --check did not exit within " +
                        std::to_string(ToMilliseconds(timeout)) + " ms"};
   }
-  std::array<char, 8192> text{};
-  const ssize_t size = pread(output.get(), text.data(), text.size(), 0);
-  Ran ran{WIFEXITED(status) && WEXITSTATUS(status) == 0,
-          std::string(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size))};
+  constexpr std::size_t kLongest = 8192;
+  Ran ran{end.status.ok(), (end.errors + end.output).substr(0, kLongest)};
   if (!ran.ok && ran.err.empty()) {
-    ran.err = program + " --check " +
-              (WIFEXITED(status) ? "exited with code " + std::to_string(WEXITSTATUS(status))
-                                 : "was killed by signal " + std::to_string(WTERMSIG(status))) +
-              " without a message";
+    ran.err = program + " --check: " + end.status.Text() + ", without a message";
   }
   return ran;
 }

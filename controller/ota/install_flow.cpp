@@ -1,6 +1,6 @@
 #include "musher/controller/ota/install_flow.hpp"
 
-#include <cassert>
+#include "musher/base/check.hpp"
 
 namespace musher::ota {
 
@@ -50,7 +50,7 @@ Flow RollbackFlow(bool machine_runs) {
 }
 
 void Advance(Flow& flow, const Result<>& outcome) {
-  assert(!flow.left.empty());
+  MUSHER_CHECK(!flow.left.empty());
   const Step step = flow.left.front();
   flow.left.pop_front();
   // A failed switch may also have moved some actuators.

@@ -115,8 +115,7 @@ std::string ProcessExit::Text() const {
   if (kind == Kind::kExited) {
     return "exit code " + std::to_string(number) + (last_output.empty() ? "" : ": " + last_output);
   }
-  const char* name = sigabbrev_np(number);
-  return "killed by " + (name ? "SIG" + std::string(name) : "signal " + std::to_string(number));
+  return ExitStatus{true, number}.Text();
 }
 
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
@@ -135,7 +134,7 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
   const pid_t pid = child.value().pid();
   if (const auto failure = AwaitProgram(child.value())) {
     Reap(pid);
-    return *failure;
+    return ErrorOf(*failure, child.value());
   }
   process.child = std::move(child).value();
   if (auto added = Add(pid, std::move(process)); !added) {
@@ -147,7 +146,7 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
   return pid;
 }
 
-std::optional<Error> ProcessSupervisor::AwaitProgram(const Spawned& child) {
+std::optional<ProgramFailure> ProcessSupervisor::AwaitProgram(const ForkedProgram& child) {
   const Time begin = loop_.Now();
   if (begin - last_start_ > kBurst) loading_left_ = loading_;
   auto failure = child.Failure(loading_left_);
@@ -220,7 +219,7 @@ void ProcessSupervisor::Ended(pid_t pid) {
   ProcessExit exit = Reap(pid);
   if (adopts_) EndOrphans();
   if (const auto failure = ended.child->Failure(Duration::zero())) {
-    exit = {ProcessExit::Kind::kNotRun, 0, failure->message};
+    exit = {ProcessExit::Kind::kNotRun, 0, ErrorOf(*failure, *ended.child).message};
   }
   const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
   if (discontent && ended.log) return AwaitLastOutput(exit, std::move(ended));

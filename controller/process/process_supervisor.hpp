@@ -61,8 +61,8 @@ class ProcessSupervisor : public ProcessRunner {
  private:
   struct Process {
     std::string name;
-    std::uint64_t number = 0;      // in the environment of all its descendants
-    std::optional<Spawned> child;  // none: it is only watched or adopted
+    std::uint64_t number = 0;            // in the environment of all its descendants
+    std::optional<ForkedProgram> child;  // none: it is only watched or adopted
     bool adopted = false;
     std::string mark;               // of an adopted one (child_processes.hpp)
     std::shared_ptr<UniqueFd> log;  // of a child whose output is a file
@@ -80,7 +80,7 @@ class ProcessSupervisor : public ProcessRunner {
   };
 
   // The reason why the program of `child` cannot run, if that is known in time.
-  std::optional<Error> AwaitProgram(const Spawned& child);
+  std::optional<ProgramFailure> AwaitProgram(const ForkedProgram& child);
   Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
   void EndOrphans();

@@ -60,18 +60,10 @@ std::optional<MachineOrigin> LoadOrigin(const std::string& state_dir) {
 }
 
 Result<> SaveOrigin(const std::string& state_dir, const MachineOrigin& origin) {
-  const std::string next = FileIn(state_dir) + ".new";
-  {
-    std::ofstream out(next, std::ios::trunc);
-    out << Line("name", origin.name) << Line("namespace", origin.name_space)
-        << Line("domain", std::to_string(origin.domain)) << Line("file", origin.file);
-    out.flush();
-    if (!out) return Error{kCodeFailed, "can't write " + next};
-  }
-  std::error_code error;
-  fs::rename(next, FileIn(state_dir), error);
-  if (error) return Error{kCodeFailed, "can't write " + FileIn(state_dir) + ": " + error.message()};
-  return Ok();
+  return ReplaceFile(FileIn(state_dir),
+                     Line("name", origin.name) + Line("namespace", origin.name_space) +
+                         Line("domain", std::to_string(origin.domain)) + Line("file", origin.file),
+                     {.synced = false});
 }
 
 std::string StateDirOfProcess(pid_t pid) {

@@ -48,12 +48,6 @@ std::string ProcessesFileIn(const std::string& dir) {
   return dir + "/processes";
 }
 
-// The name of a file is on disk once its folder is.
-bool SyncFolder(const std::string& dir) {
-  const UniqueFd folder(open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  return folder.valid() && fsync(folder.get()) == 0;
-}
-
 Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
               pid_t led_by) {
   std::string what = dir + " belongs to another machine, " + recorded.Text();
@@ -111,19 +105,8 @@ Result<> StateStore::SaveEpoch(std::uint64_t epoch) {
   return Replace(EpochFile(), std::to_string(epoch) + "\n");
 }
 
-// The file has either the old or the new content, also after a crash.
-Result<> StateStore::Replace(const std::string& path, const std::string& content) const {
-  const std::string next = path + ".new";
-  const auto failed = [&] {
-    Error error = SystemError("can't save " + path);
-    unlink(next.c_str());
-    return error;
-  };
-  const UniqueFd file(open(next.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-  if (!file.valid()) return failed();
-  if (!WriteAll(file.get(), content) || fsync(file.get()) != 0) return failed();
-  if (std::rename(next.c_str(), path.c_str()) != 0 || !SyncFolder(dir_)) return failed();
-  return Ok();
+Result<> StateStore::Replace(const std::string& path, const std::string& content) {
+  return ReplaceFile(path, content, {.mode = 0600});
 }
 
 // "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".

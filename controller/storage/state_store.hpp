@@ -110,7 +110,7 @@ class StateStore {
   std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
   std::string RemoteActuatorsFile() const { return dir_ + "/remote_actuators"; }
-  Result<> Replace(const std::string& path, const std::string& content) const;
+  static Result<> Replace(const std::string& path, const std::string& content);
 
   std::string dir_;
   UniqueFd lock_;

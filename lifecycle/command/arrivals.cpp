@@ -121,7 +121,11 @@ void Arrivals::On(const event::Replied& replied) {
   if (replied.report.incarnation != record.report.incarnation) return;
   if (replied.report.stamp >= record.report.stamp)
     commands_.Accept(replied.actuator, replied.report);
-  const bool denied = replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
+  // A lost one publishes its status again when it can be reached.
+  const bool announced =
+      record.presence == Presence::kPresent || record.presence == Presence::kStarting;
+  const bool denied =
+      announced && replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
   if (replied.query && denied && replied.report.epoch > machine_.epoch)
     return control_.Take(replied.actuator);
   if (denied && replied.report.epoch == machine_.epoch) {

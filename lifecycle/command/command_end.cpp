@@ -102,9 +102,14 @@ void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
   const bool ends_itself =
       end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;
+  const std::int32_t pid = ProcessOf(i);
+  if (pid == 0) {
+    if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
+    Lose(i, "its process is not known any more; it was torn down for its restart");
+    return processes_.Recover(i);
+  }
   const Duration grace = ends_itself ? kExitGrace : Duration::zero();
-  processes_.Terminate(i, ProcessOf(i), grace + kEndTime);
-  if (record.terminating == 0) return;
+  processes_.Terminate(i, pid, grace + kEndTime);
   if (ends_itself) {
     record.terminate_at = now_ + grace;
   } else {

@@ -32,7 +32,8 @@ void Commands::Accept(std::size_t i, const ActuatorReport& report) {
   const bool passed_late = (report.state == kSelfCheck && record.report.state != kSelfCheck) ||
                            (record.report.target == kSelfCheck && report.outcome_code == kCodeOk);
   if (came_free && passed_late) record.checked = true;
-  if (came_free && record.checked && !record.held) record.due = true;
+  const bool present = record.presence == Presence::kPresent;
+  if (came_free && present && record.checked && !record.held) record.due = true;
   // A delayed report would make commands look older than they are. Once in a while a new one is
   // used anyway: clocks drift.
   const bool other_process = record.report.incarnation != report.incarnation;
@@ -41,7 +42,7 @@ void Commands::Accept(std::size_t i, const ActuatorReport& report) {
     record.clock_theirs = report.stamp;
     record.clock_ours = now_;
   }
-  const bool moved = !other_process && record.presence == Presence::kPresent && !record.command &&
+  const bool moved = !other_process && present && !record.command &&
                      report.state != record.report.state &&
                      report.outcome_number == record.report.outcome_number;
   record.report = report;

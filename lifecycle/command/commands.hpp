@@ -40,7 +40,8 @@ class Commands : StepPart {
   CommandResult EvaluateReport(std::size_t i, const PendingCommand& command) const;
   // The actuator reports that the command is done; its own status may contradict that.
   CommandResult DoneUnlessContradicted(std::size_t i, const std::string& message) const;
-  // Ends the command under way, and the leg of the switch that waits for it.
+  // What follows is in command_end.cpp. Ends the command under way, and the leg of the switch that
+  // waits for it.
   void End(std::size_t i, const CommandResult& given);
 
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,

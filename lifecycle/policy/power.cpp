@@ -38,10 +38,10 @@ void Power::Force() {
 std::optional<Time> NextPowerDeadline(const Machine& machine) {
   if (machine.phase == Phase::kIdle) return std::nullopt;
   const PolicyState& policy = machine.policy;
-  if (!policy.power) return machine.current ? std::nullopt : policy.retry_at;
+  const bool stopping = machine.phase == Phase::kStopping;
+  if (!policy.power) return machine.current || stopping ? std::nullopt : policy.retry_at;
   std::optional<Time> next;
   if (!policy.power->commanded) next = policy.power->force_at;
-  const bool stopping = machine.phase == Phase::kStopping;
   const bool waits = machine.current || stopping || policy.power->tear_down_at == Time::max();
   if (waits) return next;
   return next ? std::min(*next, policy.power->tear_down_at) : policy.power->tear_down_at;

@@ -112,7 +112,9 @@ void Recovery::On(const event::ProcessStarted& started) {
 void Recovery::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).process = 0;
   Of(failed.actuator).launching = false;
-  if (Of(failed.actuator).presence == Presence::kPresent) return;  // another party has started it
+  // Another party has started it.
+  const bool announced = Of(failed.actuator).take_control_again.has_value();
+  if (Of(failed.actuator).presence == Presence::kPresent || announced) return;
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
           Of(failed.actuator).cause);

@@ -33,6 +33,12 @@ void Recovery::On(const event::RestartRequested& requested) {
                                       ", where this controller cannot end processes; end process " +
                                       std::to_string(record.report.pid) + " there");
   }
+  if (record.presence == Presence::kPresent && ProcessOf(*i) == 0) {
+    return refuse(kCodeUnSupport,
+                  requested.actuator +
+                      " was not started by this controller, and its process is not known: end it "
+                      "where it was started; a second one would run beside it");
+  }
   record.restart_requests.push_back(requested.request);
   if (record.restart_requested) return;
   record.restart_requested = true;

@@ -127,7 +127,9 @@ bool PolicyRules::ApplyBatteryRule() {
     const bool speaks = config_.policy->manager && config_.policy->voice.Says(Occasion::kBattery);
     const Duration word = speaks ? config_.policy->power.delay : Duration{};
     power_.Begin(false, now_ + word, machine_.policy.level_cause);
-    return TearDownForPower();
+    if (TearDownForPower()) return true;
+    power_.Force();  // its time may be zero
+    return false;
   }
   if (machine_.phase != Phase::kRunning) return false;
   return TakeDown(level) || BringBack();

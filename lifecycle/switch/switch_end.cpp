@@ -99,12 +99,14 @@ void Switching::DriveTheRest(const Switch& s) {
 void Switching::SettleBack(const Switch& s) {
   for (const Leg& leg : s.back) {
     ActuatorRecord& record = Of(leg.actuator);
+    const bool present = record.presence == Presence::kPresent;
     if (leg.outcome == ActuatorOutcome::kDone) {
       // An actuator that was degraded before is back in its state, and still not in the machine's.
-      if (!s.only && !record.held && record.state() != machine_.state) record.due = true;
+      const bool away = present && record.state() != machine_.state;
+      if (!s.only && !record.held && away) record.due = true;
       continue;
     }
-    const bool restarted = record.presence == Presence::kPresent && !config_.RankOf(record.state());
+    const bool restarted = present && !config_.RankOf(record.state());
     if (restarted && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it is driven on its own
     Degrade(leg.actuator, leg.code,
             "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +

@@ -37,7 +37,7 @@ class Switching : StepPart {
     std::optional<EndedSwitch> ended = {};
   };
   Progress Advance();
-  // Ends the current switch, all of whose legs have ended.
+  // What follows is in switch_end.cpp. Ends the current switch, all of whose legs have ended.
   EndedSwitch End();
   // Ends the current switch without rollback. Running callbacks finish; the newest command waits
   // behind them at the actuator.

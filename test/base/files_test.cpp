@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::transport::files_test {
 
@@ -54,6 +57,40 @@ TEST(Files, ThatVanishWhileTheyAreReadThrowNothing) {
       ReadFile(process + "/stat");
     }
   }
+}
+
+class ReplacedFile : public ::testing::Test {
+ protected:
+  std::string Content() const { return ReadFile(file_); }
+
+  const TempFolder folder_;
+  const std::string file_ = folder_ / "epoch";
+};
+
+TEST_F(ReplacedFile, HasTheNewContentAndLeavesNoDraft) {
+  ASSERT_TRUE(ReplaceFile(file_, "a longer first content", {.mode = 0600}));
+  ASSERT_TRUE(ReplaceFile(file_, "second"));
+  EXPECT_EQ(Content(), "second");
+  EXPECT_EQ(EntriesOf(folder_.path()).size(), 1U);
+}
+
+TEST_F(ReplacedFile, KeepsTheOldContentWhenTheNewOneCannotBeWritten) {
+  ASSERT_TRUE(ReplaceFile(file_, "old"));
+  std::filesystem::create_directory(file_ + ".new");
+  const auto replaced = ReplaceFile(file_, "new");
+  ASSERT_FALSE(replaced);
+  EXPECT_EQ(replaced.error().message, "can't save " + file_ + ": Is a directory");
+  EXPECT_EQ(Content(), "old");
+}
+
+TEST_F(ReplacedFile, IsReadWholeByAReaderThatHasOpenedItBefore) {
+  ASSERT_TRUE(ReplaceFile(file_, "old", {.synced = false}));
+  std::ifstream reader(file_);
+  ASSERT_TRUE(ReplaceFile(file_, "new", {.synced = false}));
+  std::string read;
+  reader >> read;
+  EXPECT_EQ(read, "old");
+  EXPECT_EQ(Content(), "new");
 }
 
 }  // namespace musher::transport::files_test

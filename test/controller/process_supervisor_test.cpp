@@ -192,7 +192,7 @@ TEST_F(Supervisor, SaysThatTheFolderOfAProcessIsMissing) {
   spec.cwd = folder_ / "missing";
   const auto pid = supervisor_->Start(spec, nullptr);
   ASSERT_FALSE(pid);
-  EXPECT_EQ(pid.error().message, "can't enter " + spec.cwd + ": No such file or directory");
+  EXPECT_EQ(pid.error().message, "can't run sh in " + spec.cwd + ": No such file or directory");
 }
 
 // As a disk is that stalls: the child waits for it, and the loop does not.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/machine/machine_invariants.hpp"
 
 namespace musher::search {
 namespace {
@@ -240,6 +241,8 @@ void CheckBegin(const Model& model, const World& world, std::size_t i, const Sta
 void CheckStep(const Model& model, const World& world, const Before& before, Notes& notes) {
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
+  const std::string broken = BrokenInvariant(config, machine);
+  if (!broken.empty()) notes.violations.push_back(broken);
   const auto deadline = NextDeadline(config, machine);
   if (deadline && *deadline <= world.now)
     notes.violations.emplace_back("a deadline is not in the future");

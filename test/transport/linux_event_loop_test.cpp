@@ -65,6 +65,26 @@ TEST_F(LinuxLoop, WakesUpForWorkFromAnotherThread) {
   EXPECT_TRUE(RunUntil([&] { return rounds == 500; }));
 }
 
+using LinuxLoopDeathTest = LinuxLoop;
+
+// Such a call would race with the loop.
+TEST_F(LinuxLoopDeathTest, EndsTheProgramWhenAnotherThreadUsesItWhileItRuns) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        std::thread other;
+        loop_.Post([&] { other = std::thread([&] { (void)loop_.At(Time::max(), [] {}); }); });
+        RunUntil([] { return false; });
+      },
+      "called on another thread than the loop's");
+}
+
+TEST_F(LinuxLoop, MayBeUsedByAnyThreadWhileNoneRunsIt) {
+  LoopHandlePtr timer;
+  std::thread([&] { timer = loop_.At(Time::max(), [] {}); }).join();
+  EXPECT_NE(timer, nullptr);
+}
+
 TEST_F(LinuxLoop, StopsFromAnotherThread) {
   std::jthread other([&] { loop_.Stop(); });
   loop_.Run();

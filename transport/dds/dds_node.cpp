@@ -42,6 +42,7 @@ class DdsNode : public Node {
   Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
                                                    WriterCallbacks callbacks) override {
+    loop_.CheckThread();
     const auto core = std::make_shared<dds::WriterCore>(loop_, topic, std::move(callbacks));
     const Result<> opened =
         Open(*core, topic, type, qos, tags_.ForWriter(topic) + dds::TypeTag(type));
@@ -52,6 +53,7 @@ class DdsNode : public Node {
   Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
                                                    ReaderCallbacks callbacks) override {
+    loop_.CheckThread();
     const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks),
                                                         qos.partition == kEveryPartition);
     const Result<> opened =

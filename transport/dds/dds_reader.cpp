@@ -31,6 +31,7 @@ Result<> ReaderCore::Open(dds_entity_t participant, Entity topic, const QosPtr& 
 }
 
 void ReaderCore::Close() {
+  loop().CheckThread();
   closed_ = true;
   reader_.Delete();
   topic_.Delete();

@@ -46,6 +46,7 @@ Result<> WriterCore::Open(dds_entity_t participant, Entity topic, const QosPtr& 
 }
 
 void WriterCore::Close() {
+  loop().CheckThread();
   closed_ = true;
   if (first_replies_) first_replies_->Release();
   first_replies_.reset();
@@ -54,6 +55,7 @@ void WriterCore::Close() {
 }
 
 Result<> WriterCore::Write(msg::Bytes bytes) {
+  loop().CheckThread();
   constexpr std::size_t kEncapsulationHeader = 4;
   if (bytes.size() < kEncapsulationHeader) {
     return Error{kCodeParametersInvalid, topic_name_ + ": no encapsulation header"};

@@ -31,6 +31,8 @@ class Notifier : public std::enable_shared_from_this<Notifier> {
   // Handles what has happened since the last visit, on the loop.
   virtual void Visit() = 0;
 
+  EventLoop& loop() const { return loop_; }
+
  private:
   EventLoop& loop_;
   std::atomic<bool> requested_ = false;

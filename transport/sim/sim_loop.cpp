@@ -1,9 +1,10 @@
 #include "musher/transport/sim/sim_loop.hpp"
 
-#include <cassert>
 #include <cstdlib>
 #include <memory>
 #include <utility>
+
+#include "musher/base/check.hpp"
 
 namespace musher::transport::sim {
 
@@ -63,7 +64,7 @@ LoopHandlePtr SimLoop::At(Time when, std::function<void()> callback) {
 }
 
 LoopHandlePtr SimLoop::Every(Duration period, std::function<void()> callback) {
-  assert(period > Duration::zero());
+  MUSHER_CHECK(period > Duration::zero(), "ns:", period.count());
   auto timer = std::make_shared<Timer>(scheduler_, process_, period, std::move(callback));
   timer->Start(scheduler_.now() + period);
   return std::make_unique<Handle>(std::move(timer));

@@ -86,6 +86,7 @@ bool Harness::RunUntil(const std::function<bool()>& done) {
 
 void Harness::Feed(const Event& event) {
   for (const Action& action : Step(config_, machine_, event, now_)) Do(action);
+  CheckInvariants(config_, machine_);
   if (after_step) after_step();
 }
 

@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/check.hpp"
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/machine/machine_invariants.hpp"
 
 namespace musher::testing {
 
@@ -26,6 +28,12 @@ struct Behaviour {
   bool ends_when_requested = false;  // a long callback that honours RequestStop, ending with Failed
   int exit_code = 0;                 // of "exec": the process exits with it before its first status
 };
+
+// Ends the program when the values of the machine do not agree with each other; also in fuzzers.
+inline void CheckInvariants(const MachineConfig& config, const Machine& machine) {
+  const std::string broken = BrokenInvariant(config, machine);
+  MUSHER_CHECK(broken.empty(), broken);
+}
 
 class Harness {
  public:

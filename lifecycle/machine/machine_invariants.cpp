@@ -1,0 +1,107 @@
+#include "musher/lifecycle/machine/machine_invariants.hpp"
+
+#include <algorithm>
+
+namespace musher {
+namespace {
+
+const char* BrokenOf(const Machine& machine, const ActuatorRecord& record) {
+  const bool present = record.presence == Presence::kPresent;
+  const bool announced = present || record.presence == Presence::kStarting;
+  if (record.command && !present) return "an actuator that is not present has a command";
+  if (record.command && record.command->number > machine.number) {
+    return "a command has a number that was not given yet";
+  }
+  if (record.due && !present) return "an actuator that is not present is to be driven";
+  if (record.free_by && !present) return "an actuator that is not present is awaited to be free";
+  if (record.take_control_again && !announced) {
+    return "control is taken of an actuator that has not been seen";
+  }
+  if (record.healthy_at && !present)
+    return "the restart count of an actuator that is not present is about to be reset";
+  if ((record.terminating != 0) != record.kill_at.has_value()) {
+    return "a process to be terminated has no time at which it is killed, or the reverse";
+  }
+  if (record.terminating == 0 && (record.killed || record.terminate_at)) {
+    return "the termination of a process has no pid";
+  }
+  if (record.restart_at && present) return "an actuator that is present is to be started again";
+  return nullptr;
+}
+
+// Whether each leg that is under way has its command, and each command of the switch its leg.
+bool LegsHaveCommands(const Machine& machine, const Switch& s) {
+  const std::uint64_t number = s.rolling_back ? s.back_number : s.number;
+  const std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+    if (leg.actuator >= machine.actuators.size()) return false;
+    const auto& command = machine.actuators[leg.actuator].command;
+    const bool of_switch = command && command->number == number;
+    return of_switch == (leg.progress == Leg::Progress::kUnderWay);
+  });
+}
+
+const char* BrokenOf(const Machine& machine, const Switch& s) {
+  if (machine.waiting) return "a switch waits while another one is under way";
+  if (machine.phase == Phase::kIdle || machine.phase == Phase::kStopped ||
+      machine.phase == Phase::kFenced) {
+    return "a switch is under way in a machine that is idle, stopped or fenced";
+  }
+  if (s.number > machine.last_switch || machine.last_switch > machine.number) {
+    return "a switch has a number that was not given yet";
+  }
+  if ((s.purpose == Purpose::kStop) != (machine.phase == Phase::kStopping)) {
+    return "a switch other than TearDown is under way in a machine that stops, or the reverse";
+  }
+  if (s.rolling_back && s.back_number <= s.number) return "a rollback has no number of its own";
+  if (!LegsHaveCommands(machine, s)) return "a leg under way has no command, or the reverse";
+  return nullptr;
+}
+
+const char* BrokenOf(const Machine& machine) {
+  const bool stops = machine.phase == Phase::kStopping || machine.phase == Phase::kStopped;
+  if (stops != machine.stopping.has_value() && machine.phase != Phase::kFenced) {
+    return "a machine that stops has no deadlines, or the reverse";
+  }
+  if (machine.fallback && machine.phase != Phase::kRunning && machine.phase != Phase::kFenced) {
+    return "a machine that does not run is to fall back";
+  }
+  if (!machine.emergency_stop && !machine.other_stops.empty()) {
+    return "there are further emergency stops without a first one";
+  }
+  const auto& released = machine.released_stops;
+  const bool again =
+      machine.emergency_stop &&
+      std::find(released.begin(), released.end(), machine.emergency_stop->id) != released.end();
+  if (again) return "a released emergency stop is engaged";
+  if (machine.set_up && !machine.set_up_requests.empty()) return "a request that awaits the set-up is not answered after it";
+  if (machine.last_record != 0 && !machine.recorded_state.empty() &&
+      machine.recorded_state != machine.state) {
+    return "the state of the machine is not recorded";
+  }
+  if (machine.current) return BrokenOf(machine, *machine.current);
+  return nullptr;
+}
+
+}  // namespace
+
+std::string BrokenInvariant(const MachineConfig& config, const Machine& machine) {
+  if (machine.actuators.size() != config.actuators.size()) {
+    return "the machine has " + std::to_string(machine.actuators.size()) +
+           " actuators, the config " + std::to_string(config.actuators.size());
+  }
+  if (const char* broken = BrokenOf(machine)) {
+    return std::string(broken) + "; " + std::string(PhaseName(machine.phase)) + " in " +
+           machine.state;
+  }
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const ActuatorRecord& record = machine.actuators[i];
+    if (const char* broken = BrokenOf(machine, record)) {
+      return config.actuators[i].name + ": " + broken + "; " +
+             std::string(PresenceName(record.presence)) + " in " + record.state();
+    }
+  }
+  return {};
+}
+
+}  // namespace musher
