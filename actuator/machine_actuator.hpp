@@ -50,9 +50,9 @@ class MachineActuator {
  public:
   // The name as in [controller].actuators of the config.
   explicit MachineActuator(const std::string& actuator_name);
-  // Waits for a running callback; then the actuator leaves the machine. A derived class whose
-  // callbacks use its members must call Shutdown() in its own destructor, before they are
-  // destroyed.
+  // A derived class must not be destroyed while it is started: its callbacks would use members that
+  // are gone. Run() and Wait() return when it is not; ActuatorRunner is for everything else. The
+  // destructor ends the program then, which may be too late.
   virtual ~MachineActuator();
   MachineActuator(const MachineActuator&) = delete;
   MachineActuator& operator=(const MachineActuator&) = delete;
@@ -78,11 +78,14 @@ class MachineActuator {
 
   // Runs SetUp and becomes visible to the controller. Fails if a state of the config has no
   // callback or a callback no state (the error names it), if SetUp fails (with its code), or if an
-  // actuator of this name already runs on this host. After a failure the program should exit.
+  // actuator of this name already runs on this host. Once for each object: after a failure it is
+  // shut down, Wait() returns 1, and the program should exit.
   bool ActuatorStart();
   Result<> Start();
 
-  // Blocks until TearDown is done or Shutdown() is called; returns the program's exit code.
+  // Blocks until TearDown is done, or GiveUp() or Shutdown() is called; then shuts down, so that no
+  // callback runs any more, and returns the program's exit code. In a process of several actuators
+  // each leaves the machine by its own Wait().
   int Wait();
 
   // MachineActuatorInit(), ActuatorStart() and Wait(): the main function of a program that is this
@@ -168,10 +171,14 @@ class MachineActuator {
   // The participant and its loop, which both functions above use. Available from Start() on, so in
   // every state callback; null before, after Shutdown(), and in a fault-injection test. Objects
   // made from it must be created, used and dropped on its loop. A class that keeps such objects
-  // must keep the pointer too, and drop them in its destructor, after Shutdown().
+  // must keep the pointer too, and drop them on the loop in its destructor; by then it is shut
+  // down.
   std::shared_ptr<transport::NodeThread> node() const;
 
  protected:
+  // Whether Start() has succeeded and Shutdown() has not been called since.
+  bool started() const;
+
   // An emergency stop is engaged: stop all motion now. Runs on the process's loop thread, possibly
   // beside a running state callback; it must return at once (set a flag, write a zero) and must not
   // block. Exceptions are caught. Until a person releases the stop, this actuator does not switch
@@ -183,6 +190,20 @@ class MachineActuator {
   Result<> CheckCallbacks() const;
   class Impl;
   std::unique_ptr<Impl> impl_;
+  bool derived_ = false;  // set by Start(): the object is of a derived class
+};
+
+// An actuator that is started by hand, in a test or beside others of its process:
+//
+//   ActuatorRunner<Gripper> gripper(...);  // the arguments of Gripper's constructor
+//   if (!gripper.MachineActuatorInit(config, node) || !gripper.ActuatorStart()) return 1;
+//
+// It is a Gripper; when it is destroyed, its callbacks end before its members do.
+template <typename Actuator>
+class ActuatorRunner final : public Actuator {
+ public:
+  using Actuator::Actuator;
+  ~ActuatorRunner() override { this->Shutdown(); }
 };
 
 }  // namespace musher

@@ -1,7 +1,8 @@
 #include "musher/actuator/worker.hpp"
 
-#include <cassert>
 #include <utility>
+
+#include "musher/base/check.hpp"
 
 namespace musher {
 
@@ -19,7 +20,7 @@ WorkerThread::~WorkerThread() {
 void WorkerThread::Run(Work work, Done done) {
   {
     const std::lock_guard lock(mutex_);
-    assert(!job_);
+    MUSHER_CHECK(!job_);
     job_ = Job{std::move(work), std::move(done)};
   }
   wake_.notify_one();

@@ -1,6 +1,5 @@
 #include "musher/application/fsm_actuator.hpp"
 
-#include <cassert>
 #include <exception>
 #include <functional>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "musher/application/behavior_report.hpp"
+#include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -30,7 +30,7 @@ struct Wire {
 class FsmActuator::Impl : public fsm::Listener {
  public:
   Impl(FsmActuator& owner, Options options) : owner_(owner), options_(std::move(options)) {
-    assert(options_.rate_hz > 0);
+    MUSHER_CHECK(options_.rate_hz > 0);
     if (options_.machine.name == fsm::Machine::Options{}.name) {
       options_.machine.name = owner.name();
     }
@@ -74,7 +74,7 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   fsm::Machine& machine() {
-    assert(machine_ != nullptr);
+    MUSHER_CHECK(machine_ != nullptr);
     return *machine_;
   }
   bool ticking() const { return ticking_; }
@@ -288,7 +288,9 @@ FsmActuator::FsmActuator(const std::string& actuator_name, Options options)
 }
 
 FsmActuator::~FsmActuator() {
-  Shutdown();
+  MUSHER_CHECK(!started(), name(),
+               "is destroyed while it is started, and the members that its hooks use are gone "
+               "already; use Run(), Wait() or musher::ActuatorRunner");
 }
 
 fsm::Machine& FsmActuator::machine() {

@@ -5,7 +5,6 @@
 //   class Show : public musher::FsmActuator {
 //    public:
 //     Show() : FsmActuator("show", {.rate_hz = 50}) {}
-//     ~Show() override { Shutdown(); }  // its hooks use the members below
 //
 //    private:
 //     Result<> BuildMachine(fsm::Machine& machine) override {

@@ -13,7 +13,6 @@
 class Door : public musher::FsmActuator {
  public:
   Door() : FsmActuator("door", {.rate_hz = 50}) {}
-  ~Door() override { Shutdown(); }  // before the members that the hooks use
 
   using FsmActuator::ticking;  // for its test
 

@@ -25,8 +25,6 @@ class Gripper : public musher::MachineActuator {
     RegisterStateCallback("LowPower", [this] { return SetPower(false); });
     RegisterStateCallback("TearDown", [this] { return SetPower(false); });
   }
-  // Callbacks use the members below, so they have to end before those do.
-  ~Gripper() override { Shutdown(); }
   // [class end]
 
   bool powered() const { return powered_; }

@@ -35,8 +35,6 @@ class Gripper : public musher::MachineActuator {
     // LowPower, OTA, Error, TearDown
     RegisterStateCallback([this](const musher::State&) { return OpenAndSleep(); });
   }
-  // Callbacks and handlers use the members below, so they have to end before those do.
-  ~Gripper() override { Shutdown(); }
   // [states end]
 
   // [seen]

@@ -12,7 +12,6 @@ AudioManager::AudioManager(const std::string& actuator_name, AudioConfig config)
 }
 
 AudioManager::~AudioManager() {
-  Shutdown();
   if (!node_) return;
   node_->RunOnLoop([this] {
     shell_.reset();

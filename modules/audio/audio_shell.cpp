@@ -1,7 +1,8 @@
 #include "musher/modules/audio/audio_shell.hpp"
 
-#include <cassert>
 #include <utility>
+
+#include "musher/base/check.hpp"
 
 namespace musher::audio {
 
@@ -181,7 +182,7 @@ void AudioShell::Do(const play_action::SetVolume& action) {
 
 void AudioShell::Do(const play_action::Answer& action) {
   const auto call = calls_.extract(action.token);
-  assert(!call.empty());
+  MUSHER_CHECK(!call.empty());
   call.mapped()(action.code);
 }
 

@@ -13,7 +13,6 @@ CameraManager::CameraManager(const std::string& actuator_name, CamerasConfig con
 }
 
 CameraManager::~CameraManager() {
-  Shutdown();
   if (!node_) return;
   node_->RunOnLoop([this] {
     cameras_.reset();

@@ -13,7 +13,6 @@ DeviceManager::DeviceManager(const std::string& actuator_name, DeviceConfig conf
 }
 
 DeviceManager::~DeviceManager() {
-  Shutdown();
   if (!node_) return;
   node_->RunOnLoop([this] {
     if (devices_) devices_->Flush();

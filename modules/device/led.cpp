@@ -1,8 +1,8 @@
 #include "musher/modules/device/led.hpp"
 
 #include <algorithm>
-#include <cassert>
 
+#include "musher/base/check.hpp"
 #include "musher/base/toml/findings.hpp"
 
 namespace musher::device {
@@ -41,7 +41,7 @@ std::string Range(const Effects& effects) {
 std::size_t FirstStored(const std::array<std::optional<Light>, kLedClients.size()>& stored) {
   const auto* const first =
       std::find_if(stored.begin(), stored.end(), [](const auto& light) { return light; });
-  assert(first != stored.end());  // that of `system`
+  MUSHER_CHECK(first != stored.end());  // that of `system`
   return static_cast<std::size_t>(first - stored.begin());
 }
 

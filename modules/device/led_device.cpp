@@ -1,9 +1,9 @@
 #include "musher/modules/device/led_device.hpp"
 
-#include <cassert>
 #include <string>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/base/toml/findings.hpp"
 
 namespace musher::device {
@@ -41,7 +41,7 @@ void LedDevice::Execute(const LightRequests& requests) {
   const LedArbiter before = arbiter_;
   for (const auto& request : requests) {
     const Result<> done = arbiter_.Execute(request);
-    assert(done || done.error().code == LedCode(LedKey::kStored));
+    MUSHER_CHECK(done || done.error().code == LedCode(LedKey::kStored));
     static_cast<void>(done);
   }
   if (arbiter_ != before) ShowAll();

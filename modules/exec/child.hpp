@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/program.hpp"
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
 #include "musher/base/unique_fd.hpp"
@@ -24,17 +25,6 @@ struct ChildSpec {
   std::vector<std::string> argv;           // not empty; without '/': looked up in PATH
   std::string cwd;                         // empty: that of this process
   std::map<std::string, std::string> env;  // added to that of this process
-};
-
-// How a child ended.
-struct ExitStatus {
-  bool killed = false;
-  int number = 0;  // the exit code, or the signal that killed it
-
-  bool ok() const { return !killed && number == 0; }
-  std::string Text() const;  // "exit code 3", "killed by SIGKILL"
-
-  friend bool operator==(const ExitStatus&, const ExitStatus&) = default;
 };
 
 class Child {

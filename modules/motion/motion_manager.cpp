@@ -26,7 +26,6 @@ MotionManager::MotionManager(const std::string& actuator_name, MotionConfig conf
 }
 
 MotionManager::~MotionManager() {
-  Shutdown();
   if (!loop_) return;
   loop_->RunOnLoop([this] {
     shell_.reset();

@@ -12,7 +12,6 @@ SensorManager::SensorManager(const std::string& actuator_name, ManagerConfig con
 }
 
 SensorManager::~SensorManager() {
-  Shutdown();
   if (!node_) return;
   node_->RunOnLoop([this] {
     sensors_.reset();

@@ -14,7 +14,6 @@ VisionManager::VisionManager(const std::string& actuator_name, VisionConfig conf
 }
 
 VisionManager::~VisionManager() {
-  Shutdown();
   if (!node_) return;
   // From here on pictures may arrive and are passed to the looker.
   node_->RunOnLoop([this] { topics_.reset(); });

@@ -38,9 +38,7 @@ WeddingRobot::WeddingRobot(const std::string& actuator_name, WeddingConfig confi
       config_(std::move(config)),
       show_(config_.show, *this) {}
 
-WeddingRobot::~WeddingRobot() {
-  Shutdown();
-}
+WeddingRobot::~WeddingRobot() = default;
 
 Result<> WeddingRobot::BuildMachine(fsm::Machine& machine) {
   if (Result<> built = show_.Build(machine); !built) return built;

@@ -2,17 +2,18 @@
 
 #include <unistd.h>
 
-#include <cassert>
-#include <cstdio>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <string_view>
 #include <utility>
+
+#include "musher/base/check.hpp"
+#include "musher/base/files.hpp"
 
 namespace musher::world {
 
 Texture TextureOf(const cv::Mat& image) {
-  assert(image.type() == CV_8UC3);
+  MUSHER_CHECK(image.type() == CV_8UC3);
   std::vector<Texel> texels(image.total());
   for (int y = 0; y < image.rows; ++y) {
     const std::uint8_t* bgr = image.ptr(y);
@@ -27,16 +28,9 @@ Texture TextureOf(const cv::Mat& image) {
 Result<> SavePng(const cv::Mat& image, const std::string& path) {
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode(".png", image, bytes)) return Error{kCodeFailed, "PNG could not be encoded"};
-  const std::string draft = path + ".part" + std::to_string(gettid());  // two may draw at once
-  std::ofstream file(draft, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file || std::rename(draft.c_str(), path.c_str()) != 0) {
-    static_cast<void>(std::remove(draft.c_str()));
-    return Error{kCodeFailed, path + " cannot be written"};
-  }
-  return Ok();
+  const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string draft = ".part" + std::to_string(gettid());  // two may draw at once
+  return ReplaceFile(path, content, {.synced = false, .draft = draft});
 }
 
 }  // namespace musher::world

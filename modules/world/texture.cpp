@@ -1,8 +1,9 @@
 #include "musher/modules/world/texture.hpp"
 
-#include <cassert>
 #include <cmath>
 #include <utility>
+
+#include "musher/base/check.hpp"
 
 namespace musher::world {
 namespace {
@@ -27,8 +28,8 @@ Texel Between(Texel a, Texel b, std::uint32_t share) {
 }  // namespace
 
 Texture::Texture(int width, int height, std::vector<Texel> texels) {
-  assert(width > 0 && height > 0);
-  assert(texels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  MUSHER_CHECK(width > 0 && height > 0);
+  MUSHER_CHECK(texels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   levels_.push_back({width, height, std::move(texels)});
   while (levels_.back().width > 1 || levels_.back().height > 1) {
     const Level& large = levels_.back();

@@ -14,7 +14,6 @@ WorldActuator::WorldActuator(const std::string& actuator_name, Scene scene)
 }
 
 WorldActuator::~WorldActuator() {
-  Shutdown();
   if (node_) node_->RunOnLoop([this] { host_.reset(); });
   if (drawer_.joinable()) drawer_.join();
 }

@@ -21,7 +21,6 @@ class Legs : public MachineActuator {
   Legs() : MachineActuator("legs") {
     RegisterStateCallback([](const State&) { return kCodeOk; });
   }
-  ~Legs() override { Shutdown(); }
 };
 
 class BatteryGate : public ::testing::Test {
@@ -67,7 +66,7 @@ class BatteryGate : public ::testing::Test {
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> publisher_;
   transport::LoopHandlePtr heartbeat_;
-  Legs legs_;
+  ActuatorRunner<Legs> legs_;
   MachineController controller_;
 };
 

@@ -35,7 +35,6 @@ class Counter : public MachineActuator {
       });
     });
   }
-  ~Counter() override { Shutdown(); }
 
   std::future<void> ticked() { return ticked_.get_future(); }
   // Lives as long as what was opened.
@@ -64,7 +63,7 @@ Result<msg::SetBool::Response> CallCount(transport::NodeThread& node, const std:
 TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
   const RobotFile file({"counter"}, kAllStates);
   const auto other = transport::NodeThread::Start().value();
-  Counter counter;
+  ActuatorRunner<Counter> counter;
   ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
   ASSERT_TRUE(counter.ActuatorStart());
   const auto answer = CallCount(*other, file.name_space() + "/count");
@@ -77,13 +76,13 @@ TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
 
 TEST(Endpoints, ThatCannotBeOpenedFailSetUp) {
   const RobotFile file({"counter"}, kAllStates);
-  Counter counter("no such name");
+  ActuatorRunner<Counter> counter("no such name");
   ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
   EXPECT_FALSE(counter.Start());
 }
 
 TEST(Endpoints, AreNotThereInATrial) {
-  Counter counter;
+  ActuatorRunner<Counter> counter;
   CallbackHarness callbacks(counter);
   EXPECT_TRUE(callbacks.Run(State(kSetUp)));
   EXPECT_TRUE(counter.kept().expired()) << "nothing was opened";
@@ -93,7 +92,7 @@ TEST(Endpoints, AreNotThereInATrial) {
 }
 
 TEST(EmergencyStopped, IsWhatTheMachineSaid) {
-  Counter counter;
+  ActuatorRunner<Counter> counter;
   CallbackHarness callbacks(counter);
   EXPECT_FALSE(counter.EmergencyStopped());
   ActuatorReport report;

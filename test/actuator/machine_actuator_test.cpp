@@ -39,7 +39,6 @@ class Singer : public MachineActuator {
     RegisterStateCallback(std::string(kSetUp), [this] { return OpenTopic(); });
   }
   ~Singer() override {
-    Shutdown();
     if (node_) node_->RunOnLoop([this] { subscription_.reset(); });
   }
   std::future<std::string> subscription() { return word_.get_future(); }
@@ -80,7 +79,7 @@ TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
   });
   ASSERT_NE(publisher, nullptr);
   {
-    Singer singer;
+    ActuatorRunner<Singer> singer;
     auto subscription = singer.subscription();
     EXPECT_EQ(singer.node(), nullptr);
     ASSERT_TRUE(singer.MachineActuatorInit(file.path()));
@@ -200,6 +199,32 @@ TEST(MachineActuator, EndsItsWaitWhenItIsShutDown) {
   std::thread ender([&] { arm.Shutdown(); });
   EXPECT_EQ(arm.Wait(), 0);
   ender.join();
+}
+
+TEST(MachineActuator, IsShutDownWhenItsWaitHasEnded) {
+  const RobotFile file({"arm"}, {"SetUp"});
+  MachineActuator first("arm");
+  RegisterAll(first, {"SetUp"});
+  ASSERT_TRUE(first.Init(file.path()).ok());
+  ASSERT_TRUE(first.Start().ok());
+  first.GiveUp({kCodeFailed, "the cable is loose"});
+  EXPECT_EQ(first.Wait(), 1);
+  MachineActuator second("arm");
+  RegisterAll(second, {"SetUp"});
+  ASSERT_TRUE(second.Init(file.path()).ok());
+  EXPECT_TRUE(second.Start().ok()) << "the name is free again";
+}
+
+// Its callbacks would use members that are gone already.
+TEST(MachineActuatorDeathTest, EndsTheProgramWhenADerivedOneIsDestroyedWhileItIsStarted) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        const RobotFile file({"singer"}, {"SetUp"});
+        Singer singer;
+        if (!singer.Init(file.path()) || !singer.Start()) std::exit(3);
+      },
+      "singer is destroyed while it is started.*ActuatorRunner");
 }
 
 }  // namespace musher::machine_actuator_test

@@ -40,7 +40,6 @@ class Arm : public MachineActuator {
   Arm() : MachineActuator("arm") {
     RegisterStateCallback([this](const State& state) { return Enter(state); });
   }
-  ~Arm() override { Shutdown(); }
 
   std::vector<State> entered;
   State fails_in;
@@ -63,7 +62,7 @@ Result<> FitToRobot(MachineActuator& actuator) {
 }
 
 TEST(TheCallbackOfAllOtherStates, IsGivenTheStateAlsoOneOfTheRobotsOwn) {
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   ASSERT_TRUE(FitToRobot(arm));
   CallbackHarness callbacks(arm);
   EXPECT_TRUE(callbacks.Run("SetUp"));
@@ -72,7 +71,7 @@ TEST(TheCallbackOfAllOtherStates, IsGivenTheStateAlsoOneOfTheRobotsOwn) {
 }
 
 TEST(TheCallbackOfAllOtherStates, LeavesAStateToItsOwnCallbackWhicheverWasRegisteredFirst) {
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   int active = 0;
   arm.RegisterStateCallback("Active", [&] {
     ++active;
@@ -101,7 +100,7 @@ TEST(TheCallbackOfAllOtherStates, LeavesAStateToItsOwnCallbackWhicheverWasRegist
 }
 
 TEST(TheCallbackOfAllOtherStates, FailsWithItsErrorItsCodeOrWhatItThrows) {
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   arm.fails_in = "Active";
   arm.throws_in = "Waving";
   CallbackHarness callbacks(arm);
@@ -118,14 +117,14 @@ TEST(TheCallbackOfAllOtherStates, FailsWithItsErrorItsCodeOrWhatItThrows) {
 }
 
 TEST(TheCallbackOfAllOtherStates, IsOne) {
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   arm.RegisterStateCallback([](const State&) { return kCodeOk; });
   EXPECT_THAT(FitToRobot(arm).error().message,
               HasSubstr("two callbacks for the states without one of their own"));
 }
 
 TEST(TheCallbackOfAllOtherStates, DoesNotExcuseACallbackForAStateThatIsNotListed) {
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   arm.RegisterStateCallback("Wavin", [] { return kCodeOk; });
   EXPECT_THAT(FitToRobot(arm).error().message, HasSubstr("state 'Wavin'"));
 }
@@ -142,7 +141,7 @@ TEST(TheCallbackOfAllOtherStates, IsRunOnARobotButNotForAStateThatIsNotListed) {
   std::ofstream(file) << text;
   const auto node = transport::NodeThread::Start();
   ASSERT_TRUE(node);
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   MachineActuator leg("leg");
   leg.RegisterStateCallback([](const State&) { return kCodeOk; });
   for (MachineActuator* actuator : {static_cast<MachineActuator*>(&arm), &leg}) {

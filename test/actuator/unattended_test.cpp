@@ -31,7 +31,6 @@ class Arm : public MachineActuator {
       return kCodeOk;
     });
   }
-  ~Arm() override { Shutdown(); }
 
   std::future<void> stopped() { return stopped_.get_future(); }
 
@@ -110,7 +109,7 @@ TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
   Listener listener;
   std::promise<void> begun;
   std::promise<void> release;
-  Arm arm([&](const std::string& state) {
+  ActuatorRunner<Arm> arm([&](const std::string& state) {
     if (state != "SelfCheck") return;
     begun.set_value();
     release.get_future().wait();
@@ -134,7 +133,7 @@ TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
 TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
   const RobotFile file({"arm"}, kStates, {}, "controller_lost_ms = 1000\n");
   Listener listener;
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   ASSERT_TRUE(arm.Init(file.path()).ok());
   ASSERT_TRUE(arm.Start().ok());
   {
@@ -151,7 +150,7 @@ TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
 TEST(Unattended, AHungWorkThreadIsReportedThoughItsLoopKeepsRunning) {
   const RobotFile file({"arm"}, kStates, {}, "checkpoint_ms = 100\n");
   Listener listener;
-  Arm arm;
+  ActuatorRunner<Arm> arm;
   ASSERT_TRUE(arm.Init(file.path()).ok());
   ASSERT_TRUE(arm.Start().ok());
   arm.Checkpoint();  // and no more

@@ -33,7 +33,6 @@ class Work : public fsm::State {
 class Peer : public FsmActuator {
  public:
   Peer() : FsmActuator("show", {.rate_hz = 100}) {}
-  ~Peer() override { Shutdown(); }
 
  private:
   Result<> BuildMachine(fsm::Machine& machine) override {

@@ -46,7 +46,7 @@ class BehaviorCommand : public ::testing::Test {
 };
 
 TEST_F(BehaviorCommand, ShowsStateModeTicksTimeAndTheLastChanges) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const Ran ran = RunProgram({"behavior", "show"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
@@ -62,7 +62,7 @@ TEST_F(BehaviorCommand, ShowsStateModeTicksTimeAndTheLastChanges) {
 }
 
 TEST_F(BehaviorCommand, ShowsThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
   harness_.Tick(show, 1);
@@ -77,7 +77,7 @@ TEST_F(BehaviorCommand, ShowsThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
 }
 
 TEST_F(BehaviorCommand, PrintsJson) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const Ran ran = RunProgram({"--json", "behavior", "show", "--history", "1"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
@@ -91,7 +91,7 @@ TEST_F(BehaviorCommand, PrintsJson) {
 }
 
 TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const Ran ran = RunProgram({"behavior", "show", "--send", "again"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
@@ -101,7 +101,7 @@ TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
 }
 
 TEST_F(BehaviorCommand, PrintsWhyACommandIsRefused) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const Ran unknown = RunProgram({"behavior", "show", "--send", "agian"});
   EXPECT_EQ(unknown.exit, 1);
@@ -131,7 +131,7 @@ TEST_F(BehaviorCommand, DrawsNoGraphIntoAFileOfAKindThatItCannotWrite) {
 }
 
 TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   Process text({kMusher, "behavior", "show", "--watch"});
   Process json({kMusher, "--json", "behavior", "show", "--watch"});
@@ -149,13 +149,13 @@ TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
 }
 
 TEST_F(BehaviorCommand, ReportsThatTheApplicationWasLostAndThatItIsBack) {
-  auto show = std::make_unique<Show>();
+  auto show = std::make_unique<ActuatorRunner<Show>>();
   Begin(*show);
   Process watch({kMusher, "behavior", "show", "--watch"});
   ASSERT_NE(watch.LineWith("decided"), "");
   show.reset();
   EXPECT_NE(watch.LineWith("show is lost"), "");
-  show = std::make_unique<Show>();
+  show = std::make_unique<ActuatorRunner<Show>>();
   ASSERT_TRUE(show->Prepare(harness_.path()).ok());
   ASSERT_TRUE(show->Start().ok());
   ASSERT_TRUE(Until([&] { return harness_.controller().SetState("Active"); }));
@@ -163,7 +163,7 @@ TEST_F(BehaviorCommand, ReportsThatTheApplicationWasLostAndThatItIsBack) {
 }
 
 TEST_F(BehaviorCommand, IsCompletedByTheNamesOfApplications) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   EXPECT_EQ(RunProgram({"complete", "behavior", ""}).out, "show\t\n");
   EXPECT_EQ(RunProgram({"complete", "graph", "--behavior", "s"}).out, "show\t\n");
@@ -173,7 +173,7 @@ TEST_F(BehaviorCommand, IsCompletedByTheNamesOfApplications) {
 }
 
 TEST_F(BehaviorCommand, SuggestsTheNearestActuatorWhereNoneOfThatNameRuns) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const Ran ran = RunProgram({"behavior", "shwo"});
   EXPECT_EQ(ran.exit, 3);
@@ -209,7 +209,7 @@ TEST_F(BehaviorCommand, ReportsThatAnActuatorIsNotAStateMachine) {
 }
 
 TEST_F(BehaviorCommand, DoesNotWaitForAnApplicationThatBlocks) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   std::promise<void> blocked;
   std::promise<void> release;
@@ -227,7 +227,7 @@ TEST_F(BehaviorCommand, DoesNotWaitForAnApplicationThatBlocks) {
 }
 
 TEST_F(BehaviorCommand, DrawsTheMachineWithItsPresentStateMarked) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const Ran dot = RunProgram({"graph", "--behavior", "show"});
   EXPECT_EQ(dot.exit, 0) << dot.err;
@@ -240,7 +240,7 @@ TEST_F(BehaviorCommand, DrawsTheMachineWithItsPresentStateMarked) {
 
 TEST_F(BehaviorCommand, DrawsSvgThroughGraphvizIntoAFile) {
   if (std::system("dot -V 2>/dev/null") != 0) GTEST_SKIP() << "there is no Graphviz here";
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const TempFolder folder;
   const Ran ran = RunProgram({"graph", "--behavior", "show", "-o", folder / "now.svg"});
@@ -252,7 +252,7 @@ TEST_F(BehaviorCommand, DrawsSvgThroughGraphvizIntoAFile) {
 }
 
 TEST_F(BehaviorCommand, SaysWhatToInstallWhereThereIsNoGraphviz) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   const TempFolder empty;
   const char* const usual = std::getenv("PATH");

@@ -25,7 +25,7 @@ class AFaultyFsmActuator : public testing::WithHarness {
 };
 
 TEST_F(AFaultyFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().throws = {{"resumes", "no"}};
   harness_.Open(show);
   ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
@@ -37,7 +37,7 @@ TEST_F(AFaultyFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
 }
 
 TEST_F(AFaultyFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
-  Show show({.machine = {.history = 0}});
+  ActuatorRunner<Show> show({.machine = {.history = 0}});
   show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
   Begin(show);
   harness_.Tick(show, 2);
@@ -49,7 +49,7 @@ TEST_F(AFaultyFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
 }
 
 TEST_F(AFaultyFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["before"] = "the camera is gone"; });
   for (int i = 0; i < 20; ++i) {
@@ -62,7 +62,7 @@ TEST_F(AFaultyFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
 }
 
 TEST_F(AFaultyFsmActuator, LogsAFaultOfAHookOnceAndAgainWhenItComesBack) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   for (const std::string hook : {"before", "after"}) {
     for (int i = 0; i < 3; ++i) {
@@ -80,7 +80,7 @@ TEST_F(AFaultyFsmActuator, LogsAFaultOfAHookOnceAndAgainWhenItComesBack) {
 }
 
 TEST_F(AFaultyFsmActuator, LogsAnUnhandledCommandRateLimited) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
   harness_.Tick(show, 1);
@@ -96,7 +96,7 @@ TEST_F(AFaultyFsmActuator, LogsAnUnhandledCommandRateLimited) {
 }
 
 TEST_F(AFaultyFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   harness_.Tick(show, 6);
   ASSERT_TRUE(harness_.controller().SetState("LowPower"));
@@ -118,7 +118,6 @@ TEST_F(AFaultyFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   class Early : public FsmActuator {
    public:
     Early() : FsmActuator("show") {}
-    ~Early() override { Shutdown(); }
     bool stop_seen = false;
     bool paused_early = false;
 
@@ -144,7 +143,7 @@ TEST_F(AFaultyFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
                  .value();
     static_cast<void>(button->Publish({7, true, "a test", ""}));
   });
-  Early show;
+  ActuatorRunner<Early> show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   EXPECT_TRUE(show.Start().ok());
   EXPECT_TRUE(show.stop_seen);
@@ -153,7 +152,7 @@ TEST_F(AFaultyFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
 }
 
 TEST_F(AFaultyFsmActuator, LogsAFaultOfTearDownOnce) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
   const std::string log = Logged([&] { EXPECT_TRUE(harness_.controller().SetState("TearDown")); });
@@ -166,7 +165,6 @@ TEST_F(AFaultyFsmActuator, LogsAFaultOfTearDownOnce) {
 class Nest : public FsmActuator {
  public:
   Nest() : FsmActuator("show") {}
-  ~Nest() override { Shutdown(); }
   void Force(std::string_view state) {
     RunOnLoop([&] { EXPECT_TRUE(machine().Force(state)); });
   }
@@ -193,7 +191,7 @@ class Nest : public FsmActuator {
 };
 
 TEST_F(AFaultyFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
-  Nest show;
+  ActuatorRunner<Nest> show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());
   ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());

@@ -21,7 +21,7 @@ class AnFsmActuator : public testing::WithHarness {
 };
 
 TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
-  Show show({.rate_hz = 50});
+  ActuatorRunner<Show> show({.rate_hz = 50});
   harness_.Open(show);
   harness_.Tick(show, 3);
   EXPECT_EQ(show.Path(), "") << "not before";
@@ -39,7 +39,7 @@ TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
 }
 
 TEST_F(AnFsmActuator, StampsWithTheTimeOfItsMachine) {
-  Show show;
+  ActuatorRunner<Show> show;
   harness_.Open(show);
   const auto stamp = show.Of([](Show& s) { return s.Stamp(); });
   EXPECT_EQ(msg::FromStamp(stamp), show.Of([](Show& s) { return s.Now(); }).time_since_epoch());
@@ -55,7 +55,7 @@ static_assert(TakesStateCallbacks<MachineActuator>);
 static_assert(!TakesStateCallbacks<Show>);
 
 TEST_F(AnFsmActuator, IsPausedInEveryOtherStateAndResumesInItsState) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   harness_.Tick(show, 3);
   for (const std::string state : {"Protected", "DeActive", "LowPower", "OTA"}) {
@@ -75,7 +75,7 @@ TEST_F(AnFsmActuator, IsPausedInEveryOtherStateAndResumesInItsState) {
 }
 
 TEST_F(AnFsmActuator, StartsFromTheBeginningWithThatOption) {
-  Show show({.resume = FsmActuator::Resume::kFromStart});
+  ActuatorRunner<Show> show({.resume = FsmActuator::Resume::kFromStart});
   Begin(show);
   harness_.Tick(show, 5);
   ASSERT_EQ(show.Path(), "PLAY");
@@ -86,7 +86,7 @@ TEST_F(AnFsmActuator, StartsFromTheBeginningWithThatOption) {
 }
 
 TEST_F(AnFsmActuator, LeavesItsStateAtTearDown) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   show.TakeLog();
   ASSERT_TRUE(Go("TearDown"));
@@ -96,7 +96,7 @@ TEST_F(AnFsmActuator, LeavesItsStateAtTearDown) {
 }
 
 TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
   harness_.node().RunOnLoop([&] {
@@ -136,7 +136,7 @@ TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRele
 }
 
 TEST_F(AnFsmActuator, FailsItsSelfCheckWithTheReasonOfTheApplication) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().unsafe = true;
   harness_.Open(show);
   const SwitchResult checked = harness_.controller().Switch("SelfCheck");
@@ -148,10 +148,9 @@ TEST_F(AnFsmActuator, FailsItsSetUpWithEveryFaultOfItsMachine) {
   class Faulty : public FsmActuator {
    public:
     Faulty() : FsmActuator("show") {}
-    ~Faulty() override { Shutdown(); }
     Result<> BuildMachine(fsm::Machine& machine) override { return machine.Build("NOWHERE"); }
   };
-  Faulty show;
+  ActuatorRunner<Faulty> show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   const Result<> started = show.Start();
   ASSERT_FALSE(started.ok());
@@ -162,10 +161,9 @@ TEST_F(AnFsmActuator, FailsItsSetUpWhenTheMachineIsNotBuilt) {
   class Empty : public FsmActuator {
    public:
     Empty() : FsmActuator("show") {}
-    ~Empty() override { Shutdown(); }
     Result<> BuildMachine(fsm::Machine& /*machine*/) override { return Ok(); }
   };
-  Empty show;
+  ActuatorRunner<Empty> show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   EXPECT_THAT(show.Start().error().message, HasSubstr("Build()"));
 }
@@ -173,7 +171,7 @@ TEST_F(AnFsmActuator, FailsItsSetUpWhenTheMachineIsNotBuilt) {
 TEST_F(AnFsmActuator, GoesToItsSafeStateWhenAHookAroundTheTickThrowsAndOutOfItAfter) {
   for (const std::string hook : {"before", "after"}) {
     Harness harness;
-    Show show;
+    ActuatorRunner<Show> show;
     harness.Open(show);
     ASSERT_TRUE(harness.controller().SetState("SelfCheck"));
     ASSERT_TRUE(harness.controller().SetState("Active"));
@@ -187,7 +185,7 @@ TEST_F(AnFsmActuator, GoesToItsSafeStateWhenAHookAroundTheTickThrowsAndOutOfItAf
 }
 
 TEST_F(AnFsmActuator, EndsTheProgramWhenItsMachineStopsByAFault) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
   Begin(show);
   harness_.Tick(show, 2);
@@ -197,7 +195,7 @@ TEST_F(AnFsmActuator, EndsTheProgramWhenItsMachineStopsByAFault) {
 }
 
 TEST_F(AnFsmActuator, EndsTheProgramWhenAHookThrowsAndThereIsNoSafeState) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().safe_state = false;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["before"] = "no"; });
@@ -206,7 +204,7 @@ TEST_F(AnFsmActuator, EndsTheProgramWhenAHookThrowsAndThereIsNoSafeState) {
 }
 
 TEST_F(AnFsmActuator, IsPausedWhenItsApplicationStopsTheMachineAndStartsItAtTheNextActive) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   show.RunOnLoop([&] { show.data().left_early = true; });
   harness_.Tick(show, 2);
@@ -218,7 +216,7 @@ TEST_F(AnFsmActuator, IsPausedWhenItsApplicationStopsTheMachineAndStartsItAtTheN
 }
 
 TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsMachineStopsAsItBegins) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().throws = {{"GREET enters", "no"}, {"STOP enters", "no, neither"}};
   harness_.Open(show);
   ASSERT_TRUE(Go("SelfCheck"));
@@ -228,7 +226,7 @@ TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsMachineStopsAsItBegins) {
 }
 
 TEST_F(AnFsmActuator, ContinuesInItsSafeStateWhenOnlyTheStartStateFails) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().throws = {{"GREET enters", "no"}};
   Begin(show);
   EXPECT_EQ(show.Path(), "STOP");
@@ -236,7 +234,7 @@ TEST_F(AnFsmActuator, ContinuesInItsSafeStateWhenOnlyTheStartStateFails) {
 }
 
 TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
-  Show show;
+  ActuatorRunner<Show> show;
   show.data().throws = {{"pauses", "no"}};
   Begin(show);
   EXPECT_TRUE(Go("Protected"));
@@ -244,7 +242,7 @@ TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
 }
 
 TEST_F(AnFsmActuator, ContinuesWhenTheWorldIsRestarted) {
-  Show show;
+  ActuatorRunner<Show> show;
   Begin(show);
   harness_.Tick(show, 3);
   harness_.Advance(show, -std::chrono::seconds(900));
@@ -255,7 +253,7 @@ TEST_F(AnFsmActuator, ContinuesWhenTheWorldIsRestarted) {
 }
 
 TEST_F(AnFsmActuator, DoesNotUseTheFirstClockSampleAsTheLengthOfATick) {
-  Show show;
+  ActuatorRunner<Show> show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());
   ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());

@@ -74,7 +74,6 @@ class Scene : public fsm::State {
 class Show : public FsmActuator {
  public:
   explicit Show(Options options = {.rate_hz = 50}) : FsmActuator("show", std::move(options)) {}
-  ~Show() override { Shutdown(); }
 
   ShowData& data() { return data_; }  // before Start(), or by RunOnLoop()
   // The result of `look`, between two ticks.

@@ -41,7 +41,6 @@ class Module : public MachineActuator {
       return state == fails_in_ ? 2012 : kCodeOk;
     });
   }
-  ~Module() override { Shutdown(); }
 
   std::vector<State> ran() const {
     const std::lock_guard lock(mutex_);
@@ -72,8 +71,8 @@ class AnActuatorWithoutAController : public ::testing::Test {
   }
 
   RobotFile file_;
-  Module arm_{"arm"};
-  Module leg_{"leg"};
+  ActuatorRunner<Module> arm_{"arm"};
+  ActuatorRunner<Module> leg_{"leg"};
 };
 
 TEST_F(AnActuatorWithoutAController, IsBroughtUpAndDownByNav2sManagerWithoutErrors) {
@@ -163,8 +162,8 @@ class AMachineAndItsManagers : public ::testing::Test {
   }
 
   RobotFile file_;
-  Module arm_{"arm"};
-  Module leg_{"leg"};
+  ActuatorRunner<Module> arm_{"arm"};
+  ActuatorRunner<Module> leg_{"leg"};
   MachineController controller_;
 };
 

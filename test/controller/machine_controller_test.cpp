@@ -34,7 +34,6 @@ class Puppet : public MachineActuator {
     });
     started = Init(file.path(), std::move(node)).ok() && Start().ok();
   }
-  ~Puppet() override { Shutdown(); }
 
   bool started = false;
   std::string fails_in;
@@ -63,8 +62,8 @@ class Controlling : public ::testing::Test {
 
   RobotFile file_;
   std::shared_ptr<transport::NodeThread> node_;
-  Puppet arm_;
-  Puppet leg_;
+  ActuatorRunner<Puppet> arm_;
+  ActuatorRunner<Puppet> leg_;
   MachineController controller_;
 };
 

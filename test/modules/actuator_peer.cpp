@@ -134,7 +134,7 @@ ActuatorPeer::Reply ActuatorPeer::Switch(const State& target) {
 
 int ActuatorPeer::AwaitExit() {
   if (!process_->EndedBy(exec::Soon())) return -1000;
-  const exec::ExitStatus status = process_->Reap();
+  const ExitStatus status = process_->Reap();
   return status.killed ? -status.number : status.number;
 }
 

@@ -300,7 +300,6 @@ class SimpleMotor : public MachineActuator {
       return 0;
     });
   }
-  ~SimpleMotor() override { Shutdown(); }
 
   inline static std::set<State> entered_;
 };

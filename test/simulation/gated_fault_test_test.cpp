@@ -15,7 +15,6 @@ class Spinner : public MachineActuator {
       RegisterStateCallback(state, [] { return kCodeOk; });
     }
   }
-  ~Spinner() override { Shutdown(); }
 
   Result<> Spin() const { return Allowed("spin", ModuleCode::kMotionManager); }
 };

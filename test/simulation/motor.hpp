@@ -37,7 +37,6 @@ class GoodMotor : public MachineActuator {
     RegisterStateCallback("LowPower", [this] { return PowerOff(); });
     RegisterStateCallback("TearDown", [this] { return PowerOff(); });
   }
-  ~GoodMotor() override { Shutdown(); }
 
   bool powered() const { return motor_.powered; }
   bool stopped() const { return stopped_; }

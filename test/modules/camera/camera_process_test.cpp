@@ -93,7 +93,7 @@ class CameraManagerProcess : public ::testing::Test {
     bool ended = false;
     const auto watch = peer_.node().loop().WhenReadable(tool.pidfd(), [&ended] { ended = true; });
     EXPECT_TRUE(peer_.Until([&ended] { return ended; }));
-    const exec::ExitStatus status = tool.Reap();
+    const ExitStatus status = tool.Reap();
     return status.killed ? -status.number : status.number;
   }
   std::string Said() const {

@@ -300,7 +300,7 @@ TEST_F(WorldHostTest, RepliesWhyItCannotDraw) {
   const auto drawn = CallService<msg::Trigger>("world/draw");
   ASSERT_TRUE(drawn);
   EXPECT_FALSE(drawn->success);
-  EXPECT_THAT(drawn->message, HasSubstr("cannot be written"));
+  EXPECT_THAT(drawn->message, HasSubstr("can't save"));
 }
 
 TEST_F(WorldHostTest, RefusesAnImpossibleSpeedOfTime) {
