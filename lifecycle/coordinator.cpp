@@ -62,6 +62,8 @@ template <typename... Handlers>
 struct Overloaded : Handlers... {
   using Handlers::operator()...;
 };
+template <typename... Handlers>
+Overloaded(Handlers...) -> Overloaded<Handlers...>;  // for clang 14
 
 void Coordinator::Handle(const Event& event) {
   std::visit(Overloaded{
