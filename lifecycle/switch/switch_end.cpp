@@ -38,7 +38,7 @@ EndedSwitch Switching::End() {
                                                std::string(OutcomeName(result.outcome)) +
                                                (result.reason.empty() ? "" : ": " + result.reason),
                                            worst ? Of(worst->actuator).cause : s.cause);
-  const EndedSwitch ended{s.purpose, undone, !s.only, result, recorded};
+  EndedSwitch ended{s.purpose, undone, !s.only, result, recorded};
   if (s.purpose == Purpose::kStop) return ended;  // answered when the processes have exited
   memory_.OnSwitchEnded(s, undone);
   Answer(s.requests, result);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <utility>
 
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::fault_injection {
@@ -164,9 +165,16 @@ std::vector<msg::MachineStatus> Observer::Since(Time since) {
 }
 
 bool Observer::AwaitAllIn(const std::string& state, Duration timeout) {
+  // Also those from which this observer has received nothing yet, on a busy machine.
+  const auto is_in = [&](const msg::ActuatorInfo& info) {
+    const auto report = latest_of_actuators_.find(info.name);
+    if (info.protocol != ProtocolName(Protocol::kMusher)) return true;
+    return report != latest_of_actuators_.end() && report->second.state == state;
+  };
   const auto all_in = [&]() -> std::optional<Time> {
-    const bool all = std::all_of(latest_of_actuators_.begin(), latest_of_actuators_.end(),
-                                 [&](const auto& report) { return report.second.state == state; });
+    if (machine_.empty() || !machine_.back().status) return std::nullopt;
+    const auto& actuators = machine_.back().status->actuators;
+    const bool all = std::all_of(actuators.begin(), actuators.end(), is_in);
     return all ? std::optional(Now()) : std::nullopt;
   };
   return AwaitUntil(Now() + timeout, all_in).has_value();
