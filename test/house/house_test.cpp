@@ -150,6 +150,10 @@ TEST(House, TheReferenceListsEveryCodeAndEveryEnvironmentVariable) {
   EXPECT_THAT(WrongVariables(File("docs/reference.md"), Tree()), IsEmpty());
 }
 
+TEST(House, TheReferenceListsEveryTopicAndServiceOfTheMachine) {
+  EXPECT_THAT(WrongTopicsAndServices(File("docs/reference.md"), Tree()), IsEmpty());
+}
+
 TEST(House, ThePageOfCyberDogSaysWhatIsThereAndWhatIsLeftOut) {
   EXPECT_THAT(WrongInterfaces(File("docs/cyberdog.md"), Tree()), IsEmpty());
 }

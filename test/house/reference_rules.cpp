@@ -83,6 +83,39 @@ std::vector<std::string> WrongVariables(const SourceFile& page,
   return wrong;
 }
 
+std::vector<std::string> WrongTopicsAndServices(const SourceFile& page,
+                                                const std::vector<SourceFile>& tree) {
+  static const std::regex topic(R"re(ResolveName\(name_space, "musher/(\w+)"\))re");
+  static const std::regex service(R"re(\bopen\(\w+, "(\w+)")re");
+  static const std::regex row(R"(\n\| (?:topic|service) `(musher/)?([^`]+)`[^|]*\| `([^`]+)`)");
+  std::set<std::string> in_code;
+  std::string idl;
+  for (const SourceFile& file : tree) {
+    const auto add = [&](const std::smatch& match) { in_code.insert(match[1]); };
+    if (file.In("wire/") && file.Is(".cpp")) ForEachMatch(file.text, topic, add);
+    if (file.In("controller/shell/")) ForEachMatch(file.text, service, add);
+    if (file.Is(".idl")) idl += file.text;
+  }
+  std::set<std::string> in_page;
+  std::vector<std::string> wrong;
+  ForEachMatch(SectionOf(page, "Topics and services"), row, [&](const std::smatch& match) {
+    if (match[1].matched) in_page.insert(match[2]);
+    const std::string type = match[3];
+    const std::string name = type.substr(type.rfind('/') + 1);
+    const bool of_service = type.find("/srv/") != std::string::npos;
+    if (idl.find("struct " + name + (of_service ? "_Request_" : "_") + " {") == std::string::npos) {
+      wrong.push_back("there is no type " + type);
+    }
+  });
+  for (const std::string& name : in_code) {
+    if (!in_page.contains(name)) wrong.push_back("the reference does not list musher/" + name);
+  }
+  for (const std::string& name : in_page) {
+    if (!in_code.contains(name)) wrong.push_back("no program has musher/" + name);
+  }
+  return wrong;
+}
+
 std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header) {
   static const std::regex key_row(R"(\n\| (\d+) \| (\w+) \|)");
   static const std::regex module_cell(R"(\| (\w+)(?: \([a-z ]+\))? \| (\d+00) (?=\|))");

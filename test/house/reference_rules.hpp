@@ -17,4 +17,9 @@ std::vector<std::string> WrongVariables(const SourceFile& page,
 // and those it names that are not there.
 std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& header);
 
+// Topics and services musher/… of the wire and the controller that the table in "Topics and
+// services" lacks, those it names that no program has, and rows with a type that is in no IDL file.
+std::vector<std::string> WrongTopicsAndServices(const SourceFile& page,
+                                                const std::vector<SourceFile>& tree);
+
 }  // namespace musher::house

@@ -38,4 +38,20 @@ TEST(ReferenceRules, ReportAVariableThatIsUnexplainedOrGone) {
                                                         "no program reads or sets MUSHER_OLD"));
 }
 
+TEST(ReferenceRules, ReportATopicOrServiceThatIsUnlistedOrGoneOrOfAnUnknownType) {
+  const SourceFile page = PageWith(
+      "## Topics and services\n\n| name | type |\n|---|---|\n"
+      "| topic `musher/beat` | `musher_msgs/msg/Beat` | all |\n"
+      "| topic `musher/old` | `musher_msgs/msg/Old` | all |\n"
+      "| service `musher/get_plan` | `musher_msgs/srv/GetPlan` | all |\n");
+  const std::vector<SourceFile> tree = {
+      {"wire/names.cpp",
+       "ResolveName(name_space, \"musher/beat\"); ResolveName(name_space, \"musher/new\");"},
+      {"controller/shell/services.cpp", "open(get_plan_, \"get_plan\","},
+      {"messages/idl/a.idl", "struct Beat_ {\n};\nstruct GetPlan_Request_ {\n};\n"}};
+  EXPECT_THAT(WrongTopicsAndServices(page, tree),
+              ElementsAre("there is no type musher_msgs/msg/Old",
+                          "the reference does not list musher/new", "no program has musher/old"));
+}
+
 }  // namespace musher::house::reference_rules_test
