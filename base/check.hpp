@@ -1,6 +1,6 @@
 #pragma once
-// Checks of what the code itself guarantees, in every build: a failed one is a fault of Musher, or of
-// a caller that ignores a documented condition. The process ends (SIGABRT) and prints the place,
+// Checks of what the code itself guarantees, in every build: a failed one is a fault of Musher, or
+// of a caller that ignores a documented condition. The process ends (SIGABRT) and prints the place,
 // the condition and the given values; what can fail from outside is a Result instead.
 //
 //   MUSHER_CHECK(period > Duration::zero(), "period", period.count());

@@ -74,7 +74,8 @@ const char* BrokenOf(const Machine& machine) {
       machine.emergency_stop &&
       std::find(released.begin(), released.end(), machine.emergency_stop->id) != released.end();
   if (again) return "a released emergency stop is engaged";
-  if (machine.set_up && !machine.set_up_requests.empty()) return "a request that awaits the set-up is not answered after it";
+  if (machine.set_up && !machine.set_up_requests.empty())
+    return "a request that awaits the set-up is not answered after it";
   if (machine.last_record != 0 && !machine.recorded_state.empty() &&
       machine.recorded_state != machine.state) {
     return "the state of the machine is not recorded";

@@ -6,8 +6,9 @@ namespace musher::check_test {
 
 TEST(CheckDeathTest, EndsTheProgramWithThePlaceTheConditionAndTheValues) {
   const int legs = 3;
-  EXPECT_DEATH(MUSHER_CHECK(legs == 4, "legs", legs),
-               "^test/base/check_test.cpp:[0-9]+: a check failed: legs == 4 .legs 3.; this is a bug\n");
+  EXPECT_DEATH(
+      MUSHER_CHECK(legs == 4, "legs", legs),
+      "^test/base/check_test.cpp:[0-9]+: a check failed: legs == 4 .legs 3.; this is a bug\n");
 }
 
 TEST(CheckDeathTest, AddsWhatTheThreadIsDoing) {
