@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <string>
-#include <utility>
 
 #include "musher/controller/process/child_processes.hpp"
 #include "musher/transport/ros_environment.hpp"

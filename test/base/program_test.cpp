@@ -33,7 +33,7 @@ TEST(Program, RunsToItsEndWithItsInputAndBothOutputs) {
 }
 
 TEST(Program, IsKilledWhenItsTimeIsOver) {
-  const auto run = RunProgram(Shell("sleep 100"), "", Milliseconds(50));
+  const auto run = RunProgram(Shell("exec tail -f /dev/null"), "", Milliseconds(50));
   ASSERT_TRUE(run);
   EXPECT_TRUE(run.value().timed_out);
   EXPECT_EQ(run.value().status.Text(), "killed by SIGKILL");
