@@ -28,8 +28,16 @@ foreach(folder base lifecycle wire behavior messages transport actuator applicat
           PATTERN "transport/dds" EXCLUDE
           PATTERN "security" EXCLUDE
           PATTERN "controller/cli" EXCLUDE
-          PATTERN "actuator/program" EXCLUDE
-          PATTERN "idl" EXCLUDE)
+          PATTERN "actuator/program" EXCLUDE)
+endforeach()
+# A folder of the IDL is a package, whose headers are generated.
+file(GLOB packages RELATIVE ${PROJECT_SOURCE_DIR}/messages ${PROJECT_SOURCE_DIR}/messages/*/*.idl)
+list(TRANSFORM packages REPLACE "/.*" "")
+list(REMOVE_DUPLICATES packages)
+foreach(package ${packages})
+  install(DIRECTORY ${MUSHER_INCLUDE_DIR}/musher/messages/${package}
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/messages)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/messages/${package} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/idl)
 endforeach()
 foreach(header document findings module_file table_reader)  # for the TOML file of a module
   install(FILES ${PROJECT_SOURCE_DIR}/base/toml/${header}.hpp
@@ -38,7 +46,6 @@ endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/transport/dds/dds_node.hpp ${PROJECT_SOURCE_DIR}/transport/dds/node_thread.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
 
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/musher/ros DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS)

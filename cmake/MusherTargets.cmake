@@ -1,10 +1,10 @@
 # How every library and program of Musher is built: one target a folder, an alias, the same warnings.
 
 # Sources are included as "musher/<folder>/<file>.hpp", in this tree as in an installed one: the
-# build tree has a folder "musher" of links to the source folders.
+# build tree has a folder "musher" of links to the source folders, and of messages/, whose headers are generated.
 set(MUSHER_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
-foreach(folder base lifecycle wire messages transport actuator controller simulation behavior application modules test)
+foreach(folder base lifecycle wire transport actuator controller simulation behavior application modules test)
   if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${folder})
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
   endif()
@@ -35,6 +35,7 @@ function(musher_target target)
     $<$<BOOL:${MUSHER_WERROR}>:-Werror>)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${MUSHER_UNITY}
     UNITY_BUILD_BATCH_SIZE ${MUSHER_UNITY_BATCH})
+  add_dependencies(${target} musher_message_headers)
 endfunction()
 
 # musher_library(<name> SOURCES <cpp>... DEPENDS <public target>... PRIVATE <private target>...)

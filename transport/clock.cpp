@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/transport/timer_queue.hpp"
 
 namespace musher::transport {

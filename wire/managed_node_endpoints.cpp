@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
+#include "musher/messages/stamp.hpp"
 
 namespace musher::transport {
 namespace {

@@ -30,7 +30,7 @@ ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& g
   const auto answer =
       link.value()->Call<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
-  const auto& all = std::get<msg::Capabilities>(answer);
+  const msg::Capabilities all{std::get<msg::GetCapabilities::Response>(answer).capabilities};
   const bool colour = console.mode().colour;
   if (options.name.empty()) {
     console.Print(console.mode().json ? CapabilitiesJson(all) : CapabilitiesText(all, colour));

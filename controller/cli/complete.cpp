@@ -72,7 +72,7 @@ Words Applications(Link& link, const std::string& name_space, const Words& actua
 Words Capabilities(Link& link) {
   Words words;
   const auto answer = link.Call<msg::GetCapabilities>("get_capabilities", {}, kFind);
-  if (const auto* all = std::get_if<msg::Capabilities>(&answer)) {
+  if (const auto* all = std::get_if<msg::GetCapabilities::Response>(&answer)) {
     words.reserve(all->capabilities.size());
     for (const msg::Capability& capability : all->capabilities) words.push_back(capability.name);
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/messages/builtin_interfaces/time.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/transport/lost_samples.hpp"
 
 namespace musher {

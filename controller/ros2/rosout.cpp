@@ -5,6 +5,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
+#include "musher/messages/stamp.hpp"
 
 namespace musher {
 namespace {

@@ -24,8 +24,8 @@ typename S::Response AnswerTo(const Result<>& result) {
   return {result.error().code, result.error().message};
 }
 
-std::optional<Error> CheckLengths(const msg::SetState::Request& request) {
-  if (request.target.size() <= kLongestName && request.actuator.size() <= kLongestName) {
+std::optional<Error> CheckLengths(const std::string& target, const std::string& actuator) {
+  if (target.size() <= kLongestName && actuator.size() <= kLongestName) {
     return std::nullopt;
   }
   return Error{kCodeParametersInvalid,
@@ -105,7 +105,7 @@ Result<> ControllerServices::Open() {
     return r;
   }
   if (auto r = open(get_capabilities_, "get_capabilities",
-                    [this](const auto&, auto reply) { reply(shell_.Capabilities()); });
+                    [this](const auto&, auto reply) { reply({shell_.Capabilities().capabilities}); });
       !r) {
     return r;
   }
@@ -125,7 +125,7 @@ Result<> ControllerServices::Open() {
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
                                     const transport::Server<msg::SetState>::Reply& reply) {
-  if (const auto error = CheckLengths(request)) {
+  if (const auto error = CheckLengths(request.target, request.actuator)) {
     SwitchResult refusal;
     refusal.outcome = SwitchOutcome::kRefused;
     refusal.code = error->code;
@@ -158,7 +158,7 @@ void ControllerServices::OnRequestPolicy(
 msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
   const MachineConfig& config = shell_.config();
   const auto only = config.IndexOf(request.actuator);
-  auto error = CheckLengths(request);
+  auto error = CheckLengths(request.target, request.actuator);
   if (!error && !request.actuator.empty() && !only) {
     error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
   }

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/camera_info.hpp"
 #include "musher/modules/camera/fit.hpp"
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/fit.hpp"
 
 namespace musher::camera {

@@ -1,4 +1,5 @@
 #include "musher/modules/device/touch_device.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,5 @@
 #include "musher/modules/motion/motion_wire.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <cmath>
 

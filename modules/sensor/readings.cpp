@@ -1,4 +1,5 @@
 #include "musher/modules/sensor/readings.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "musher/messages/before_iron.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 
 namespace musher::sensor {
@@ -152,8 +154,9 @@ Result<Sensor::Parts> MakeUltrasonic(const Dependencies& dependencies,
   constexpr SensorKind kKind = SensorKind::kUltrasonic;
   constexpr const char* kTopic = "ultrasonic_payload";
   if (config.ros_distro.value_or(RosDistro::kJazzy) < RosDistro::kIron) {
-    return MakeOne<msg::Range, msg::RangeBeforeIron>(kKind, dependencies, config, kTopic,
-                                                     msg::BeforeIron);
+    return MakeOne<msg::Range, msg::RangeBeforeIron>(
+        kKind, dependencies, config, kTopic,
+        [](const msg::Range& range) { return msg::BeforeIron(range); });
   }
   return MakeOne<msg::Range, msg::Range>(kKind, dependencies, config, kTopic,
                                          [](const msg::Range& range) { return range; });

@@ -1,4 +1,5 @@
 #include "musher/modules/sensor/source.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <utility>
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/faces_json.hpp"
 
 namespace musher::vision {

@@ -4,6 +4,7 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/states.hpp"
+#include "musher/messages/stamp.hpp"
 
 namespace musher::vision {
 

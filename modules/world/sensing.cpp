@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/world/camera_model.hpp"
 #include "musher/modules/world/ranging.hpp"
 

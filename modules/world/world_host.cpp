@@ -8,6 +8,7 @@
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"

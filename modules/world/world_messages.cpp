@@ -1,4 +1,5 @@
 #include "musher/modules/world/world_messages.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -5,6 +5,7 @@
 
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 

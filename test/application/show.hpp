@@ -16,6 +16,7 @@
 #include "musher/application/fsm_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/test/support/temp_folder.hpp"

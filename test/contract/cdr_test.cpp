@@ -8,6 +8,7 @@
 #include "musher/messages/builtin_interfaces/time.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/contract/fill.hpp"
 #include "musher/transport/sim/random.hpp"

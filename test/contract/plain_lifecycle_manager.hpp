@@ -6,10 +6,8 @@
 //
 // Threads: each object is used on one thread.
 
-#include <bond.h>
 #include <dds/dds.h>
-#include <lifecycle_msgs.h>
-#include <lifecycle_msgs_graph.h>
+#include <musher_idl.h>
 
 #include <cstdint>
 #include <functional>

@@ -2,9 +2,8 @@
 
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
 
-#include <diagnostic_msgs.h>
 #include <gmock/gmock.h>
-#include <rcl_interfaces.h>
+#include <musher_idl.h>
 
 #include <algorithm>
 #include <atomic>

@@ -3,8 +3,7 @@
 
 #include <dds/dds.h>
 #include <gmock/gmock.h>
-#include <protocol.h>
-#include <std_msgs.h>
+#include <musher_idl.h>
 
 #include <cstdlib>
 #include <fstream>

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Fields = std::vector<std::string>;  // "int32 pid"
 
-const fs::path kIdl = fs::path(MUSHER_SOURCE_DIR) / "messages" / "idl";
+const fs::path kIdl = fs::path(MUSHER_SOURCE_DIR) / "messages";
 const fs::path kPackages = fs::path(MUSHER_BINARY_DIR) / "share" / "musher" / "ros";
 
 std::string Text(const fs::path& path) {
@@ -58,9 +58,11 @@ std::string RosType(const std::string& idl, const std::string& package) {
 std::map<std::string, Fields> StructsOf(const std::string& package) {
   static const std::regex module(R"(module (\w+) \{)");
   static const std::regex begin(R"(struct (\w+)_ \{)");
-  static const std::regex field(R"(^\s*([\w:<>]+) (\w+)(\[\d+\])?;)");
+  static const std::regex field(
+      R"(^\s*(?:@default\(([^)]*)\) )?(?:@\w+ )*([\w:<>]+) (\w+)(\[\d+\])?;)");
   std::map<std::string, Fields> structs;
-  for (const auto& entry : fs::directory_iterator(kIdl)) {
+  for (const auto& entry : fs::recursive_directory_iterator(kIdl)) {
+    if (entry.path().extension() != ".idl") continue;
     std::ifstream file(entry.path());
     std::string of;
     std::string kind;
@@ -68,6 +70,7 @@ std::map<std::string, Fields> StructsOf(const std::string& package) {
     std::smatch match;
     for (std::string line; std::getline(file, line);) {
       line = line.substr(0, line.find("//"));
+      if (line.find("_Constants {") != std::string::npos) continue;
       std::vector<std::string> modules;
       for (std::sregex_iterator i(line.begin(), line.end(), module), end; i != end; ++i) {
         modules.push_back((*i)[1]);
@@ -78,7 +81,8 @@ std::map<std::string, Fields> StructsOf(const std::string& package) {
       } else if (std::regex_search(line, match, begin)) {
         current = of == package ? &structs[kind + "/" + match[1].str()] : nullptr;
       } else if (current != nullptr && std::regex_search(line, match, field)) {
-        current->push_back(RosType(match[1], package) + match[3].str() + " " + match[2].str());
+        current->push_back(RosType(match[2], package) + match[4].str() + " " + match[3].str() +
+                           (match[1].matched ? " " + match[1].str() : ""));
       } else if (line.find('}') != std::string::npos) {
         current = nullptr;
       }
@@ -87,7 +91,7 @@ std::map<std::string, Fields> StructsOf(const std::string& package) {
   return structs;
 }
 
-// The parts of an interface file, without comments.
+// The parts of an interface file, without comments and constants.
 std::vector<Fields> PartsOf(const fs::path& path) {
   std::vector<Fields> parts(1);
   std::ifstream file(path);
@@ -95,7 +99,7 @@ std::vector<Fields> PartsOf(const fs::path& path) {
     line = Trimmed(line.substr(0, line.find('#')));
     if (line == "---") {
       parts.emplace_back();
-    } else if (!line.empty()) {
+    } else if (!line.empty() && line.find('=') == std::string::npos) {
       parts.back().push_back(line);
     }
   }
@@ -153,6 +157,13 @@ TEST_P(ARosPackage, HasEveryTypeOfTheIdlFieldByField) {
             name.find("_GetResult_") != std::string::npos || name.ends_with("_FeedbackMessage"));
   });
   EXPECT_THAT(left, IsEmpty()) << "types of the IDL that are in no file";
+}
+
+TEST(RosPackages, HaveTheConstantsAndDefaultsOfTheIdl) {
+  EXPECT_THAT(Text(kPackages / "protocol/msg/MotionStatus.msg"), HasSubstr("\nint8 CHARGING=14\n"));
+  EXPECT_THAT(Text(kPackages / "musher_msgs/srv/GetSwitch.srv"),
+              HasSubstr("\nstring UNDER_WAY=\"under way\"\n"));
+  EXPECT_THAT(Text(kPackages / "musher_msgs/msg/PolicyInfo.msg"), HasSubstr("\nint32 battery -1 "));
 }
 
 TEST_P(ARosPackage, ListsItsFilesAndTheirDependenciesForColcon) {

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "musher/messages/before_iron.hpp"
 #include "musher/messages/rmw_dds_common/participant_entities.hpp"
 #include "musher/test/contract/type_hash_table.hpp"
 

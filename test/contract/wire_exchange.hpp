@@ -132,19 +132,4 @@ class Wire : public ::testing::Test {
   LoopHandlePtr ticker_ = world_->loop().Every(Milliseconds(1), [] {});
 };
 
-// NOLINTBEGIN(cppcoreguidelines-macro-usage): idlc's names are made of these parts
-#define MUSHER_MESSAGE(package, Name, Ours)                                                      \
-  TEST_F(Wire, Carries##Ours##AsTheIdlSays) {                                                    \
-    ExchangeMessage<package##_msg_dds__##Name##_, msg::Ours>(package##_msg_dds__##Name##__desc); \
-  }
-#define MUSHER_SERVICE(package, Name, Ours)                                                      \
-  TEST_F(Wire, Carries##Ours##AsTheIdlSays) {                                                    \
-    ExchangeService<package##_srv_dds__##Name##_Request_, package##_srv_dds__##Name##_Response_, \
-                    msg::Ours>(package##_srv_dds__##Name##_Request__desc,                        \
-                               package##_srv_dds__##Name##_Response__desc);                      \
-  }
-#define MESSAGE(package, Name) MUSHER_MESSAGE(package, Name, Name)
-#define SERVICE(package, Name) MUSHER_SERVICE(package, Name, Name)
-// NOLINTEND(cppcoreguidelines-macro-usage)
-
 }  // namespace musher::transport

@@ -13,15 +13,7 @@
 #include <string>
 
 #include "musher/base/version.hpp"
-#include "musher/messages/musher_msgs/actuator_command.hpp"
-#include "musher/messages/musher_msgs/actuator_status.hpp"
-#include "musher/messages/musher_msgs/behavior.hpp"
-#include "musher/messages/musher_msgs/body.hpp"
-#include "musher/messages/musher_msgs/capabilities.hpp"
-#include "musher/messages/musher_msgs/heartbeats.hpp"
-#include "musher/messages/musher_msgs/machine_services.hpp"
-#include "musher/messages/musher_msgs/machine_status.hpp"
-#include "musher/messages/musher_msgs/policy_request.hpp"
+#include "musher/messages/interfaces.hpp"
 #include "musher/test/contract/fill.hpp"
 
 namespace musher::msg::wire_golden_test {
@@ -51,56 +43,39 @@ Bytes FromDigits(const std::string& digits) {
   return bytes;
 }
 
-using Codings = std::map<std::string, Coding>;
+// The messages and services of the package musher_msgs.
+struct Ours {
+  template <class M>
+  void Message() {
+    if (M::kTypeName.starts_with(kPackage)) Add<M>(std::string(M::kTypeName));
+  }
+  template <class S>
+  void Service() {
+    if (!S::kTypeName.starts_with(kPackage)) return;
+    Add<typename S::Request>(std::string(S::kTypeName) + "Request_");
+    Add<typename S::Response>(std::string(S::kTypeName) + "Response_");
+  }
+  template <class A>
+  void Action() {}
 
-template <class T>
-void AddMessage(Codings& codings, const std::string& name) {
-  codings[name] = {Digits(Encode(Filled<T>())), [](const std::string& digits) {
-                     const auto read = Decode<T>(FromDigits(digits));
-                     // What was read, and sent again, is the same as far as it went.
-                     return read && Digits(Encode(*read)).starts_with(digits);
-                   }};
-}
-template <class T>
-void AddTopic(Codings& codings) {
-  AddMessage<T>(codings, std::string(T::kTypeName));
-}
-template <class S>
-void AddService(Codings& codings) {
-  AddMessage<typename S::Request>(codings, std::string(S::kTypeName) + "Request_");
-  AddMessage<typename S::Response>(codings, std::string(S::kTypeName) + "Response_");
-}
+  template <class T>
+  void Add(const std::string& name) {
+    codings[name] = {Digits(Encode(Filled<T>())), [](const std::string& digits) {
+                       const auto read = Decode<T>(FromDigits(digits));
+                       // What was read, and sent again, is the same as far as it went.
+                       return read && Digits(Encode(*read)).starts_with(digits);
+                     }};
+  }
 
-Codings AllCodings() {
-  Codings codings;
-  AddTopic<ActuatorBeat>(codings);
-  AddTopic<ActuatorStatus>(codings);
-  AddTopic<BehaviorChange>(codings);
-  AddTopic<BodyState>(codings);
-  AddTopic<Capabilities>(codings);
-  AddTopic<ControllerBeat>(codings);
-  AddTopic<EmergencyStop>(codings);
-  AddTopic<LedState>(codings);
-  AddTopic<MachineInfo>(codings);
-  AddTopic<MachineStatus>(codings);
-  AddService<ActuatorCommand>(codings);
-  AddService<GetBehavior>(codings);
-  AddService<GetCapabilities>(codings);
-  AddService<GetHistory>(codings);
-  AddService<GetPlan>(codings);
-  AddService<GetStatus>(codings);
-  AddService<GetSwitch>(codings);
-  AddService<ReleaseEmergencyStop>(codings);
-  AddService<RequestPolicy>(codings);
-  AddService<RestartActuator>(codings);
-  AddService<SendCommand>(codings);
-  AddService<SetState>(codings);
-  return codings;
-}
+  static constexpr std::string_view kPackage = "musher_msgs::";
+  std::map<std::string, Coding> codings;
+};
 
 TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
   const fs::path folder = fs::path(MUSHER_SOURCE_DIR) / "test" / "golden" / "wire";
-  const Codings now = AllCodings();
+  Ours ours;
+  VisitInterfaces(ours);
+  const auto& now = ours.codings;
   if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {
     std::ofstream file(folder / (std::string(Version()) + ".txt"));
     for (const auto& [name, coding] : now) file << name << " " << coding.bytes << "\n";

@@ -104,7 +104,7 @@ std::vector<std::string> StaleSnippets(const SourceFile& document,
 
 std::vector<std::string> Unexplained(const SourceFile& document, const SourceFile& source) {
   static const std::regex toml_key(R"(^([a-z]\w*) = )");
-  static const std::regex idl_field(R"(^    (?:[\w:]+)(?:<.*>)? (\w+);)");
+  static const std::regex idl_field(R"(^    (?:@\S+ )*(?:[\w:]+)(?:<.*>)? (\w+);)");
   const std::regex& pattern = source.Is(".toml") ? toml_key : idl_field;
   std::set<std::string> names;
   for (const Line& line : Lines(source.text)) {

@@ -159,9 +159,9 @@ TEST(House, ThePageOfCyberDogSaysWhatIsThereAndWhatIsLeftOut) {
 }
 
 TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {
-  for (const char* file : {"musher_msgs.idl", "musher_msgs_behavior.idl", "musher_msgs_body.idl"}) {
-    EXPECT_THAT(Unexplained(File("docs/reference.md"), File("messages/idl/" + std::string(file))),
-                IsEmpty());
+  for (const SourceFile& file : Tree()) {
+    if (!file.In("messages/musher_msgs/") || !file.Is(".idl")) continue;
+    EXPECT_THAT(Unexplained(File("docs/reference.md"), file), IsEmpty()) << file.path;
   }
 }
 

@@ -33,7 +33,7 @@ Names StringsOf(const std::vector<SourceFile>& tree) {
 }
 
 Names TypesOf(const std::vector<SourceFile>& tree) {
-  static const std::regex type(R"(protocol::(?:msg|srv)::dds_::(\w+)_")");
+  static const std::regex type(R"(struct ([A-Za-z0-9]+)_)");
   Names names;
   for (const SourceFile& file : tree) {
     if (file.In("messages/protocol/")) Collect(file.text, type, names);

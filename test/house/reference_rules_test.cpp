@@ -48,7 +48,7 @@ TEST(ReferenceRules, ReportATopicOrServiceThatIsUnlistedOrGoneOrOfAnUnknownType)
       {"wire/names.cpp",
        "ResolveName(name_space, \"musher/beat\"); ResolveName(name_space, \"musher/new\");"},
       {"controller/shell/services.cpp", "open(get_plan_, \"get_plan\","},
-      {"messages/idl/a.idl", "struct Beat_ {\n};\nstruct GetPlan_Request_ {\n};\n"}};
+      {"messages/musher_msgs/a.idl", "struct Beat_ {\n};\nstruct GetPlan_Request_ {\n};\n"}};
   EXPECT_THAT(WrongTopicsAndServices(page, tree),
               ElementsAre("there is no type musher_msgs/msg/Old",
                           "the reference does not list musher/new", "no program has musher/old"));

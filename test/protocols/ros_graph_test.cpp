@@ -6,6 +6,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
+#include "musher/messages/before_iron.hpp"
 #include "musher/messages/rmw_dds_common/participant_entities.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::transport::clock_test {

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <utility>
 
+#include "musher/messages/before_iron.hpp"
 #include "musher/transport/dds/qos.hpp"
 #include "musher/transport/dds/raw_type.hpp"
 #include "musher/transport/dds/type_tag.hpp"

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/fit.hpp"
 #include "musher/modules/camera/media.hpp"
 

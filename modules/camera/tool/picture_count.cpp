@@ -1,4 +1,5 @@
 #include "musher/modules/camera/tool/picture_count.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <algorithm>
 #include <chrono>

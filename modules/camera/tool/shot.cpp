@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 
 namespace musher::camera::tool {

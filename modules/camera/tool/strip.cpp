@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/camera/pace.hpp"
 #include "musher/modules/camera/tool/caption.hpp"

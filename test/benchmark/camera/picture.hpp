@@ -6,6 +6,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/stamp.hpp"
 
 namespace musher::benchmark {
 

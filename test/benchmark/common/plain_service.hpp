@@ -3,7 +3,7 @@
 // QoS, sizes and settings as Musher's, so that the cost of Musher is separate from the cost of DDS.
 
 #include <dds/dds.h>
-#include <musher_msgs.h>
+#include <musher_idl.h>
 
 #include <functional>
 #include <string>

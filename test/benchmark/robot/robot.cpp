@@ -6,6 +6,7 @@
 #include <future>
 #include <utility>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::benchmark {

@@ -19,6 +19,7 @@
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/world/scene_toml.hpp"

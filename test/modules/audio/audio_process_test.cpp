@@ -13,6 +13,7 @@
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"

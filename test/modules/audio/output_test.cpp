@@ -9,6 +9,7 @@
 #include <iterator>
 #include <optional>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/audio/audio_code.hpp"
 #include "musher/modules/audio/output.hpp"
 #include "musher/modules/audio/sound_file.hpp"

@@ -13,6 +13,7 @@
 
 #include "musher/messages/protocol/camera.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/cameras.hpp"
 #include "musher/transport/sim/network.hpp"
 

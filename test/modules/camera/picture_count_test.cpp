@@ -1,6 +1,7 @@
 // The statistics of musher-camera on a series of pictures.
 
 #include "musher/modules/camera/tool/picture_count.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
 #include "musher/test/support/temp_folder.hpp"
 

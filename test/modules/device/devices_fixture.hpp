@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/device/devices.hpp"
 #include "musher/transport/sim/network.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
 
 namespace musher::device::devices_test {

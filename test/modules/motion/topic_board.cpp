@@ -1,4 +1,5 @@
 #include "musher/test/modules/motion/topic_board.hpp"
+#include "musher/messages/stamp.hpp"
 
 #include <algorithm>
 #include <chrono>

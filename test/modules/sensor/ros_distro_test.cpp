@@ -1,6 +1,7 @@
 // Nodes of older and newer ROS 2 distributions beside the sensors: sensor_msgs/Range has the field
 // `variance` since Iron.
 
+#include "musher/messages/before_iron.hpp"
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
 
 namespace musher::sensor::ros_distro_test {

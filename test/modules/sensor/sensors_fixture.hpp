@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/sensor/sensors.hpp"
 #include "musher/test/modules/sensor/examples.hpp"
 #include "musher/transport/sim/network.hpp"

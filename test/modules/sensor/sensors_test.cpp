@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
 

@@ -2,6 +2,7 @@
 
 #include "musher/modules/vision/face_topics.hpp"
 
+#include "musher/messages/stamp.hpp"
 #include "musher/test/modules/vision/topics_on_network.hpp"
 
 namespace musher::vision::face_topics_test {

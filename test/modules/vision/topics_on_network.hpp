@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/face_topics.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/sim/network.hpp"

@@ -14,6 +14,7 @@
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"

@@ -3,6 +3,7 @@
 
 #include "musher/test/modules/wedding/wedding_process.hpp"
 #include "musher/messages/protocol/camera.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/wire/lifecycle_wire.hpp"

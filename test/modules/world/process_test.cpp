@@ -17,6 +17,7 @@
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/joint_state.hpp"
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/exec/child.hpp"

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/world/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/world/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "musher/messages/stamp.hpp"
 #include "musher/modules/world/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/transport/sim/network.hpp"
