@@ -104,8 +104,9 @@ Result<> ControllerServices::Open() {
       !r) {
     return r;
   }
-  if (auto r = open(get_capabilities_, "get_capabilities",
-                    [this](const auto&, auto reply) { reply({shell_.Capabilities().capabilities}); });
+  if (auto r =
+          open(get_capabilities_, "get_capabilities",
+               [this](const auto&, auto reply) { reply({shell_.Capabilities().capabilities}); });
       !r) {
     return r;
   }
