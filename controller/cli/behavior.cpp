@@ -1,9 +1,11 @@
 // musher behavior NAME [--watch] [--send COMMAND]: the state machine of a running application.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "musher/controller/cli/behavior_request.hpp"
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
@@ -11,6 +13,13 @@
 
 namespace musher::cli {
 namespace {
+
+struct BehaviorOptions {
+  std::string name;
+  std::uint32_t history = 10;  // changes
+  bool watch = false;
+  std::string send;  // a command; empty: only show the state machine
+};
 
 using Report = msg::GetBehavior::Response;
 
@@ -120,8 +129,6 @@ std::optional<Failure> Send(Link& link, const GlobalOptions& global,
   return std::nullopt;
 }
 
-}  // namespace
-
 ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
@@ -144,6 +151,28 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
   Print(options.name, shown, console);
   if (!options.watch) return ExitCode::kDone;
   return Watch(*link.value(), global, options.name, console).Run(report);
+}
+
+}  // namespace
+
+void AddBehavior(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("behavior", "Show the state machine of an application", Behavior);
+  grammar
+      .Offer(app.add_option("NAME", options.name, "The application's actuator"),
+             Names::kApplications)
+      ->required()
+      ->type_name("");
+  app.add_option("--history", options.history, "Number of latest changes to show; default 10")
+      ->check(CLI::Range(0U, 1000U).description(""))
+      ->type_name("N");
+  app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+  grammar
+      .Offer(app.add_option("--send", options.send,
+                            "Send it this command, which it must have registered"),
+             Names::kCommands)
+      ->check([](const std::string& word) { return word.empty() ? "needs a command" : ""; })
+      ->type_name("COMMAND");
 }
 
 }  // namespace musher::cli

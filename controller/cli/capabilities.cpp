@@ -1,15 +1,21 @@
 // musher capabilities [NAME]: what the robot can do now, and why not the rest.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "musher/base/suggest.hpp"
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
 namespace {
+
+struct CapabilitiesOptions {
+  std::string name;  // empty: all
+};
 
 Failure Unknown(const std::string& name, const msg::Capabilities& known) {
   std::vector<std::string> names;
@@ -20,8 +26,6 @@ Failure Unknown(const std::string& name, const msg::Capabilities& known) {
            NoSuch("capability", name, names) +
                (near ? "" : "; a function that the config does not declare runs in Active only")}};
 }
-
-}  // namespace
 
 ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
                       Console& console) {
@@ -41,6 +45,17 @@ ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& g
   if (one == all.capabilities.end()) return console.Fail(Unknown(options.name, all));
   console.Print(console.mode().json ? CapabilityJson(*one) : CapabilityText(*one, colour));
   return one->allowed ? ExitCode::kDone : ExitCode::kNotDone;
+}
+
+}  // namespace
+
+void AddCapabilities(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("capabilities", "Show what the robot can do now, and why not", Capabilities);
+  grammar
+      .Offer(app.add_option("NAME", options.name, "Only this one; exit code 1 if it is refused"),
+             Names::kCapabilities)
+      ->type_name("");
 }
 
 }  // namespace musher::cli

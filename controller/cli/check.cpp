@@ -1,8 +1,10 @@
 // musher check FILE...: reports every error in state configs. Uses no network.
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/program_check.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -13,6 +15,10 @@
 
 namespace musher::cli {
 namespace {
+
+struct CheckOptions {
+  std::vector<std::string> files;
+};
 
 // The config lies in an upgrade root, or offers the manager's OTA service. Otherwise the owner may
 // not want upgrades and gets no warning.
@@ -34,9 +40,7 @@ void AddUpgradeFault(const MachineConfig& config, std::vector<Diagnostic>& diagn
                          "refuses this config; add OTA to `states` of [controller]"});
 }
 
-}  // namespace
-
-ExitCode Check(const CheckOptions& options, Console& console) {
+ExitCode Check(const CheckOptions& options, const GlobalOptions& /*global*/, Console& console) {
   std::vector<Diagnostic> all;
   for (const std::string& file : options.files) {
     ConfigReading reading = ReadConfigFile(file);
@@ -58,6 +62,15 @@ ExitCode Check(const CheckOptions& options, Console& console) {
   }
   if (console.mode().json) console.Print(CheckJson(all));
   return HasError(all) ? ExitCode::kUsage : ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddCheck(Grammar& grammar) {
+  auto [app, options] = grammar.Add("check", "Report every error in a state config", Check);
+  grammar.Offer(app.add_option("FILE", options.files, "State configs (TOML)"), Names::kConfigs)
+      ->required()
+      ->type_name("");
 }
 
 }  // namespace musher::cli

@@ -6,6 +6,7 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/version.hpp"
+#include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
@@ -76,14 +77,7 @@ Grammar::Grammar() : app_(std::make_unique<CLI::App>(kDescription, "musher")) {
   app_->set_version_flag("--version", "musher " + std::string(Version()), "Print the version");
   app_->set_help_flag("-h,--help", "Print this help");
   AddGlobalOptions();
-  AddConfigCommands();
-  AddRunCommands();
-  AddMachineCommands();
-  AddRecordCommands();
-  group_ = "Install and upgrade";
-  AddKeysCommands();
-  AddOtaCommands();
-  AddCompletion();
+  AddCommands(*this);
 }
 
 std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* argv) {
@@ -96,7 +90,7 @@ std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* 
     if (app_->exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str(), "", false};
     return ParseEnd{ExitCode::kUsage, "", ErrorText(e), false};
   }
-  return CommandLine{global_, take_command_()};
+  return CommandLine{global_, run_};
 }
 
 const char* const Grammar::kCommandFooter =
@@ -104,21 +98,25 @@ const char* const Grammar::kCommandFooter =
 
 Grammar::~Grammar() = default;
 
-CLI::App* Grammar::AddTo(CLI::App& parent, const std::string& name, const std::string& what,
-                         std::function<CommandOptions()> take) {
-  CLI::App* command = parent.add_subcommand(name, what);
-  command->group(&parent == app_.get() ? group_ : "Commands");
-  command->footer(kCommandFooter);
-  command->callback([this, take = std::move(take)] { take_command_ = take; });
-  return command;
+void Grammar::Group(std::string title) {
+  group_ = std::move(title);
 }
 
-CLI::App* Grammar::AddFamily(const std::string& name, const std::string& what) {
+CLI::App& Grammar::AddTo(CLI::App* family, const std::string& name, const std::string& what,
+                         RunCommand run) {
+  CLI::App* command = (family == nullptr ? *app_ : *family).add_subcommand(name, what);
+  command->group(family == nullptr ? group_ : "Commands");
+  command->footer(kCommandFooter);
+  command->callback([this, run = std::move(run)] { run_ = run; });
+  return *command;
+}
+
+CLI::App& Grammar::AddFamily(const std::string& name, const std::string& what) {
   CLI::App* family = app_->add_subcommand(name, what);
   family->group(group_);
   family->require_subcommand(1);
   family->footer(kCommandFooter);
-  return family;
+  return *family;
 }
 
 CLI::Option* Grammar::OneOf(CLI::Option* option, const std::vector<std::string>& words) {
@@ -130,13 +128,6 @@ CLI::Option* Grammar::OneOf(CLI::Option* option, const std::vector<std::string>&
 CLI::Option* Grammar::Offer(CLI::Option* option, Names names) {
   offers_[option] = names;
   return option;
-}
-
-void Grammar::AddCompletion() {
-  auto completion = std::make_shared<CompletionOptions>();
-  auto* command = AddCommand("completion", "Print the completion script of a shell", completion);
-  OneOf(command->add_option("SHELL", completion->shell, "bash or zsh"), {"bash", "zsh"})
-      ->required();
 }
 
 void Grammar::AddGlobalOptions() {

@@ -1,14 +1,24 @@
 #pragma once
-// Parses argv into option values: the grammar of `musher` and its help.
+// Parses argv: the grammar of `musher` and its help.
 
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/options.hpp"
 
 namespace musher::cli {
+
+// A command with its own options; prints its result to the console.
+using RunCommand = std::function<ExitCode(const GlobalOptions&, Console&)>;
+
+struct CommandLine {
+  GlobalOptions global;
+  RunCommand run;
+};
 
 // No command to run: the caller requested help, or the command line is wrong.
 struct ParseEnd {

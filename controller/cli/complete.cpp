@@ -9,7 +9,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/controller/cli/behavior_request.hpp"
-#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/complete.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"

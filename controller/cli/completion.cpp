@@ -1,14 +1,30 @@
 // musher completion bash|zsh: the script that completes its command lines. The same files are
 // installed where the shells look for them.
 
+#include <CLI/CLI.hpp>
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/completion_scripts.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
+namespace {
 
-ExitCode Completion(const CompletionOptions& options, Console& console) {
+struct CompletionOptions {
+  std::string shell;  // "bash" or "zsh"
+};
+
+ExitCode Completion(const CompletionOptions& options, const GlobalOptions& /*global*/,
+                    Console& console) {
   console.Print(options.shell == "zsh" ? kZshCompletion : kBashCompletion);
   return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddCompletion(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("completion", "Print the completion script of a shell", Completion);
+  grammar.OneOf(app.add_option("SHELL", options.shell, "bash or zsh"), {"bash", "zsh"})->required();
 }
 
 }  // namespace musher::cli

@@ -2,9 +2,11 @@
 // musher down --without-controller: stops the actuators that run without a controller.
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/ending.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -14,6 +16,10 @@
 
 namespace musher::cli {
 namespace {
+
+struct DownOptions {
+  bool without_controller = false;  // stop the actuators that run without a controller
+};
 
 constexpr Duration kTearDownTime = std::chrono::seconds(10);
 
@@ -47,11 +53,19 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   return ExitCode::kNotDone;
 }
 
-}  // namespace
-
 ExitCode Down(const DownOptions& options, const GlobalOptions& global, Console& console) {
   if (options.without_controller) return DownWithoutController(global, console);
   return RequestSwitch(State(kTearDown), "", global, console);
+}
+
+}  // namespace
+
+void AddDown(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("down", "Take the machine down: TearDown, then stop its processes", Down);
+  app.add_flag("--without-controller", options.without_controller,
+               "Stop the actuators of the namespace that run without a\n"
+               "controller, all at the same time");
 }
 
 }  // namespace musher::cli

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <pwd.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
 #include <random>
 
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -17,6 +19,11 @@
 
 namespace musher::cli {
 namespace {
+
+struct EstopOptions {
+  std::vector<std::string> reason;  // words
+  bool release = false;
+};
 
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
 constexpr std::size_t kLongestReason = 256;  // bytes
@@ -100,10 +107,19 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
   return ExitCode::kDone;
 }
 
-}  // namespace
-
 ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   return options.release ? Release(global, console) : Engage(options, global, console);
+}
+
+}  // namespace
+
+void AddEstop(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("estop", "Emergency stop; works without a controller, too", Estop);
+  auto* reason =
+      app.add_option("REASON", options.reason, "Why; `musher status` shows it")->type_name("");
+  app.add_flag("--release", options.release, "Release it; needs the controller, changes no state")
+      ->excludes(reason);
 }
 
 }  // namespace musher::cli

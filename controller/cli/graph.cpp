@@ -1,18 +1,28 @@
 // musher graph FILE: draws the states or the actuators of a config, or the state machine of an
 // application.
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
 #include "musher/controller/cli/behavior_request.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/graph.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/svg.hpp"
 
 namespace musher::cli {
 namespace {
+
+struct GraphOptions {
+  std::string file;           // empty: draw `behavior`
+  std::string behavior;       // the application whose state machine is drawn; empty: a config
+  std::string what = "flow";  // or "actuators"
+  std::string format;         // "dot", "mermaid" or "svg"
+  std::string output;         // empty: standard output
+};
 
 Result<std::string> FormatOf(const GraphOptions& options) {
   if (!options.format.empty()) return options.format;
@@ -51,8 +61,6 @@ Drawing DrawBehavior(const std::string& name, const std::string& format,
   return svg ? OrFailure(RenderSvg(graph)) : Drawing(std::move(graph));
 }
 
-}  // namespace
-
 ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console& console) {
   const Result<std::string> known = FormatOf(options);
   if (!known) return console.Fail(known.error());
@@ -83,6 +91,36 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
   }
   if (console.mode().json) console.Print(GraphFileJson(format, options.output));
   return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddGraph(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("graph", "Draw a config, or the state machine of an application", Graph);
+  auto* file =
+      grammar.Offer(app.add_option("FILE", options.file, "State config (TOML)"), Names::kConfigs)
+          ->type_name("");
+  auto* what = grammar.OneOf(app.add_option("--what", options.what,
+                                            "flow: the transitions between states (default);\n"
+                                            "actuators: their stages and start order"),
+                             {"flow", "actuators"});
+  grammar
+      .Offer(app.add_option("--behavior", options.behavior,
+                            "Instead of a config: the state machine of this\n"
+                            "running application, with its current state marked"),
+             Names::kApplications)
+      ->excludes(file)
+      ->excludes(what)
+      ->type_name("NAME");
+  grammar.OneOf(
+      app.add_option("--format", options.format,
+                     "svg needs Graphviz; default: from the output file's name, else dot"),
+      {"dot", "mermaid", "svg"});
+  grammar
+      .Offer(app.add_option("-o,--output", options.output, "Default standard output"),
+             Names::kFiles)
+      ->type_name("FILE");
 }
 
 }  // namespace musher::cli

@@ -1,12 +1,14 @@
 // musher history: past events and their causes, from the controller, or from the journal of one
 // that has exited.
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -17,6 +19,17 @@
 
 namespace musher::cli {
 namespace {
+
+struct HistoryOptions {
+  std::string since;      // empty: all
+  std::string until;      // empty: all
+  std::string actuator;   // empty: of all, and of the machine
+  std::string journal;    // empty: query the controller
+  unsigned limit = 1000;  // 0: no limit
+  bool csv = false;
+  bool follow = false;             // then print new entries
+  std::optional<std::string> why;  // explain this state instead; empty: the current one
+};
 
 using Entries = msg::GetHistory::Response;
 
@@ -133,8 +146,6 @@ ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& sta
   return ExitCode::kDone;
 }
 
-}  // namespace
-
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
   const auto selection = Select(options);
   if (!selection) return console.Fail(selection.error());
@@ -158,6 +169,42 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   Show(history, options.csv, true, console);
   if (!options.follow) return ExitCode::kDone;
   return Follow(*link, wanted, last, since, options.csv, console);
+}
+
+}  // namespace
+
+void AddHistory(Grammar& grammar) {
+  auto [app, options] = grammar.Add("history", "Show past events, oldest first", History);
+  app.add_option("--since", options.since, "90s, 10m, 2h, 1d ago, or a date and time")
+      ->check(TimeError)
+      ->type_name("TIME");
+  app.add_option("--until", options.until, "Same format; later events are left out")
+      ->check(TimeError)
+      ->type_name("TIME");
+  grammar
+      .Offer(app.add_option("--actuator", options.actuator, "Only events of this one"),
+             Names::kActuators)
+      ->type_name("NAME");
+  app.add_option("--limit", options.limit,
+                 "Number of newest matching entries; default 1000, 0: all")
+      ->check(CLI::Range(0U, 1'000'000U).description(""))
+      ->type_name("N");
+  app.add_flag("--csv", options.csv, "Print CSV (RFC 4180)");
+  auto* journal = grammar
+                      .Offer(app.add_option("--journal", options.journal,
+                                            "Read this file instead of calling a controller"),
+                             Names::kFiles)
+                      ->type_name("FILE");
+  auto* follow = app.add_flag("-f,--follow", options.follow, "Then print new events, until Ctrl-C");
+  follow->excludes(journal);
+  grammar
+      .Offer(app.add_option("--why", options.why,
+                            "Why the machine is in its current state, or\n"
+                            "last went to STATE: the chain of causes"),
+             Names::kStates)
+      ->expected(0, 1)
+      ->excludes(follow)
+      ->type_name("[STATE]");
 }
 
 }  // namespace musher::cli

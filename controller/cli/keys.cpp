@@ -2,11 +2,13 @@
 // secrets. Uses no network.
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <filesystem>
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/wall_time.hpp"
@@ -16,6 +18,24 @@
 
 namespace musher::cli {
 namespace {
+
+struct KeysInitOptions {
+  std::string where;  // a state config with [security], or a folder
+  int days = 730;
+  bool signed_only = false;
+  bool force = false;
+};
+
+struct KeysAddOptions {
+  std::string name;
+  std::string role = "actuator";
+  int days = 730;
+  bool force = false;
+};
+
+struct KeysRevokeOptions {
+  std::string name;
+};
 
 using transport::keys::Identity;
 using transport::keys::IssueOptions;
@@ -97,9 +117,8 @@ ExitCode Done(Console& console, const KeyFolder& folder, const std::string& text
   return ExitCode::kDone;
 }
 
-}  // namespace
-
-ExitCode KeysInit(const KeysInitOptions& options, Console& console) {
+ExitCode KeysInit(const KeysInitOptions& options, const GlobalOptions& /*global*/,
+                  Console& console) {
   const auto plan = PlanFor(options.where, console);
   if (!plan) return ExitCode::kUsage;
   const Protection protection = options.signed_only ? Protection::kSigned : Protection::kEncrypted;
@@ -167,6 +186,57 @@ ExitCode KeysList(const GlobalOptions& global, Console& console) {
                {NoteOf(identity, now), identity.revoked ? Style::kBad : Style::kPlain}});
   }
   return Done(console, folder.value(), table.Text(console.mode().colour));
+}
+
+void AddDays(CLI::App& app, int& days) {
+  app.add_option("--days", days, "Days that a certificate is valid; default 730")
+      ->check(CLI::Range(1, 3650).description(""))
+      ->type_name("N");
+}
+
+void AddKeysInit(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("init", "Create a machine's CAs and first identities", KeysInit, &family);
+  grammar
+      .Offer(app.add_option("WHERE", options.where,
+                            "A state config with [security]: for the controller,\n"
+                            "the operator and all its actuators; or a folder"),
+             Names::kConfigs)
+      ->required()
+      ->type_name("");
+  AddDays(app, options.days);
+  app.add_flag("--signed-only", options.signed_only,
+               "Sign data but do not encrypt it; default: both");
+  app.add_flag("--force", options.force, "Replace existing ones");
+}
+
+void AddKeysAdd(Grammar& grammar, CLI::App& family) {
+  auto [app, options] = grammar.Add("add", "Create one more identity", KeysAdd, &family);
+  grammar
+      .Offer(app.add_option("NAME", options.name, "Name of an actuator or a person"),
+             Names::kActuators)
+      ->required()
+      ->type_name("");
+  grammar.OneOf(app.add_option("--role", options.role, "Its permissions; default actuator"),
+                {"controller", "actuator", "operator", "observer"});
+  AddDays(app, options.days);
+  app.add_flag("--force", options.force, "Replace it and revoke the previous one");
+}
+
+void AddKeysRevoke(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("revoke", "Revoke an identity's certificate", KeysRevoke, &family);
+  app.add_option("NAME", options.name, "Name of the identity")->required()->type_name("");
+}
+
+}  // namespace
+
+void AddKeys(Grammar& grammar) {
+  CLI::App& family = grammar.AddFamily("keys", "Create and revoke the credentials of processes");
+  AddKeysInit(grammar, family);
+  AddKeysAdd(grammar, family);
+  AddKeysRevoke(grammar, family);
+  grammar.Add("list", "Show identities, their roles and expiry dates", KeysList, &family);
 }
 
 }  // namespace musher::cli

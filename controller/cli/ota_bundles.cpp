@@ -1,13 +1,15 @@
 // musher ota keygen|bundle|init|verify: the commands that work on files only.
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <filesystem>
 #include <functional>
 
-#include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
+#include "musher/controller/cli/ota_commands.hpp"
 #include "musher/controller/cli/ota_progress.hpp"
 #include "musher/controller/cli/ota_root.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -19,6 +21,33 @@
 
 namespace musher::cli {
 namespace {
+
+struct OtaKeygenOptions {
+  std::string name;  // of the two files, without .key and .pub
+};
+
+struct OtaBundleOptions {
+  std::string folder;
+  std::string version;
+  std::string min_version;  // may be empty
+  std::string robot;        // empty: the machine's name, from the config
+  std::string config = "robot.toml";
+  std::string key;  // file of the private key
+  std::string out;
+};
+
+struct OtaInitOptions {
+  std::string root;
+  std::string bundle;
+  std::string key;  // file of the public key
+  std::string config = "robot.toml";
+};
+
+struct OtaVerifyOptions {
+  std::string bundle;
+  std::string root;  // empty: $MUSHER_OTA_ROOT, else that of the running machine
+  std::string key;   // for a bundle without a root
+};
 
 namespace fs = std::filesystem;
 
@@ -100,9 +129,8 @@ std::string Size(const ota::Manifest& manifest) {
                         : fmt::format("{:.1f} GB", bytes / 1e9));
 }
 
-}  // namespace
-
-ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console) {
+ExitCode OtaKeygen(const OtaKeygenOptions& options, const GlobalOptions& /*global*/,
+                   Console& console) {
   ota::PosixDisk disk;
   const std::string secret = options.name + ".key";
   const std::string open = options.name + ".pub";
@@ -127,7 +155,8 @@ ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console) {
   return ExitCode::kDone;
 }
 
-ExitCode OtaBundle(const OtaBundleOptions& options, Console& console) {
+ExitCode OtaBundle(const OtaBundleOptions& options, const GlobalOptions& /*global*/,
+                   Console& console) {
   ota::PosixDisk disk;
   const auto manifest = ManifestFor(options, console);
   if (!manifest) return ExitCode::kUsage;
@@ -142,7 +171,7 @@ ExitCode OtaBundle(const OtaBundleOptions& options, Console& console) {
                               made.value().robot, Size(made.value())));
 }
 
-ExitCode OtaInit(const OtaInitOptions& options, Console& console) {
+ExitCode OtaInit(const OtaInitOptions& options, const GlobalOptions& /*global*/, Console& console) {
   ota::PosixDisk disk;
   const auto key = ota::ReadAll(disk, options.key, kLargestKey);
   if (!key) return console.Fail(key.error());
@@ -189,6 +218,80 @@ ExitCode OtaVerify(const OtaVerifyOptions& options, const GlobalOptions& global,
       console, manifest, options.bundle,
       fmt::format("{}: version {} for {}, {}; complete, signature valid", options.bundle,
                   manifest.version.text, manifest.robot, Size(manifest)));
+}
+
+void AddConfig(Grammar& grammar, CLI::App& app, std::string& config) {
+  grammar
+      .Offer(app.add_option("--config", config,
+                            "The state config, relative to the folder of files;\n"
+                            "default robot.toml"),
+             Names::kFiles)
+      ->type_name("FILE");
+}
+
+}  // namespace
+
+void AddOtaKeygen(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("keygen", "Create the key pair that signs bundles", OtaKeygen, &family);
+  app.add_option("NAME", options.name, "NAME.key stays with the signer, NAME.pub goes to robots")
+      ->required()
+      ->type_name("");
+}
+
+void AddOtaBundle(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("bundle", "Make a signed bundle from a folder of files", OtaBundle, &family);
+  grammar
+      .Offer(app.add_option("FOLDER", options.folder, "Programs in bin/, the state config, ..."),
+             Names::kFolders)
+      ->required()
+      ->type_name("");
+  app.add_option("--version", options.version, "MAJOR.MINOR.PATCH, as in 1.4.0")
+      ->required()
+      ->type_name("VERSION");
+  app.add_option("--min-version", options.min_version, "The oldest version that it can upgrade")
+      ->type_name("VERSION");
+  app.add_option("--robot", options.robot, "Name of its robot; default the machine's name")
+      ->type_name("NAME");
+  AddConfig(grammar, app, options.config);
+  grammar.Offer(app.add_option("--key", options.key, "Private key"), Names::kFiles)
+      ->required()
+      ->type_name("FILE");
+  grammar
+      .Offer(app.add_option("-o,--out", options.out, "The bundle; a new folder"), Names::kFolders)
+      ->required()
+      ->type_name("FOLDER");
+}
+
+void AddOtaInit(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("init", "Make an upgrade root from a robot's first bundle", OtaInit, &family);
+  grammar
+      .Offer(app.add_option("ROOT", options.root, "New folder, for `musher up ROOT`"),
+             Names::kFolders)
+      ->required()
+      ->type_name("");
+  grammar.Offer(app.add_option("--from", options.bundle, "The first bundle"), Names::kFolders)
+      ->required()
+      ->type_name("BUNDLE");
+  grammar
+      .Offer(app.add_option("--key", options.key, "Public key that verifies later bundles"),
+             Names::kFiles)
+      ->required()
+      ->type_name("FILE");
+  AddConfig(grammar, app, options.config);
+}
+
+void AddOtaVerify(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("verify", "Verify a bundle; changes nothing", OtaVerify, &family);
+  AddBundle(grammar, app, options.bundle);
+  grammar
+      .Offer(app.add_option("--key", options.key, "Public key; default the one of the root"),
+             Names::kFiles)
+      ->type_name("FILE");
+  AddRoot(grammar, app, options.root);
 }
 
 }  // namespace musher::cli

@@ -3,10 +3,12 @@
 // controller handles the machine, on request.
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <csignal>
 
-#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
+#include "musher/controller/cli/ota_commands.hpp"
 #include "musher/controller/cli/ota_progress.hpp"
 #include "musher/controller/cli/ota_root.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -18,6 +20,16 @@
 
 namespace musher::cli {
 namespace {
+
+struct OtaInstallOptions {
+  std::string bundle;
+  std::string root;
+  bool allow_downgrade = false;
+};
+
+struct OtaRollbackOptions {
+  std::string root;
+};
 
 using ota::Flow;
 using ota::Step;
@@ -173,8 +185,6 @@ ExitCode WithRoot(const std::string& option, const GlobalOptions& global, Consol
   return work(upgrade);
 }
 
-}  // namespace
-
 ExitCode OtaInstall(const OtaInstallOptions& options, const GlobalOptions& global,
                     Console& console) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit counts as a full disk
@@ -187,6 +197,22 @@ ExitCode OtaRollback(const OtaRollbackOptions& options, const GlobalOptions& glo
                      Console& console) {
   return WithRoot(options.root, global, console,
                   [](Upgrade& upgrade) { return upgrade.Rollback(); });
+}
+
+}  // namespace
+
+void AddOtaInstall(Grammar& grammar, CLI::App& family) {
+  auto [app, options] = grammar.Add(
+      "install", "Install a bundle, trial-boot it, keep it or roll back", OtaInstall, &family);
+  AddBundle(grammar, app, options.bundle);
+  AddRoot(grammar, app, options.root);
+  app.add_flag("--allow-downgrade", options.allow_downgrade, "Accept an older version, too");
+}
+
+void AddOtaRollback(Grammar& grammar, CLI::App& family) {
+  auto [app, options] =
+      grammar.Add("rollback", "Roll back to the previous version", OtaRollback, &family);
+  AddRoot(grammar, app, options.root);
 }
 
 }  // namespace musher::cli

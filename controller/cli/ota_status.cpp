@@ -1,6 +1,8 @@
 // musher ota status: the versions of a robot and the outcome of the last trial boot.
 
-#include "musher/controller/cli/commands.hpp"
+#include <CLI/CLI.hpp>
+#include "musher/controller/cli/grammar/grammar.hpp"
+#include "musher/controller/cli/ota_commands.hpp"
 #include "musher/controller/cli/ota_root.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/table.hpp"
@@ -8,6 +10,10 @@
 
 namespace musher::cli {
 namespace {
+
+struct OtaStatusOptions {
+  std::string root;
+};
 
 using ota::Slot;
 
@@ -17,8 +23,6 @@ std::string RoleOf(const ota::SlotState& state, Slot slot) {
   if (state.on_trial_boot) return state.started ? "on trial" : "tried at the next start";
   return state.other_good ? "the one before" : "not used";
 }
-
-}  // namespace
 
 ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto path = FindRoot(options.root, global);
@@ -59,6 +63,13 @@ ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global,
     console.Print("version " + robot.last->version + " failed: " + robot.last->reason);
   }
   return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddOtaStatus(Grammar& grammar, CLI::App& family) {
+  auto [app, options] = grammar.Add("status", "Show the versions of a robot", OtaStatus, &family);
+  AddRoot(grammar, app, options.root);
 }
 
 }  // namespace musher::cli

@@ -1,11 +1,19 @@
 // musher plan STATE [ACTUATOR]: what a switch would do. Changes nothing.
 
+#include <CLI/CLI.hpp>
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
+namespace {
+
+struct PlanOptions {
+  std::string state;
+  std::string actuator;
+};
 
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
@@ -18,6 +26,20 @@ ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& 
   if (plan.allowed) return ExitCode::kDone;
   console.PrintError(plan.target + " would be refused: " + plan.reason);
   return ExitCode::kNotDone;
+}
+
+}  // namespace
+
+void AddPlan(Grammar& grammar) {
+  auto [app, options] = grammar.Add("plan", "Show what a switch would do; changes nothing", Plan);
+  grammar.Offer(app.add_option("STATE", options.state, "The state to switch to"), Names::kStates)
+      ->required()
+      ->type_name("");
+  grammar
+      .Offer(
+          app.add_option("ACTUATOR", options.actuator, "Only this one; default the whole machine"),
+          Names::kActuators)
+      ->type_name("");
 }
 
 }  // namespace musher::cli

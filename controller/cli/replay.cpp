@@ -1,16 +1,26 @@
 // musher replay JOURNAL: re-runs the recorded decisions of a journal. Needs no robot.
 
 #include "musher/controller/journal/replay.hpp"
+#include <CLI/CLI.hpp>
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 
 namespace musher::cli {
+namespace {
 
-ExitCode Replay(const ReplayOptions& options, Console& console) {
+struct ReplayOptions {
+  std::string journal;
+  std::string config;  // empty: the recorded one
+  std::string since;   // empty: all
+  std::optional<std::uint64_t> epoch;
+};
+
+ExitCode Replay(const ReplayOptions& options, const GlobalOptions& /*global*/, Console& console) {
   recording::ReplayOptions what;
   what.epoch = options.epoch;
   if (!options.since.empty()) {
@@ -33,6 +43,27 @@ ExitCode Replay(const ReplayOptions& options, Console& console) {
   console.Print(console.mode().json ? ReplayJson(report, damage)
                                     : ReplayText(report, console.mode().colour));
   return report.equal() ? ExitCode::kDone : ExitCode::kNotDone;
+}
+
+}  // namespace
+
+void AddReplay(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("replay", "Re-run the recorded decisions of a journal and compare", Replay);
+  grammar
+      .Offer(app.add_option("JOURNAL", options.journal, "A controller's journal.sqlite"),
+             Names::kFiles)
+      ->required()
+      ->type_name("");
+  grammar
+      .Offer(app.add_option("--config", options.config, "Show what this state config would change"),
+             Names::kConfigs)
+      ->type_name("FILE");
+  app.add_option("--since", options.since, "90s, 10m, 2h, 1d ago, or a date and time")
+      ->check(TimeError)
+      ->type_name("TIME");
+  app.add_option("--epoch", options.epoch, "Only decisions of the controller with this epoch")
+      ->type_name("N");
 }
 
 }  // namespace musher::cli

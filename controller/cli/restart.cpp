@@ -1,14 +1,20 @@
 // musher restart ACTUATOR: restarts its process and switches it back to the machine's state.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
 namespace {
+
+struct RestartOptions {
+  std::string actuator;
+};
 
 constexpr Duration kRestartTimeout = std::chrono::seconds(60);
 
@@ -19,8 +25,6 @@ Failure WithHint(Failure failure, const std::string& actuator) {
   }
   return failure;
 }
-
-}  // namespace
 
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
@@ -46,6 +50,17 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
   console.Print(console.mode().json ? RestartJson(*back)
                                     : RestartText(*back, console.mode().colour));
   return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddRestart(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("restart", "End an actuator's process and start it again", Restart);
+  grammar
+      .Offer(app.add_option("ACTUATOR", options.actuator, "The one to restart"), Names::kActuators)
+      ->required()
+      ->type_name("");
 }
 
 }  // namespace musher::cli

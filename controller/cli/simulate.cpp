@@ -1,6 +1,7 @@
 // musher simulate FILE: many scenarios of a robot with this config, on the real decision code, in
 // virtual time, with faults sampled from seeds. Touches no network and no process.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -10,11 +11,23 @@
 #include "musher/base/suggest.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/simulation.hpp"
 #include "musher/simulation/timeline.hpp"
 
 namespace musher::cli {
 namespace {
+
+struct SimulateOptions {
+  std::string file;
+  std::uint64_t seeds = 1000;
+  std::optional<std::uint64_t> seed;  // show only the run of this seed
+  std::string only;                   // inject only these of its events: "3,7"; empty: all
+  std::optional<double> bound_s;      // within which the machine must reach a stable state
+  std::string home;                   // the state that operators recover it to; empty: Active
+  std::string svg;                    // file for the drawing of the failing or shown run
+  unsigned jobs = 0;                  // threads; 0: one per core
+};
 
 using simulation::Scenario;
 using simulation::ScenarioId;
@@ -117,9 +130,8 @@ ExitCode RunOne(const SimulateOptions& options, const MachineConfig& config,
   return ending.violation ? ExitCode::kNotDone : ExitCode::kDone;
 }
 
-}  // namespace
-
-ExitCode Simulate(const SimulateOptions& options, Console& console) {
+ExitCode Simulate(const SimulateOptions& options, const GlobalOptions& /*global*/,
+                  Console& console) {
   auto config = LoadConfig(options.file, console);
   if (!config) return ExitCode::kUsage;
   const std::vector<std::string> others = MakeAllUseMusher(*config);
@@ -147,6 +159,45 @@ ExitCode Simulate(const SimulateOptions& options, Console& console) {
                     ? SimulationJson(report, failing_scenario)
                     : SimulationText(report, failing_scenario, console.mode().colour));
   return report.summary.good() ? ExitCode::kDone : ExitCode::kNotDone;
+}
+
+}  // namespace
+
+void AddSimulate(Grammar& grammar) {
+  auto [app, options] = grammar.Add(
+      "simulate", "Simulate a state config under thousands of injected faults", Simulate);
+  grammar.Offer(app.add_option("FILE", options.file, "The state config"), Names::kConfigs)
+      ->required()
+      ->type_name("");
+  auto* seeds =
+      app.add_option("--seeds", options.seeds, "Number of runs; default 1000")
+          ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{100'000'000}).description(""))
+          ->type_name("N");
+  auto* seed = app.add_option("--seed", options.seed, "Repeat and show the run of this seed")
+                   ->excludes(seeds)
+                   ->type_name("N");
+  app.add_option("--only", options.only, "Inject only these of its faults, as in 3,7")
+      ->needs(seed)
+      ->type_name("LIST");
+  app.add_option("--bound", options.bound_s,
+                 "Seconds within which the machine must reach\n"
+                 "a stable state after the last fault; default:\n"
+                 "from the config's times and restarts")
+      ->check(CLI::Range(0.001, 1e9).description(""))
+      ->type_name("SECONDS");
+  grammar
+      .Offer(app.add_option("--home", options.home,
+                            "State that the operator recovers it to; default Active"),
+             Names::kStates)
+      ->type_name("STATE");
+  grammar
+      .Offer(app.add_option("--svg", options.svg,
+                            "Draw the shortest failing run, or the run of --seed"),
+             Names::kFiles)
+      ->type_name("FILE");
+  app.add_option("-j,--jobs", options.jobs, "Threads; default all cores")
+      ->check(CLI::Range(1U, 256U).description(""))
+      ->type_name("N");
 }
 
 }  // namespace musher::cli

@@ -1,11 +1,13 @@
 // musher status [--watch]: the machine's status now, or every change of it.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <string>
 
 #include "musher/base/host.hpp"
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -16,6 +18,10 @@
 
 namespace musher::cli {
 namespace {
+
+struct StatusOptions {
+  bool watch = false;
+};
 
 constexpr Duration kStatusTime = Milliseconds(300);
 constexpr const char* kRedraw = "\x1b[H\x1b[2J";  // from the top of an empty screen
@@ -99,8 +105,6 @@ ExitCode Watch(Link& link, Console& console) {
   return ExitCode::kDone;
 }
 
-}  // namespace
-
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
@@ -125,6 +129,13 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
                        "then `musher down --without-controller` stop them");
   }
   return ExitCode::kDone;
+}
+
+}  // namespace
+
+void AddStatus(Grammar& grammar) {
+  auto [app, options] = grammar.Add("status", "Show the machine and its actuators", Status);
+  app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
 }
 
 }  // namespace musher::cli

@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <chrono>
@@ -20,6 +21,7 @@
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
 #include "musher/controller/cli/controller_process.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/slot_run.hpp"
@@ -30,6 +32,22 @@
 
 namespace musher::cli {
 namespace {
+
+struct UpOptions {
+  std::string file;  // or an upgrade root
+  bool detach = false;
+  bool takeover = false;  // replace a running controller
+  bool adopt = false;     // take control of actuators that run with another config, too
+  // A supervisor may restart it after a crash: complete a TearDown that was under way.
+  bool restarted = false;
+  // For a controller that restarts itself: its connection to the launcher, and the launcher's pid
+  // or 0.
+  struct Resume {
+    int progress = -1;
+    int launcher = 0;
+  };
+  std::optional<Resume> resume;
+};
 
 constexpr unsigned kLeaveTime = 2;  // seconds, for leaving the domain
 
@@ -185,8 +203,6 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
   return CheckKeys(config, console);
 }
 
-}  // namespace
-
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
   // If the reader of the output exits, as in `| head -2`, this process and the controller continue.
   // The processes that the controller starts get the default action of all signals.
@@ -223,6 +239,40 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   return UpLauncher(console, config.name, controller, std::move(ours), std::move(signals),
                     options.detach, options.restarted)
       .Run();
+}
+
+}  // namespace
+
+void AddUp(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("up", "Start a machine, stay in the foreground; Ctrl-C takes it down", Up);
+  grammar
+      .Offer(app.add_option("FILE", options.file,
+                            "State config (TOML), or an upgrade root made by\n"
+                            "`musher ota init`"),
+             Names::kConfigs)
+      ->required()
+      ->type_name("");
+  app.add_flag("-d,--detach", options.detach,
+               "Return once start-up is complete; the machine stays up");
+  app.add_flag("--takeover", options.takeover,
+               "Replace the controller that leads this machine; its\n"
+               "actuators keep running");
+  app.add_flag("--adopt", options.adopt,
+               "Take control of actuators that already run with another\n"
+               "config; without it they block the start");
+  app.add_flag("--restarted", options.restarted,
+               "For supervisors such as systemd: if the last controller\n"
+               "exited during TearDown, complete that and stay down");
+  // For internal use: a controller that restarts executes this program with it.
+  app.add_option_function<std::vector<int>>(
+         "--resume",
+         [&resume = options.resume](const std::vector<int>& values) {
+           resume = UpOptions::Resume{values.at(0), values.at(1)};
+         })
+      ->expected(2)
+      ->delimiter(',')
+      ->group("");
 }
 
 }  // namespace musher::cli

@@ -103,4 +103,9 @@ Result<std::int64_t> ParseSince(std::string_view text, std::int64_t now_wall_ns)
                    "2026-03-01T12:00 or 2026-03-01T12:00:00Z"};
 }
 
+std::string TimeError(const std::string& text) {
+  const auto time = ParseSince(text, 0);
+  return time ? "" : time.error().message;
+}
+
 }  // namespace musher::cli

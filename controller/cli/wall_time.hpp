@@ -20,4 +20,7 @@ std::string LocalTime(std::int64_t wall_ns);  // "13:00:05.250"
 // ("2026-03-01", "2026-03-01T12:00", with seconds, with "Z" or "+01:00", else local).
 Result<std::int64_t> ParseSince(std::string_view text, std::int64_t now_wall_ns);
 
+// What is wrong with such a time; "" if nothing is.
+std::string TimeError(const std::string& text);
+
 }  // namespace musher::cli

@@ -52,7 +52,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"toml++/", {"base/toml/"}},
       {"CLI/",
        {"controller/cli/", "actuator/program/", "modules/", "test/benchmark/",
-        "test/fault_injection/"}},
+        "test/fault_injection/", "test/controller/cli/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
       {"nlohmann/", {"controller/", "modules/", "test/"}},

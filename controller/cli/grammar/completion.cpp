@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "musher/controller/cli/complete.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
@@ -174,7 +175,9 @@ CommandLine Grammar::Complete(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i) walk.Over(words[i]);
   walk.At(words.empty() ? "" : words.back(), offer);
   TakeEnvironment();
-  return {global_, offer};
+  return {global_, [offer](const GlobalOptions& global, Console& console) {
+            return cli::Complete(offer, global, console);
+          }};
 }
 
 std::vector<std::string> Grammar::Lines() const {

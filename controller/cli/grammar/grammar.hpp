@@ -1,5 +1,6 @@
 #pragma once
-// The grammar of `musher`'s command line, built with CLI11: one file for each group of commands.
+// The grammar of `musher`'s command line, built with CLI11. Each command adds itself
+// (commands.hpp).
 
 #include <functional>
 #include <map>
@@ -18,12 +19,61 @@ class ParseError;
 
 namespace musher::cli {
 
+// What an argument can name: part of the robot, or a file.
+enum class Names {
+  kNone,
+  kStates,
+  kActuators,
+  kApplications,
+  kCommands,  // of the application on the command line
+  kCapabilities,
+  kConfigs,  // .toml files and folders
+  kFiles,
+  kFolders
+};
+
+// A command that was added: CLI11's part of it, and its options, which CLI11 fills in when it
+// parses.
+template <class Options>
+struct Added {
+  CLI::App& app;
+  Options& options;
+};
+
 class Grammar {
  public:
   Grammar();
   ~Grammar();
   Grammar(const Grammar&) = delete;
   Grammar& operator=(const Grammar&) = delete;
+
+  // The group of the help to which the commands that follow belong.
+  void Group(std::string title);
+
+  // Adds a command, or a subcommand of `family`; `what` is its line in the help. It is run with its
+  // options.
+  template <class Options>
+  Added<Options> Add(const std::string& name, const std::string& what,
+                     ExitCode (*run)(const Options&, const GlobalOptions&, Console&),
+                     CLI::App* family = nullptr) {
+    const auto options = std::make_shared<Options>();
+    return {AddTo(family, name, what,
+                  [options, run](const GlobalOptions& global, Console& console) {
+                    return run(*options, global, console);
+                  }),
+            *options};
+  }
+  CLI::App& Add(const std::string& name, const std::string& what,
+                ExitCode (*run)(const GlobalOptions&, Console&), CLI::App* family = nullptr) {
+    return AddTo(family, name, what, run);
+  }
+  // A command with subcommands.
+  CLI::App& AddFamily(const std::string& name, const std::string& what);
+
+  // The parser accepts only these words; completion offers them.
+  CLI::Option* OneOf(CLI::Option* option, const std::vector<std::string>& words);
+  // Completion offers these.
+  CLI::Option* Offer(CLI::Option* option, Names names);
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv);
 
@@ -37,44 +87,16 @@ class Grammar {
  private:
   class Walk;
 
-  // CLI11 fills in the options when it parses the command.
-  template <class Options>
-  CLI::App* AddCommand(const std::string& name, const std::string& what,
-                       std::shared_ptr<Options> options) {
-    return AddTo(*app_, name, what, [options] { return *options; });
-  }
-  // A command with subcommands.
-  CLI::App* AddFamily(const std::string& name, const std::string& what);
-  template <class Options>
-  CLI::App* AddSubcommand(CLI::App& group, const std::string& name, const std::string& what,
-                          std::shared_ptr<Options> options) {
-    return AddTo(group, name, what, [options] { return *options; });
-  }
-  CLI::App* AddTo(CLI::App& parent, const std::string& name, const std::string& what,
-                  std::function<CommandOptions()> take);
-  // The parser accepts only these words; completion offers them.
-  CLI::Option* OneOf(CLI::Option* option, const std::vector<std::string>& words);
-  // Completion offers these.
-  CLI::Option* Offer(CLI::Option* option, Names names);
+  CLI::App& AddTo(CLI::App* family, const std::string& name, const std::string& what,
+                  RunCommand run);
   static const char* const kCommandFooter;
   void AddGlobalOptions();
-  void AddConfigCommands();
-  void AddRunCommands();
-  void AddCompletion();
-  void AddGraph();
-  void AddSimulate();
-  void AddMachineCommands();
-  void AddSwitchingCommands();
-  void AddRecordCommands();
-  void AddPolicyCommands();
-  void AddKeysCommands();
-  void AddOtaCommands();
   std::string ErrorText(const CLI::ParseError& e) const;
   void TakeEnvironment();
   void TakeGlobalOptions();
 
   std::unique_ptr<CLI::App> app_;
-  std::string group_;  // help group of the commands that are added next
+  std::string group_;
   std::map<const CLI::Option*, Names> offers_;
   std::map<const CLI::Option*, std::vector<std::string>> choices_;
   GlobalOptions global_;
@@ -83,7 +105,7 @@ class Grammar {
   double timeout_s_ = 0;
   CLI::Option* namespace_ = nullptr;
   CLI::Option* timeout_ = nullptr;
-  std::function<CommandOptions()> take_command_;
+  RunCommand run_;
 };
 
 }  // namespace musher::cli

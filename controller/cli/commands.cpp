@@ -1,0 +1,37 @@
+#include "musher/controller/cli/commands.hpp"
+
+#include "musher/controller/cli/grammar/grammar.hpp"
+
+namespace musher::cli {
+
+void AddCommands(Grammar& grammar) {
+  grammar.Group("Prepare a config");
+  AddCheck(grammar);
+  AddGraph(grammar);
+  AddSimulate(grammar);
+  grammar.Group("Start and stop");
+  AddUp(grammar);
+  AddDown(grammar);
+  AddPowerOff(grammar);
+  AddReboot(grammar);
+  grammar.Group("Operate the machine");
+  AddStatus(grammar);
+  AddCapabilities(grammar);
+  AddSet(grammar);
+  AddRestart(grammar);
+  AddEstop(grammar);
+  AddPlan(grammar);
+  AddWake(grammar);
+  AddKeep(grammar);
+  AddLowPower(grammar);
+  AddBehavior(grammar);
+  grammar.Group("Inspect the past");
+  AddHistory(grammar);
+  AddReplay(grammar);
+  grammar.Group("Install and upgrade");
+  AddKeys(grammar);
+  AddOta(grammar);
+  AddCompletion(grammar);
+}
+
+}  // namespace musher::cli
