@@ -298,7 +298,7 @@ Result<> Controller::OpenServices() {
 
 void Controller::Begin() {
   event::Begin begin;
-  begin.by_hand = options_.by_hand || config_.ros2.started_by_manager;
+  begin.by_hand = options_.by_hand;
   begin.epoch = LoadEpoch();
   if (const auto& rival = shell_->rival()) {
     if (!options_.takeover) {

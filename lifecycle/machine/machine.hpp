@@ -119,7 +119,7 @@ struct Leg {
   Progress progress = Progress::kWaiting;
   ActuatorOutcome outcome = ActuatorOutcome::kSkipped;
   bool ran = false;       // its callback may have run, so that it has to be rolled back
-  bool may_fail = false;  // was degraded before: its failure does not undo the others
+  bool may_fail = false;  // was degraded before, or is skipped: does not undo the others
   std::int32_t code = kCodeOk;
   std::string message;
   Time started{};

@@ -51,8 +51,8 @@ bool Adoption::AgreesWith(std::size_t i, const State& state) const {
 }
 
 // Whether the previous controller crashed during a switch: an actuator is switching to another
-// state than the machine's, or comes down to it. One that comes up to the state of the machine was
-// restarted, or was late.
+// state than the machine's, comes down to it, or runs its callback again, as in a rollback. One
+// that comes up to the state of the machine was restarted, or was late.
 bool Adoption::FoundSwitching() const {
   const auto rank = config_.RankOf(view_.state);
   return std::any_of(
@@ -62,7 +62,7 @@ bool Adoption::FoundSwitching() const {
           return false;
         }
         const auto from = config_.RankOf(report.state);
-        return config_.RankOf(report.target) && (report.target != view_.state || from > rank);
+        return config_.RankOf(report.target) && (report.target != view_.state || from >= rank);
       });
 }
 

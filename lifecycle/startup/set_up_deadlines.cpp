@@ -43,7 +43,7 @@ std::string StartUp::NotSetUp(std::size_t i) const {
     return "was not set up " + within;
   }
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
-    const bool shared = other != i && Of(other).process == record.process;
+    const bool shared = Of(other).process == record.process;  // `i` itself is not present
     if (!shared || Of(other).presence != Presence::kPresent) continue;
     return "was not set up " + within + ": process " + std::to_string(record.process) +
            ", which runs it and " + ConfigOf(other).name +

@@ -19,7 +19,7 @@ constexpr Duration kFinishingGrace = std::chrono::seconds(3);
 
 void StartUp::Begin(const event::Begin& begin) {
   machine_.phase = Phase::kStarting;
-  machine_.by_hand = begin.by_hand;
+  machine_.by_hand = begin.by_hand || config_.ros2.started_by_manager;
   machine_.host = begin.host;
   machine_.epoch = begin.epoch + 1;
   machine_.finishing = begin.stop_intent && begin.restarted;
@@ -40,7 +40,7 @@ void StartUp::Begin(const event::Begin& begin) {
   } else if (begin.stop_intent) {
     saving_.Save(Stored::kStopIntent);  // clears the intent
   }
-  StartStage(begin.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
+  StartStage(machine_.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
 }
 
 void StartUp::StartStage(int stage, std::uint64_t cause) {
@@ -121,8 +121,7 @@ void StartUp::EndFirstStage() {
   if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = Adoption(config_, machine_).LowestFound())
     return AdoptFrom(*lowest, recorded);
-  if (machine_.by_hand && config_.ros2.started_by_manager)
-    return WaitForManager(present, missing, recorded);
+  if (config_.ros2.started_by_manager) return WaitForManager(present, missing, recorded);
   if (machine_.by_hand) return;
   if (present == 0) {
     return Fail(missing.empty() ? "there is no actuator in stage 1" : missing.front(), recorded);

@@ -18,11 +18,6 @@ std::uint64_t StepPart::RecordMachine(std::int32_t code, const std::string& mess
   return Record({"machine", std::nullopt, 0, code, message, 0, cause, {}});
 }
 
-std::uint64_t StepPart::RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
-                                     std::uint64_t cause) {
-  return Record({"switch", s.only, s.number, code, message, 0, cause, {}});
-}
-
 std::uint64_t StepPart::RecordEnd(const Switch& s, const SwitchResult& result,
                                   const std::string& message, std::uint64_t cause) {
   action::Record record{"switch", s.only, s.number, result.code, message, 0, cause, {}};

@@ -48,8 +48,6 @@ class StepPart : protected MachineView {
   std::uint64_t Record(action::Record record);
   std::uint64_t RecordMachine(std::int32_t code, const std::string& message,
                               std::uint64_t cause = 0);
-  std::uint64_t RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
-                             std::uint64_t cause);
   std::uint64_t RecordEnd(const Switch& s, const SwitchResult& result, const std::string& message,
                           std::uint64_t cause);
   std::uint64_t RecordActuator(std::size_t i, std::int32_t code, const std::string& message,

@@ -107,11 +107,10 @@ const Leg* SwitchConclusion::WorstLeg(const Switch& s) const {
   return worst;
 }
 
-// The first leg whose check has passed as degraded; null when there is none.
+// The first leg whose check has passed as degraded; null when there is none. No leg has failed.
 const Leg* SwitchConclusion::FirstPartial(const Switch& s) {
-  const auto found = std::find_if(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
-    return leg.outcome == ActuatorOutcome::kDone && leg.code != kCodeOk;
-  });
+  const auto found = std::find_if(s.legs.begin(), s.legs.end(),
+                                  [](const Leg& leg) { return leg.code != kCodeOk; });
   return s.direction == Direction::kCheck && found != s.legs.end() ? &*found : nullptr;
 }
 

@@ -152,14 +152,15 @@ const Leg* Switching::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) 
   return found == legs.end() ? nullptr : &*found;
 }
 
-// Nothing is sent for `leg`. A leg that is blocked by one that may fail may fail, too.
+// Nothing is sent for `leg`. The leg that has failed decides whether the switch is undone, unless
+// this one is critical.
 void Switching::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
   leg.code = kCodeStatusError;
   leg.message = blocker == nullptr ? "another actuator failed first"
                                    : "needs " + ConfigOf(blocker->actuator).name + ", which failed";
-  if (blocker != nullptr && blocker->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
+  leg.may_fail = !Critical(leg.actuator);
 }
 
 // The remaining time for TearDown, in equal parts for the remaining stages: an actuator that hangs
@@ -212,11 +213,16 @@ void Switching::BeginRollback(Switch& s) {
     s.back.push_back(back);
   }
   const Leg* worst = conclusion().WorstLeg(s);
-  RecordSwitch(s, kCodeOk,
-               "switch " + std::to_string(s.number) + ": rolling back with command " +
-                   std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
-                   (s.back.size() == 1 ? " actuator" : " actuators"),
-               s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause);
+  Record({"switch",
+          s.only,
+          s.number,
+          kCodeOk,
+          "switch " + std::to_string(s.number) + ": rolling back with command " +
+              std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
+              (s.back.size() == 1 ? " actuator" : " actuators"),
+          0,
+          s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause,
+          {}});
 }
 
 // The state to which a leg is rolled back: its state before; from a step of a start, where an

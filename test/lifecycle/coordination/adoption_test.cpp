@@ -90,6 +90,24 @@ TEST_F(Adopting, RecordsAnUnfinishedSwitchOnlyWhereThereWasOne) {
                                        "elsewhere: b in Active, c in Active"));
 }
 
+TEST_F(Adopting, RecordsAnUnfinishedRollbackToo) {
+  Harness& t = In("Protected", Ours(3));
+  t.On("b", "Active").code = 5001;
+  t.On("b", "Protected").takes = Milliseconds(90);
+  t.RequestSwitch("Active");
+  t.RunFor(Milliseconds(40));
+  Restart(t);
+  EXPECT_THAT(t.records, Contains(HasSubstr("left a switch unfinished (b in Protected switching to "
+                                            "Protected)")));
+}
+
+TEST_F(Adopting, DoesNotRecordWhereADetachedActuatorIs) {
+  Harness& t = In("Active", Ours(3));
+  ASSERT_TRUE(t.Set("LowPower", "b").done());
+  Restart(t);
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("elsewhere"))));
+}
+
 TEST_F(Adopting, GoesToTheTargetOfADownwardSwitchThoughNoActuatorIsThereYet) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "LowPower").takes = Milliseconds(90);

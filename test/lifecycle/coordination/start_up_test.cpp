@@ -26,6 +26,15 @@ TEST(StartUp, BringsEveryActuatorThroughSetUpAndSelfCheckToActive) {
                                             "a:Active", "b:Active"));
 }
 
+TEST(StartUp, RecordsNoErrorWhereThereIsNone) {
+  Harness t(Started(2));
+  t.Begin();
+  t.Rest();
+  for (const action::Record& record : t.whole_records) {
+    EXPECT_EQ(record.code, kCodeOk) << record.message;
+  }
+}
+
 TEST(StartUp, WaitsForActuatorsStartedByHand) {
   Harness t(MachineOf(2));
   t.Begin();
@@ -179,7 +188,7 @@ TEST(StartUpByAManager, EndsOnceAllActuatorsAreSetUpAndTheManagerActivatesTheMac
   MachineConfig config = MachineOf(2);
   config.ros2.started_by_manager = true;
   Harness t(config);
-  t.Begin(/*by_hand=*/true);
+  t.Begin();
   t.Rest();
   EXPECT_EQ(t.machine().state, "SetUp");
   ASSERT_TRUE(t.start_up().has_value()) << "`musher up --detach` returns";
@@ -200,7 +209,7 @@ MachineConfig StartedByAManager(bool critical) {
 TEST(StartUpByAManager, FailsWhenACriticalActuatorIsNotSetUp) {
   Harness t(StartedByAManager(true));
   t.On("b", "SetUp").code = 5012;
-  t.Begin(/*by_hand=*/true);
+  t.Begin();
   t.Rest();
   EXPECT_FALSE(t.usable());
   EXPECT_THAT(t.start_up()->message, HasSubstr("critical b: 5012"));
@@ -210,7 +219,7 @@ TEST(StartUpByAManager, NamesTheActuatorsThatAreNotSetUp) {
   Harness t(StartedByAManager(false));
   t.On("b", "SetUp").code = 5012;
   t.On("b", "SetUp").message = "no sound card";
-  t.Begin(/*by_hand=*/true);
+  t.Begin();
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_THAT(t.start_up()->message, AllOf(HasSubstr("waits in SetUp for a manager"),
@@ -220,7 +229,7 @@ TEST(StartUpByAManager, NamesTheActuatorsThatAreNotSetUp) {
 TEST(StartUpByAManager, FailsWhenNoActuatorIsSetUp) {
   Harness t(StartedByAManager(false));
   for (const char* name : {"a", "b"}) t.On(name, "SetUp").code = 5012;
-  t.Begin(/*by_hand=*/true);
+  t.Begin();
   t.Rest();
   EXPECT_FALSE(t.usable());
 }
