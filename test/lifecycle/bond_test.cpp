@@ -107,4 +107,31 @@ TEST_F(ABond, BeginsAgainWithTheNextActivation) {
   EXPECT_EQ(bond_.phase(), Phase::kWaiting);
 }
 
+TEST_F(ABond, IsFormedAgainByTheSameManagerAndAnswersItAtOnce) {
+  bond_.Start(now_);
+  Receive("manager");
+  Until(now_ + Milliseconds(4000));
+  EXPECT_TRUE(Receive("manager"));
+  EXPECT_EQ(bond_.phase(), Phase::kFormed);
+}
+
+TEST_F(ABond, IsBrokenAfterTenMinutesThoughTheOtherSideHasALongerTimeout) {
+  bond_.Start(now_);
+  bond_.OnHeartbeat({"manager", true, std::chrono::hours(5)}, now_);
+  Until(now_ + std::chrono::minutes(10) - Milliseconds(1));
+  EXPECT_EQ(bond_.phase(), Phase::kFormed);
+  Until(now_ + Milliseconds(1));
+  EXPECT_EQ(bond_.phase(), Phase::kBroken);
+}
+
+TEST_F(ABond, SendsNoHeartbeatBeforeItsPeriod) {
+  bond_.Start(now_);
+  EXPECT_FALSE(bond_.OnTime(now_ + Milliseconds(99)));
+  EXPECT_TRUE(bond_.OnTime(now_ + Milliseconds(100)));
+}
+
+TEST_F(ABond, ThatIsOffSendsNothingWhenItIsStopped) {
+  EXPECT_FALSE(bond_.Stop(now_));
+}
+
 }  // namespace musher::bond_test

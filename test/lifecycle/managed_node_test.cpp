@@ -116,6 +116,16 @@ TEST(AManagedNode, ForgetsAManagersCleanupWhenAnotherCommandChangesItsState) {
   EXPECT_EQ(node.state(), S::kInactive);
 }
 
+TEST(AManagedNode, ForgetsAManagersCleanupWhenItsStateChangesDuringAFailedTransition) {
+  ManagedNode node = In("DeActive");
+  ASSERT_TRUE(node.Begin(kCleanup, ""));
+  node.End(true);
+  ASSERT_TRUE(node.Begin(kConfigure, ""));
+  node.Observe("LowPower", "");
+  node.End(false);
+  EXPECT_EQ(node.state(), S::kInactive);
+}
+
 TEST(TheGraphOfAManagedNode, IsThatOfRos2) {
   EXPECT_THAT(Ros2Graph(), SizeIs(25));
   EXPECT_THAT(Ros2States(), SizeIs(11));
@@ -182,6 +192,13 @@ TEST(ATransitionOfTheMachine, SwitchesToTheStateInTheConfig) {
   config.ros2.cleanup = "DeActive";
   EXPECT_EQ(target(S::kActive, "deactivate"), "LowPower");
   EXPECT_EQ(target(S::kInactive, "cleanup"), "DeActive");
+}
+
+TEST(ATransitionOfTheMachine, DeactivatesToTheHighestRestWhereItsStateIsMissing) {
+  MachineConfig config = testing::MachineOf(1);
+  std::erase(config.states, State("DeActive"));
+  ManagedNode node = In("Active");
+  EXPECT_EQ(TargetOf(node.Begin(kDeactivate, "").value(), config), "Protected");
 }
 
 TEST(TheLogOfRefusals, LogsTheFirstAtOnceAndThenOneLineInTenSeconds) {

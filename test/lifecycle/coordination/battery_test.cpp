@@ -278,6 +278,54 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
   EXPECT_EQ(t.StateOf("b"), "LowPower");
 }
 
+TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoadAfterAStartThatAnEmergencyStopEnded) {
+  MachineConfig config = WithPolicy();
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "b").command = {"run", "b"};
+  Harness t(config);
+  t.On("b", "SetUp").takes = Milliseconds(90);
+  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.Release();
+  t.RunFor(Milliseconds(10));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  t.Feed(event::BatterySeen{3, false});
+  EXPECT_FALSE(t.machine().current);
+  t.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+// The controller has crashed before the first command of its switch down.
+TEST_F(Rules, AStoredLevelDoesNotLowerTheMachineBeforeTheFirstSample) {
+  Robot();
+  robot().policy_on_disk.lowering = Lowering{"Active", "Protected", robot().machine().epoch};
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(state(), "Active");
+  Battery(90);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_FALSE(policy().stored.lowering);
+}
+
+TEST_F(Rules, TheMachineIsBroughtBackToItsOwnStateOfTheAllowedRank) {
+  MachineConfig config = WithPolicy();
+  config.states.emplace_back("Guarding");
+  config.ranks["Guarding"] = *BuiltInRank(kProtected);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  for (const char* state : {"Active", "LowPower"}) config.flow.push_back({state, "Guarding"});
+  Robot("Guarding", config);
+  Battery(3);
+  EXPECT_EQ(state(), "LowPower");
+  Battery(10);
+  EXPECT_EQ(state(), "Guarding");
+}
+
 TEST_F(Rules, WithoutACriticalActuatorTheBatteryDoesNotRaiseTheMachine) {
   MachineConfig config = OursWithCriticalB();
   ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;

@@ -235,4 +235,30 @@ TEST_F(BoundPair, NoActuatorIsSuspendedBecauseOfItself) {
   EXPECT_TRUE(Of(1).suspended);
 }
 
+TEST_F(Binding, ToTwoThatAreBoundToEachOtherEndsWhenBothAreUp) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").binds_to = {"b"};
+  ActuatorNamed(config, "b").binds_to = {"c"};
+  ActuatorNamed(config, "c").binds_to = {"b"};
+  Harness& t = In("Active", config);
+  t.Crash("b");
+  t.Rest();
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+// c is reached again before b is down.
+TEST_F(Binding, HoldsWhileTheOtherIsStillOnItsWayDown) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").binds_to = {"b"};
+  ActuatorNamed(config, "b").binds_to = {"c"};
+  Harness& t = In("Active", config);
+  t.On("b", "DeActive").takes = Milliseconds(60);
+  t.Find("c", Health::kPartitioned, true);
+  t.RunFor(Milliseconds(30));
+  t.Find("c", Health::kWell);
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("a:DeActive", "b:DeActive", "b:Active", "a:Active"));
+}
+
 }  // namespace musher::testing::binding_test

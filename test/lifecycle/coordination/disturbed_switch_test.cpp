@@ -93,6 +93,23 @@ TEST_F(Switching, AnActuatorThatCrashesDuringTheSwitchIsDetectedAtOnce) {
   EXPECT_EQ(t.StateOf("a"), "Protected");
 }
 
+TEST_F(Switching, AnActuatorThatIsLostBeforeItsTurnIsNotRolledBack) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").after = {"a"};
+  Harness& t = In("Protected", config);
+  t.On("a", "Active").takes = Milliseconds(80);
+  const RequestId request = t.RequestSwitch("Active");
+  t.RunFor(Milliseconds(20));
+  t.Find("b", Health::kPartitioned, true);
+  t.RunFor(Milliseconds(20));
+  t.Find("b", Health::kWell);  // before a has ended
+  t.Rest();
+  EXPECT_EQ(Of(t.answers.at(request), "b").outcome, ActuatorOutcome::kLost);
+  EXPECT_EQ(Of(t.answers.at(request), "b").code, kCodeNetError);
+  EXPECT_THAT(t.records,
+              ::testing::Contains(::testing::ContainsRegex("rolling back.* 2 actuators")));
+}
+
 // A switch is not "done" when an actuator has exited after its part, while others switch.
 TEST_F(Switching, AnActuatorThatCrashesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
   for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
@@ -132,6 +149,7 @@ TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcom
       EXPECT_EQ(result.code, kCodeNetError) << target << critical;
       EXPECT_EQ(result.reason, "b: it has switched to SetUp since, and is being driven back");
       EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kLost) << target << critical;
+      EXPECT_EQ(Of(result, "b").code, kCodeNetError) << target << critical;
       t.Rest();
       EXPECT_EQ(t.StateOf("b"), t.machine().state) << target << critical;
     }
@@ -233,6 +251,7 @@ TEST_F(Switching, AMoreUrgentSwitchSupersedesAtOnceAndTheNewestCommandWaits) {
   t.RunFor(Milliseconds(20));
   const SwitchResult error = t.Set("Error");
   EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
+  EXPECT_EQ(Of(t.answers.at(first), "b").outcome, ActuatorOutcome::kSkipped);
   EXPECT_TRUE(error.done());
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Error");
 }

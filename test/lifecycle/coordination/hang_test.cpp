@@ -184,4 +184,31 @@ TEST_F(Hang, VerdictsOfAProcessThatHasExitedChangeNothing) {
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("after its deadline"))));
 }
 
+TEST_F(Hang, ThatEndsAfterTheKillWasSentIsOverToo) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "KILL").hangs = true;
+  t.Find("b", Health::kHung, true);
+  t.RunFor(Milliseconds(60));
+  t.Find("b", Health::kWell);
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Hang, OfAnActuatorThatALateOneNeedsDelaysItUntilTheHangEnds) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").after = {"b"};
+  Harness& t = In("Active", config);
+  t.Find("b", Health::kHung);
+  t.Crash("a");
+  t.RunFor(Milliseconds(1));
+  t.StartActuator("a");
+  t.RunFor(Milliseconds(100));
+  EXPECT_EQ(t.StateOf("a"), "SetUp");
+  t.Find("b", Health::kWell);
+  t.RunFor(Milliseconds(100));
+  EXPECT_EQ(t.StateOf("a"), "Active");
+}
+
 }  // namespace musher::testing::hang_test

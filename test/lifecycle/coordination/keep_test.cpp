@@ -100,6 +100,13 @@ TEST_F(KeepRule, ASwitchToThatStateAndASwitchOfOneActuatorLeaveTheKeep) {
   EXPECT_TRUE(policy().keep);
 }
 
+TEST_F(KeepRule, ASelfCheckLeavesTheKeep) {
+  Robot();
+  KeepAndWait("Active", 60);
+  EXPECT_EQ(robot().Set("SelfCheck").reason, "");
+  EXPECT_TRUE(policy().keep);
+}
+
 TEST_F(KeepRule, AboveTheCeilingOnlyTheKeptStateIsOpen) {
   Robot();
   Battery(3);

@@ -102,6 +102,14 @@ TEST_F(LyingStill, TurningTheSwitchOffDoesNotRaiseAMachineThatTheBatteryTookDown
   EXPECT_EQ(state(), "LowPower");
 }
 
+TEST_F(LyingStill, TurningTheSwitchOffDoesNotRaiseAPersonsLowPowerOnceCharged) {
+  robot().Set("LowPower");
+  Battery(3);
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
+  Battery(90);
+  EXPECT_EQ(state(), "LowPower");
+}
+
 TEST_F(LyingStill, AMachineThatLayStillInProtectedIsNotRaisedByTheBattery) {
   Battery(10);
   Motion(kLying);

@@ -48,6 +48,15 @@ TEST_F(Outcomes, NameTheFailedActuatorAndNotTheActuatorsSkippedBecauseOfIt) {
   EXPECT_EQ(Result().actuators[0].code, kCodeStatusError);
 }
 
+TEST_F(Outcomes, AreInTheRecordOfTheEndAlsoAsValues) {
+  In("Active");
+  RequestSwitch("LowPower");
+  ObeyAll();
+  const auto of_switch = RecordWith(" is done").of_switch;
+  ASSERT_TRUE(of_switch);
+  EXPECT_EQ(*of_switch, (action::SwitchNote{"LowPower", SwitchOutcome::kDone, "LowPower"}));
+}
+
 TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   config_ = MachineOf(3);
   config_.actuators[0].after = {"b"};

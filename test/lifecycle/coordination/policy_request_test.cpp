@@ -178,4 +178,11 @@ TEST_F(Requests, AFencedControllerAnswersAnyway) {
   EXPECT_THAT(RequestAndWait(PolicyRequest::kWakeUp), StartsWith("106: "));
 }
 
+TEST_F(Requests, BeforeTheStartAreRefusedAndLeaveNoRecord) {
+  Harness t(WithPolicy());
+  const RequestId request = t.SendPolicyRequest({0, PolicyRequest::kWakeUp, "", 0, false});
+  EXPECT_EQ(Text(t.calls.at(request)), "104: the machine is not set up yet");
+  EXPECT_THAT(t.records, ElementsAre());
+}
+
 }  // namespace musher::testing::policy_request_test

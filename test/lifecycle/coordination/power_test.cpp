@@ -156,4 +156,16 @@ TEST_F(Power, APlainTearDownIsNotAPowerOff) {
   EXPECT_TRUE(robot().power.empty());
 }
 
+TEST_F(Power, OffByAnEmptyBatteryWaitsOnlyWhereTheManagerAnnouncesItFirst) {
+  for (const bool manager : {false, true}) {
+    MachineConfig config = WithPolicy();
+    config.policy->manager = manager;
+    Robot("Active", config);
+    robot().Feed(event::BatterySeen{0, false});
+    EXPECT_EQ(robot().machine().phase, manager ? Phase::kRunning : Phase::kStopping);
+    robot().RunFor(config.policy->power.delay);
+    EXPECT_NE(robot().machine().phase, Phase::kRunning);
+  }
+}
+
 }  // namespace musher::testing::power_test

@@ -46,6 +46,7 @@ TEST_F(Processes, ThatFailToExecuteTheirProgramLateAreLost) {
   EXPECT_EQ(Of(0).presence, Presence::kAbsent);
   ASSERT_TRUE(Of(0).fault);
   EXPECT_THAT(Of(0).fault->message, HasSubstr("could not be started: can't run a"));
+  EXPECT_EQ(Of(0).fault->code, kCodeFailed);
 }
 
 // Two actuators share process 700; one of them was torn down before this controller started.
@@ -218,6 +219,47 @@ TEST_F(Processes, ThatAreBeingStartedAtATakeoverAreNotReportedAsTornDown) {
   EXPECT_THAT(result.degraded, ::testing::ElementsAre("a"));
   EXPECT_THAT(result.reason,
               HasSubstr("its process had not ended when another controller, process 1, took over"));
+}
+
+TEST_F(Processes, ThatCannotBeStartedAreNoLossOfTheOneThatAnotherPartyHasStarted) {
+  Begin();
+  Say(0, Report(0));  // it has not answered yet
+  Do(event::ProcessNotStarted{0, "can't run a: No such file or directory"});
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+  EXPECT_FALSE(Of(0).fault);
+}
+
+TEST_F(Processes, ThatDoNotAnnounceTheirActuatorAfterARestartAreReportedSo) {
+  StartUpOurs();
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  Pass(Milliseconds(100));
+  Do(event::ProcessStarted{0, 800});
+  Pass(Milliseconds(100));
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_THAT(Of(0).fault->message, HasSubstr("never announced itself as actuator a"));
+}
+
+// The one before ran on another host and has exited there.
+TEST_F(Processes, ThatAreAboutToBeStartedHereMayBeRestarted) {
+  StartUpOurs();
+  Of(0).process = 0;
+  Of(0).report.host = "there";
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  Pass(Milliseconds(100));
+  Do(event::RestartRequested{1, "a"});
+  EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty()) << "it is not refused";
+}
+
+TEST_F(Processes, AreSearchedForBeforeTheMachineIsStopped) {
+  StartUpOurs();
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  ObeyAll();
+  Do(event::ProcessEnded{0, 700, true, "exit code 0"});
+  Step(config_, machine_, event::ProcessEnded{1, 701, true, "exit code 0"}, now_);
+  Step(config_, machine_, event::TimePassed{}, now_);
+  EXPECT_EQ(machine_.phase, Phase::kStopping) << "the search has not ended";
+  Do(event::ProcessesFound{{0, 0}});
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
 }
 
 using ForeignProcesses = OneController;

@@ -294,4 +294,22 @@ TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
   EXPECT_EQ(t.RecordOf("b").restarts, 1);
 }
 
+TEST_F(Recovery, AMachineThatLeavesErrorDoesNotFallBackFromItsSelfCheck) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
+  Harness& t = In("Error", config);
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "SelfCheck");
+}
+
+TEST_F(Recovery, ARestartedActuatorThatFailsToFollowIsNotDrivenAgainByItself) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "Active").code = 3001;
+  t.Crash("b");
+  t.RunFor(std::chrono::seconds(10));  // its restarts are no longer counted by then
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
+}
+
 }  // namespace musher::testing::recovery_test

@@ -303,4 +303,27 @@ TEST_F(RestartByHand, IsAnsweredAlsoWhileAnEmergencyStopKeepsItDown) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
+TEST_F(RestartByHand, OfAProcessWhoseExitIsNotReportedEndsItsPartOfTheSwitch) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].times.assign(config.states.size(), std::chrono::seconds(10));
+  Harness& t = In("Protected", config);
+  for (const char* what : {"Active", "TERM", "KILL"}) t.On("b", what).hangs = true;
+  const RequestId request = t.RequestSwitch("Active");
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_THAT(t.signals, ElementsAre("b:TERM", "b:KILL"));
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+}
+
+TEST_F(RestartByHand, DuringASwitchSendsNoTearDownBesideIt) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").after = {"a"};
+  Harness& t = In("Protected", config);
+  t.On("a", "Active").takes = Milliseconds(80);
+  t.RequestSwitch("Active");
+  t.RunFor(Milliseconds(20));  // b is free, its turn comes after a
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_THAT(t.signals, ElementsAre("b:TERM"));
+  EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "b:TearDown"), 0);
+}
+
 }  // namespace musher::testing::restart_test

@@ -41,6 +41,28 @@ TEST_F(Stages, AfterTheFirstAreRecordedAndNoneBeyondTheLast) {
   EXPECT_FALSE(IsRecorded("starting stage 3"));
 }
 
+// An adopted machine: a is still on its way down.
+TEST_F(Stages, TheNextOneWaitsUntilAllActuatorsAreInTheStateOfTheMachine) {
+  config_ = MachineOf(3);
+  config_.actuators[2].stage = 2;
+  config_.actuators[2].command = {"run", "c"};
+  Begin();
+  Come(0, "Active");
+  Come(1, "DeActive");
+  ASSERT_EQ(machine_.state, kDeActive);
+  EXPECT_THAT(Did<action::StartProcess>(), IsEmpty());
+  Obey(0);
+  EXPECT_THAT(Did<action::StartProcess>(), SizeIs(1));
+}
+
+TEST_F(Stages, OfAStartByHandBeginTogetherAndAreNotRecordedOneByOne) {
+  config_.actuators[1].stage = 2;
+  machine_ = MakeMachine(config_);
+  Do(event::Begin{/*by_hand=*/true, 0, {false, false}, "here"});
+  EXPECT_TRUE(Of(1).set_up_by);
+  EXPECT_FALSE(IsRecorded("starting stage"));
+}
+
 TEST_F(Stages, ACallerThatWaitsForSetUpIsAnswered) {
   Begin();
   Do(event::SetUpAwaited{7});

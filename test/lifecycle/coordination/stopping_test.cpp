@@ -104,6 +104,24 @@ TEST_F(Stopping, RequestedTwiceIsOneStop) {
   EXPECT_TRUE(t.answers.at(second).done());
 }
 
+TEST_F(Stopping, RequestedAgainWhileAProcessStillRunsIsTheSameStop) {
+  t.shared.insert("c");
+  t.RequestSwitch("TearDown");
+  ASSERT_TRUE(t.RunUntil([&] { return !t.machine().current; }));
+  const RequestId again = t.RequestSwitch("TearDown");
+  EXPECT_FALSE(t.answers.contains(again));
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(again).done());
+}
+
+TEST_F(Stopping, RecordsHowLongItTook) {
+  const Time begun = t.now();
+  t.Set("TearDown");
+  EXPECT_THAT(t.records,
+              ::testing::Contains("the machine is stopped after " +
+                                  std::to_string(ToMilliseconds(t.now() - begun)) + " ms"));
+}
+
 TEST_F(Stopping, RefusesEverythingElseFromThenOn) {
   t.Set("TearDown");
   EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kRefused);
@@ -161,6 +179,19 @@ TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
   EXPECT_TRUE(t.stopped());
 }
 
+TEST(StoppingByStages, AnActuatorWhoseTurnDoesNotComeWithinTheBudgetIsListedWithATimeout) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "b").stage = 2;
+  config.shutdown_budget = Milliseconds(800);
+  Harness t(config);
+  t.Begin();
+  t.Rest();
+  t.Mute("b", true, true);
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kSkipped);
+  EXPECT_EQ(result.actuators[0].code, kCodeTimeout);
+}
+
 // What still runs
 
 TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
@@ -188,6 +219,20 @@ TEST_F(Stopping, AnActuatorThatIsLostDuringTearDownIsListed) {
   const SwitchResult result = robot.Set("TearDown");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, ElementsAre("b"));
+}
+
+TEST_F(Stopping, AnActuatorThatIsReachedAgainDuringTearDownIsListed) {
+  Harness robot(MachineOf(2));
+  robot.Begin();
+  robot.Rest();
+  robot.On("a", "TearDown").takes = Milliseconds(80);
+  robot.Find("b", Health::kPartitioned, true);
+  const RequestId request = robot.RequestSwitch("TearDown");
+  robot.RunFor(Milliseconds(40));
+  robot.Find("b", Health::kWell);  // it still runs, and its TearDown was not sent
+  robot.Rest();
+  EXPECT_EQ(robot.answers.at(request).outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(robot.answers.at(request).degraded, ElementsAre("b"));
 }
 
 TEST_F(Stopping, AnActuatorThatIsKnownToHaveExitedIsNotListed) {

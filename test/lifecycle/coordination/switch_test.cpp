@@ -111,6 +111,17 @@ TEST_F(Switching, UpSendsNothingMoreAfterAFailureAndIsUndoneInReverse) {
   EXPECT_EQ(Of(result, "a").outcome, ActuatorOutcome::kSkipped);
 }
 
+TEST_F(Switching, UpIsUndoneInTheReverseOfAfterAndNotInTheOrderOfTheConfig) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").after = {"a"};
+  ActuatorNamed(config, "c").after = {"b"};
+  Harness& t = In("Protected", config);
+  t.On("c", "Active").code = 5001;
+  t.Set("Active");
+  EXPECT_THAT(t.log(), ElementsAre("a:Active", "b:Active", "c:Active", "c:Protected", "b:Protected",
+                                   "a:Protected"));
+}
+
 TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenAnActuatorDoesNotListTheTarget) {
   MachineConfig config = MachineOf(3);
   config.states.emplace_back("Turbo");
@@ -142,6 +153,8 @@ TEST_F(Switching, AnActuatorThatCannotBeBroughtBackIsDegraded) {
   const SwitchResult result = t.Set("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
   EXPECT_THAT(result.degraded, ElementsAre("a"));
+  EXPECT_THAT(t.RecordOf("a").fault->message,
+              HasSubstr("could not be brought back to Protected: "));
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
@@ -179,6 +192,22 @@ TEST_F(Switching, UpDoesNotFailBecauseOfAnActuatorThatNeedsADegradedActuator) {
   EXPECT_THAT(result.degraded, ElementsAre("a", "b", "c"));
 }
 
+// b has stayed in DeActive, below the machine.
+TEST_F(Switching, ADegradedActuatorThatIsBroughtBackIsDrivenToTheStateOfTheMachine) {
+  Harness& t = In("DeActive");
+  t.Find("b", Health::kHung);
+  t.On("b", "Protected").code = 5001;
+  ASSERT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
+  t.Find("b", Health::kWell);
+  t.RunFor(Milliseconds(100));
+  ASSERT_EQ(t.StateOf("b"), "DeActive") << "it has failed once more";
+  t.On("b", "Protected").code = kCodeOk;
+  t.On("c", "Active").code = 3001;
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
 // Down
 
 TEST_F(Switching, DownContinuesWhenAnActuatorFailsAndListsIt) {
@@ -203,6 +232,34 @@ TEST_F(Switching, DownContinuesWithoutAnActuatorThatDoesNotListTheTarget) {
   EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kUnsupported);
   EXPECT_THAT(result.degraded, ElementsAre("b"));
   EXPECT_TRUE(t.Set("Active").done()) << "back where it has stayed all the time";
+}
+
+// One actuator
+
+TEST_F(Switching, OneActuatorThatIsSetToTheStateOfTheMachineIsNoLongerDetached) {
+  Harness& t = In("Active");
+  ASSERT_TRUE(t.Set("Protected", "b").done());
+  ASSERT_TRUE(t.Set("Active", "b").done());
+  EXPECT_FALSE(t.RecordOf("b").held);
+}
+
+TEST_F(Switching, OneActuatorThatIsSetTwiceToTheSameStateStaysDetached) {
+  Harness& t = In("Active");
+  ASSERT_TRUE(t.Set("Protected", "b").done());
+  ASSERT_TRUE(t.Set("Protected", "b").done());
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+TEST_F(Switching, OneActuatorThatFailsACheckWhileDetachedIsNotTakenUpWithTheMachine) {
+  Harness& t = In("Protected");
+  ASSERT_TRUE(t.Set("DeActive", "b").done());
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  t.On("b", "SelfCheck").code = 5009;
+  t.Set("SelfCheck");
+  t.Set("Active");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
 }
 
 }  // namespace musher::testing::switch_test

@@ -165,4 +165,20 @@ TEST_F(WaitingSwitches, AnotherReasonAgainstASwitchRefusesItAtOnce) {
   EXPECT_EQ(result.code, kCodeUnSupport) << result.reason;
 }
 
+TEST_F(WaitingSwitches, OfOneActuatorIsRefusedWithTheStateOfThatActuator) {
+  Harness& t = WithALateOne("Active");
+  const RequestId request = t.RequestSwitch("LowPower", "c");
+  t.RequestSwitch("Error");
+  ASSERT_TRUE(Answered(t, request));
+  EXPECT_EQ(t.answers.at(request).state, "SelfCheck");
+}
+
+TEST_F(WaitingSwitches, AWaitIsRecordedAndIsNoError) {
+  Harness& t = WithALateOne("LowPower");
+  t.RequestSwitch("Active");
+  const action::Record& record = t.whole_records.back();
+  EXPECT_THAT(record.message, HasSubstr("waits at most"));
+  EXPECT_EQ(record.code, kCodeOk);
+}
+
 }  // namespace musher::testing::waiting_test

@@ -1,0 +1,40 @@
+// The emergency stops that a controller receives: from its disk, from panels, from the controller
+// before it.
+
+#include <string>
+
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing::received_stops_test {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+using ReceivedStops = OneController;
+
+TEST_F(ReceivedStops, AReleaseByThePreviousControllerIsStored) {
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 0, {false, false}, "here"};
+  begin.stops.released = {8};
+  Do(begin);
+  ASSERT_THAT(Did<action::SaveEmergencyStops>(), SizeIs(1));
+  EXPECT_THAT(Did<action::SaveEmergencyStops>()[0].stops.released, ElementsAre(8));
+}
+
+TEST_F(ReceivedStops, AReleaseByAPanelEngagesNoStop) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{7, "a panel", ""}, false});
+  EXPECT_FALSE(machine_.emergency_stop);
+  EXPECT_THAT(Did<action::PublishEmergencyStop>(), IsEmpty());
+}
+
+TEST_F(ReceivedStops, OfAFloodAsManyAreMergedAsAMachineKeeps) {
+  StoredStops flood;
+  for (std::uint64_t id = 1; id <= 100; ++id) flood.engaged.push_back({id, "a panel", ""});
+  StartUp();
+  for (const EmergencyStop& stop : flood.engaged) Do(event::EmergencyStopSeen{stop});
+  EXPECT_EQ(Merge({}, flood).engaged, StopsOf(machine_).engaged);
+}
+
+}  // namespace musher::testing::received_stops_test

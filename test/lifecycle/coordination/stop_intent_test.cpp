@@ -1,0 +1,54 @@
+// How long TearDown waits for its intent to be on disk, and the controller that finishes a TearDown
+// waits for actuators.
+
+#include <gmock/gmock.h>
+
+#include <utility>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing::stop_intent_test {
+
+using ::testing::ElementsAre;
+
+using StopIntent = Switching;
+
+TEST_F(StopIntent, IsAwaitedThoughAnotherSaveEnds) {
+  Harness& t = In("Active", Ours(1));
+  t.disk_takes.reset();
+  t.StopAll(7);
+  t.RunFor(Milliseconds(1));
+  ASSERT_EQ(t.machine().unsaved.size(), 1U);
+  const Unsaved stop = t.machine().unsaved[0];
+  t.RequestSwitch("TearDown");
+  t.Feed(event::SaveEnded{stop.what, stop.save, true, ""});
+  t.RunFor(Milliseconds(20));
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
+TEST_F(StopIntent, IsAwaitedForHalfASecondAndForATenthOfTheBudgetAtMost) {
+  for (const auto& [budget, wait] : {std::pair(10'000, 500), std::pair(1000, 100)}) {
+    MachineConfig config = Ours(1);
+    config.shutdown_budget = Milliseconds(budget);
+    Harness& t = In("Active", config);
+    t.disk_takes.reset();
+    const Time begun = t.now();
+    t.RequestSwitch("TearDown");
+    ASSERT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
+    EXPECT_EQ(ToMilliseconds(t.now() - begun), wait);
+  }
+}
+
+TEST(FinishingATearDown, WaitsThreeSecondsForAnActuatorThatRunsAndIsSilent) {
+  MachineConfig config = MachineOf(1);
+  config.actuators[0].times.assign(config.states.size(), std::chrono::seconds(10));
+  Harness t(config);
+  t.stop_intent_on_disk = true;
+  const Time begun = t.now();
+  t.Begin(false, 0, /*restarted=*/true);
+  t.Mute("a", true, true);
+  ASSERT_TRUE(t.RunUntil([&] { return t.machine().phase != Phase::kStarting; }));
+  EXPECT_EQ(t.now() - begun, std::chrono::seconds(3));
+}
+
+}  // namespace musher::testing::stop_intent_test
