@@ -226,6 +226,16 @@ TEST_F(ControllerLost, ACommandOfItsControllerWaitsBehindTheWayToTheSafeState) {
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
 }
 
+TEST_F(ControllerLost, StaysDetachedWhenTheWayToItsSafeStateFails) {
+  SwitchArrived alone = Command(2, "Active");
+  alone.command.apart = true;
+  Do(alone);
+  ASSERT_TRUE(core_.report.apart);
+  After(Milliseconds(2000));
+  Do(CallbackEnded{5001, "stuck"});
+  EXPECT_TRUE(core_.report.apart);
+}
+
 class NeverControlled : public testing::OneActuator {};
 
 TEST_F(NeverControlled, AnActuatorThatNoControllerControlsWaitsForEver) {

@@ -230,6 +230,17 @@ TEST_F(Actuator, SelfCheckIsAStepOfAStartAndACheckLater) {
   EXPECT_FALSE(core_.unsettled) << "a check leaves nothing half done";
 }
 
+TEST_F(Actuator, ASelfCheckThatFailsReportsNoPartialFaultOfTheOneBefore) {
+  SetUpIt();
+  Do(Command(1, "SelfCheck"));
+  Do(CallbackEnded{kCodeOk, "", 1109, "led: silent"});
+  EXPECT_EQ(core_.report.degraded_code, 1109);
+  Do(Command(2, "SelfCheck"));
+  Do(CallbackEnded{1409, "no motor answers"});
+  EXPECT_EQ(core_.report.degraded_code, kCodeOk);
+  EXPECT_EQ(core_.report.degraded_reason, "");
+}
+
 TEST_F(Actuator, IsFinishedAfterTearDownAndRefusesEverythingFromThenOn) {
   SetUpIt();
   Do(Command(1, "TearDown"));

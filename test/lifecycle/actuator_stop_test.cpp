@@ -244,6 +244,27 @@ TEST_F(Stopped, AFailedUpwardCallbackIsUndone) {
               Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }
 
+TEST_F(Stopped, AFailedUpwardCallbackIsUndoneAlsoAfterAFirstAttemptHasFailed) {
+  Do(Command(2, "Active"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Do(Command(3, "DeActive"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Engage();
+  EXPECT_THAT(Do(Command(4, "DeActive")),
+              Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+}
+
+TEST_F(Stopped, AFailedDownwardCallbackIsNotUndoneAlsoAfterAFirstAttemptHasFailed) {
+  Do(Command(2, "LowPower"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Do(Command(3, "DeActive"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Engage();
+  const Actions actions = Do(Command(4, "DeActive"));
+  EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
+  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
+}
+
 TEST_F(Stopped, AQueryIsAnsweredAsUsual) {
   Engage();
   EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);

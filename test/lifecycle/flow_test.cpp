@@ -15,6 +15,14 @@ TEST(Flow, NoSwitchLeadsToAStepOfAProcessStart) {
   EXPECT_FALSE(FlowAllows(config, "Active", "Uninitialized"));
 }
 
+TEST(Flow, NoSwitchLeadsToUninitializedWhateverTheConfigSays) {
+  MachineConfig config = MachineOf(1);
+  config.states.emplace_back(kUninitialized);
+  config.flow.push_back({"Active", State(kUninitialized)});
+  EXPECT_FALSE(FlowAllows(config, "Active", "Uninitialized"));
+  EXPECT_FALSE(FlowAllows(config, "Uninitialized", "Uninitialized"));
+}
+
 TEST(Flow, FromTearDownNothingLeadsBack) {
   const MachineConfig config = MachineOf(1);
   for (const State& state : config.states) EXPECT_FALSE(FlowAllows(config, "TearDown", state));

@@ -191,6 +191,16 @@ TEST_F(Monitor, OnAnotherHostAnActuatorThatIsSilentAmongOthersIsCrashed) {
   EXPECT_THAT(Found(), ElementsAre("probe a", "a crashed, silent"));
 }
 
+TEST_F(Monitor, OnAnotherHostOneHeartbeatOfAnotherActuatorWithinHalfOfItsLimitIsEnough) {
+  Watch(0, false, "there");
+  Watch(1, false, "there");
+  heartbeats_[0] = false;
+  RunFor(Milliseconds(350));
+  heartbeats_[1] = false;  // its last one came 200 ms before the limit of a, and its own is 500 ms
+  RunFor(Milliseconds(160));
+  EXPECT_THAT(Found(), ElementsAre("probe a", "a crashed, silent"));
+}
+
 TEST_F(Monitor, OnAnotherHostAllSilentArePartitioned) {
   Watch(0, false, "there");
   Watch(1, false, "there");

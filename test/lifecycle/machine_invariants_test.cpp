@@ -61,6 +61,11 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
               HasSubstr("released"));
   EXPECT_THAT(broken_by([&] { machine_.state = State("Protected"); }), HasSubstr("not recorded"));
   EXPECT_THAT(broken_by([&] { machine_.set_up_requests = {1}; }), HasSubstr("not answered"));
+  EXPECT_THAT(broken_by([&] {
+                machine_.current.emplace();
+                machine_.current->number = machine_.last_switch + 1;
+              }),
+              HasSubstr("not given yet"));
   Switch lost_command;
   lost_command.number = machine_.number;
   lost_command.legs.push_back({});
@@ -71,6 +76,15 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
                 machine_.current = lost_command;
               }),
               HasSubstr("has no command"));
+}
+
+// A takeover came before the fallback.
+TEST_F(BrokenInvariants, AreNoneInAFencedMachineThatWasAboutToFallBack) {
+  machine_.fallback = State("Protected");
+  machine_.phase = Phase::kFenced;
+  EXPECT_THAT(Broken(), IsEmpty());
+  machine_.phase = Phase::kFailed;
+  EXPECT_THAT(Broken(), HasSubstr("is to fall back"));
 }
 
 // The fault stays in the machine; it is recorded once, and the machine goes on.

@@ -140,6 +140,63 @@ TEST_F(Plans, DriveADegradedActuatorInTheTargetOnceMore) {
   EXPECT_EQ(Of(0, kLowPower).steps[0].part, Part::kDriven);
 }
 
+TEST_F(Plans, OfATearDownOutOfAStartGoDownInTheReverseOrder) {
+  config_.actuators[0].after = {"b"};
+  machine_.state = State(kSetUp);
+  for (ActuatorRecord& record : machine_.actuators) record.report.state = State(kSetUp);
+  const Plan plan = To(kTearDown);
+  EXPECT_EQ(plan.direction, Direction::kDown);
+  EXPECT_THAT(plan.steps[1].needs, ElementsAre(0U));
+}
+
+TEST_F(Plans, ToAStateOfTheSameRankGoNeitherUpNorDown) {
+  const State sitting = "Sitting";
+  config_.states.push_back(sitting);
+  config_.ranks[sitting] = *BuiltInRank(kDeActive);
+  config_.flow.push_back({State(kDeActive), sitting});
+  for (ActuatorConfig& actuator : config_.actuators) {
+    actuator.states.push_back(sitting);
+    actuator.times.push_back(Milliseconds(100));
+  }
+  config_.actuators[0].after = {"b"};
+  const Plan plan = To(sitting);
+  EXPECT_EQ(CodeOf(plan), kCodeOk);
+  EXPECT_EQ(plan.direction, Direction::kLevel);
+  EXPECT_THAT(plan.steps[0].needs, ElementsAre(1U));
+}
+
+// That actuator refuses itself; the others become less active.
+TEST_F(Plans, DownAreNotRefusedDuringAnEmergencyStopForAnActuatorThatWouldHaveToComeUp) {
+  machine_.emergency_stop = EmergencyStop{7, "the test", ""};
+  machine_.actuators[1].report.state = State(kOta);
+  machine_.actuators[1].held = true;
+  EXPECT_EQ(CodeOf(To(kLowPower)), kCodeOk);
+  EXPECT_EQ(CodeOf(To(kActive)), kCodeProtectedError);
+}
+
+TEST_F(Plans, UpAreRefusedWithoutWaitingForABusyActuatorThatHasNoDeadline) {
+  machine_.actuators[0].report.target = machine_.actuators[1].report.target = State(kLowPower);
+  machine_.actuators[1].free_by = Time(std::chrono::seconds(5));
+  EXPECT_EQ(CodeOf(To(kActive)), kCodeTargetBusy);
+  EXPECT_FALSE(To(kActive).free_by);
+  machine_.actuators[0].free_by = Time(std::chrono::seconds(3));
+  EXPECT_EQ(To(kActive).free_by, Time(std::chrono::seconds(5)));
+}
+
+TEST_F(Plans, OfAnActuatorWithoutTheTargetAreRefusedAndListItsStates) {
+  config_.actuators[1].states = {State(kSetUp), State(kDeActive), State(kTearDown)};
+  EXPECT_EQ(Of(1, kLowPower).refusal,
+            (Error{kCodeUnSupport, "b has no state 'LowPower'; it has SetUp, DeActive, TearDown"}));
+}
+
+// It was torn down by itself while it was being driven on its own.
+TEST_F(Plans, CountATornDownActuatorAsInTheTargetOfATearDownOnly) {
+  machine_.actuators[1].report.state = State(kTearDown);
+  machine_.actuators[1].command = PendingCommand{1, State(kDeActive), {}, {}, 0};
+  EXPECT_EQ(Of(1, kLowPower).steps[0].part, Part::kDriven);
+  EXPECT_EQ(Of(1, kTearDown).steps[0].part, Part::kInTarget);
+}
+
 TEST_F(Plans, UpAreRefusedForALostCriticalActuatorButNotForAStartingOne) {
   config_.actuators[0].critical = true;
   machine_.actuators[0].presence = Presence::kLost;

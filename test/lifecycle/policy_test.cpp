@@ -52,6 +52,16 @@ RC_GTEST_PROP(BatteryLevels, DoNotDependOnTheHistoryBeyondTheirHysteresis, ()) {
   if (!held) RC_ASSERT(level == fresh);
 }
 
+TEST(PolicyRequests, AreKnownByTheirNamesOnTheWire) {
+  for (int i = 0; i <= static_cast<int>(PolicyRequest::kReboot); ++i) {
+    const auto request = static_cast<PolicyRequest>(i);
+    EXPECT_EQ(RequestOf(RequestName(request)), request);
+  }
+  EXPECT_EQ(RequestOf("power-off"), PolicyRequest::kPowerOff);
+  EXPECT_FALSE(RequestOf("dance"));
+  EXPECT_FALSE(RequestOf(""));
+}
+
 TEST(Ceiling, IsTheMostActiveStateThatTheMachineHas) {
   MachineConfig config = WithPolicy();
   EXPECT_EQ(CeilingState(config, kFree), "Active");

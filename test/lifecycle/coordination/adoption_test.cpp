@@ -206,6 +206,17 @@ TEST_F(Adopting, DetectsThatACallbackOfThePreviousControllerNeverEnds) {
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
 }
 
+TEST_F(Adopting, RequestsAnOverdueCallbackOfThePreviousControllerToStop) {
+  Harness& t = In("Active", MachineOf(3));
+  t.On("a", "DeActive").ends_when_requested = true;
+  t.RequestSwitch("DeActive");
+  t.RunFor(Milliseconds(20));
+  t.On("a", "DeActive") = {};  // the next one ends by itself
+  Restart(t);
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
+  EXPECT_THAT(t.log(), ElementsAre("a:DeActive", "b:DeActive", "c:DeActive", "a:DeActive"));
+}
+
 TEST_F(Adopting, ListsAllActuatorsAfterAnActuatorThatDoesNotStart) {
   Harness& t = In("Error", Chain());
   ASSERT_TRUE(t.Set("SelfCheck").done());
@@ -297,6 +308,7 @@ TEST_F(Adopting, AnActuatorLeavingErrorIsBroughtBackByASwitchToError) {
   ASSERT_EQ(t.machine().state, "Error");
   EXPECT_TRUE(t.Set("Error").done());
   EXPECT_EQ(t.StateOf("c"), "Error");
+  EXPECT_FALSE(t.CoreOf("c").report.busy()) << "the switch waits for it";
 }
 
 TEST_F(Adopting, OfAMachineInErrorIsLedOutThroughSelfCheck) {

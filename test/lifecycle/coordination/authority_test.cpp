@@ -151,6 +151,13 @@ TEST_F(Authority, AnActuatorThatChangesItsStateByItselfIsRecordedAndDrivenBack) 
   EXPECT_EQ(t.RecordOf("b").state(), "Active");
 }
 
+TEST_F(Authority, AnActuatorThatTearsItselfDownIsListedWithWhatBringsItBack) {
+  Harness& t = In("Active");
+  Say(t, "b", [](ActuatorReport& report) { report.state = "TearDown"; });
+  EXPECT_EQ(t.RecordOf("b").fault,
+            (Error{kCodeStateInvalid, "is torn down; only a new start brings it back"}));
+}
+
 TEST(Drift, IsNotSeenInAStart) {
   Harness t(Ours(2));
   t.Begin();

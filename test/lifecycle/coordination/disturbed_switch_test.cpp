@@ -309,6 +309,20 @@ TEST_F(Switching, UpIsRefusedWhileAnActuatorIsStillSwitching) {
   EXPECT_TRUE(t.Set("Active").done());
 }
 
+TEST_F(Switching, DownIncludesALateActuatorThatComesUpBeforeItsTurn) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").after = {"b"};
+  Harness& t = In("Active", config);
+  t.On("a", "LowPower").takes = Milliseconds(60);
+  t.On("b", "Active").takes = Milliseconds(20);
+  t.Crash("b");
+  t.RunFor(Milliseconds(1));
+  t.StartActuator("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("b").report.target == "Active"; }));
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
 TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsRestarted) {
   Harness& t = In("Active");
   EXPECT_TRUE(t.Set("TearDown", "b").done());

@@ -1,5 +1,6 @@
 // A machine that is kept in a state for a while, regardless of the rules.
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
 namespace musher::testing::keep_test {
@@ -173,9 +174,38 @@ TEST_F(KeepRule, ASwitchSupersededByErrorIsNotKept) {
   Robot("Protected");
   robot().On("a", "Active").takes = Milliseconds(80);
   const RequestId request = Keep("Active", 60);
-  robot().Set("Error");
+  EXPECT_EQ(robot().Set("Error").reason, "") << "it ends no keep: that was over before";
   EXPECT_THAT(Text(robot().calls.at(request)), StartsWith("111: "));
   EXPECT_FALSE(policy().keep);
+  EXPECT_TRUE(IsRecorded("no longer kept in Active: the switch to it was superseded"));
+}
+
+TEST_F(KeepRule, AKeepInAStepOfAStartByHandEndsInTimeToo) {
+  Harness t(WithPolicy());
+  t.Begin(/*by_hand=*/true);
+  t.Rest();
+  t.SendPolicyRequest({0, PolicyRequest::kKeep, "SelfCheck", 5, false});
+  t.RunFor(std::chrono::seconds(4));
+  EXPECT_EQ(t.machine().phase, Phase::kStarting);
+  EXPECT_TRUE(t.machine().policy.keep);
+  t.RunFor(std::chrono::seconds(2));
+  EXPECT_FALSE(t.machine().policy.keep);
+}
+
+using KeepAndTearDown = OneController;
+
+// The rules do not apply any more then: the end of the keep stayed the next deadline.
+TEST_F(KeepAndTearDown, TheEndOfAKeepIsNoDeadlineOfATearDown) {
+  config_.policy.emplace();
+  StartUp();
+  Do(event::PolicyRequested{1, PolicyRequest::kKeep, "LowPower", 1, false});
+  ObeyAll();
+  const Time until = machine_.policy.keep.value().until;
+  Do(event::SetStateRequested{2, "TearDown", {}});
+  now_ = until;
+  Do(event::TimePassed{});
+  ASSERT_EQ(machine_.phase, Phase::kStopping);
+  EXPECT_GT(Next(), now_) << "the loop would spin";
 }
 
 }  // namespace musher::testing::keep_test

@@ -37,6 +37,16 @@ TEST_F(LyingStill, CountsFromProtectedToo) {
   EXPECT_EQ(state(), "LowPower");
 }
 
+TEST_F(LyingStill, DoesNotWaitBecauseASwitchThatAPersonRequestedWasUndone) {
+  robot().Set("Protected");
+  Motion(kLying);
+  robot().RunFor(Milliseconds(29'900));
+  robot().On("a", "Active").code = 3009;
+  ASSERT_EQ(robot().Set("Active").outcome, SwitchOutcome::kUndone);
+  robot().RunFor(Milliseconds(500));
+  EXPECT_EQ(state(), "LowPower");
+}
+
 TEST_F(LyingStill, AnyOtherMotionRestartsTheCount) {
   Motion(kLying);
   Pass(29);

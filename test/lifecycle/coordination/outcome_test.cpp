@@ -6,6 +6,7 @@
 namespace musher::testing::outcome_test {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 class Outcomes : public OneController {
@@ -192,6 +193,34 @@ TEST_F(Outcomes, OfAnActuatorThatKeepsItsStateAreUndone) {
   RequestSwitch("LowPower", "a");
   Fail(0, 5001);
   EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
+}
+
+TEST_F(Outcomes, OfAnActuatorThatHasNotReceivedItsCommandAreUndoneAndNotDegraded) {
+  StartUp();
+  RequestSwitch("LowPower", "a");
+  const std::uint64_t number = Of(0).command.value().number;
+  Pass(Milliseconds(100));  // it is queried
+  Do(event::Replied{0, number, true, Verdict::kDone, kCodeOk, "", Report(0, "Active")});
+  EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
+  EXPECT_THAT(Result().degraded, IsEmpty());
+}
+
+// Its command has been sent, and no status that it is busy has arrived yet.
+TEST_F(Outcomes, DoNotDependOnALateActuatorThatIsAboutToBeChecked) {
+  config_ = MachineOf(3);
+  StartUp();
+  Do(event::Vanished{2, kFirst + 2, true, "its process ended"});
+  ActuatorReport report = Report(2);
+  report.incarnation += 100;
+  Say(2, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{2, 0, true, Verdict::kDone, kCodeOk, "", report});
+  ASSERT_EQ(Of(2).command.value().target, "SelfCheck");
+  RequestSwitch("LowPower");
+  Obey(0);
+  Obey(1);
+  EXPECT_EQ(Result().outcome, SwitchOutcome::kDone) << Result().reason;
+  EXPECT_THAT(Result().degraded, IsEmpty());
 }
 
 TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {

@@ -12,6 +12,13 @@ using ::testing::StartsWith;
 class Power : public Rules {
  protected:
   Duration After(Time begun) { return robot().power.at(0).first - begun; }
+  // Of the record that begins with `message`; -1: there is none.
+  std::int32_t CodeOf(const std::string& message) {
+    for (const action::Record& record : robot().whole_records) {
+      if (record.message.starts_with(message)) return record.code;
+    }
+    return -1;
+  }
 };
 
 TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
@@ -26,6 +33,7 @@ TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_FALSE(robot().power[0].second);
   EXPECT_LT(After(begun), seconds(4));
+  EXPECT_EQ(CodeOf("power-off; no command"), kCodeOk);
   EXPECT_THAT(Why("power-off; no command"),
               ElementsAre("power-off; no command is configured", "the robot is powered off",
                           "power-off requested"));
@@ -55,7 +63,7 @@ TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
   robot().RunFor(seconds(60));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_EQ(After(begun), seconds(15));
-  EXPECT_TRUE(IsRecorded("power-off, although the machine is not torn down"));
+  EXPECT_EQ(CodeOf("power-off, although the machine is not torn down"), kCodeTimeout);
 }
 
 TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {

@@ -80,6 +80,16 @@ TEST_F(SelfChecked, ARestartedActuatorIsEvaluatedByItsOwnCheck) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
+TEST_F(SelfChecked, ACheckThatFailsAfterItsDeadlineIsListedWithItsOwnReason) {
+  Start();
+  t.On("c", "SelfCheck").takes = Milliseconds(150);
+  t.On("c", "SelfCheck").code = 1409;
+  EXPECT_EQ(t.Set("SelfCheck").code, kCodeTimeout);
+  t.Rest();
+  ASSERT_TRUE(TroubleOf(t.RecordOf("c")));
+  EXPECT_EQ(TroubleOf(t.RecordOf("c"))->code, 1409);
+}
+
 // For modules that return only a code, the config lists the critical codes.
 
 class CriticalCodes : public ::testing::Test {

@@ -19,6 +19,18 @@ TEST_F(Stages, AnActuatorWithoutACommandIsWaitedForAsLongAsItsSetUpMayTake) {
   EXPECT_FALSE(Did<action::StartUpEnded>()[0].usable);
 }
 
+// Its status is latched; it says nothing about the process that is about to be started by hand.
+TEST_F(Stages, AnActuatorWhoseEarlierProcessWasTornDownIsWaitedForAllTheSame) {
+  Begin();
+  Say(1, Report(1, "TearDown"));
+  Come(0);
+  EXPECT_FALSE(Of(1).fault);
+  EXPECT_FALSE(machine_.set_up);
+  Come(1);
+  ObeyAll();
+  EXPECT_EQ(machine_.state, kActive);
+}
+
 TEST_F(Stages, AnActuatorOfALaterStageIsNotAwaitedInTheFirst) {
   config_.actuators[1].stage = 2;
   Begin();
@@ -214,6 +226,17 @@ TEST_F(Ends, RefuseAnotherStateAtOnceWhileProcessesAreLeft) {
   Do(event::SetStateRequested{2, "Active", {}});
   ASSERT_THAT(Did<action::AnswerSetState>(), SizeIs(1));
   EXPECT_EQ(Did<action::AnswerSetState>()[0].result.code, kCodeStateInvalid);
+}
+
+TEST_F(Ends, DoNotListAnActuatorThatIsTornDownBeforeItsTurn) {
+  config_.actuators[1].stage = 2;
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  ASSERT_FALSE(Of(0).command) << "the last stage comes first";
+  ActuatorReport report = Of(0).report;
+  report.state = "TearDown";
+  Say(0, report);
+  EXPECT_THAT(Degraded(config_, machine_), IsEmpty());
 }
 
 TEST_F(Ends, TakeOverFromASwitchToError) {

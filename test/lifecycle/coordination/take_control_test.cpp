@@ -74,6 +74,44 @@ TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndRecordsItsProcessIfAny) {
   EXPECT_EQ(RecordWith("b is present").message, "b is present in SetUp");
 }
 
+TEST_F(TakeControl, IsNotRepeatedWhenADenialArrivesAfterTheAnswer) {
+  StartUp();
+  ActuatorReport report = Report(0, "Active");
+  report.epoch = 0;
+  report.stamp -= Milliseconds(1);
+  Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", report});
+  Pass(std::chrono::seconds(1));
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
+}
+
+TEST_F(TakeControl, IsNotAnsweredByTheLateReplyToACommand) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  const std::uint64_t number = Of(0).command.value().number;
+  const ActuatorReport late = Report(0, "LowPower");
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
+  now_ += Milliseconds(1);
+  ActuatorReport report = Report(0, "Active");
+  report.epoch = machine_.epoch + 1;  // another controller has taken it meanwhile
+  Say(0, report);
+  Do(event::Replied{0, number, false, Verdict::kDone, kCodeOk, "", late});
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+}
+
+TEST_F(TakeControl, OfADetachedActuatorThatIsTornDownMeanwhileDegradesIt) {
+  Begin();
+  ActuatorReport report = Report(1, "Active");
+  report.apart = true;
+  report.target = "TearDown";
+  Say(1, report);
+  report.state = "TearDown";
+  report.target.clear();
+  report.epoch = machine_.epoch;
+  Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
+  EXPECT_EQ(Of(1).fault,
+            (Error{kCodeStateInvalid, "is torn down; only a new start brings it back"}));
+}
+
 using Reports = OneController;
 
 TEST_F(Reports, OfTheSameStampTheLaterCounts) {
