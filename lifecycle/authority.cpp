@@ -16,16 +16,17 @@ void Authority::On(const event::RivalSeen& rival) {
   const std::string why = "another controller, " + rival.who + ", leads this machine with epoch " +
                           std::to_string(rival.epoch);
   const Error fenced{kCodePermissionDenied, why};
-  RecordMachine(fenced.code, "this controller (epoch " + std::to_string(machine_.epoch) +
-                                 ") releases control: " + why);
-  switching_.EndWaiting(fenced, 0);
+  const std::uint64_t recorded =
+      RecordMachine(fenced.code, "this controller (epoch " + std::to_string(machine_.epoch) +
+                                     ") releases control: " + why);
+  switching_.EndWaiting(fenced, recorded);
   if (machine_.current) {
     SwitchResult result = SwitchConclusion(config_, machine_).Conclude(*machine_.current, false);
     result.outcome = SwitchOutcome::kSuperseded;
     result.code = fenced.code;
     result.reason = fenced.message;
     RecordEnd(*machine_.current, result,
-              "switch " + std::to_string(result.number) + " is superseded: " + why, 0);
+              "switch " + std::to_string(result.number) + " is superseded: " + why, recorded);
     switching_.Answer(machine_.current->requests, result);
     if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();

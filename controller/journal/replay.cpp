@@ -31,9 +31,18 @@ bool IsWhole(const Machine& machine, std::size_t actuators) {
     if (s->only.value_or(0) >= actuators) return false;
     if (!IsOf(s->legs, actuators) || !IsOf(s->back, actuators)) return false;
   }
+  if (machine.waiting && machine.waiting->only.value_or(0) >= actuators) return false;
   const auto& stopping = machine.stopping;
   if (machine.phase == Phase::kStopping && !stopping) return false;
   return !stopping || machine.current || stopping->result;
+}
+
+// Whether the config has the rules whose state the machine has.
+bool HasRulesOf(const MachineConfig& config, const PolicyState& policy) {
+  const bool battery = policy.battery || policy.level != BatteryLevel::kFree;
+  if (battery && !(config.policy && config.policy->battery)) return false;
+  if (policy.low_power && !(config.policy && config.policy->low_power)) return false;
+  return config.policy || !policy.power;
 }
 
 class Replayer {
@@ -155,6 +164,7 @@ class Replayer {
   bool Fits(const Machine& machine) const {
     return IsWhole(machine, config_->actuators.size()) &&
            std::is_sorted(number_of_.begin(), number_of_.end()) &&
+           HasRulesOf(*config_, machine.policy) &&
            (!machine.fallback || config_->RankOf(*machine.fallback));
   }
 

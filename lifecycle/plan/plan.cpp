@@ -290,20 +290,16 @@ class Planning {
 
   void OrderSteps() {
     std::vector<std::vector<std::size_t>> needs(config_.actuators.size());
-    const bool any_after = std::any_of(config_.actuators.begin(), config_.actuators.end(),
-                                       [](const ActuatorConfig& a) { return !a.after.empty(); });
-    if (any_after) {
-      for (const PlanStep& step : plan_.steps) {
-        if (!step.driven()) continue;
-        std::vector<bool> seen(config_.actuators.size(), false);
-        std::vector<std::size_t> found;
-        CollectNeeds(step.actuator, seen, found);
-        for (const std::size_t other : found) {
-          if (plan_.direction == Direction::kDown) {
-            needs[other].push_back(step.actuator);
-          } else {
-            needs[step.actuator].push_back(other);
-          }
+    for (const PlanStep& step : plan_.steps) {
+      if (!step.driven()) continue;
+      std::vector<bool> seen(config_.actuators.size(), false);
+      std::vector<std::size_t> found;
+      CollectNeeds(step.actuator, seen, found);
+      for (const std::size_t other : found) {
+        if (plan_.direction == Direction::kDown) {
+          needs[other].push_back(step.actuator);
+        } else {
+          needs[step.actuator].push_back(other);
         }
       }
     }
@@ -361,7 +357,7 @@ class Planning {
 bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
                     const ActuatorRecord& record) {
   return config.actuators[actuator].protocol == Protocol::kRos2Lifecycle &&
-         record.presence == Presence::kPresent && record.state() == config.default_state;
+         record.state() == config.default_state;
 }
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,

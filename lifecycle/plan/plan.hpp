@@ -58,8 +58,8 @@ Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& 
 // ignored: a less active state can always be reached.
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
 
-// Whether the actuator is a ROS 2 node that runs and is unconfigured: its configuration has failed,
-// or error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
+// Whether a present actuator is a ROS 2 node that is unconfigured: its configuration has failed, or
+// error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
 // the current state.
 bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
                     const ActuatorRecord& record);

@@ -14,13 +14,13 @@ constexpr int kMostDoublings = 6;  // about a minute
 
 }  // namespace
 
-// Restores what an earlier controller stored about the battery, if none has led since. The level
-// was at least as low then; so its hysteresis applies.
+// Restores what an earlier controller stored about the battery, if none has led since, and the
+// config still has the rule. The level was at least as low then; so its hysteresis applies.
 void PolicyMemory::ResumeLowering() {
   PolicyState& policy = machine_.policy;
   auto lowering = policy.stored.lowering;
   if (!lowering) return;
-  if (lowering->epoch + 1 != machine_.epoch) return Lower(std::nullopt);
+  if (lowering->epoch + 1 != machine_.epoch || !config_.policy->battery) return Lower(std::nullopt);
   const auto to = config_.RankOf(lowering->to);
   policy.level =
       to && *to <= *BuiltInRank(kLowPower) ? BatteryLevel::kLowPower : BatteryLevel::kProtected;
@@ -38,12 +38,11 @@ void PolicyMemory::Lower(std::optional<Lowering> lowering) {
 void PolicyMemory::LowerAtMostTo(const State& most) {
   auto lowering = machine_.policy.stored.lowering;
   if (!lowering) return;
-  const auto from = config_.RankOf(lowering->from);
-  const auto to = config_.RankOf(lowering->to);
   const auto limit = config_.RankOf(most);
-  if (!from || !to || !limit || *from <= *limit) return;
+  const auto from = config_.RankOf(lowering->from);
+  if (from && from <= limit) return;  // a state of an earlier config may have been higher
   lowering->from = most;
-  Lower(*limit > *to ? lowering : std::nullopt);
+  Lower(limit > config_.RankOf(lowering->to) ? lowering : std::nullopt);
 }
 
 void PolicyMemory::EndKeep(const std::string& why) {

@@ -157,36 +157,52 @@ TEST(Replay, RefusesAnEventOfAnActuatorThatIsNotThere) {
   EXPECT_THAT(report.error().message, HasSubstr("names an unknown actuator"));
 }
 
+// The notes of a replay that has to start again at a snapshot, with this change in its machine.
+std::vector<std::string> NotesWith(const std::function<void(Machine&)>& change) {
+  auto rows = Rows();
+  rows.erase(rows.begin() + 20);
+  for (JournalRow& row : rows) {
+    auto* snapshot = InputOf<SnapshotPtr>(row);
+    if (snapshot == nullptr) continue;
+    Snapshot other = **snapshot;
+    change(other.machine);
+    *snapshot = std::make_shared<const Snapshot>(std::move(other));
+  }
+  return Replayed(rows).notes;
+}
+
+const auto kRefused = ::testing::Contains("a snapshot is of a different config");
+
 TEST(Replay, RejectsAnInconsistentSnapshot) {
-  const auto take_over = [](const std::function<void(Machine&)>& change) {
-    auto rows = Rows();
-    rows.erase(rows.begin() + 20);  // it has to start at a snapshot again
-    for (JournalRow& row : rows) {
-      auto* snapshot = InputOf<SnapshotPtr>(row);
-      if (snapshot == nullptr) continue;
-      Snapshot other = **snapshot;
-      change(other.machine);
-      *snapshot = std::make_shared<const Snapshot>(std::move(other));
-    }
-    return Replayed(rows).notes;
-  };
-  const auto refused = ::testing::Contains("a snapshot is of a different config");
   const auto with_switch = [](const std::function<void(Switch&)>& change) {
     return [change](Machine& machine) { change(machine.current.emplace()); };
   };
-  EXPECT_THAT(take_over([](Machine&) {}), ::testing::Not(refused));
-  EXPECT_THAT(take_over([](Machine& machine) { machine.actuators.pop_back(); }), refused);
-  EXPECT_THAT(take_over(with_switch([](Switch& s) { s.only = 3; })), refused);
-  EXPECT_THAT(take_over(with_switch([](Switch& s) { s.legs.emplace_back().actuator = 3; })),
-              refused);
-  EXPECT_THAT(take_over(with_switch([](Switch& s) { s.back.emplace_back().needs = {3}; })),
-              refused);
-  EXPECT_THAT(take_over([](Machine& machine) { machine.phase = Phase::kStopping; }), refused);
-  EXPECT_THAT(take_over([](Machine& machine) {
+  EXPECT_THAT(NotesWith([](Machine&) {}), ::testing::Not(kRefused));
+  EXPECT_THAT(NotesWith([](Machine& machine) { machine.actuators.pop_back(); }), kRefused);
+  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.only = 3; })), kRefused);
+  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.legs.emplace_back().actuator = 3; })),
+              kRefused);
+  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.back.emplace_back().needs = {3}; })),
+              kRefused);
+  EXPECT_THAT(NotesWith([](Machine& machine) { machine.waiting.emplace().only = 3; }), kRefused);
+  EXPECT_THAT(NotesWith([](Machine& machine) { machine.phase = Phase::kStopping; }), kRefused);
+  EXPECT_THAT(NotesWith([](Machine& machine) {
                 machine.current.reset();
                 machine.stopping.emplace();
               }),
-              refused);
+              kRefused);
+}
+
+// Its decisions would depend on a rule that is not there.
+TEST(Replay, RejectsASnapshotOfARobotWithRulesThatTheConfigDoesNotHave) {
+  const auto notes_with = [](const std::function<void(PolicyState&)>& change) {
+    return NotesWith([change](Machine& machine) { change(machine.policy); });
+  };
+  EXPECT_THAT(notes_with([](PolicyState& policy) { policy.battery = 3; }), kRefused);
+  EXPECT_THAT(notes_with([](PolicyState& policy) { policy.level = BatteryLevel::kLowPower; }),
+              kRefused);
+  EXPECT_THAT(notes_with([](PolicyState& policy) { policy.low_power = true; }), kRefused);
+  EXPECT_THAT(notes_with([](PolicyState& policy) { policy.power.emplace(); }), kRefused);
 }
 
 }  // namespace musher::recording::replay_test

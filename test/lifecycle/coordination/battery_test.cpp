@@ -338,6 +338,23 @@ TEST_F(Rules, WithoutACriticalActuatorTheBatteryDoesNotRaiseTheMachine) {
   EXPECT_EQ(state(), "Protected") << "it is its on_lost now";
 }
 
+TEST_F(Rules, AfterAFallbackTheBatteryDoesNotRaiseTheMachineToAStateOfAnEarlierConfig) {
+  MachineConfig config = WithPolicy();
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  Robot("Active", config);
+  Battery(3);
+  robot().policy_on_disk.lowering.value().from = "Dancing";
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  robot().Crash("b");
+  robot().RunFor(std::chrono::seconds(1));
+  robot().StartActuator("b");
+  robot().RunFor(std::chrono::seconds(5));
+  Battery(90);
+  EXPECT_EQ(state(), "Protected");
+}
+
 TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
   MachineConfig config = WithPolicy();
   std::erase(config.states, "LowPower");

@@ -108,6 +108,15 @@ TEST_F(Causes, ASwitchThatTookOverIsNamed) {
               ElementsAre(StartsWith("switch 3 is superseded"), "switch to Error requested"));
 }
 
+TEST_F(Causes, ATakeoverIsTheCauseOfWhatItEnds) {
+  Harness& t = In("Active");
+  t.RequestSwitch("LowPower");
+  t.ReceiveRivalHeartbeat(99);
+  EXPECT_THAT(Chain(t, "switch 3 is superseded"),
+              ElementsAre(StartsWith("switch 3 is superseded"),
+                          StartsWith("this controller (epoch 1) releases control")));
+}
+
 // With processes that the controller starts.
 class CausesOfProcesses : public ::testing::Test {
  protected:

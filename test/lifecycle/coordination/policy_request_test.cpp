@@ -1,5 +1,6 @@
 // Requests to the policy, row by row of the manager's table.
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
 namespace musher::testing::policy_request_test {
@@ -183,6 +184,25 @@ TEST_F(Requests, BeforeTheStartAreRefusedAndLeaveNoRecord) {
   const RequestId request = t.SendPolicyRequest({0, PolicyRequest::kWakeUp, "", 0, false});
   EXPECT_EQ(Text(t.calls.at(request)), "104: the machine is not set up yet");
   EXPECT_THAT(t.records, ElementsAre());
+}
+
+// The stored level stayed in effect: there was no battery rule that would have lifted it.
+class WithoutTheBatteryRule : public OneController {};
+
+TEST_F(WithoutTheBatteryRule, AMachineThatTheRuleOfAnEarlierConfigTookDownWakesUp) {
+  config_.policy.emplace();
+  machine_ = MakeMachine(config_);
+  event::Begin begin;
+  begin.epoch = 1;
+  begin.running = {false, false};
+  begin.host = "here";
+  begin.policy.lowering = Lowering{"Active", "LowPower", 1};
+  Do(begin);
+  for (const std::size_t i : {0, 1}) Come(i, "LowPower");
+  ASSERT_EQ(machine_.state, "LowPower");
+  Do(event::PolicyRequested{1, PolicyRequest::kWakeUp, "", 0, false});
+  ObeyAll();
+  EXPECT_EQ(machine_.state, "Active");
 }
 
 }  // namespace musher::testing::policy_request_test
