@@ -88,7 +88,7 @@ class Deciding {
     const auto tokens = std::exchange(core_.running_for, {});
     const event::CallbackEnded end = UnderStop(target, ended);
     if (target == kSetUp) return EndSetUp(end);
-    const bool down = LeadsDown(target);
+    const bool down = Falls(machine_, report_.state, target);
     EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
     if (target == kSelfCheck) {
       const bool passed = end.code == kCodeOk;
@@ -254,11 +254,11 @@ class Deciding {
     return core_.half_way_down || switches_on;
   }
 
-  // A downward callback does not switch on what a stop has switched off.
-  bool LeadsDown(const State& target) const {
-    const auto from = machine_.RankOf(report_.state);
-    const auto to = machine_.RankOf(target);
-    return from && to && *to < *from;
+  // The callback of another state of the same rank is not begun under a stop, either.
+  bool IsForbidden(const State& target) const {
+    if (report_.emergency_stop == 0) return false;
+    const bool elsewhere = target != report_.state;
+    return GoesUp(target) || (elsewhere && SwitchesOnAgain(machine_, report_.state, target));
   }
 
   // A repeated command gets the same answer again, or the answer of its run.
@@ -299,7 +299,7 @@ class Deciding {
                      "a controller has control, epoch " + std::to_string(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
-    if (report_.emergency_stop != 0 && GoesUp(target)) return Stopped();
+    if (IsForbidden(target)) return Stopped();
     return CheckTarget(target);
   }
 
@@ -319,7 +319,7 @@ class Deciding {
   }
 
   std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
-    if (report_.emergency_stop != 0 && GoesUp(command.target)) return Stopped();
+    if (IsForbidden(command.target)) return Stopped();
     return CheckAge(command, now_);
   }
 

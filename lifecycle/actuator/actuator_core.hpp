@@ -20,8 +20,9 @@
 //   - A command older than its budget by this actuator's clock cannot begin.
 //   - A running callback is never interrupted, only requested to stop.
 //   - While an emergency stop is latched, nothing goes up, not even back to the present state after
-//     a downward callback has failed. An upward callback that ends meanwhile has failed, whatever
-//     it returns: its state is not taken, and the stop action runs again.
+//     a downward callback has failed, nor to another state of the same rank above DeActive. An
+//     upward callback that ends meanwhile has failed, whatever it returns: its state is not taken,
+//     and the stop action runs again.
 //   - What a stop has switched off stays off after the release, until a callback to the present
 //     state or a higher one succeeds without a stop: until then the actuator is held by the stop,
 //     and a command to its present state runs the callback.

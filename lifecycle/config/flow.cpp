@@ -19,6 +19,16 @@ bool Rises(const MachineConfig& config, std::string_view from, std::string_view 
   return rank && *rank > config.RankOf(from).value_or(*BuiltInRank(kDeActive));
 }
 
+bool Falls(const MachineConfig& config, std::string_view from, std::string_view to) {
+  const auto own = config.RankOf(from);
+  const auto rank = config.RankOf(to);
+  return own && rank && *rank < *own;
+}
+
+bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::string_view to) {
+  return !Falls(config, from, to) && Rises(config, kUninitialized, to);
+}
+
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from) {
   std::vector<State> reachable;
   for (const State& to : config.states) {

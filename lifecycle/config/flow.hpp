@@ -17,6 +17,14 @@ bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_
 // counts as DeActive.
 bool Rises(const MachineConfig& config, std::string_view from, std::string_view to);
 
+// Whether both have a rank and that of `to` is lower.
+bool Falls(const MachineConfig& config, std::string_view from, std::string_view to);
+
+// Whether the callback of `to` may switch on again what an emergency stop has switched off in
+// `from`: it leads to a state above DeActive and not down. The same state is meant, too, and
+// another one of its rank.
+bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::string_view to);
+
 // The states that may follow `from`, in the config's order, without `from` itself.
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from);
 

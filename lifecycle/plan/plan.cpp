@@ -100,19 +100,18 @@ class Planning {
   void RefuseWhileStopped() {
     if (!machine_.emergency_stop || plan_.direction == Direction::kDown) return;
     const bool rises =
-        (plan_.direction == Direction::kUp && Rises(config_, plan_.from, plan_.target)) ||
+        Rises(config_, plan_.from, plan_.target) ||
         std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
           return step.driven() && Rises(config_, step.from, plan_.target);
         });
-    // Its callback would switch on again what the stop has switched off.
-    const bool resumes = plan_.from == plan_.target && Rises(config_, kUninitialized, plan_.target);
+    const bool resumes = SwitchesOnAgain(config_, plan_.from, plan_.target);
     if (!rises && !resumes) return;
     const EmergencyStop& stop = *machine_.emergency_stop;
     RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
                                         (stop.by.empty() ? "" : " by " + stop.by) +
                                         (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
                                         (rises ? "; until it is released nothing goes up"
-                                               : "; until it is released it holds " + plan_.target +
+                                               : "; until it is released it holds " + plan_.from +
                                                      ", and nothing is switched on again"));
   }
 

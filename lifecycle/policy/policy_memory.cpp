@@ -23,7 +23,7 @@ void PolicyMemory::ResumeLowering() {
   if (lowering->epoch + 1 != machine_.epoch || !config_.policy->battery) return Lower(std::nullopt);
   const auto to = config_.RankOf(lowering->to);
   policy.level =
-      to && *to <= *BuiltInRank(kLowPower) ? BatteryLevel::kLowPower : BatteryLevel::kProtected;
+      to && to <= BuiltInRank(kLowPower) ? BatteryLevel::kLowPower : BatteryLevel::kProtected;
   Lower(lowering);
 }
 
@@ -72,7 +72,7 @@ void PolicyMemory::OnSwitchEnded(const Switch& s, bool undone) {
     const auto rank = config_.RankOf(machine_.state);
     const auto most = CeilingRank(level);
     const bool lowers = level == BatteryLevel::kEmpty || (rank && most && *rank > *most);
-    if (s.direction != Direction::kUp || !lowers) BackOff();
+    if (!lowers) BackOff();
     return;
   }
   if (undone) return;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/flow.hpp"
+
 namespace musher {
 
 bool Joining::DriveLateOnes() {
@@ -37,10 +39,13 @@ bool Joining::DriveLateOnes() {
 bool Joining::MayJoin(std::size_t i, std::string& blocker) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
-  const auto target = config_.RankOf(PlaceOf(i));
+  const State place = PlaceOf(i);
+  const auto target = config_.RankOf(place);
   const bool goes_up = record.due && target && (!own || *own < *target);
+  const bool elsewhere = record.due && record.state() != place;
+  const bool refused = goes_up || (elsewhere && SwitchesOnAgain(config_, record.state(), place));
+  if (refused && machine_.emergency_stop && machine_.state != kError) return false;
   if (record.due && !goes_up) return true;
-  if (goes_up && machine_.emergency_stop && machine_.state != kError) return false;
   if (!NeedsMet(i, blocker)) {
     if (blocker.empty()) blocker = WaitsForSuspended(i);
     return false;

@@ -294,6 +294,19 @@ TEST_F(Stopped, RefusesItsOwnStateWhereItsCallbackWouldSwitchOnAgain) {
   EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
 }
 
+TEST_F(Stopped, RefusesAnotherStateOfItsRankThatWouldSwitchOnAgain) {
+  for (const auto& [state, like] :
+       {std::pair("Dancing", "Active"), std::pair("Sitting", "LowPower")}) {
+    config_.actuators[0].states.emplace_back(state);
+    config_.ranks[state] = *BuiltInRank(like);
+  }
+  Switch(2, "Active");
+  Engage();
+  EXPECT_EQ(AnswerIn(Do(Command(3, "Dancing"))).code, kCodeProtectedError);
+  Switch(4, "LowPower");
+  Switch(5, "Sitting");
+}
+
 TEST_F(Stopped, ACallbackThatRanUnderTheStopDoesNotEndTheHold) {
   Switch(2, "Active");
   Engage();

@@ -54,4 +54,13 @@ TEST(Flow, RisesIsToAHigherRankAndFromAStepOfAStartAboveDeActive) {
   EXPECT_FALSE(Rises(config, "Active", "SelfCheck"));
 }
 
+TEST(Flow, FallsIsToALowerRankAndNeverFromOrToAStepOfAStart) {
+  const MachineConfig config = MachineOf(1);
+  EXPECT_TRUE(Falls(config, "Active", "Protected"));
+  EXPECT_FALSE(Falls(config, "Active", "Active"));
+  EXPECT_FALSE(Falls(config, "LowPower", "Active"));
+  EXPECT_FALSE(Falls(config, "SetUp", "Error"));
+  EXPECT_FALSE(Falls(config, "Active", "SelfCheck"));
+}
+
 }  // namespace musher::testing::flow_test

@@ -34,6 +34,20 @@ class Plans : public ::testing::Test {
   Plan Of(std::size_t i, std::string_view target) const {
     return MakePlan(config_, machine_, State(target), i);
   }
+  // A state of the same rank as `like`, which leads to it.
+  void AddState(const State& state, std::string_view like) {
+    config_.states.push_back(state);
+    config_.ranks[state] = *BuiltInRank(like);
+    config_.flow.push_back({State(like), state});
+    for (ActuatorConfig& actuator : config_.actuators) {
+      actuator.states.push_back(state);
+      actuator.times.push_back(Milliseconds(100));
+    }
+  }
+  void PutAllIn(std::string_view state) {
+    machine_.state = State(state);
+    for (ActuatorRecord& record : machine_.actuators) record.report.state = State(state);
+  }
   static std::int32_t CodeOf(const Plan& plan) {
     return plan.refusal ? plan.refusal->code : kCodeOk;
   }
@@ -72,6 +86,21 @@ TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeOk);
   machine_.actuators[1].command = PendingCommand{};
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
+}
+
+TEST_F(Plans, OfABusyActuatorOutsideTheFlowWaitForTheStateItReachesUnlessASwitchIsUnderWay) {
+  config_.flow.clear();
+  machine_.actuators[1].command = PendingCommand{1, State(kLowPower), {}, {}, 0};
+  EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeTargetBusy);
+  machine_.current.emplace();
+  EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeStateInvalid);
+}
+
+TEST_F(Plans, OfAMachineThatIsTornDownAreRefused) {
+  for (const Phase phase : {Phase::kStopping, Phase::kStopped}) {
+    machine_.phase = phase;
+    EXPECT_EQ(CodeOf(To(kLowPower)), kCodeStateInvalid);
+  }
 }
 
 TEST_F(Plans, OfAnActuatorThatIsBeingRestartedAreRefused) {
@@ -115,6 +144,9 @@ TEST_F(Plans, LeaveOutAnOverdueCyberdogModuleBecauseItCannotBeQueried) {
   machine_.actuators[0].report.target = State(kOta);
   machine_.actuators[0].fault = Error{kCodeTimeout, "overdue"};
   EXPECT_EQ(To(kLowPower).steps[0].part, Part::kLeftOut);
+  machine_.actuators[0].command = PendingCommand{1, State(kOta), {}, {}, 0};
+  EXPECT_EQ(To(kLowPower).steps[0].part, Part::kDriven) << "it may answer in time";
+  machine_.actuators[0].command.reset();
   for (const Protocol other : {Protocol::kMusher, Protocol::kRos2Lifecycle}) {
     config_.actuators[0].protocol = other;
     EXPECT_EQ(To(kLowPower).steps[0].part, Part::kDriven);
@@ -142,24 +174,16 @@ TEST_F(Plans, DriveADegradedActuatorInTheTargetOnceMore) {
 
 TEST_F(Plans, OfATearDownOutOfAStartGoDownInTheReverseOrder) {
   config_.actuators[0].after = {"b"};
-  machine_.state = State(kSetUp);
-  for (ActuatorRecord& record : machine_.actuators) record.report.state = State(kSetUp);
+  PutAllIn(kSetUp);
   const Plan plan = To(kTearDown);
   EXPECT_EQ(plan.direction, Direction::kDown);
   EXPECT_THAT(plan.steps[1].needs, ElementsAre(0U));
 }
 
 TEST_F(Plans, ToAStateOfTheSameRankGoNeitherUpNorDown) {
-  const State sitting = "Sitting";
-  config_.states.push_back(sitting);
-  config_.ranks[sitting] = *BuiltInRank(kDeActive);
-  config_.flow.push_back({State(kDeActive), sitting});
-  for (ActuatorConfig& actuator : config_.actuators) {
-    actuator.states.push_back(sitting);
-    actuator.times.push_back(Milliseconds(100));
-  }
+  AddState("Sitting", kDeActive);
   config_.actuators[0].after = {"b"};
-  const Plan plan = To(sitting);
+  const Plan plan = To("Sitting");
   EXPECT_EQ(CodeOf(plan), kCodeOk);
   EXPECT_EQ(plan.direction, Direction::kLevel);
   EXPECT_THAT(plan.steps[0].needs, ElementsAre(1U));
@@ -172,6 +196,19 @@ TEST_F(Plans, DownAreNotRefusedDuringAnEmergencyStopForAnActuatorThatWouldHaveTo
   machine_.actuators[1].held = true;
   EXPECT_EQ(CodeOf(To(kLowPower)), kCodeOk);
   EXPECT_EQ(CodeOf(To(kActive)), kCodeProtectedError);
+}
+
+// As that of the present state, its callback may switch on again what the stop has switched off.
+TEST_F(Plans, ToAStateOfTheSameRankAreRefusedDuringAnEmergencyStopAboveDeActive) {
+  AddState("Dancing", kActive);
+  AddState("Sitting", kLowPower);
+  machine_.emergency_stop = EmergencyStop{7, "the test", ""};
+  PutAllIn(kActive);
+  ASSERT_TRUE(To("Dancing").refusal);
+  EXPECT_EQ(To("Dancing").refusal->code, kCodeProtectedError);
+  EXPECT_THAT(To("Dancing").refusal->message, HasSubstr("it holds Active"));
+  PutAllIn(kLowPower);
+  EXPECT_EQ(CodeOf(To("Sitting")), kCodeOk);
 }
 
 TEST_F(Plans, UpAreRefusedWithoutWaitingForABusyActuatorThatHasNoDeadline) {
@@ -195,6 +232,30 @@ TEST_F(Plans, CountATornDownActuatorAsInTheTargetOfATearDownOnly) {
   machine_.actuators[1].command = PendingCommand{1, State(kDeActive), {}, {}, 0};
   EXPECT_EQ(Of(1, kLowPower).steps[0].part, Part::kDriven);
   EXPECT_EQ(Of(1, kTearDown).steps[0].part, Part::kInTarget);
+  machine_.actuators[1].command.reset();
+  EXPECT_EQ(To(kTearDown).steps[1].part, Part::kInTarget);
+  EXPECT_EQ(To(kLowPower).steps[1].part, Part::kLeftOut);
+}
+
+TEST_F(Plans, OfTheCheckOfAStartIncludeADegradedActuatorUnlessItIsAnUnconfiguredNode) {
+  machine_.phase = Phase::kStarting;
+  PutAllIn(kSetUp);
+  for (const std::size_t i : {0, 1}) machine_.actuators[i].fault = Error{kCodeFailed, "it hung"};
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  machine_.actuators[1].report.state = config_.default_state;
+  const Plan plan = To(kSelfCheck);
+  EXPECT_EQ(plan.steps[0].part, Part::kDriven);
+  EXPECT_EQ(plan.steps[1].part, Part::kLeftOut);
+}
+
+TEST_F(Plans, IncludeAnUncheckedActuatorThatLeavesErrorOnlyWhereTheyLeadBackToError) {
+  machine_.actuators[0].checked = machine_.actuators[1].checked = false;
+  machine_.actuators[0].report.state = State(kError);
+  machine_.actuators[1].report.state = State(kSelfCheck);
+  for (const std::size_t i : {0, 1}) machine_.actuators[i].report.target = State(kLowPower);
+  EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
+  EXPECT_EQ(To(kError).steps[1].part, Part::kLeftOut);
+  EXPECT_EQ(To(kLowPower).steps[0].part, Part::kLeftOut);
 }
 
 TEST_F(Plans, UpAreRefusedForALostCriticalActuatorButNotForAStartingOne) {

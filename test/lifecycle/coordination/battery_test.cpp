@@ -191,6 +191,16 @@ TEST_F(BatteryRule, AFailedSwitchBackIsRetriedAndNotInALoop) {
 }
 
 // The delay before the next attempt to raise delayed the lowering, up to a minute.
+TEST_F(BatteryRule, AFailedSwitchPartOfTheWayBackIsRetriedAndNotInALoop) {
+  Battery(3);
+  robot().On("a", "Protected").code = 3009;
+  robot().ClearLog();
+  Battery(10);  // for two seconds
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_THAT(std::count(robot().log().begin(), robot().log().end(), "a:Protected"),
+              ::testing::AllOf(::testing::Ge(1), ::testing::Le(3)));
+}
+
 TEST_F(BatteryRule, ThatFallsDuringAFailingSwitchBackTakesTheMachineDownAtOnce) {
   Battery(10);
   robot().On("a", "Active").code = 3009;
@@ -261,6 +271,15 @@ TEST_F(BatteryRule, ARestartedControllerKnowsWhyTheMachineWasTakenDown) {
   EXPECT_EQ(state(), "Active");
 }
 
+TEST_F(BatteryRule, ARestartedControllerWhoseConfigHasLostTheLowerStateBeginsWithTheUpperLevel) {
+  Battery(10);
+  robot().policy_on_disk.lowering.value().to = "Sleeping";
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  Battery(6);
+  EXPECT_EQ(state(), "Protected");
+}
+
 TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
   MachineConfig config = WithPolicy();
   ActuatorNamed(config, "b").stage = 2;
@@ -270,6 +289,7 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
   t.Begin();
   t.RunUntil([&] { return t.machine().state == "Active"; });
   t.Feed(event::BatterySeen{3, false});
+  EXPECT_TRUE(t.Set("Active").done());
   EXPECT_FALSE(t.machine().policy.loaded);
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_FALSE(t.machine().current);

@@ -20,6 +20,9 @@ TEST_F(KeepRule, WithTicksTheStateIsTakenAndKept) {
   robot().RunFor(std::chrono::seconds(2));
   EXPECT_FALSE(policy().keep);
   EXPECT_EQ(state(), "Protected") << "its end changes no state";
+  EXPECT_EQ(robot().whole_records.back().message,
+            "the machine is no longer kept in Protected: time expired");
+  EXPECT_EQ(robot().whole_records.back().code, kCodeOk);
 }
 
 TEST_F(KeepRule, WithoutTicksTheStateIsTakenOnce) {

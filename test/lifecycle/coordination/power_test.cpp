@@ -124,6 +124,7 @@ TEST_F(Power, MeanwhileNothingGoesUp) {
   const SwitchResult up = robot().Set("Active");
   EXPECT_EQ(up.code, kCodeProtectedError);
   EXPECT_EQ(up.reason, "the robot is about to be powered off");
+  EXPECT_TRUE(robot().Set("Protected").done());
 }
 
 TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {

@@ -46,6 +46,16 @@ TEST_F(Recovery, DrivesItToTheStateThatTheMachineHasReachedMeanwhile) {
   EXPECT_THAT(t.log(), Not(Contains("b:Active")));
 }
 
+TEST_F(Recovery, DoesNotWaitForADetachedActuatorToBeInTheStateOfTheMachine) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "a").after = {"b"};
+  Harness& t = In("Active", config);
+  ASSERT_TRUE(t.Set("LowPower", "b").done());
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "Active");
+}
+
 TEST_F(Recovery, WaitsLongerBeforeEachRestartUpToACeiling) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.limit = 10;
