@@ -1,0 +1,145 @@
+// The battery's ceiling beside a start, a fallback and configs without some of the states.
+
+#include <gtest/gtest.h>
+
+#include "musher/lifecycle/policy/policy.hpp"
+#include "musher/test/lifecycle/coordination/policy.hpp"
+
+namespace musher::testing::battery_and_config_test {
+
+using ::testing::HasSubstr;
+
+TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
+  MachineConfig config = WithPolicy();
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "b").command = {"run", "b"};
+  Harness t(config);
+  t.On("b", "SetUp").takes = Milliseconds(90);
+  t.Begin();
+  t.RunUntil([&] { return t.machine().state == "Active"; });
+  t.Feed(event::BatterySeen{3, false});
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_FALSE(t.machine().policy.loaded);
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_FALSE(t.machine().current);
+  t.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoadAfterAStartThatAnEmergencyStopEnded) {
+  MachineConfig config = WithPolicy();
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "b").command = {"run", "b"};
+  Harness t(config);
+  t.On("b", "SetUp").takes = Milliseconds(90);
+  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.Release();
+  t.RunFor(Milliseconds(10));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  t.Feed(event::BatterySeen{3, false});
+  EXPECT_FALSE(t.machine().current);
+  t.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+// The controller has crashed before the first command of its switch down.
+TEST_F(Rules, AStoredLevelDoesNotLowerTheMachineBeforeTheFirstSample) {
+  Robot();
+  robot().policy_on_disk.lowering = Lowering{"Active", "Protected", robot().machine().epoch};
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(state(), "Active");
+  Battery(90);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_FALSE(policy().stored.lowering);
+}
+
+TEST_F(Rules, TheMachineIsBroughtBackToItsOwnStateOfTheAllowedRank) {
+  MachineConfig config = WithPolicy();
+  config.states.emplace_back("Guarding");
+  config.ranks["Guarding"] = *BuiltInRank(kProtected);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  for (const char* state : {"Active", "LowPower"}) config.flow.push_back({state, "Guarding"});
+  Robot("Guarding", config);
+  Battery(3);
+  EXPECT_EQ(state(), "LowPower");
+  Battery(10);
+  EXPECT_EQ(state(), "Guarding");
+}
+
+TEST_F(Rules, WithoutACriticalActuatorTheBatteryDoesNotRaiseTheMachine) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
+  config.policy = WithPolicy().policy;
+  Robot("Active", config);
+  Battery(10);
+  robot().Crash("b");
+  robot().RunFor(std::chrono::seconds(5));
+  Battery(90);
+  EXPECT_EQ(state(), "Protected") << "it is its on_lost now";
+}
+
+TEST_F(Rules, AfterAFallbackTheBatteryDoesNotRaiseTheMachineToAStateOfAnEarlierConfig) {
+  MachineConfig config = WithPolicy();
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  Robot("Active", config);
+  Battery(3);
+  robot().policy_on_disk.lowering.value().from = "Dancing";
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  robot().Crash("b");
+  robot().RunFor(std::chrono::seconds(1));
+  robot().StartActuator("b");
+  robot().RunFor(std::chrono::seconds(5));
+  Battery(90);
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
+  MachineConfig config = WithPolicy();
+  std::erase(config.states, "LowPower");
+  config.states.emplace_back("Sitting");
+  config.ranks["Sitting"] = 3;
+  config.flow = DefaultFlow(config.states);
+  for (const char* state : {"Active", "Protected"}) config.flow.push_back({state, "Sitting"});
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  config.policy->low_power.reset();
+  Robot("Active", config);
+  Battery(3);
+  EXPECT_EQ(state(), "Sitting");
+}
+
+TEST_F(Rules, TheFlowOfTheConfigForbidsNoCeilingOfTheBattery) {
+  MachineConfig config = WithPolicy();
+  std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "Protected"; });
+  Robot("Active", config);
+  Battery(10);
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(Rules, ARefusedSwitchDownIsRecordedOnceAndNotRetriedInALoop) {
+  MachineConfig config = WithPolicy();
+  std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
+  Robot("Active", config);
+  int steps = 0;
+  robot().after_step = [&] { ++steps; };
+  RequestPolicy(PolicyRequest::kLowPowerSwitch, true);
+  Motion(0);  // it lies down
+  robot().RunFor(std::chrono::minutes(10));
+  EXPECT_LT(steps, 40);
+  EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to LowPower"));
+}
+
+}  // namespace musher::testing::battery_and_config_test
