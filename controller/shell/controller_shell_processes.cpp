@@ -19,6 +19,8 @@ constexpr Duration kUnprovenPeriod = std::chrono::minutes(1);
 }  // namespace
 
 void ControllerShell::Do(const action::StartProcess& a) {
+  // A start that waits is replaced; until this returns it is kept, since it may be what calls.
+  const auto replaced = std::exchange(starts_later_[a.actuator], nullptr);
   const Time at = presence_->MayStartProcessesAt();
   if (at > dependencies_.node->loop().Now()) {
     starts_later_[a.actuator] = dependencies_.node->loop().At(at, [this, a] { Do(a); });

@@ -52,6 +52,10 @@ void Recovery::On(const event::RestartRequested& requested) {
 void Recovery::EndForRestart(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
+  if (pid == 0 && record.launching) {  // the start that is under way is the one requested
+    record.restart_requested = false;
+    return;
+  }
   if (pid == 0) return processes_.Recover(i);
   const bool can_be_commanded = record.presence == Presence::kPresent && !record.command &&
                                 !record.report.busy() && !machine_.current &&

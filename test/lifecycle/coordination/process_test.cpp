@@ -250,6 +250,20 @@ TEST_F(Processes, ThatAreAboutToBeStartedHereMayBeRestarted) {
   EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty()) << "it is not refused";
 }
 
+// A start may take a while: the shell may have to listen for another controller first.
+TEST_F(Processes, ThatAreBeingStartedAreNotStartedOnceMoreByARestart) {
+  StartUpOurs();
+  Do(event::ProcessEnded{0, 700, false, "signal 11"});
+  Pass(Milliseconds(100));
+  ASSERT_THAT(Did<action::StartProcess>(), SizeIs(1));
+  Do(event::RestartRequested{1, "a"});
+  Pass(Milliseconds(20));
+  EXPECT_THAT(Did<action::StartProcess>(), SizeIs(1));
+  EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty());
+  Do(event::ProcessStarted{0, 800});
+  EXPECT_EQ(Of(0).process, 800);
+}
+
 TEST_F(Processes, AreSearchedForBeforeTheMachineIsStopped) {
   StartUpOurs();
   Do(event::SetStateRequested{1, "TearDown", {}});
