@@ -45,8 +45,21 @@ std::uint64_t Unsigned(SQLite::Statement& row, int column) {
   return static_cast<std::uint64_t>(row.getColumn(column).getInt64());
 }
 
+// The id of the first entry with a checksum: only those before it, of version 1, may have none. 0
+// if damage hides it, so that no entry may lack one.
+std::int64_t FirstWithChecksum(const Open& journal) {
+  if (journal.version == 1) return INT64_MAX;
+  SQLite::Statement select(journal.database,
+                           "SELECT id FROM entry WHERE checksum IS NOT NULL ORDER BY id LIMIT 1");
+  try {
+    return select.executeStep() ? select.getColumn(0).getInt64() : INT64_MAX;
+  } catch (const SQLite::Exception&) {
+    return 0;
+  }
+}
+
 // An entry, or why it is damaged.
-Result<JournalEntry> EntryOf(SQLite::Statement& row) {
+Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_checksum) {
   JournalEntry entry;
   const auto id = row.getColumn(0).getInt64();
   const Error damaged{kCodeFailed, "entry " + std::to_string(id) + kNotAsWritten};
@@ -64,8 +77,11 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row) {
   entry.id = Unsigned(row, 10);
   entry.cause = Unsigned(row, 11);
   entry.state = row.getColumn(12).getString();
-  const auto checksum = row.getColumn(13);  // none: written by version 1
-  if (!checksum.isNull() && checksum.getInt64() != ChecksumOf(id, entry)) return damaged;
+  const auto checksum = row.getColumn(13);
+  const bool may_lack_it = id > 0 && id < first_with_checksum;
+  if (checksum.isNull() ? !may_lack_it : checksum.getInt64() != ChecksumOf(id, entry)) {
+    return damaged;
+  }
   return entry;
 }
 
@@ -170,8 +186,9 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
   const Open journal(path);
   std::map<std::int64_t, JournalEntry> entries;
   TableReader reader(journal.database, EntryColumns(journal.version), "entry");
+  const std::int64_t first_with_checksum = FirstWithChecksum(journal);
   const auto take = [&](std::int64_t id, SQLite::Statement& row) -> Damage {
-    auto entry = EntryOf(row);
+    auto entry = EntryOf(row, first_with_checksum);
     if (!entry) return entry.error().message;
     entries[id] = std::move(entry).value();
     return {};
@@ -202,7 +219,9 @@ Result<Recording> ReadRecording(const std::string& path) try {
     });
   };
   const Damage of_inputs = read(journal_schema::kInputColumns, "input", InputOf);
-  const Damage of_entries = read(EntryColumns(journal.version), "entry", EntryOf);
+  const Damage of_entries =
+      read(EntryColumns(journal.version), "entry",
+           [first = FirstWithChecksum(journal)](auto& row) { return EntryOf(row, first); });
   const Damage damage = of_inputs.empty() ? of_entries : of_inputs;
   Recording recording;
   recording.damage = DamageText(items.size(), "entries and inputs", damage);

@@ -138,7 +138,7 @@ StoredStops StateStore::LoadEmergencyStops() const {
     std::uint64_t id = 0;
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
     const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
-    if (name == "end" && value.empty()) return stops;
+    if (line == "end") return stops;
     if (name == "engaged" && is_id) {
       stops.engaged.push_back({id, "", ""});
     } else if (name == "released" && is_id) {

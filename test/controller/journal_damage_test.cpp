@@ -1,6 +1,7 @@
 // A journal that is cut short or has wrong bytes is read as far as possible: whatever is not read
 // is reported as missing.
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -133,6 +134,17 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
   EXPECT_THAT(
       report.value().notes,
       ::testing::ElementsAre(::testing::ContainsRegex("number [0-9]+ of the journal is missing")));
+}
+
+// SQLite reads the missing end of a page as zeros, and a row of zeros has no checksum.
+TEST_F(JournalDamage, ThatHidesAChecksumIsNoticed) {
+  SQLite::Database(path_, SQLite::OPEN_READWRITE)
+      .exec("UPDATE entry SET checksum = NULL WHERE id = (SELECT id FROM entry LIMIT 1 OFFSET 4)");
+  const auto history = ReadJournal(path_, 0, kAll);
+  ASSERT_TRUE(history);
+  EXPECT_EQ(history.value().entries.size(), entries_.size() - 1);
+  EXPECT_THAT(history.value().damage, ::testing::HasSubstr(": wrong checksum or missing data"));
+  EXPECT_EQ(ReadRecording(path_).value().rows.size(), rows_.size() - 1);
 }
 
 TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {

@@ -78,7 +78,8 @@ TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
 
 TEST_F(Store, ReadsADamagedOrShortenedFileOfEmergencyStopsAsAnEngagedStop) {
   StateStore store = MustOpen();
-  for (const char* text : {"", "engaged 7\n", "released x\nend\n", "4711 \n", "by me\nend\n"}) {
+  for (const char* text :
+       {"", "engaged 7\n", "released x\nend\n", "4711 \n", "by me\nend\n", "end "}) {
     std::ofstream(dir_ + "/emergency_stop") << text;
     EXPECT_EQ(store.LoadEmergencyStops().engaged.size(), 1U) << text;
   }
