@@ -28,7 +28,8 @@ foreach(folder base lifecycle wire behavior messages transport actuator applicat
           PATTERN "transport/dds" EXCLUDE
           PATTERN "security" EXCLUDE
           PATTERN "controller/cli" EXCLUDE
-          PATTERN "actuator/program" EXCLUDE)
+          PATTERN "actuator/program" EXCLUDE
+          PATTERN "generator" EXCLUDE)
 endforeach()
 # A folder of the IDL is a package, whose headers are generated.
 file(GLOB packages RELATIVE ${PROJECT_SOURCE_DIR}/messages ${PROJECT_SOURCE_DIR}/messages/*/*.idl)

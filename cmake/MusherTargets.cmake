@@ -19,9 +19,13 @@ if(CCACHE)
 endif()
 
 # Some 180 programs are linked, each in a fraction of the time.
+include(CheckLinkerFlag)
 find_program(MOLD mold)
-if(MOLD AND PROJECT_IS_TOP_LEVEL)
-  add_link_options(-fuse-ld=mold)
+if(MOLD AND PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CROSSCOMPILING)
+  check_linker_flag(CXX -fuse-ld=mold MUSHER_HAS_MOLD)
+  if(MUSHER_HAS_MOLD)
+    add_link_options(-fuse-ld=mold)
+  endif()
 endif()
 
 # musher_target(<target>) sets what all targets have in common: the warnings, and a unity build of

@@ -10,8 +10,8 @@
 //   };
 //
 // Field types: bool, integers, float, double, std::string, std::vector and std::array of any of
-// these, and other messages. The IDL in messages/idl is the contract; test/contract proves that the
-// structs and the IDL say the same.
+// these, and other messages. Messages of the IDL are generated (messages/README.md); test/contract
+// proves that they are encoded as idlc's.
 //
 // A message that has grown says by `static constexpr std::size_t kAppended` how many of its last
 // fields an older peer does not send; they keep their default then, and an older peer does not read

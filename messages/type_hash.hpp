@@ -1,7 +1,6 @@
 #pragma once
 // The type hashes (RIHS01, REP 2011) by which ROS 2 compares the definitions of a type. Computed
-// from messages/idl when Musher is built (messages/type_hashes.py), equal to those that rosidl
-// computes.
+// from the IDL when Musher is built (messages/generator), equal to those that rosidl computes.
 //
 // Threads: any; the table is constant.
 
@@ -16,11 +15,11 @@ struct TypeHash {
   std::string_view hash;  // "RIHS01_" and 64 hexadecimal digits
 };
 
-// Of every type in messages/idl, sorted by type. A service has none of its own on the wire: its
+// Of every type in the IDL, sorted by type. A service has none of its own on the wire: its
 // request and its response are types.
 std::span<const TypeHash> TypeHashes();
 
-// The hash of a type by its name on DDS; "" for a type that messages/idl does not define.
+// The hash of a type by its name on DDS; "" for a type that the IDL does not define.
 std::string_view TypeHashOf(std::string_view type);
 
 }  // namespace musher::msg

@@ -1,6 +1,7 @@
 #pragma once
-// The commands of `musher`. Each is a file, <command>.cpp, with its options, its help and what it
-// does.
+// The commands of `musher`. Add<Command>() is in <command>.cpp, with the options of the command,
+// its help and what it does; wake, keep, low-power, poweroff and reboot are in policy.cpp.
+// AddCommands() calls all of them.
 
 namespace musher::cli {
 

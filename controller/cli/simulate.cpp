@@ -70,7 +70,8 @@ Result<ScenarioOptions> OptionsFor(const SimulateOptions& options, const Machine
   return scenario;
 }
 
-// Simulated actuators use Musher's protocol. Returns the names of those that really use another.
+// Simulated actuators use Musher's protocol, and the controller starts them by itself. Returns the
+// names of those that really use another.
 std::vector<std::string> MakeAllUseMusher(MachineConfig& config) {
   std::vector<std::string> others;
   for (ActuatorConfig& actuator : config.actuators) {
@@ -78,6 +79,7 @@ std::vector<std::string> MakeAllUseMusher(MachineConfig& config) {
     others.push_back(actuator.name);
     actuator.protocol = Protocol::kMusher;
   }
+  config.ros2.started_by_manager = false;  // no manager is simulated
   return others;
 }
 

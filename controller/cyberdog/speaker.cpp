@@ -33,7 +33,7 @@ Result<> Speaker::Open(transport::Endpoints& endpoints) {
   player_ = endpoints.OpenClient<msg::AudioTextPlay>("speech_text_play", [this] { Look(); });
   motion_ = endpoints.OpenClient<msg::MotionResultCmd>("motion_result_cmd");
   endpoints.Subscribe<msg::TouchStatus>("touch_status", [this](const msg::TouchStatus& touch) {
-    if (touch.touch_state == msg::TouchStatus::kDouble) Handle(voice_event::DoubleTapped{});
+    if (touch.touch_state == msg::TouchStatus::kDoubleTouch) Handle(voice_event::DoubleTapped{});
   });
   endpoints.Subscribe<msg::Bool>("app_connection_state", [this](const msg::Bool& connected) {
     if (connected.data) Handle(voice_event::AppConnected{});

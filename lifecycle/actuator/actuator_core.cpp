@@ -214,8 +214,8 @@ class Deciding {
     report_.held_by_stop = true;
     core_.stopped_meanwhile = core_.under_stop = report_.busy();
     Do(RunEmergencyStop{});
-    if (report_.busy() && GoesUp(report_.target)) Do(RequestStop{});
-    if (core_.waiting && GoesUp(core_.waiting->command.target)) DropWaiting(Stopped());
+    if (report_.busy() && SwitchesOn(report_.target)) Do(RequestStop{});
+    if (core_.waiting && SwitchesOn(core_.waiting->command.target)) DropWaiting(Stopped());
     ReportStops();
   }
 
@@ -234,14 +234,14 @@ class Deciding {
   event::CallbackEnded UnderStop(const State& target, const event::CallbackEnded& ended) {
     if (!std::exchange(core_.stopped_meanwhile, false)) return ended;
     Do(RunEmergencyStop{});
-    if (!GoesUp(target) || ended.code != kCodeOk) return ended;
+    if (!SwitchesOn(target) || ended.code != kCodeOk) return ended;
     return {kCodeProtectedError,
             "an emergency stop was engaged while " + target + " ran; the state is not taken"};
   }
 
   static Refusal Stopped() {
     return {kCodeProtectedError,
-            "an emergency stop is engaged; until it is released nothing goes up"};
+            "an emergency stop is engaged; until it is released nothing is switched on"};
   }
 
   // The callback of the present state leads up, too, where it undoes a failed downward callback, or
@@ -254,11 +254,14 @@ class Deciding {
     return core_.half_way_down || switches_on;
   }
 
-  // The callback of another state of the same rank is not begun under a stop, either.
-  bool IsForbidden(const State& target) const {
-    if (report_.emergency_stop == 0) return false;
+  // So does the callback of another state of the same rank above DeActive.
+  bool SwitchesOn(const State& target) const {
     const bool elsewhere = target != report_.state;
     return GoesUp(target) || (elsewhere && SwitchesOnAgain(machine_, report_.state, target));
+  }
+
+  bool IsForbidden(const State& target) const {
+    return report_.emergency_stop != 0 && SwitchesOn(target);
   }
 
   // A repeated command gets the same answer again, or the answer of its run.
@@ -367,7 +370,8 @@ class Deciding {
     core_.unsettled = code != kCodeOk;
     const bool switches_on = target == report_.state && report_.held_by_stop;
     core_.half_way_down = core_.unsettled && (core_.half_way_down || switches_on ||
-                                              Rises(machine_, target, report_.state));
+                                              Rises(machine_, target, report_.state) ||
+                                              SwitchesOnAgain(machine_, target, report_.state));
     if (code == kCodeOk) report_.state = target;
   }
 

@@ -54,6 +54,8 @@ void Recovery::EndForRestart(std::size_t i) {
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0 && record.launching) {  // the start that is under way is the one requested
     record.restart_requested = false;
+    record.presence = Presence::kStarting;
+    record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
     return;
   }
   if (pid == 0) return processes_.Recover(i);

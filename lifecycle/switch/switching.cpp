@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "musher/lifecycle/config/flow.hpp"
 namespace musher {
 
 std::string Describe(const MachineConfig& config, const State& target,
@@ -129,11 +130,18 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
 }
 
 // Why nothing can be sent for `leg` any more: its actuator was present when the switch was planned,
-// and was lost or restarted meanwhile.
+// and was lost or restarted meanwhile, or stopped.
 std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
   const ActuatorRecord& record = Of(leg.actuator);
   if (record.presence != Presence::kPresent) {
     return CommandResult{ActuatorOutcome::kLost, kCodeNetError, "is no longer available", false};
+  }
+  // Modules of other protocols do not receive the stop. A switch up is undone as a whole.
+  const Switch& s = *machine_.current;
+  const bool level = !s.rolling_back && s.direction != Direction::kUp;
+  if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target)) {
+    return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
+                         "is held by an emergency stop", false};
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;

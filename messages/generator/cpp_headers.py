@@ -15,9 +15,13 @@ TYPES = {
 
 def cpp_names(files):
     """{DDS name: name in musher::msg} of all structs."""
-    names = {}
+    names, taken = {}, {}
     for file in files:
         for interface in idl.interfaces_of(file):
+            if interface.cpp_name in taken:
+                raise idl.Fault(f"{file.path}: {interface.ros_name} and {taken[interface.cpp_name]} are both "
+                                f"'{interface.cpp_name}' in C++: give one a @cpp_name")
+            taken[interface.cpp_name] = interface.ros_name
             for part, struct in interface.parts.items():
                 names[struct.dds_name] = "::".join(
                     [interface.cpp_name, *part.split("_")] if part else [interface.cpp_name])
@@ -107,10 +111,10 @@ class Header:
             self.lines.comment(interface.constants.comment)
         for constant in interface.constants.items:
             of = "std::string_view" if constant.type == "string" else TYPES[constant.type]
-            suffix = "F" if constant.type == "float" else ""
+            value = f"{float(constant.value)}F" if constant.type == "float" else constant.value
             self.lines.comment(constant.before)
             self.lines.add(f"static constexpr {of} {constant_name(constant.name)} = "
-                           f"{constant.value}{suffix};", constant.behind)
+                           f"{value};", constant.behind)
         if interface.parts:
             self.lines.add()
 

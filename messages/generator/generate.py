@@ -12,6 +12,7 @@ An .idl is given by its path below the root. A file that would not change is not
 """
 
 import argparse
+import glob
 import os
 import shutil
 import sys
@@ -40,6 +41,13 @@ def write_all(folder, files):
         write(os.path.join(folder, path), text)
 
 
+def remove_others(folder, made):
+    """Removes the headers of IDL that is gone: they would still be found and installed."""
+    for path in glob.glob(os.path.join(folder, "musher", "messages", "*", "*.hpp")):
+        if os.path.relpath(path, folder) not in made:
+            os.remove(path)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["headers", "hashes", "idlc", "ros", "wire-tests"])
@@ -54,7 +62,9 @@ def main():
     try:
         files = idl.read_all(given.root, given.idl)
         if given.what == "headers":
-            write_all(given.out, cpp_headers.headers(files))
+            made = cpp_headers.headers(files)
+            remove_others(given.out, made)
+            write_all(given.out, made)
         elif given.what == "hashes" and given.out:
             write(given.out, type_hashes.cpp_source(files))
         elif given.what == "hashes":

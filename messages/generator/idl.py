@@ -17,9 +17,20 @@ KINDS = ("msg", "srv", "action")
 # The fields that ROS 2 adds: to the requests and responses of a service, and to an empty message.
 ENVELOPE = ("client_id", "sequence_number")
 PLACEHOLDER = "structure_needs_at_least_one_member"
+# A line's code and comment; // in quotes begins none.
+LINE = re.compile(r'((?:"[^"]*"|(?!//).)*)(?://(.*))?$')
 ANNOTATION = re.compile(r"@(\w+)(?:\(((?:\"[^\"]*\"|[^()])*)\))?\s*")
 FIELD = re.compile(r"(?P<type>[\w:]+(?:<.+>)?)\s+(?P<name>\w+)(?:\[(?P<length>\d+)\])?;$")
 CONSTANT = re.compile(r"const\s+(?P<type>\w+)\s+(?P<name>[A-Z][A-Z0-9_]*)\s*=\s*(?P<value>[^;]+);$")
+
+
+# Of IDL 4.2, those that a name could be.
+KEYWORDS = {"abstract", "any", "attribute", "bitset", "boolean", "case", "char", "component", "const", "context",
+            "custom", "default", "double", "enum", "exception", "factory", "fixed", "float", "home", "import", "in",
+            "inout", "interface", "local", "long", "map", "module", "multiple", "native", "object", "octet", "out",
+            "port", "private", "provides", "public", "publishes", "raises", "readonly", "sequence", "short", "string",
+            "struct", "supports", "switch", "true", "false", "truncatable", "typedef", "union", "unsigned", "uses",
+            "void", "wchar", "wstring"}
 
 
 class Fault(Exception):
@@ -116,9 +127,13 @@ def annotations(code):
     """({name: argument}, the rest of the line)"""
     found = {}
     while match := ANNOTATION.match(code):
-        found[match[1]] = (match[2] or "").strip().strip('"')
+        found[match[1]] = (match[2] or "").strip()
         code = code[match.end():]
     return found, code
+
+
+def cpp_name(annotations_given):
+    return annotations_given.get("cpp_name", "").strip('"') or None
 
 
 def parse_type(text, scope):
@@ -146,11 +161,13 @@ class Reader:
         self.scope, self.pending, self.current = [], [], None
 
     def take(self, line):
-        code, _, comment = line.partition("//")
-        code, comment = code.strip(), comment.strip()
+        code, comment = LINE.match(line).groups()
+        code, comment = code.strip(), (comment or "").strip()
         if not code and not comment:
             if self.pending and not self.file.declared and not self.scope:
                 self.file.comment += self.pending
+            elif self.pending:
+                raise Fault(f"the comment '{self.pending[-1]}' is above nothing")
             self.pending = []
         elif not code:
             self.pending.append(comment)
@@ -165,10 +182,11 @@ class Reader:
                 self.file.comment, self.pending = self.file.comment + self.pending, []
             self.file.includes.append(include[1])
         elif set(code) <= set("}; "):
+            if self.pending or behind:
+                raise Fault(f"the comment '{behind or self.pending[-1]}' belongs to nothing")
             self.close(code.count("}"))
         elif match := re.fullmatch(r"module (\w+)_Constants \{", code):
-            self.open(Constants(self.file.path, *self.place(), match[1], self.pending,
-                                given.get("cpp_name")))
+            self.open(Constants(self.file.path, *self.place(), match[1], self.pending, cpp_name(given)), behind)
         elif re.match(r"module\b", code):
             if self.pending and not self.file.declared and not self.file.comment:
                 self.file.comment = self.pending
@@ -177,8 +195,7 @@ class Reader:
         elif match := re.fullmatch(r"struct (\w+)_ \{", code):
             if "final" not in given:
                 raise Fault(f"'{match[1]}_' is not @final: ROS 2's messages are")
-            self.open(Struct(self.file.path, *self.place(), match[1], self.pending,
-                             given.get("cpp_name")))
+            self.open(Struct(self.file.path, *self.place(), match[1], self.pending, cpp_name(given)), behind)
         elif isinstance(self.current, Struct) and (field := FIELD.match(code)):
             kind = parse_type(field["type"], self.scope)
             kind.length = int(field["length"] or 0)
@@ -186,6 +203,8 @@ class Reader:
                                              given.get("default"), "appended" in given))
             self.pending = []
         elif isinstance(self.current, Constants) and (constant := CONSTANT.match(code)):
+            if constant["name"].lower() in KEYWORDS:
+                raise Fault(f"'{constant['name']}' is a keyword of IDL, which does not distinguish case")
             self.current.items.append(Constant(constant["name"], constant["type"],
                                                constant["value"].strip(), self.pending, behind))
             self.pending = []
@@ -197,7 +216,9 @@ class Reader:
             raise Fault(f"this belongs into the modules <package>, one of {', '.join(KINDS)}, dds_")
         return self.scope[:2]
 
-    def open(self, declared):
+    def open(self, declared, behind):
+        if behind:
+            raise Fault(f"the comment '{behind}' belongs above '{declared.name}'")
         self.current, self.pending = declared, []
 
     def close(self, count):

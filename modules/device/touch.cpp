@@ -10,7 +10,7 @@ std::string TouchText(std::int32_t touch_state) {
   switch (touch_state) {
     case TouchStatus::kSingle:
       return "single tap";
-    case TouchStatus::kDouble:
+    case TouchStatus::kDoubleTouch:
       return "double tap";
     case TouchStatus::kHold:
       return "hold";
@@ -24,7 +24,7 @@ std::string TouchText(std::int32_t touch_state) {
 }
 
 bool DoubleTap::Take(std::int32_t touch_state, Time now) {
-  if (touch_state != msg::TouchStatus::kDouble) return false;
+  if (touch_state != msg::TouchStatus::kDoubleTouch) return false;
   if (last_ && now - *last_ < kPause) return false;
   last_ = now;
   return true;

@@ -74,6 +74,20 @@ class Generator(unittest.TestCase):
         self.refuses("a/srv/Do has no Response", x="module a { module srv { module dds_ {\n"
                      "  @final struct Do_Request_ {\n    int32 x;\n  };\n}; }; };\n")
 
+    def test_a_constant_with_the_name_of_a_keyword(self):
+        self.refuses("x.idl:3: 'DOUBLE' is a keyword",
+                     x=in_modules("  module X_Constants {", "    const int32 DOUBLE = 3;", "  };"))
+
+    def test_a_comment_that_would_be_lost(self):
+        for lines in (["  @final struct X_ {  // lost", "    int32 x;", "  };"],
+                      ["  @final struct X_ {", "    int32 x;", "    // lost", "  };"],
+                      ["  // lost", "", "  @final struct X_ {", "    int32 x;", "  };"]):
+            self.refuses("the comment 'lost'", x=in_modules(*lines))
+
+    def test_two_interfaces_of_one_name_in_cpp(self):
+        self.refuses("a/msg/Y and a/msg/Good are both 'Good' in C++",
+                     x=GOOD, y=in_modules('  @final @cpp_name("Good") struct Y_ {', "    int32 x;", "  };"))
+
     def test_a_good_file_becomes_a_header(self):
         error, made = generate(good=in_modules(
             "  module Good_Constants {", "    const uint8 RGB_ON = 0x01;  // a light", "  };",

@@ -307,6 +307,17 @@ TEST_F(Stopped, RefusesAnotherStateOfItsRankThatWouldSwitchOnAgain) {
   Switch(5, "Sitting");
 }
 
+TEST_F(Stopped, ACallbackOfItsRankThatRunsIsRequestedToStopAndItsStateIsNotTaken) {
+  config_.actuators[0].states.emplace_back("Dancing");
+  config_.ranks["Dancing"] = *BuiltInRank("Active");
+  Switch(2, "Active");
+  Do(Command(3, "Dancing"));
+  EXPECT_THAT(Engage(), kRequestsStop);
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).code, kCodeProtectedError);
+  EXPECT_EQ(core_.report.state, "Active");
+  EXPECT_EQ(AnswerIn(Do(Command(4, "Active"))).code, kCodeProtectedError) << "that undoes it";
+}
+
 TEST_F(Stopped, ACallbackThatRanUnderTheStopDoesNotEndTheHold) {
   Switch(2, "Active");
   Engage();

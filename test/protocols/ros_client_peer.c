@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "musher_msgs.h"
+#include "musher_idl.h"
 
 typedef musher_msgs_srv_dds__SetState_Request_ Request;
 typedef musher_msgs_srv_dds__SetState_Response_ Response;

@@ -22,7 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rmw_dds_common.h"
+#include "musher_idl.h"
 
 typedef rmw_dds_common_msg_dds__ParticipantEntitiesInfo_ Info;
 typedef rmw_dds_common_msg_dds__NodeEntitiesInfo_ NodeInfo;

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lifecycle_msgs.h"
+#include "musher_idl.h"
 
 typedef lifecycle_msgs_srv_dds__ChangeState_Request_ ChangeRequest;
 typedef lifecycle_msgs_srv_dds__ChangeState_Response_ ChangeResponse;

@@ -1,6 +1,5 @@
 #pragma once
-// The grammar of `musher`'s command line, built with CLI11. Each command adds itself
-// (commands.hpp).
+// The grammar of `musher`'s command line, built with CLI11. commands.cpp adds the commands.
 
 #include <functional>
 #include <map>

@@ -55,7 +55,7 @@ class ASpeakingRobot : public ManagedRobot {
     ManagedRobot::BringUp();
     SetBattery(80);
   }
-  void DoubleTap() { tap_({{}, msg::TouchStatus::kDouble, 0}); }
+  void DoubleTap() { tap_({{}, msg::TouchStatus::kDoubleTouch, 0}); }
   std::vector<std::string> Said(Duration within = seconds(30)) {
     robot_.RunFor(within);
     return std::exchange(said_, {});

@@ -141,7 +141,7 @@ TEST_F(DeviceManagerProcess, AnswersItsServicesByTheRulesAndWakesTheRobotByADoub
 
   EXPECT_TRUE(peer_.Switch("LowPower"));
   EXPECT_TRUE(peer_.Until([&] { return touch_->MatchedReaders() > 0; }));
-  ASSERT_TRUE(touch_->Publish({msg::TouchStatus::kDouble}));
+  ASSERT_TRUE(touch_->Publish({msg::TouchStatus::kDoubleTouch}));
   EXPECT_TRUE(peer_.Until([&] { return calls == 1; })) << peer_.Output();
 }
 

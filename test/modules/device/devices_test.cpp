@@ -276,19 +276,19 @@ TEST_F(Pad, LeavesLowPowerByADoubleTap) {
   state_ = "LowPower";
   Touch(msg::TouchStatus::kSingle);
   EXPECT_EQ(calls_, 0);
-  Touch(msg::TouchStatus::kDouble);
+  Touch(msg::TouchStatus::kDoubleTouch);
   EXPECT_EQ(calls_, 1);
-  Touch(msg::TouchStatus::kDouble);  // too soon
+  Touch(msg::TouchStatus::kDoubleTouch);  // too soon
   EXPECT_EQ(calls_, 1);
   Run(Milliseconds(2000));
-  Touch(msg::TouchStatus::kDouble);
+  Touch(msg::TouchStatus::kDoubleTouch);
   EXPECT_EQ(calls_, 2);
 }
 
 TEST_F(Pad, ChangesNothingByADoubleTapInOtherStates) {
   Serve(true);
   Start();
-  Touch(msg::TouchStatus::kDouble);
+  Touch(msg::TouchStatus::kDoubleTouch);
   EXPECT_EQ(calls_, 0);
   EXPECT_THAT(received_, SizeIs(1));
 }
@@ -297,7 +297,7 @@ TEST_F(Pad, LogsWhyTheRobotDoesNotWakeUp) {
   Serve(false);
   Start();
   state_ = "LowPower";
-  Touch(msg::TouchStatus::kDouble);
+  Touch(msg::TouchStatus::kDoubleTouch);
   EXPECT_THAT(log_, ElementsAre(HasSubstr("leaving low power is requested"),
                                 "touch: low_power_exit refused: the battery is empty"));
 }
@@ -305,9 +305,9 @@ TEST_F(Pad, LogsWhyTheRobotDoesNotWakeUp) {
 TEST_F(Pad, CallsOnceWithoutAReplyAndLogsTheTimeoutAfter13Seconds) {
   Start();
   state_ = "LowPower";
-  Touch(msg::TouchStatus::kDouble);
+  Touch(msg::TouchStatus::kDoubleTouch);
   Run(Milliseconds(5000));
-  Touch(msg::TouchStatus::kDouble);
+  Touch(msg::TouchStatus::kDoubleTouch);
   EXPECT_THAT(log_, SizeIs(1));
   Run(Milliseconds(8000));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("is requested"), HasSubstr("touch: low_power_exit: ")));
