@@ -134,4 +134,8 @@ TEST_F(ABond, ThatIsOffSendsNothingWhenItIsStopped) {
   EXPECT_FALSE(bond_.Stop(now_));
 }
 
+TEST_F(ABond, ThatIsOffSendsNothingWhenAReaderIsMatched) {
+  EXPECT_FALSE(bond_.OnReaders(now_));
+}
+
 }  // namespace musher::bond_test

@@ -142,6 +142,7 @@ TEST_F(Monitor, AStarvedProcessStaysStarvedUntilItHasKeptUpForAWhile) {
   EXPECT_THAT(Found(), IsEmpty());
   RunFor(Milliseconds(400));
   EXPECT_THAT(Found(), ElementsAre("a well"));
+  EXPECT_EQ(how_, "it gets enough CPU again");
 }
 
 TEST_F(Monitor, AStoppedProcessHangsHoweverLongItWaited) {
@@ -314,6 +315,7 @@ TEST_F(Monitor, ReportsTheWorkThreadsVerdictAndItsState) {
   heartbeat_[0] = {kHeartbeat, Health::kWell, "", {}, {}};
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a well"));
+  EXPECT_EQ(how_, "its work thread makes progress again");
 }
 
 TEST_F(Monitor, NeverEvaluatesAnActuatorOfAProtocolWithoutHeartbeats) {

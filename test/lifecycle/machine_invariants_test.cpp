@@ -66,6 +66,11 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
                 machine_.current->number = machine_.last_switch + 1;
               }),
               HasSubstr("not given yet"));
+  EXPECT_THAT(broken_by([&] {
+                machine_.current.emplace();
+                machine_.phase = Phase::kFenced;
+              }),
+              HasSubstr("idle, stopped or fenced"));
   Switch lost_command;
   lost_command.number = machine_.number;
   lost_command.legs.push_back({});
@@ -98,6 +103,22 @@ TEST_F(BrokenInvariants, AreNotRecordedAgainByStepsThatDidNotBreakThem) {
     if (record == nullptr) continue;
     EXPECT_THAT(record->message, ::testing::Not(HasSubstr(kBrokenInvariant)));
   }
+}
+
+// A controller begins once only; a second Begin leaves the deadlines of the TearDown behind.
+TEST_F(BrokenInvariants, AreRecordedAsFailedByTheStepThatBreaksThem) {
+  machine_.phase = Phase::kStopped;
+  machine_.stopping.emplace();
+  ASSERT_THAT(Broken(), IsEmpty());
+  std::vector<std::int32_t> codes;
+  for (const Action& action :
+       Step(running_.config(), machine_, event::Begin{}, running_.now() + Milliseconds(1))) {
+    const auto* record = std::get_if<action::Record>(&action);
+    if (record != nullptr && record->message.starts_with(kBrokenInvariant)) {
+      codes.push_back(record->code);
+    }
+  }
+  EXPECT_THAT(codes, ::testing::ElementsAre(kCodeFailed));
 }
 
 // The retry of a switch of the policy stayed the next deadline of a machine that is torn down: the

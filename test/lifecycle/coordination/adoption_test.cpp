@@ -155,6 +155,17 @@ TEST_F(Adopting, KeepsADetachedActuatorDetachedAndDoesNotUseItsStateForTheMachin
   EXPECT_EQ(t.StateOf("b"), "Protected");
 }
 
+TEST_F(Adopting, UsesTheStatesOfDetachedActuatorsWhereAllAreDetached) {
+  Harness& t = In("Active", Ours(2));
+  ASSERT_TRUE(t.Set("Protected", "a").done());
+  ASSERT_TRUE(t.Set("LowPower", "b").done());
+  t.ClearLog();
+  Restart(t);
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
 TEST_F(Adopting, StartsOnlyWhatDoesNotRun) {
   Harness& t = In("Protected", Ours(3));
   t.Crash("b");

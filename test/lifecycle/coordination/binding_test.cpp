@@ -7,9 +7,11 @@
 
 namespace musher::testing::binding_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
+using ::testing::Not;
 
 class Binding : public Switching {
  protected:
@@ -209,6 +211,20 @@ TEST_F(Binding, WaitsForASwitchUnderWay) {
   t.Rest();
   EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kDoneDegraded);
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected") << name;
+}
+
+TEST_F(Binding, SuspendsNothingWhereTheOtherIsUpAgainBeforeTheSwitchEnds) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").binds_to = {"a"};
+  Harness& t = In("Active", config);
+  t.On("c", "Protected").takes = Milliseconds(80);
+  t.RequestSwitch("Protected");
+  t.RunFor(Milliseconds(30));  // a and b are there
+  t.Find("a", Health::kHung);
+  t.Find("a", Health::kWell);
+  t.Rest();
+  EXPECT_THAT(t.records, Contains("a has recovered: as the test says"));
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("suspended"))));
 }
 
 TEST_F(Binding, HoldsAtAStartToo) {

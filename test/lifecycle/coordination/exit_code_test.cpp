@@ -73,6 +73,22 @@ TEST_F(ExitCode, OtherCodesAndSignalsAreRestarted) {
   EXPECT_EQ(StartsOf(t, "b"), 3);
 }
 
+TEST_F(ExitCode, ZeroIsNotRecordedAsAFailureAndAnyOtherIs) {
+  Harness& t = In("Active", Ours(2));
+  const auto code_of_end = [&] {
+    std::int32_t code = -1;
+    for (const action::Record& record : t.whole_records) {
+      if (record.message.starts_with("b's process ")) code = record.code;
+    }
+    return code;
+  };
+  t.Exit("b", 1, "the port is gone");
+  t.Rest();
+  EXPECT_EQ(code_of_end(), kCodeFailed);
+  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process, true, "exit code 0"});
+  EXPECT_EQ(code_of_end(), kCodeOk);
+}
+
 // So that a recording from before the field exit_code existed is replayed unchanged.
 TEST_F(ExitCode, ThatIsUnknownIsNotReadFromTheText) {
   Harness& t = In("Active", Ours(2));
@@ -191,6 +207,17 @@ TEST_F(ExitCode, OfAProcessTerminatedForARestartDoesNotPreventTheRestart) {
   ASSERT_EQ(t.calls.count(call), 1U);
   EXPECT_TRUE(t.calls.at(call));
   EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(ExitCode, OfAProcessTerminatedForARestartIsNotRecordedAsFinal) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "TearDown").hangs = true;
+  t.Restart("b");
+  t.RunFor(Milliseconds(20));
+  t.Exit("b", 2, "interrupted");
+  t.Rest();
+  EXPECT_THAT(t.records, Contains(HasSubstr("exit code 2: interrupted")));
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("not restarted automatically"))));
 }
 
 TEST_F(ExitCode, IsRetriedByTheNextController) {

@@ -208,4 +208,16 @@ TEST_F(OnClockTopic, TheFirstClockSampleDoesNotEndAKeep) {
   EXPECT_FALSE(policy().keep);
 }
 
+class WithoutTheRule : public Rules {};
+
+TEST_F(WithoutTheRule, NoMotionCountsAsLyingStill) {
+  MachineConfig config = WithPolicy();
+  config.policy->low_power.reset();
+  Robot("Active", config);
+  Motion(kLying);
+  robot().RunFor(std::chrono::seconds(60));
+  EXPECT_FALSE(policy().still);
+  EXPECT_EQ(state(), "Active");
+}
+
 }  // namespace musher::testing::lying_still_test

@@ -205,4 +205,14 @@ TEST_F(WithoutTheBatteryRule, AMachineThatTheRuleOfAnEarlierConfigTookDownWakesU
   EXPECT_EQ(machine_.state, "Active");
 }
 
+class RecordedRequests : public Rules {};
+
+TEST_F(RecordedRequests, OfAKeepNameItsTimeAndWithoutTicksTheSwitch) {
+  Robot();
+  KeepAndWait("Protected", 0);
+  EXPECT_TRUE(IsRecorded("switch to Protected or end of the keep requested"));
+  KeepAndWait("Active", 60);
+  EXPECT_TRUE(IsRecorded("keep in Active for 60 s requested"));
+}
+
 }  // namespace musher::testing::policy_request_test

@@ -322,4 +322,16 @@ TEST_F(Recovery, ARestartedActuatorThatFailsToFollowIsNotDrivenAgainByItself) {
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
 }
 
+// Which no checked config has: its on_lost is one of its states.
+TEST_F(Recovery, AFallbackToAStateThatTheMachineDoesNotHaveIsRefusedAndRecorded) {
+  MachineConfig config = OursWithCriticalB();
+  std::erase(config.states, State("Protected"));
+  Harness& t = In("Active", config);
+  t.Exit("b", 2, "no licence");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_THAT(t.records,
+              Contains(HasSubstr("cannot fall back to Protected: unknown state 'Protected'")));
+}
+
 }  // namespace musher::testing::recovery_test

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 
 namespace musher::testing::start_up_test {
 
@@ -351,6 +352,22 @@ TEST(Adoption, AfterACrashDuringASwitchGoesToTheLeastActiveState) {
   EXPECT_EQ(t.machine().state, "Protected");
   EXPECT_EQ(t.StateOf("a"), "Protected");
   EXPECT_EQ(t.StateOf("b"), "Protected") << "it ended Active late and was driven back";
+}
+
+using SetUpDeadline = OneController;
+
+TEST_F(SetUpDeadline, IsReportedForANodeThatHasFailedBeforeAndIsBeingConfiguredAgain) {
+  config_.actuators[0].protocol = Protocol::kRos2Lifecycle;
+  Begin();
+  ActuatorReport report = Report(0, config_.default_state);
+  report.outcome_number = 2;
+  report.outcome_code = 3012;
+  report.busy_number = 3;
+  report.target = State(kSetUp);
+  Say(0, report);
+  Pass(Milliseconds(200));
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_THAT(Of(0).fault->message, HasSubstr("was not set up within 100 ms"));
 }
 
 }  // namespace musher::testing::start_up_test
