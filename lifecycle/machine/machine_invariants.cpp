@@ -76,8 +76,7 @@ const char* BrokenOf(const Machine& machine) {
   if (again) return "a released emergency stop is engaged";
   if (machine.set_up && !machine.set_up_requests.empty())
     return "a request that awaits the set-up is not answered after it";
-  if (machine.last_record != 0 && !machine.recorded_state.empty() &&
-      machine.recorded_state != machine.state) {
+  if (!machine.recorded_state.empty() && machine.recorded_state != machine.state) {
     return "the state of the machine is not recorded";
   }
   if (machine.current) return BrokenOf(machine, *machine.current);
