@@ -260,10 +260,6 @@ class Deciding {
     return GoesUp(target) || (elsewhere && SwitchesOnAgain(machine_, report_.state, target));
   }
 
-  bool IsForbidden(const State& target) const {
-    return report_.emergency_stop != 0 && SwitchesOn(target);
-  }
-
   // A repeated command gets the same answer again, or the answer of its run.
   bool Repeated(const event::SwitchArrived& arrived) {
     const std::uint64_t number = arrived.command.number;
@@ -302,7 +298,7 @@ class Deciding {
                      "a controller has control, epoch " + std::to_string(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
-    if (IsForbidden(target)) return Stopped();
+    if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
     return CheckTarget(target);
   }
 
@@ -322,7 +318,7 @@ class Deciding {
   }
 
   std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
-    if (IsForbidden(command.target)) return Stopped();
+    if (report_.emergency_stop != 0 && SwitchesOn(command.target)) return Stopped();
     return CheckAge(command, now_);
   }
 

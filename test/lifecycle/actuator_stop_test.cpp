@@ -301,21 +301,13 @@ TEST_F(Stopped, RefusesAnotherStateOfItsRankThatWouldSwitchOnAgain) {
     config_.ranks[state] = *BuiltInRank(like);
   }
   Switch(2, "Active");
-  Engage();
-  EXPECT_EQ(AnswerIn(Do(Command(3, "Dancing"))).code, kCodeProtectedError);
-  Switch(4, "LowPower");
-  Switch(5, "Sitting");
-}
-
-TEST_F(Stopped, ACallbackOfItsRankThatRunsIsRequestedToStopAndItsStateIsNotTaken) {
-  config_.actuators[0].states.emplace_back("Dancing");
-  config_.ranks["Dancing"] = *BuiltInRank("Active");
-  Switch(2, "Active");
   Do(Command(3, "Dancing"));
   EXPECT_THAT(Engage(), kRequestsStop);
-  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).code, kCodeProtectedError);
-  EXPECT_EQ(core_.report.state, "Active");
-  EXPECT_EQ(AnswerIn(Do(Command(4, "Active"))).code, kCodeProtectedError) << "that undoes it";
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).code, kCodeProtectedError) << "the state is not taken";
+  EXPECT_EQ(AnswerIn(Do(Command(4, "Dancing"))).code, kCodeProtectedError);
+  EXPECT_EQ(AnswerIn(Do(Command(5, "Active"))).code, kCodeProtectedError);
+  Switch(6, "LowPower");
+  Switch(7, "Sitting");
 }
 
 TEST_F(Stopped, ACallbackThatRanUnderTheStopDoesNotEndTheHold) {

@@ -62,7 +62,7 @@ using DancersOfAnyProtocol = OneController;
 
 TEST_F(DancersOfAnyProtocol, AreNotCommandedOnceTheStopIsEngaged) {
   config_ = Dancers();
-  config_.actuators[1].after = {0};
+  config_.actuators[1].after = {"a"};
   StartUp();
   Do(event::SetStateRequested{1, "Dancing", {}});
   ASSERT_TRUE(Of(0).command);
