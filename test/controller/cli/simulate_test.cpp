@@ -64,6 +64,15 @@ TEST_F(Simulating, AValidRobotPassesEveryScenario) {
                              HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
+// No manager is simulated.
+TEST_F(Simulating, ARobotThatAManagerStartsIsStartedByItsController) {
+  const Ran ran = RunProgram(
+      {"simulate", Config(Robot(kProvided, "[ros2]\nstart = \"manager\"\n")), "--seeds", "300"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("VIOLATED")),
+                             HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
+}
+
 TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml"}) {
     const Ran ran = RunProgram(

@@ -264,6 +264,17 @@ TEST_F(Processes, ThatAreBeingStartedAreNotStartedOnceMoreByARestart) {
   EXPECT_EQ(Of(0).process, 800);
 }
 
+// The wait took longer than the time of SetUp; the request gets all of that again.
+TEST_F(Processes, ThatAreStartedLateAnswerARestartWhenTheyHaveCome) {
+  StartUpOurs();
+  Do(event::ProcessEnded{0, 700, false, "signal 11"});
+  Pass(Milliseconds(2000));
+  Do(event::RestartRequested{1, "a"});
+  Pass(Milliseconds(20));
+  EXPECT_THAT(Did<action::StartProcess>(), SizeIs(1));
+  EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty());
+}
+
 TEST_F(Processes, AreSearchedForBeforeTheMachineIsStopped) {
   StartUpOurs();
   Do(event::SetStateRequested{1, "TearDown", {}});
