@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "musher/modules/world/place.hpp"
-#include "musher/modules/world/scene_toml.hpp"
-#include "musher/modules/world/world.hpp"
+#include "musher/modules/world/scene/place.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/modules/world/simulation/world.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 
 namespace musher::world {

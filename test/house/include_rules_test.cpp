@@ -42,7 +42,7 @@ TEST(IncludeRules, LetAFolderIncludeWhatIsBelowIt) {
 }
 
 TEST(IncludeRules, KeepModulesApartFromEachOther) {
-  const std::string header = "\"musher/modules/world/body.hpp\"";
+  const std::string header = "\"musher/modules/world/body/body.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("modules/exec/a.cpp", header)), SizeIs(1));
   EXPECT_THAT(ForbiddenIncludes(Including("modules/world/a.cpp", header)), IsEmpty());
 }

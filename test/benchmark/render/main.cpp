@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "musher/modules/world/render.hpp"
-#include "musher/modules/world/scene_toml.hpp"
-#include "musher/modules/world/shot.hpp"
+#include "musher/modules/world/render/render.hpp"
+#include "musher/modules/world/render/shot.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 
 namespace musher::world {
 namespace {

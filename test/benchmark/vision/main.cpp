@@ -17,8 +17,8 @@
 
 #include "musher/modules/vision/detector.hpp"
 #include "musher/modules/vision/lens.hpp"
-#include "musher/modules/world/scene_toml.hpp"
-#include "musher/modules/world/shot.hpp"
+#include "musher/modules/world/render/shot.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 
 namespace musher::benchmark {

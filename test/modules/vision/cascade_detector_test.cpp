@@ -10,7 +10,7 @@
 #include "musher/modules/vision/detector.hpp"
 #include "musher/modules/vision/lens.hpp"
 #include "musher/modules/vision/tool/look.hpp"
-#include "musher/modules/world/render.hpp"
+#include "musher/modules/world/render/render.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/support/temp_folder.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "musher/modules/vision/vision_config.hpp"
-#include "musher/modules/world/scene_toml.hpp"
-#include "musher/modules/world/shot.hpp"
+#include "musher/modules/world/render/shot.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 
 namespace musher::vision::wedding_scene_test {
 

@@ -1,6 +1,6 @@
 // The body and its board: which commands it takes, how it moves and what it reports.
 
-#include "musher/modules/world/body.hpp"
+#include "musher/modules/world/body/body.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,13 +1,13 @@
 // The directions of pixels, against closed forms.
 
-#include "musher/modules/world/camera_model.hpp"
+#include "musher/modules/world/body/camera_model.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
 
-#include "musher/modules/world/lens.hpp"
+#include "musher/modules/world/render/lens.hpp"
 
 namespace musher::world::camera_model_test {
 

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
-#include "musher/modules/world/scene_toml.hpp"
-#include "musher/modules/world/shot.hpp"
+#include "musher/modules/world/render/shot.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
 

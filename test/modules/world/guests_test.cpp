@@ -1,13 +1,13 @@
 // Guests: their timetables, their paths, and where they look.
 
-#include "musher/modules/world/guests.hpp"
+#include "musher/modules/world/simulation/guests.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
 
-#include "musher/modules/world/gesture_sight.hpp"
+#include "musher/modules/world/sensors/gesture_sight.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
 namespace musher::world::guests_test {

@@ -1,6 +1,6 @@
 // The world on a network: its topics, services and its clock, in virtual time.
 
-#include "musher/modules/world/world_host.hpp"
+#include "musher/modules/world/process/world_host.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // The positions of a humanoid's limbs by its joints, and the shapes of its poses.
 
-#include "musher/modules/world/humanoid_kinematics.hpp"
+#include "musher/modules/world/body/humanoid_kinematics.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "musher/modules/world/camera_model.hpp"
-#include "musher/modules/world/humanoid.hpp"
-#include "musher/modules/world/scene_toml.hpp"
+#include "musher/modules/world/body/camera_model.hpp"
+#include "musher/modules/world/body/humanoid.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
 namespace musher::world::humanoid_kinematics_test {

@@ -1,6 +1,6 @@
 // The humanoid's motion adapter: poses, gaze, and that nothing ever jumps.
 
-#include "musher/modules/world/humanoid.hpp"
+#include "musher/modules/world/body/humanoid.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "musher/modules/world/scene_humanoid.hpp"
+#include "musher/modules/world/scene_file/scene_humanoid.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
 namespace musher::world::humanoid_test {

@@ -11,7 +11,7 @@
 #include "musher/modules/motion/motion_shell.hpp"
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
-#include "musher/modules/world/world_host.hpp"
+#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/sim/network.hpp"

@@ -1,6 +1,6 @@
 // How fast world time runs.
 
-#include "musher/modules/world/pacer.hpp"
+#include "musher/modules/world/process/pacer.hpp"
 
 #include <gmock/gmock.h>
 

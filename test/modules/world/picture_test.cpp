@@ -1,6 +1,6 @@
 // The picture is really drawn: it is read back and looked at.
 
-#include "musher/modules/world/picture.hpp"
+#include "musher/modules/world/picture/picture.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
-#include "musher/modules/world/palette.hpp"
+#include "musher/modules/world/paint/palette.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/support/temp_folder.hpp"
 

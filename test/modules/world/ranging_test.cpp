@@ -1,4 +1,4 @@
-#include "musher/modules/world/ranging.hpp"
+#include "musher/modules/world/sensors/ranging.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "musher/modules/world/place.hpp"
+#include "musher/modules/world/scene/place.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
 namespace musher::world::ranging_test {

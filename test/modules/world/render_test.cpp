@@ -1,6 +1,6 @@
 // The pictures of the world's cameras: where things are in the picture, and their looks.
 
-#include "musher/modules/world/render.hpp"
+#include "musher/modules/world/render/render.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "musher/modules/world/place.hpp"
-#include "musher/modules/world/scene_toml.hpp"
+#include "musher/modules/world/scene/place.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/shots.hpp"
 
 namespace musher::world::scene_looks_test {

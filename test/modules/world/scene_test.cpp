@@ -10,8 +10,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "musher/modules/world/place.hpp"
-#include "musher/modules/world/scene_toml.hpp"
+#include "musher/modules/world/scene/place.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
 
 namespace musher::world::scene_test {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "musher/actuator/worker.hpp"
-#include "musher/modules/world/world.hpp"
+#include "musher/modules/world/simulation/world.hpp"
 
 namespace musher::world {
 

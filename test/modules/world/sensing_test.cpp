@@ -1,4 +1,4 @@
-#include "musher/modules/world/sensing.hpp"
+#include "musher/modules/world/sensors/sensing.hpp"
 
 #include <gmock/gmock.h>
 

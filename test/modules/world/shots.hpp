@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/modules/world/render.hpp"
+#include "musher/modules/world/render/render.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::world {

@@ -1,6 +1,6 @@
 // The cameras of a world on a network, in virtual time.
 
-#include "musher/modules/world/world_cameras.hpp"
+#include "musher/modules/world/process/world_cameras.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/world/world_host.hpp"
+#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
 #include "musher/transport/clock.hpp"

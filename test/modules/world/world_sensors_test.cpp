@@ -1,6 +1,6 @@
 // The sensors of a world on a network, in virtual time.
 
-#include "musher/modules/world/world_sensors.hpp"
+#include "musher/modules/world/process/world_sensors.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/world/world_host.hpp"
+#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/transport/sim/network.hpp"
 

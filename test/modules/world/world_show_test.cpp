@@ -1,6 +1,6 @@
 // A humanoid and its guests on a network, in virtual time.
 
-#include "musher/modules/world/world_show.hpp"
+#include "musher/modules/world/process/world_show.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/world/world_host.hpp"
+#include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/transport/sim/network.hpp"
 

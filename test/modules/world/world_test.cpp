@@ -1,11 +1,11 @@
 // The world as a whole: obstacles, battery, events, and that it is the same from the same seed.
 
-#include "musher/modules/world/world.hpp"
+#include "musher/modules/world/simulation/world.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
-#include "musher/modules/world/place.hpp"
+#include "musher/modules/world/scene/place.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
 namespace musher::world::world_test {

@@ -1,0 +1,69 @@
+#include "musher/modules/world/picture/picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+#include "musher/modules/world/paint/palette.hpp"
+#include "musher/modules/world/picture/strip_chart.hpp"
+#include "musher/modules/world/picture/top_view.hpp"
+
+namespace musher::world {
+namespace {
+
+// Length of the path, without being carried.
+double WalkedM(const Track& track) {
+  double walked_m = 0;
+  const std::vector<Sample>& samples = track.samples();
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double seconds = std::chrono::duration<double>(samples[i].at - samples[i - 1].at).count();
+    const double way_m = (samples[i].pose.position_m - samples[i - 1].pose.position_m).norm();
+    if (way_m <= 0.3 + 2 * seconds) walked_m += way_m;
+  }
+  return walked_m;
+}
+
+constexpr double kMargin = 36;
+constexpr double kLeft = kMargin + kChartNames;
+constexpr double kRight = kPictureWidth - kMargin;
+constexpr double kMapTop = 74;
+constexpr double kMapRight = 856;  // the legend stands beyond
+constexpr double kChartHeight = 300;
+
+// Only as high as the place and the legend need.
+double MapBottom(const Scene& scene) {
+  constexpr double kHighest = kPictureHeight - kChartHeight;
+  constexpr double kLeast = 480;
+  const Eigen::Vector2d size = scene.most_m - scene.least_m;
+  const double height = size.y() * (kMapRight - kLeft) / size.x() + kMapAxis;
+  return std::round(std::clamp(kMapTop + height, kLeast, kHighest));
+}
+
+Result<> DrawAll(const World& world, const std::string& path) {
+  const double map_bottom = MapBottom(world.scene());
+  const double height = map_bottom + kChartHeight;
+  Canvas canvas(kPictureWidth, static_cast<int>(height), kPaper);
+  canvas.Text(world.scene().name, {kLeft, 42}, 22, kInk);
+  char facts[160];
+  std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
+                ClockText(std::floor(std::chrono::duration<double>(world.now()).count())).c_str(),
+                WalkedM(world.track()), world.battery().percent());
+  canvas.Text(facts, {kRight, 42}, 13, kGreyInk, Align::kRight);
+  const double right = DrawTopView(world, {kLeft, kMapTop}, {kMapRight, map_bottom}, canvas);
+  DrawLegend(world, {right + 44, kMapTop + 18}, canvas);
+  DrawStripChart(world.track(), {kMargin, map_bottom + 30}, {kRight, height - 24}, canvas);
+  return canvas.Save(path);
+}
+
+}  // namespace
+
+Result<> Draw(const World& world, const std::string& path) {
+  try {
+    return DrawAll(world, path);
+  } catch (const std::exception& error) {  // OpenCV's, out of memory
+    return Error{kCodeFailed, std::string("the picture could not be drawn: ") + error.what()};
+  }
+}
+
+}  // namespace musher::world

@@ -1,0 +1,128 @@
+// musher-world: a simulated robot and the place it is in. See README.md in this folder.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/base/version.hpp"
+#include "musher/modules/world/process/world_actuator.hpp"
+#include "musher/modules/world/process/world_alone.hpp"
+#include "musher/modules/world/process/world_control.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
+
+namespace {
+
+using musher::program::kUsageError;
+
+struct Options {
+  std::string scene;
+  std::string actuator;
+  std::string state_config;
+  bool alone = false;
+  std::string name_space;
+  std::string picture;
+  std::vector<std::string> shot;  // a camera, a picture
+  double seconds = 0;
+};
+
+int Run(const Options& options) {
+  const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene);
+  musher::program::PrintErrors(reading.diagnostics);
+  if (!reading.scene) return kUsageError;
+  const auto time =
+      std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(options.seconds));
+  if (!options.picture.empty()) {
+    return musher::world::DrawScene(*reading.scene, time, options.picture);
+  }
+  if (!options.shot.empty()) {
+    return musher::world::ShootScene(*reading.scene, time, options.shot[0], options.shot[1]);
+  }
+  if (options.alone) return musher::world::RunAlone(*reading.scene, options.name_space);
+  if (options.actuator.empty() || options.state_config.empty()) {
+    std::cerr << "musher-world: expected --alone, --draw, --shot, or --actuator and --config"
+              << std::endl;
+    return kUsageError;
+  }
+  musher::world::WorldActuator world(options.actuator, *reading.scene);
+  return musher::program::RunToEnd(world, options.state_config);
+}
+
+// musher-world tell WORDS...
+int WorldControlMain(int argc, char** argv) {
+  CLI::App app("Controls a running world from the command line.", "musher-world tell");
+  app.footer(std::string("Commands:\n") + musher::world::kWorldCommands +
+             "\n\nExit codes: 0 done; 1 no world, or it refused; 2 usage.");
+  std::vector<std::string> words;
+  std::string name_space;
+  double timeout_s = 5;
+  constexpr double kLongestS = 3600;
+  app.add_option("WORDS", words, "What, see below")->required()->type_name("");
+  app.add_option("--namespace", name_space, "Of the topics")->envname("MUSHER_NAMESPACE");
+  app.add_option("--timeout", timeout_s, "How long to look for the world, in s; default 5")
+      ->check(CLI::Range(0.1, kLongestS).description(""));
+  app.allow_extras(false);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageError;
+  }
+  const auto command = musher::world::ParseWorldCommand(words);
+  if (!command) {
+    std::cerr << "musher-world: " << command.error().message << std::endl;
+    return kUsageError;
+  }
+  const auto timeout =
+      std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(timeout_s));
+  const auto answer = musher::world::SendWorldCommand(command.value(), name_space, timeout);
+  if (!answer) {
+    std::cerr << "musher-world: " << answer.error().message << std::endl;
+    return 1;
+  }
+  if (!answer.value().empty()) std::cout << answer.value() << std::endl;
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && argv[1] == std::string_view("tell")) return WorldControlMain(argc - 1, argv + 1);
+  Options options;
+  CLI::App app("A simulated robot and the place it is in, as the actuator world or alone.",
+               "musher-world");
+  app.footer(
+      "`musher-world tell` controls a running world, see its --help.\n\n"
+      "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn\n"
+      "(reason on stderr); 2 usage or config.");
+  app.set_version_flag("--version", "musher-world " + std::string(musher::Version()),
+                       "Print the version");
+  constexpr double kLongestS = 100'000;
+  app.add_option("SCENE", options.scene, "The scene (TOML)")->required();
+  app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")
+      ->envname("MUSHER_ACTUATOR");
+  app.add_option("--config", options.state_config, "The state config (TOML)")
+      ->envname("MUSHER_CONFIG");
+  bool check = false;
+  app.add_flag("--check", check, "Report every error of the configs, and start nothing");
+  auto* alone = app.add_flag("--alone", options.alone, "Run without a machine, until Ctrl+C");
+  app.add_option("--namespace", options.name_space, "Of the topics, with --alone")->needs(alone);
+  auto* draw = app.add_option("--draw", options.picture,
+                              "Draw what the scene does by itself to this PNG, and end");
+  app.add_option("--shot", options.shot,
+                 "Draw what a camera (front, left, right) sees to this PNG, and end")
+      ->expected(2)
+      ->type_name("CAMERA FILE")
+      ->excludes(draw)
+      ->excludes(alone);
+  app.add_option("--for", options.seconds, "World time before that, in s")
+      ->check(CLI::Range(0.0, kLongestS));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageError;
+  }
+  if (check) musher::program::OnlyCheck();
+  return Run(options);
+}

@@ -1,0 +1,109 @@
+#include "musher/modules/world/process/world_alone.hpp"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "musher/actuator/worker.hpp"
+#include "musher/modules/world/picture/picture.hpp"
+#include "musher/modules/world/process/world_host.hpp"
+#include "musher/modules/world/render/shot.hpp"
+#include "musher/transport/dds/node_thread.hpp"
+
+namespace musher::world {
+namespace {
+
+void Say(const std::string& line) {
+  std::cerr << "world: " << line << std::endl;
+}
+
+int DrawTo(const World& world, const std::string& path) {
+  const Result<> drawn = Draw(world, path);
+  Say(drawn ? "drawn: " + path : drawn.error().message);
+  return drawn ? 0 : 1;
+}
+
+World Played(const Scene& scene, Duration time) {
+  World world(scene);
+  while (world.now() < time) {
+    for (const std::string& line : world.Step().log) Say(line);
+  }
+  return world;
+}
+
+}  // namespace
+
+int RunAlone(const Scene& scene, const std::string& name_space) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  const auto node = transport::NodeThread::Start();
+  if (!node) {
+    Say(node.error().message);
+    return 1;
+  }
+  std::thread drawer;
+  HostOptions options;
+  options.name_space = name_space;
+  options.picture_path = std::filesystem::absolute(scene.picture.file).string();
+  options.log = Say;
+  options.in_background = [&drawer](std::function<void()> work) {
+    if (drawer.joinable()) drawer.join();
+    drawer = std::thread(std::move(work));
+  };
+  WorkerThread shooter;
+  options.shooter = &shooter;
+  std::unique_ptr<WorldHost> host;
+  std::string why_not;
+  node.value()->RunOnLoop([&] {
+    auto started = WorldHost::Start(node.value()->node(), scene, std::move(options));
+    if (started) {
+      host = std::move(started).value();
+    } else {
+      why_not = started.error().message;
+    }
+  });
+  if (!host) {
+    Say(why_not);
+    return 1;
+  }
+  Say("\"" + scene.name + "\" runs; Ctrl+C ends it");
+  int signal = 0;
+  sigwait(&signals, &signal);
+  std::optional<World> world;
+  node.value()->RunOnLoop([&] {
+    world = host->world();
+    host.reset();
+  });
+  if (drawer.joinable()) drawer.join();
+  return scene.picture.at_teardown ? DrawTo(*world, scene.picture.file) : 0;
+}
+
+int DrawScene(const Scene& scene, Duration time, const std::string& path) {
+  return DrawTo(Played(scene, time), path);
+}
+
+int ShootScene(const Scene& scene, Duration time, const std::string& camera,
+               const std::string& path) {
+  const auto named = std::find(kCameraNames.begin(), kCameraNames.end(), camera);
+  if (named == kCameraNames.end()) {
+    Say("there is no camera \"" + camera + "\"; expected front, left or right");
+    return 2;
+  }
+  const auto image =
+      TakeShot(Played(scene, time), static_cast<std::size_t>(named - kCameraNames.begin()));
+  const Result<> saved = image ? SaveImage(image.value(), path) : Result<>(image.error());
+  Say(saved ? "drawn: " + path : saved.error().message);
+  return saved ? 0 : 1;
+}
+
+}  // namespace musher::world

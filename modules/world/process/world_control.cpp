@@ -1,0 +1,211 @@
+#include "musher/modules/world/process/world_control.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::world {
+
+const char* const kWorldCommands =
+    "  battery PERCENT     how full the battery is\n"
+    "  cable in|out        the charging cable\n"
+    "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
+    "  say TEXT...         a person says that to the robot\n"
+    "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
+    "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
+    "  place X Y [YAW]     moves the body there, m and rad\n"
+    "  speed FACTOR        how fast the world's time goes\n"
+    "  pause on|off        whether it stands still\n"
+    "  draw                writes the picture, prints its path";
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::optional<double> Number(const std::string& word) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) {
+    return std::nullopt;
+  }
+  return number;
+}
+
+std::optional<bool> Either(const std::string& word, const char* yes, const char* no) {
+  if (word == yes) return true;
+  if (word == no) return false;
+  return std::nullopt;
+}
+
+// The numbers of TouchStatus.
+std::optional<int> TouchKind(const std::string& word) {
+  static const std::map<std::string, int> kinds = {
+      {"single", 1}, {"double", 3}, {"hold", 7}, {"circle", 8}};
+  if (const auto found = kinds.find(word); found != kinds.end()) return found->second;
+  const auto number = Number(word);
+  if (!number || *number < 1 || *number > kMostTouchState || std::trunc(*number) != *number) {
+    return std::nullopt;
+  }
+  return static_cast<int>(*number);
+}
+
+std::optional<WorldCommand> ReadPlace(const Words& words) {
+  if (words.size() < 3 || words.size() > 4) return std::nullopt;
+  const auto x = Number(words[1]);
+  const auto y = Number(words[2]);
+  const auto yaw = words.size() == 4 ? Number(words[3]) : 0.0;
+  if (!x || !y || !yaw) return std::nullopt;
+  return Carry{{{*x, *y}, *yaw}};
+}
+
+std::optional<WorldCommand> ReadOne(const std::string& what, const std::string& word) {
+  if (what == "battery" || what == "speed") {
+    const auto number = Number(word);
+    if (!number) return std::nullopt;
+    return what == "speed" ? WorldCommand(Speed{*number}) : WorldCommand(ChargeTo{*number});
+  }
+  if (what == "cable") {
+    if (const auto in = Either(word, "in", "out")) return Cable{*in};
+  } else if (what == "power-key") {
+    if (const auto down = Either(word, "down", "up")) return PowerKey{*down};
+  } else if (what == "pause") {
+    if (const auto on = Either(word, "on", "off")) return Pause{*on};
+  } else if (what == "touch") {
+    if (const auto kind = TouchKind(word)) return Touch{*kind};
+  }
+  return std::nullopt;
+}
+
+std::optional<WorldCommand> ReadWords(const Words& words) {
+  if (words.empty()) return std::nullopt;
+  const std::string& what = words.front();
+  if (what == "place") return ReadPlace(words);
+  if (what == "draw" && words.size() == 1) return DrawNow{};
+  if (what == "say" && words.size() > 1) {
+    Speech speech{words[1]};
+    for (std::size_t i = 2; i < words.size(); ++i) speech.text += " " + words[i];
+    return speech;
+  }
+  if (what == "fault" && (words.size() == 2 || words.size() == 3)) {
+    return Fault{words[1] + (words.size() == 3 ? " " + words[2] : "")};
+  }
+  return words.size() == 2 ? ReadOne(what, words[1]) : std::nullopt;
+}
+
+class CommandSender {
+ public:
+  CommandSender(transport::EventLoop& loop, transport::Node& node, std::string name_space,
+                Duration timeout)
+      : loop_(loop),
+        node_(node),
+        name_space_(std::move(name_space)),
+        deadline_(loop.Now() + timeout) {}
+
+  Result<std::string> operator()(const ChargeTo& command) {
+    return Publish<msg::Float32>("set_battery", {static_cast<float>(command.percent)});
+  }
+  Result<std::string> operator()(const Cable& command) {
+    return Call<msg::SetBool>("charge", {command.in});
+  }
+  Result<std::string> operator()(const Touch& command) {
+    return Publish<msg::Int32>("press", {command.state});
+  }
+  Result<std::string> operator()(const Speech& command) {
+    return Publish<msg::String>("speech_text", {command.text});
+  }
+  Result<std::string> operator()(const PowerKey& command) {
+    return Publish<msg::Bool>("power_key", {command.down});
+  }
+  Result<std::string> operator()(const Fault& command) {
+    return Publish<msg::String>("fault", {command.text});
+  }
+  Result<std::string> operator()(const Carry& command) {
+    msg::PoseStamped pose;
+    pose.pose.position.x = command.at.position_m.x();
+    pose.pose.position.y = command.at.position_m.y();
+    pose.pose.orientation.z = std::sin(command.at.yaw_rad / 2);
+    pose.pose.orientation.w = std::cos(command.at.yaw_rad / 2);
+    return Publish<msg::PoseStamped>("place", pose);
+  }
+  Result<std::string> operator()(const Speed& command) {
+    return Publish<msg::Float32>("speed", {static_cast<float>(command.factor)});
+  }
+  Result<std::string> operator()(const Pause& command) {
+    return Call<msg::SetBool>("pause", {command.on});
+  }
+  Result<std::string> operator()(const DrawNow&) { return Call<msg::Trigger>("draw", {}); }
+
+ private:
+  std::string Name(const std::string& name) const {
+    return transport::ResolveName(name_space_, "world/" + name);
+  }
+
+  Error NoWorld() const {
+    return {kCodeTimeout, "no world answers" +
+                              (name_space_.empty() ? "" : " in namespace " + name_space_) +
+                              "; is `musher up` running, in the same domain?"};
+  }
+
+  template <class M>
+  Result<std::string> Publish(const std::string& topic, const M& message) {
+    auto publisher = transport::MakePublisher<M>(node_, Name(topic));
+    if (!publisher) return publisher.error();
+    const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
+    if (!loop_.RunUntil(matched, deadline_)) return NoWorld();
+    if (auto sent = publisher.value()->Publish(message); !sent) return sent.error();
+    if (auto got = publisher.value()->Flush(deadline_ - loop_.Now()); !got) return got.error();
+    return std::string();
+  }
+
+  template <class S>
+  Result<std::string> Call(const std::string& service, const typename S::Request& request) {
+    auto client = transport::MakeClient<S>(node_, Name(service));
+    if (!client) return client.error();
+    std::optional<Result<typename S::Response>> answer;
+    client.value()->Call(request, deadline_ - loop_.Now(),
+                         [&](auto response) { answer.emplace(std::move(response)); });
+    loop_.RunUntil([&] { return answer.has_value(); }, deadline_ + Milliseconds(100));
+    if (!answer || !*answer) return NoWorld();
+    const auto& response = answer->value();
+    if (!response.success) return Error{kCodeFailed, response.message};
+    return response.message;
+  }
+
+  transport::EventLoop& loop_;
+  transport::Node& node_;
+  const std::string name_space_;
+  const Time deadline_;
+};
+
+}  // namespace
+
+Result<WorldCommand> ParseWorldCommand(const Words& words) {
+  if (const auto command = ReadWords(words)) return *command;
+  std::string said;
+  for (const std::string& word : words) said += " " + word;
+  return Error{kCodeParametersInvalid,
+               "`tell" + said + "` is unknown; the commands are\n" + kWorldCommands};
+}
+
+Result<std::string> SendWorldCommand(const WorldCommand& command, const std::string& name_space,
+                                     Duration timeout) {
+  transport::LinuxEventLoop loop;
+  transport::DdsOptions options;
+  options.discovery = transport::DiscoveryTiming::kCommand;
+  options.hidden = true;
+  auto node = transport::MakeDdsNode(loop, options);
+  if (!node) return node.error();
+  return std::visit(CommandSender(loop, *node.value(), name_space, timeout), command);
+}
+
+}  // namespace musher::world

@@ -1,0 +1,45 @@
+#pragma once
+// World control: changes a running world from the command line, with `musher-world tell battery
+// 18` and the like, for people and scripts without ROS.
+//
+// Threads: those of the caller; SendWorldCommand() blocks until the reply or the timeout.
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+#include "musher/modules/world/scene/scene.hpp"
+
+namespace musher::world {
+
+struct Fault {
+  std::string text;  // "lifted", "motor 3"
+};
+struct PowerKey {
+  bool down = true;
+};
+struct Speech {  // of a person beside the robot
+  std::string text;
+};
+struct Pause {
+  bool on = true;
+};
+struct DrawNow {};
+using WorldCommand =
+    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Pause, DrawNow>;
+
+// Help text: one line for each command.
+extern const char* const kWorldCommands;
+
+// Parses the words after `tell`; an Error lists the expected ones.
+Result<WorldCommand> ParseWorldCommand(const std::vector<std::string>& words);
+
+// Sends the command to the world of that namespace. Returns its reply: the picture's file, usually
+// empty. Fails when there is no world within `timeout`, or when it refuses.
+Result<std::string> SendWorldCommand(const WorldCommand& command, const std::string& name_space,
+                                     Duration timeout);
+
+}  // namespace musher::world

@@ -1,0 +1,106 @@
+#pragma once
+// A world on the network: steps at the pace of its scene, publishes and subscribes.
+//
+//   clock                  every step, in any namespace
+//   world/body_state       every step          world/body_command    commands of the body
+//   world/battery          once a second       world/set_battery     in %
+//   world/touch            when it happens     world/press           a finger on the robot
+//   world/charge           cable in, or out    world/place           puts the body there
+//   world/draw, pause      services            world/fault, speed, led, motor_power
+//   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
+//   musher/machine_status  of the controller, for the picture
+//
+// Invalid input is refused with a line in the log, and nothing moves.
+//
+// Threads: created, used and destroyed on the loop. Drawing takes long and runs in the background.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/messages/musher_msgs/body.hpp"
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/modules/world/process/pacer.hpp"
+#include "musher/modules/world/process/world_cameras.hpp"
+#include "musher/modules/world/process/world_sensors.hpp"
+#include "musher/modules/world/process/world_show.hpp"
+#include "musher/modules/world/simulation/world.hpp"
+#include "musher/transport/node.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::world {
+
+struct HostOptions {
+  std::string name_space;
+  std::string picture_path;  // of world/draw
+  std::function<void(const std::string&)> log;
+  // Runs work beside the loop, from any thread; posts its end to the loop by itself.
+  std::function<void(std::function<void()>)> in_background;
+  Worker* shooter = nullptr;  // draws the cameras' pictures; outlives the host
+};
+
+class WorldHost {
+ public:
+  // Fails when an endpoint cannot be made.
+  static Result<std::unique_ptr<WorldHost>> Start(transport::Node& node, Scene scene,
+                                                  HostOptions options);
+  ~WorldHost();
+  WorldHost(const WorldHost&) = delete;
+  WorldHost& operator=(const WorldHost&) = delete;
+
+  // A copy, for a picture.
+  World world() const { return world_; }
+  const Pacer& pacer() const { return pacer_; }
+
+ private:
+  using Endpoint = std::shared_ptr<void>;
+
+  WorldHost(transport::Node& node, Scene scene, HostOptions options);
+  Result<> Connect();
+  Result<> Publish();
+  Result<> Listen();
+  Result<> Serve();
+
+  Result<> MakeCameras();
+
+  void Arm(Time when);
+  void OnStep();
+  void Touch(int state);
+  void SetSpeed(double factor);
+  void SetFault(const std::string& text);
+  void DrawPicture(std::function<void(bool, const std::string&)> reply);
+  // Logs the line, if there is one.
+  void Log(const std::optional<std::string>& line) const;
+
+  template <msg::Message M>
+  Result<> Make(std::unique_ptr<transport::Publisher<M>>& publisher, const std::string& topic,
+                const transport::Qos& qos = transport::kDefaultQos);
+  template <msg::Message M>
+  Result<> On(const std::string& topic, std::function<void(const M&)> handler,
+              const transport::Qos& qos = transport::kDefaultQos);
+  template <msg::Service S>
+  Result<> Answer(const std::string& service, typename transport::Server<S>::Handler handler);
+  std::string Name(const std::string& name) const;
+
+  transport::Node& node_;
+  const HostOptions options_;
+  World world_;
+  Pacer pacer_;
+  bool drawing_ = false;
+  bool late_ = false;  // a step was due while time waited for the cameras
+  transport::LoopHandlePtr next_step_;
+  std::unique_ptr<transport::Publisher<msg::Clock>> clock_;
+  std::unique_ptr<transport::Publisher<msg::BodyState>> body_state_;
+  std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_;
+  std::unique_ptr<transport::Publisher<msg::Int32>> touch_;
+  std::unique_ptr<WorldSensors> sensors_;
+  std::unique_ptr<WorldCameras> cameras_;
+  std::unique_ptr<WorldShow> show_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
+  std::vector<Endpoint> endpoints_;  // last: their callbacks use the rest
+};
+
+}  // namespace musher::world

@@ -1,0 +1,53 @@
+#include "musher/modules/world/render/shot.hpp"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "musher/modules/world/paint/mat_pictures.hpp"
+#include "musher/modules/world/render/scenery.hpp"
+#include "musher/transport/sim/random.hpp"
+
+namespace musher::world {
+
+namespace {
+
+std::optional<HumanoidStance> StanceOf(const World& world) {
+  const std::optional<Humanoid>& humanoid = world.humanoid();
+  if (!humanoid) return std::nullopt;
+  HumanoidStance stance{{}, humanoid->hands(), world.scene().body.stand_height_m};
+  for (std::size_t i = 0; i < kJoints; ++i) stance.angles[i] = humanoid->joints()[i].position_rad;
+  return stance;
+}
+
+}  // namespace
+
+View ViewOf(const World& world, std::size_t index) {
+  return {.body = world.body().pose(),
+          .attitude = world.body().attitude(),
+          .seed = NoiseSeed(world.scene(), index, world.now()),
+          .gaze = world.gaze(),
+          .guests = world.guests(),
+          .humanoid = StanceOf(world)};
+}
+
+Result<Image> TakeShot(const World& world, std::size_t index) {
+  const Scene& scene = world.scene();
+  auto scenery = Scenery::Make(scene);
+  if (!scenery) return scenery.error();
+  const Camera camera(scene.cameras.cameras.at(index));
+  return camera.Shoot(*scenery.value(), ViewOf(world, index));
+}
+
+Result<> SaveImage(const Image& image, const std::string& path) {
+  // OpenCV takes no constant data, and changes none of it.
+  auto* data = const_cast<std::uint8_t*>(image.bgr.data());
+  return SavePng(cv::Mat(image.height, image.width, CV_8UC3, data), path);
+}
+
+std::uint64_t NoiseSeed(const Scene& scene, std::size_t index, Duration at) {
+  transport::sim::Random of_scene(scene.seed);
+  transport::sim::Random of_camera(of_scene.Next() + index);
+  return transport::sim::Random(of_camera.Next() + static_cast<std::uint64_t>(at.count())).Next();
+}
+
+}  // namespace musher::world

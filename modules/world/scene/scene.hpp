@@ -1,0 +1,258 @@
+#pragma once
+// A simulated place and robot: the contents of a scene file as one value. Positions are metres in
+// the place's frame, x to the right and y upwards as drawn, yaw counter-clockwise.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/modules/world/scene/color.hpp"
+#include "musher/modules/world/scene/guest_specs.hpp"
+#include "musher/modules/world/scene/humanoid_specs.hpp"
+#include "musher/modules/world/scene/sensor_specs.hpp"
+
+namespace musher::world {
+
+struct Pose2 {
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  double yaw_rad = 0;
+
+  friend bool operator==(const Pose2&, const Pose2&) = default;
+};
+
+inline constexpr double kThingHeightM = 0.5;
+inline constexpr Color kThingColor{196, 188, 174};
+
+// A wall is a thin one. It stands on the ground, or hangs over it as a barrier does.
+struct Box {
+  std::string name;  // written on it in the picture; may be empty
+  Eigen::Vector2d center_m;
+  Eigen::Vector2d half_m;  // half its length and width
+  double yaw_rad = 0;
+  double height_m = kThingHeightM;  // from its lower side to its upper one
+  double bottom_m = 0;              // of its lower side over the ground
+  Color color = kThingColor;
+};
+
+// An upright cylinder.
+struct Circle {
+  std::string name;
+  Eigen::Vector2d center_m;
+  double radius_m = 0;
+  double height_m = kThingHeightM;
+  double bottom_m = 0;
+  Color color = kThingColor;
+};
+
+struct Ball {
+  Eigen::Vector3d center_m;
+  double radius_m = 0.1;
+  Color color = kThingColor;
+  bool glows = false;  // a lamp: light and shadow do not change its colour
+};
+
+// The front of a board.
+struct Sign {
+  enum class Kind { kPlain, kPicture, kQr, kText, kFace };
+  Kind kind = Kind::kPlain;
+  std::string content;  // the file (absolute), the code's text or the text
+  int face = 0;         // which one
+  Color ink{24, 24, 26};
+};
+
+// An upright rectangle without thickness whose front faces the direction of its yaw.
+struct Board {
+  std::string name;
+  Eigen::Vector2d center_m;
+  double yaw_rad = 0;
+  double width_m = 0.3;
+  double height_m = 0.3;
+  double bottom_m = 0.2;  // of its lower edge over the ground
+  Color color{244, 244, 242};
+  Sign sign = {};
+};
+
+// Painted on the ground, from point to point.
+struct Line {
+  std::vector<Eigen::Vector2d> points_m;  // the first one again at the end of a closed one
+  double width_m = 0.05;
+  Color color{246, 206, 20};
+};
+
+// A square on the ground on which the battery charges.
+struct Pad {
+  Eigen::Vector2d center_m;
+  double size_m = 0;
+};
+
+struct Ground {
+  enum class Texture { kPlain, kChecker, kGrass, kPicture };
+  Texture texture = Texture::kPlain;
+  Color color{150, 152, 140};
+  Color other_color{128, 130, 120};  // the other squares of a checker, the blades of grass
+  double finest_per_m = 320;         // texels in a metre, if the place is not too large for it
+  double tile_m = 1;                 // a square of a checker, a picture that is laid side by side
+  std::string file;                  // of a picture, absolute
+  bool once = false;  // the picture is laid out once, from least_m to most_m, else side by side
+  Eigen::Vector2d least_m{0, 0};
+  Eigen::Vector2d most_m{1, 1};
+};
+
+// One far light, and what comes from the sky on every side.
+struct Lighting {
+  double brightness = 1;
+  double temperature_k = 6500;  // of its colour: lower is redder, higher is bluer
+  double yaw_rad = 0.6;         // of the direction the light comes from
+  double height_rad = 0.9;      // of the light over the horizon
+  double ambient = 0.5;         // share of the light that comes from everywhere
+  double gradient = 0;  // share of the light that is missing at the darkest end of the place
+  double gradient_yaw_rad = 0;  // towards which it gets darker
+  bool shadows = true;          // on the ground
+  Color sky{150, 186, 222};
+};
+
+enum class CameraModel { kPinhole, kFisheye };
+
+// What a camera is fixed to: the trunk, the head, which turns, or the place.
+enum class CameraMount { kBody, kHead, kPlace };
+
+// On the robot its position is from the middle of the trunk, x ahead, y to the left, z upwards,
+// else from the place's origin; its angles turn it like the body's: yaw to the left, then pitch
+// downwards, then roll.
+struct CameraSpec {
+  bool enabled = true;
+  CameraMount on = CameraMount::kBody;
+  CameraModel model = CameraModel::kPinhole;
+  Eigen::Vector3d position_m{0, 0, 0};
+  double yaw_rad = 0;
+  double pitch_rad = 0;
+  double roll_rad = 0;
+  int width_px = 640;
+  int height_px = 480;
+  double hfov_rad = 0.98;  // angle from the left edge to the right one
+  double rate_hz = 15;
+  double noise = 1.5;      // standard deviation of each pixel, of 255
+  double exposure = 1;     // factor on all light
+  double vignette = 0.15;  // share of the light that is missing in the corners
+};
+
+inline constexpr std::size_t kCameras = 3;
+inline constexpr std::array<std::string_view, kCameras> kCameraNames{"front", "left", "right"};
+
+struct CameraSet {
+  // What happens to a picture that is due while the last one is still being drawn.
+  enum class Late { kSkip, kWait };
+  Late late = Late::kSkip;
+  std::array<CameraSpec, kCameras> cameras;
+
+  CameraSet();  // like CyberDog's: one ahead, and a fisheye on either side
+};
+
+struct BodySpec {
+  double radius_m = 0.28;        // of the circle on the ground that nothing else may enter
+  double stand_height_m = 0.29;  // of the trunk
+  double lie_height_m = 0.08;
+  Duration lag = Milliseconds(200);  // time constant with which a commanded speed is taken up
+  double slip = 0.03;                // share of the commanded speed lost to slip
+  double noise = 0.02;               // standard deviation of the speed, as a share of it
+  double odometry_scale = 1.0;       // distance that odometry shows for a metre walked
+  double odometry_yaw_drift_rad_per_m = 0;
+  Duration command_timeout = std::chrono::seconds(1);  // timeout without a command: it stands still
+};
+
+struct BatterySpec {
+  double capacity_wh = 150;
+  double start_percent = 80;
+  double off_w = 5;
+  double lying_w = 20;
+  double standing_w = 90;
+  double moving_w = 220;
+  double cable_w = 180;  // what charging puts in
+  double pad_w = 90;
+};
+
+// Replaces the built-in time of a motion.
+struct MotionTime {
+  int mode = 0;
+  int gait = 0;
+  Duration time{};
+};
+
+// Events that the scene triggers at a time.
+struct ChargeTo {
+  double percent = 0;
+};
+struct Cable {
+  bool in = false;
+};
+struct Touch {
+  int state = 0;  // TouchStatus.touch_state
+};
+struct FaultOn {
+  std::string name;  // see Faults() and kSensorFaults
+  int motor = 0;     // 0 to 11, for faults of a motor
+};
+struct Carry {
+  Pose2 at;
+};
+struct Speed {
+  double factor = 1;
+};
+struct SceneEvent {
+  Duration at{};
+  std::variant<ChargeTo, Cable, Touch, FaultOn, Carry, Speed> what;
+};
+
+struct Picture {
+  std::string file = "world.png";  // relative: to the machine's state folder, alone to the cwd
+  bool at_teardown = false;
+  bool scan = false;  // what the lidar sees, as dots
+};
+
+struct Scene {
+  std::string name;
+  std::uint64_t seed = 1;
+  double speed = 1;  // world time for each second
+  Eigen::Vector2d least_m{-5, -4};
+  Eigen::Vector2d most_m{5, 4};
+  Pose2 start;
+  bool start_standing = false;
+  BodySpec body;
+  BatterySpec battery;
+  Picture picture;
+  std::vector<Box> boxes;
+  std::vector<Circle> circles;
+  std::vector<Ball> balls;
+  std::vector<Board> boards;
+  std::vector<Line> lines;
+  std::vector<Pad> pads;
+  std::vector<MotionTime> motion_times;
+  std::vector<SceneEvent> events;  // by time
+  double fence_height_m = 0.6;     // around the place; 0: there is none to be seen
+  Color fence_color{176, 138, 96};
+  Ground ground;
+  Lighting light;
+  CameraSet cameras;
+  std::optional<HumanoidSpec> humanoid;  // else it has no joints and no head
+  std::vector<GuestSpec> guests;
+  Duration guests_repeat{};  // period of the timetables; zero: no repetition
+  std::string gesture_topic = "/wedding/perception/gesture";
+  SensorSpecs sensors;
+};
+
+// The fault of a sensor: it is silent. "none" ends these, too.
+inline constexpr std::string_view kSensorFaults[] = {
+    "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
+    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps",        "uwb"};
+
+inline constexpr double kLeastSpeed = 0.01;
+inline constexpr double kMostSpeed = 100;
+inline constexpr int kMostTouchState = 0x11;
+
+}  // namespace musher::world

@@ -1,0 +1,185 @@
+// Reads the guests of a scene, and checks that they can be where they are placed.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "musher/base/toml/findings.hpp"
+#include "musher/modules/world/body/camera_model.hpp"
+#include "musher/modules/world/scene/place.hpp"
+#include "musher/modules/world/scene_file/scene_keys.hpp"
+#include "musher/modules/world/scene_file/scene_things.hpp"
+#include "musher/modules/world/simulation/guests.hpp"
+
+namespace musher::world {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Position;
+using config_toml::TableReader;
+using keys::Set;
+
+constexpr int kMostFace = 999;
+constexpr double kLeastTallM = 0.5;
+constexpr double kMostTallM = 2.5;
+constexpr double kLeastWalk = 0.05;
+constexpr double kMostWalk = 3;
+constexpr double kLongestTimetableS = 3600;  // of a timetable
+constexpr std::size_t kMostGuests = 50;
+
+Duration FromSeconds(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+std::string At(Duration time) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "at %.1f s", std::chrono::duration<double>(time).count());
+  return text;
+}
+
+// Where it is written in the file, and its name in messages.
+struct Written {
+  Position at;
+  std::string path;
+};
+
+class GuestReader {
+ public:
+  GuestReader(Findings& findings, Scene& scene) : findings_(findings), scene_(scene) {}
+
+  void Read(TableReader& reader) {
+    GuestSpec guest;
+    guest.name = keys::Name(reader);
+    guest.from_m = keys::Center(reader);
+    Set(guest.yaw_rad, keys::Angle(reader, "yaw_deg"));
+    guest.face = static_cast<int>(reader.Integer("face", 0, kMostFace).value_or(0));
+    Set(guest.height_m, reader.Number("height_m", kLeastTallM, kMostTallM));
+    Set(guest.speed_m_s, reader.Number("speed_m_s", kLeastWalk, kMostWalk));
+    Set(guest.color, keys::ReadColor(reader, "color", findings_));
+    Set(guest.gown, reader.Bool("gown"));
+    keys::Each(reader, "act", findings_, [&](TableReader& act) { ReadAct(act, guest); });
+    const auto earlier = [](const GuestAct& a, const GuestAct& b) { return a.at < b.at; };
+    if (!std::is_sorted(guest.acts.begin(), guest.acts.end(), earlier)) {
+      findings_.Error(reader.At("act"), reader.path() + ".act: expected them in the order of at_s");
+    }
+    written_.push_back({reader.at(), reader.path()});
+    scene_.guests.push_back(std::move(guest));
+  }
+
+  // Runs their timetables once, without the robot's own movements.
+  void Try() {
+    if (scene_.guests.size() > kMostGuests) {
+      return findings_.Error(written_[kMostGuests].at, "expected at most 50 guests");
+    }
+    constexpr Duration kTryStep = Milliseconds(100);
+    Guests guests(scene_);
+    const Robot robot = RobotAtStart();
+    const Duration end = End();
+    reported_.assign(scene_.guests.size(), false);
+    for (Duration now{}; now < end; now += kTryStep) {
+      guests.Step(scene_, robot, now, kTryStep);
+      for (std::size_t i = 0; i < reported_.size(); ++i) Check(guests.all(), i, now);
+    }
+    if (scene_.guests_repeat == Duration::zero()) return;
+    for (std::size_t i = 0; i < reported_.size(); ++i) {
+      if (!guests.all()[i].here || scene_.guests[i].acts.empty()) continue;
+      Report(i, "is still present when the timetable repeats, at repeat_s of [guests]");
+    }
+  }
+
+ private:
+  void ReadAct(TableReader& reader, GuestSpec& guest) {
+    using LookAt = GuestLook::At;
+    GuestAct act;
+    reader.Require("at_s", "a time");
+    act.at = FromSeconds(reader.Number("at_s", 0, kLongestTimetableS).value_or(0));
+    act.walk_to_m = keys::Pair(reader, "walk_to_m");
+    act.speed_m_s = reader.Number("speed_m_s", kLeastWalk, kMostWalk);
+    if (const auto look = reader.Choice<LookAt>(
+            "look",
+            {{"robot", LookAt::kRobot}, {"away", LookAt::kAway}, {"ahead", LookAt::kAhead}})) {
+      act.look = GuestLook{*look};
+    }
+    if (const auto yaw = keys::Angle(reader, "look_deg")) {
+      if (act.look) {
+        reader.Fault(reader.At("look_deg"), "look_deg", "expected either look or look_deg");
+      }
+      act.look = GuestLook{LookAt::kYaw, *yaw};
+    }
+    std::vector<std::pair<std::string_view, Gesture>> gestures;
+    for (std::size_t i = 0; i < kGestureNames.size(); ++i) {
+      gestures.emplace_back(kGestureNames[i], static_cast<Gesture>(i));
+    }
+    act.gesture = reader.Choice("gesture", gestures);
+    act.leave = reader.Bool("leave").value_or(false);
+    const Vector2 start = scene_.start.position_m;
+    const double least_m = scene_.body.radius_m + kGuestRadiusM;
+    if (act.walk_to_m && (*act.walk_to_m - start).norm() < least_m) {
+      reader.Fault(reader.At("walk_to_m"), "walk_to_m",
+                   "the robot is there: expected as far from it as its radius_m and 0.2 m");
+    }
+    guest.acts.push_back(act);
+  }
+
+  Robot RobotAtStart() const {
+    const Attitude standing{scene_.body.stand_height_m, 0, 0};
+    return {scene_.start.position_m, scene_.body.radius_m,
+            CameraInPlace(scene_.cameras.cameras.front(), scene_.start, standing).translation()};
+  }
+
+  // When all have done everything, or repeat.
+  Duration End() const {
+    constexpr Duration kLastWalk = std::chrono::minutes(2);
+    if (scene_.guests_repeat > Duration::zero()) return scene_.guests_repeat;
+    Duration end{};
+    for (const GuestSpec& guest : scene_.guests) {
+      if (!guest.acts.empty()) end = std::max(end, guest.acts.back().at);
+    }
+    return end + kLastWalk;
+  }
+
+  void Check(const std::vector<Guest>& guests, std::size_t i, Duration now) {
+    const Guest& guest = guests[i];
+    if (!guest.here) return;
+    const GuestSpec& spec = scene_.guests[i];
+    if (!IsFree(scene_, guest.position_m, kGuestRadiusM, spec.height_m)) {
+      Report(i, At(now) + " it is in an obstacle or outside the place");
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!guests[j].here) continue;
+      if ((guests[j].position_m - guest.position_m).norm() >= 2 * kGuestRadiusM) continue;
+      Report(i, At(now) + " it overlaps " + written_[j].path);
+    }
+  }
+
+  // Once for each guest: later errors follow from the first.
+  void Report(std::size_t i, const std::string& what) {
+    if (reported_[i]) return;
+    reported_[i] = true;
+    findings_.Error(written_[i].at, written_[i].path + ": " + what);
+  }
+
+  using Vector2 = Eigen::Vector2d;
+
+  Findings& findings_;
+  Scene& scene_;
+  std::vector<Written> written_;
+  std::vector<bool> reported_;
+};
+
+}  // namespace
+
+void ReadGuests(TableReader& root, Findings& findings, Scene& scene) {
+  keys::Section(root, "guests", findings, [&](TableReader& reader) {
+    if (const auto seconds = reader.Number("repeat_s", 0, kLongestTimetableS)) {
+      scene.guests_repeat = FromSeconds(*seconds);
+    }
+    Set(scene.gesture_topic, keys::Topic(reader, "gesture_topic"));
+  });
+  GuestReader guests(findings, scene);
+  keys::Each(root, "guest", findings, [&](TableReader& reader) { guests.Read(reader); });
+  if (!findings.HasErrors()) guests.Try();
+}
+
+}  // namespace musher::world

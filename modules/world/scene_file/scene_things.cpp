@@ -1,0 +1,175 @@
+#include "musher/modules/world/scene_file/scene_things.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "musher/base/toml/findings.hpp"
+#include "musher/modules/world/scene_file/scene_keys.hpp"
+
+namespace musher::world {
+namespace {
+
+using config_toml::Findings;
+using config_toml::TableReader;
+using Eigen::Vector2d;
+using keys::Set;
+
+constexpr int kMostFaceOfThing = 999;
+constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera can resolve
+constexpr std::size_t kLongestText = 500;  // bytes
+constexpr double kArcStep = 3 * M_PI / 180;
+
+class Things {
+ public:
+  Things(std::string folder, Findings& findings, Scene& scene)
+      : folder_(std::move(folder)), findings_(findings), scene_(scene) {}
+
+  void ReadBox(TableReader& reader) {
+    Box box{keys::Name(reader), keys::Center(reader), {}};
+    for (const char* key : {"length_m", "width_m"}) reader.Require(key, "a length in metres");
+    box.half_m.x() = keys::Length(reader, "length_m").value_or(1) / 2;
+    box.half_m.y() = keys::Length(reader, "width_m").value_or(1) / 2;
+    Set(box.yaw_rad, keys::Angle(reader, "yaw_deg"));
+    ReadLook(reader, box);
+    scene_.boxes.push_back(std::move(box));
+  }
+
+  void ReadWall(TableReader& reader) {
+    for (const char* key : {"from_m", "to_m"}) reader.Require(key, "a point, as in [1.5, -2.0]");
+    const auto from = keys::Pair(reader, "from_m");
+    const auto to = keys::Pair(reader, "to_m");
+    const double thickness = keys::Length(reader, "thickness_m").value_or(0.1);
+    Box wall{keys::Name(reader), {}, {}};
+    ReadLook(reader, wall);
+    if (!from || !to) return;
+    const Vector2d along = *to - *from;
+    if (along.norm() < keys::kSmallestM) {
+      return reader.Fault(reader.At("to_m"), "to_m", "expected another point than from_m");
+    }
+    wall.center_m = (*from + *to) / 2;
+    wall.half_m = {along.norm() / 2, thickness / 2};
+    wall.yaw_rad = std::atan2(along.y(), along.x());
+    scene_.boxes.push_back(std::move(wall));
+  }
+
+  void ReadCircle(TableReader& reader) {
+    Circle circle{keys::Name(reader), keys::Center(reader), 0};
+    reader.Require("radius_m", "a length in metres");
+    circle.radius_m = keys::Length(reader, "radius_m").value_or(1);
+    ReadLook(reader, circle);
+    scene_.circles.push_back(std::move(circle));
+  }
+
+  void ReadBall(TableReader& reader) {
+    Ball ball;
+    ball.center_m.head<2>() = keys::Center(reader);
+    Set(ball.radius_m, keys::Length(reader, "radius_m"));
+    ball.center_m.z() = keys::Height(reader, "bottom_m").value_or(0) + ball.radius_m;
+    Set(ball.color, keys::ReadColor(reader, "color", findings_));
+    Set(ball.glows, reader.Bool("glows"));
+    scene_.balls.push_back(ball);
+  }
+
+  void ReadBoard(TableReader& reader) {
+    Board board;
+    board.name = keys::Name(reader);
+    board.center_m = keys::Center(reader);
+    Set(board.yaw_rad, keys::Angle(reader, "yaw_deg"));
+    Set(board.width_m, keys::Length(reader, "width_m"));
+    Set(board.height_m, keys::Length(reader, "height_m"));
+    Set(board.bottom_m, keys::Height(reader, "bottom_m"));
+    Set(board.color, keys::ReadColor(reader, "color", findings_));
+    Set(board.sign.ink, keys::ReadColor(reader, "ink", findings_));
+    int signs = 0;
+    for (const auto& [key, kind, longest] : {std::tuple("qr", Sign::Kind::kQr, kLongestCode),
+                                             std::tuple("text", Sign::Kind::kText, kLongestText)}) {
+      const auto text = reader.String(key);
+      if (!text) continue;
+      ++signs;
+      board.sign.kind = kind;
+      board.sign.content = text->text;
+      if (text->text.empty() || text->text.size() > longest) {
+        reader.Fault(text->at, key,
+                     "expected 1 to " + std::to_string(longest) + " bytes, found " +
+                         std::to_string(text->text.size()));
+      }
+    }
+    if (reader.Has("picture")) {
+      ++signs;
+      board.sign.kind = Sign::Kind::kPicture;
+      Set(board.sign.content, keys::PictureFile(reader, "picture", folder_));
+    }
+    if (reader.Has("face")) {
+      ++signs;
+      board.sign.kind = Sign::Kind::kFace;
+      board.sign.face = static_cast<int>(reader.Integer("face", 0, kMostFaceOfThing).value_or(0));
+    }
+    if (signs > 1) {
+      findings_.Error(reader.at(), reader.path() +
+                                       ": expected at most one of picture, qr, text and face, "
+                                       "found several");
+    }
+    scene_.boards.push_back(std::move(board));
+  }
+
+  // Straight from point to point, or an arc round a centre.
+  void ReadLine(TableReader& reader) {
+    Line line;
+    Set(line.width_m, keys::Length(reader, "width_m"));
+    Set(line.color, keys::ReadColor(reader, "color", findings_));
+    const bool closed = reader.Bool("closed").value_or(false);
+    if (reader.Has("points_m") == reader.Has("center_m")) {
+      findings_.Error(reader.at(), reader.path() +
+                                       ": expected either points_m, or center_m with radius_m for "
+                                       "an arc");
+    }
+    Set(line.points_m, keys::Points(reader, "points_m"));
+    if (const auto center = keys::Pair(reader, "center_m")) {
+      reader.Require("radius_m", "a length in metres");
+      const double radius = keys::Length(reader, "radius_m").value_or(1);
+      const double from = reader.Number("from_deg", -720, 720).value_or(0) * M_PI / 180;
+      const double to = reader.Number("to_deg", -720, 720).value_or(360) * M_PI / 180;
+      const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - from) / kArcStep)));
+      for (int i = 0; i <= steps; ++i) {
+        const double angle = from + (to - from) * i / steps;
+        line.points_m.emplace_back(*center + radius * Vector2d(std::cos(angle), std::sin(angle)));
+      }
+    }
+    if (closed && !line.points_m.empty()) line.points_m.push_back(line.points_m.front());
+    scene_.lines.push_back(std::move(line));
+  }
+
+  void ReadPad(TableReader& reader) {
+    const Vector2d center = keys::Center(reader);
+    scene_.pads.push_back({center, keys::Length(reader, "size_m").value_or(0.8)});
+  }
+
+ private:
+  template <class Thing>
+  void ReadLook(TableReader& reader, Thing& thing) {
+    Set(thing.height_m, keys::Length(reader, "height_m"));
+    Set(thing.bottom_m, keys::Height(reader, "bottom_m"));
+    Set(thing.color, keys::ReadColor(reader, "color", findings_));
+  }
+
+  const std::string folder_;
+  Findings& findings_;
+  Scene& scene_;
+};
+
+}  // namespace
+
+void ReadThings(TableReader& root, const std::string& folder, Findings& findings, Scene& scene) {
+  Things things(folder, findings, scene);
+  const std::pair<const char*, void (Things::*)(TableReader&)> kinds[] = {
+      {"box", &Things::ReadBox},   {"wall", &Things::ReadWall},   {"circle", &Things::ReadCircle},
+      {"ball", &Things::ReadBall}, {"board", &Things::ReadBoard}, {"line", &Things::ReadLine},
+      {"pad", &Things::ReadPad}};
+  for (const auto& [key, read] : kinds) {
+    keys::Each(root, key, findings,
+               [&, read = read](TableReader& reader) { (things.*read)(reader); });
+  }
+}
+
+}  // namespace musher::world

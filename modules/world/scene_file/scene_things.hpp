@@ -1,0 +1,23 @@
+#pragma once
+// Reads what stands, lies and is painted in a scene, and the looks of the scene.
+
+#include <string>
+
+#include "musher/base/toml/table_reader.hpp"
+#include "musher/modules/world/scene/scene.hpp"
+
+namespace musher::world {
+
+// [[box]], [[wall]], [[circle]], [[ball]], [[board]], [[line]] and [[pad]]. Pictures are relative
+// to `folder`.
+void ReadThings(config_toml::TableReader& root, const std::string& folder,
+                config_toml::Findings& findings, Scene& scene);
+
+// [guests] and [[guest]]. Call it last: the paths of guests are checked against the obstacles.
+void ReadGuests(config_toml::TableReader& root, config_toml::Findings& findings, Scene& scene);
+
+// [ground], [light], [cameras] and [camera.*].
+void ReadViews(config_toml::TableReader& root, const std::string& folder,
+               config_toml::Findings& findings, Scene& scene);
+
+}  // namespace musher::world

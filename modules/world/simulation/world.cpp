@@ -1,0 +1,165 @@
+#include "musher/modules/world/simulation/world.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <type_traits>
+#include <utility>
+
+#include "musher/modules/world/body/camera_model.hpp"
+#include "musher/modules/world/scene/place.hpp"
+
+namespace musher::world {
+namespace {
+
+std::string NumberText(double number) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", number);
+  return text;
+}
+
+std::string At(const Eigen::Vector2d& point_m) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "(%.2f m, %.2f m)", point_m.x(), point_m.y());
+  return text;
+}
+
+}  // namespace
+
+bool IsDue(Duration now, double rate_hz) {
+  const auto period =
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / rate_hz));
+  return now / period != (now - kStep) / period;
+}
+
+World::World(Scene scene)
+    : scene_(std::make_shared<const Scene>(std::move(scene))),
+      random_(scene_->seed),
+      body_(*scene_),
+      battery_(scene_->battery),
+      guests_(*scene_) {
+  if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
+  Record();
+}
+
+StepOutputs World::Step() {
+  StepOutputs outputs;
+  now_ += kStep;
+  while (next_event_ < scene_->events.size() && scene_->events[next_event_].at <= now_) {
+    Apply(scene_->events[next_event_++], outputs);
+  }
+  const bool was_empty = supply_.battery_empty;
+  battery_.Step(kStep, body_.activity(), on_pad());
+  supply_.battery_empty = battery_.empty();
+  if (supply_.battery_empty && !was_empty) outputs.log.emplace_back("the battery is empty");
+
+  body_.Step(*scene_, supply_, now_, kStep, random_);
+  if (body_.bumped() && !touching_) {
+    track_.AddBump({now_, body_.pose().position_m});
+    outputs.log.push_back("the body bumped into something at " + At(body_.pose().position_m));
+  }
+  touching_ = body_.bumped();
+  if (humanoid_) humanoid_->Step(kStep);
+  const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
+  guests_.Step(*scene_, robot, now_, kStep);
+  if (track_.IsDue(now_)) Record();
+  return outputs;
+}
+
+std::optional<std::string> World::Command(const BoardCommand& command) {
+  return body_.Take(*scene_, command, now_);
+}
+
+std::optional<std::string> World::SetBattery(double percent) {
+  if (!(percent >= 0 && percent <= 100)) {
+    return "a battery of " + NumberText(percent) + " % is refused: expected 0 to 100";
+  }
+  Record();
+  battery_.Set(percent);
+  Record();
+  return std::nullopt;
+}
+
+void World::Plug(bool in) {
+  battery_.Plug(in);
+  Record();
+}
+
+std::optional<std::string> World::PutDown(const Pose2& at) {
+  if (!at.position_m.allFinite() || !std::isfinite(at.yaw_rad)) {
+    return "a place that is not a number is refused";
+  }
+  if (!IsFree(*scene_, at.position_m)) {
+    return "the body cannot be at " + At(at.position_m) +
+           ": an obstacle is there, or it is outside";
+  }
+  Record();
+  body_.PutDown({at.position_m, std::remainder(at.yaw_rad, 2 * M_PI)});
+  Record();
+  return std::nullopt;
+}
+
+void World::SetFault(const FaultKind& fault, std::size_t motor) {
+  if (&fault == &Faults().front()) silent_.clear();
+  body_.SetFault(fault, motor);
+}
+
+std::optional<std::string> World::SetPose(const std::string& name) {
+  return humanoid_ ? humanoid_->SetPose(name) : std::nullopt;
+}
+
+std::optional<std::string> World::LookAt(const Eigen::Vector2d& point) {
+  return humanoid_ ? humanoid_->LookAt(point) : std::nullopt;
+}
+
+void World::SetLight(int target, const Light& light) {
+  track_.SetLight(target, light);
+}
+
+Eigen::Isometry3d World::CameraPose(std::size_t index) const {
+  return CameraInPlace(scene_->cameras.cameras.at(index), body_.pose(), body_.attitude(), gaze());
+}
+
+bool World::on_pad() const {
+  return IsOnPad(*scene_, body_.pose().position_m);
+}
+
+void World::Apply(const SceneEvent& event, StepOutputs& outputs) {
+  const auto objection = std::visit(
+      [&](const auto& what) -> std::optional<std::string> {
+        using What = std::decay_t<decltype(what)>;
+        if constexpr (std::is_same_v<What, ChargeTo>) {
+          return SetBattery(what.percent);
+        } else if constexpr (std::is_same_v<What, Cable>) {
+          Plug(what.in);
+        } else if constexpr (std::is_same_v<What, Touch>) {
+          outputs.touches.push_back(what.state);
+        } else if constexpr (std::is_same_v<What, FaultOn>) {
+          if (const FaultKind* fault = FindFault(what.name)) {
+            SetFault(*fault, static_cast<std::size_t>(what.motor));
+          } else {
+            Silence(what.name);
+          }
+        } else if constexpr (std::is_same_v<What, Carry>) {
+          return PutDown(what.at);
+        } else {
+          outputs.speed = what.factor;
+        }
+        return std::nullopt;
+      },
+      event.what);
+  if (objection) outputs.log.push_back(*objection);
+}
+
+void World::Record() {
+  Sample sample;
+  sample.at = now_;
+  sample.pose = body_.pose();
+  sample.battery_percent = battery_.percent();
+  sample.charging = battery_.charging();
+  // A board that could walk and does not walk stands.
+  const Motion* motion = FindMotion(body_.mode(), body_.gait());
+  const bool idle = motion->kind == Kind::kWalk && body_.activity() == Activity::kStanding;
+  track_.Add(sample, machine_state_, idle ? "stand" : NameOf(body_.mode(), body_.gait()));
+}
+
+}  // namespace musher::world
