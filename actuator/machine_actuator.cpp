@@ -19,8 +19,8 @@ MachineActuator::MachineActuator(const std::string& actuator_name)
 
 MachineActuator::~MachineActuator() {
   MUSHER_CHECK(!impl_->started() || !derived_, name(),
-               "is destroyed while it is started, and its members are gone already; use Run(), "
-               "Wait() or musher::ActuatorRunner");
+               "is destroyed while it is started, and its members are already destroyed; use "
+               "Run(), Wait() or musher::ActuatorRunner");
 }
 
 Result<> MachineActuator::Init(const std::string& config_file,
@@ -61,11 +61,15 @@ Result<> MachineActuator::CheckCallbacks() const {
 int MachineActuator::Wait() {
   return impl_->Wait();
 }
-void MachineActuator::Log(const std::string& line) const {
-  impl_->Log(line);
+void MachineActuator::Log(const std::string& text) const {
+  Log(LogLevel::kInfo, text);
+}
+void MachineActuator::Log(LogLevel level, const std::string& text) const {
+  impl_->Log(level, text);
 }
 void MachineActuator::Log(const Error& error) const {
-  Log(WithCode(error.message, error.code));
+  const LogLevel level = error.code == kCodeOk ? LogLevel::kInfo : LogLevel::kWarning;
+  Log(level, WithCode(error.message, error.code));
 }
 void MachineActuator::GiveUp(const Error& why) {
   impl_->GiveUp(why);

@@ -33,6 +33,7 @@
 #include <string>
 
 #include "musher/base/code.hpp"
+#include "musher/base/log.hpp"
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/state.hpp"
@@ -50,9 +51,9 @@ class MachineActuator {
  public:
   // The name as in [controller].actuators of the config.
   explicit MachineActuator(const std::string& actuator_name);
-  // A derived class must not be destroyed while it is started: its callbacks would use members that
-  // are gone. Run() and Wait() return when it is not; ActuatorRunner is for everything else. The
-  // destructor ends the program then, which may be too late.
+  // A derived class must not be destroyed while it is started: its callbacks would use destroyed
+  // members. Run() and Wait() return when it is stopped; ActuatorRunner is for all other cases. The
+  // destructor of a started actuator ends the program, which may be too late.
   virtual ~MachineActuator();
   MachineActuator(const MachineActuator&) = delete;
   MachineActuator& operator=(const MachineActuator&) = delete;
@@ -97,9 +98,12 @@ class MachineActuator {
   // Only checks the config: 0 if Run() would continue with SetUp, else kConfigurationError.
   int Check(const std::string& config_file = "");
 
-  // Writes a line to stderr, which is the actuator's log: its name, the line and, for an Error, its
-  // code if not 0. Lines of several threads do not mix. From any thread.
-  void Log(const std::string& line) const;
+  // Writes a line to stderr, which is the actuator's log: its name, the level unless it is info,
+  // and the text. MUSHER_LOG in the environment is the lowest level that is written. An Error with
+  // a code other than 0 is a warning and has its code. Lines of several threads do not mix. From
+  // any thread.
+  void Log(const std::string& text) const;
+  void Log(LogLevel level, const std::string& text) const;
   void Log(const Error& error) const;
 
   // The actuator cannot continue: prints the reason to stderr and makes Wait() return 1, so that
@@ -182,7 +186,8 @@ class MachineActuator {
   // An emergency stop is engaged: stop all motion now. Runs on the process's loop thread, possibly
   // beside a running state callback; it must return at once (set a flag, write a zero) and must not
   // block. Exceptions are caught. Until a person releases the stop, this actuator does not switch
-  // to a more active state. Called once for each stop.
+  // to a more active state. Called for each stop, and again at the end of a callback that was
+  // running: must be idempotent.
   virtual void OnEmergencyStop() {}
 
  private:

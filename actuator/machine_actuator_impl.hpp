@@ -6,7 +6,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <future>
-#include <iostream>
 #include <mutex>
 #include <optional>
 #include <typeinfo>
@@ -112,11 +111,11 @@ class MachineActuator::Impl {
   bool started() const { return started_; }
 
   void GiveUp(const Error& why) {
-    Log("gives up: " + why.message);
+    Log(LogLevel::kError, "gives up: " + why.message);
     Finish(1);
   }
 
-  void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
+  void Log(LogLevel level, const std::string& text) const { WriteLog(level, name_, text); }
 
   DegradedReport& degraded() { return degraded_; }
 
@@ -239,7 +238,7 @@ class MachineActuator::Impl {
     hooks.take_degraded = [this] { return degraded_.Take(); };
     hooks.on_emergency_stop = [this] {
       const Result<> result = RunEmergencyStop();
-      if (!result) Log("OnEmergencyStop: " + result.error().message);
+      if (!result) Log(LogLevel::kError, "OnEmergencyStop: " + result.error().message);
     };
     hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
     hooks.on_report = [this](const ActuatorReport& report) { gate_.SetReport(report); };
@@ -249,7 +248,7 @@ class MachineActuator::Impl {
       if (end.code != kCodeOk) SetSetUpResult(end);
       Finish(end.code == kCodeOk ? 0 : 1);
     };
-    hooks.on_remark = [this](const std::string& line) { Log(line); };
+    hooks.on_remark = [this](const std::string& line) { Log(LogLevel::kWarning, line); };
     hooks.managed_node = config_->ros2.managed_nodes;
     auto shell = ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
                                      {NewIncarnation(), getpid(), HostId()}, std::move(hooks));

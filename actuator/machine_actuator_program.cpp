@@ -10,7 +10,7 @@ namespace musher {
 bool MachineActuator::MachineActuatorInit(const std::string& config_file,
                                           std::shared_ptr<transport::NodeThread> node) {
   const Result<> result = Init(config_file, std::move(node));
-  if (!result) Log(result.error().message);
+  if (!result) Log(LogLevel::kError, result.error().message);
   return result.ok();
 }
 
@@ -18,7 +18,8 @@ bool MachineActuator::ActuatorStart() {
   const Result<> result = Start();
   if (!result) {
     const Error& why = result.error();
-    Log("not started: " + CodeText(why.code) + (why.message.empty() ? "" : ", ") + why.message);
+    Log(LogLevel::kError,
+        "not started: " + CodeText(why.code) + (why.message.empty() ? "" : ", ") + why.message);
   }
   return result.ok();
 }
@@ -26,7 +27,7 @@ bool MachineActuator::ActuatorStart() {
 int MachineActuator::Check(const std::string& config_file) {
   if (!MachineActuatorInit(config_file)) return kConfigurationError;
   const auto fit = CheckCallbacks();
-  if (!fit) Log(fit.error().message);
+  if (!fit) Log(LogLevel::kError, fit.error().message);
   return fit ? 0 : kConfigurationError;
 }
 

@@ -93,15 +93,16 @@ class FsmActuator::Impl : public fsm::Listener {
                        std::string(fsm::Name(change.cause));
     if (change.command != fsm::kNoEvent) line += " by " + std::string(machine.Name(change.command));
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
-    Log(change.at, line);
+    Log(change.at, LogLevel::kInfo, line);
     if (!in_tick_) PublishSoon();
   }
   void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
-    Log(machine.time(), "command " + std::string(machine.Name(command)) + " is not handled in " +
-                            std::string(machine.Name(state)));
+    Log(machine.time(), LogLevel::kWarning,
+        "command " + std::string(machine.Name(command)) + " is not handled in " +
+            std::string(machine.Name(state)));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
-    Log(fault.at, "fault: " + machine.Describe(fault));
+    Log(fault.at, LogLevel::kError, "fault: " + machine.Describe(fault));
   }
 
  private:
@@ -113,7 +114,7 @@ class FsmActuator::Impl : public fsm::Listener {
     if (machine_->chart().start == fsm::kNoState) {
       return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
     }
-    for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
+    for (const std::string& warning : machine_->warnings()) owner_.Log(LogLevel::kWarning, warning);
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<Wire>();
       wire->loop = &topics.node().loop();
@@ -214,7 +215,7 @@ class FsmActuator::Impl : public fsm::Listener {
     }
   }
   void Guard(const char* name, const std::function<void()>& hook) {
-    if (const auto thrown = Thrown(name, hook)) owner_.Log("fault: " + *thrown);
+    if (const auto thrown = Thrown(name, hook)) owner_.Log(LogLevel::kError, "fault: " + *thrown);
   }
   // Calls a hook of the tick. An exception counts as a failed state; it is logged once as long as
   // it is the same.
@@ -223,7 +224,7 @@ class FsmActuator::Impl : public fsm::Listener {
     const bool news = thrown && *thrown != last;
     last = thrown.value_or("");
     if (!thrown) return true;
-    if (news) Log(machine_->time(), "fault: " + *thrown);
+    if (news) Log(machine_->time(), LogLevel::kError, "fault: " + *thrown);
     if (GoSafe()) return false;
     Pause();
     owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
@@ -259,13 +260,14 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   // Rate-limited, so that a machine that changes in every tick does not fill the disk.
-  void Log(Duration at, const std::string& line) {
+  void Log(Duration at, LogLevel level, const std::string& line) {
     if (at < logging_since_ || at - logging_since_ >= std::chrono::seconds(1)) {
       logging_since_ = at;
       logged_ = 0;
     }
-    if (++logged_ <= kMostLogged) owner_.Log(line);
-    if (logged_ == kMostLogged) owner_.Log("further messages within this second are suppressed");
+    if (++logged_ <= kMostLogged) owner_.Log(level, line);
+    if (logged_ == kMostLogged)
+      owner_.Log(level, "further messages within this second are suppressed");
   }
 
   FsmActuator& owner_;
@@ -289,8 +291,8 @@ FsmActuator::FsmActuator(const std::string& actuator_name, Options options)
 
 FsmActuator::~FsmActuator() {
   MUSHER_CHECK(!started(), name(),
-               "is destroyed while it is started, and the members that its hooks use are gone "
-               "already; use Run(), Wait() or musher::ActuatorRunner");
+               "is destroyed while it is started, and the members that its hooks use are already "
+               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
 }
 
 fsm::Machine& FsmActuator::machine() {

@@ -99,8 +99,8 @@ class FsmActuator : public MachineActuator {
   // an exception.
   virtual void BeforeTick(Time /*now*/) {}
   virtual void AfterTick(Time /*now*/) {}
-  // The robot has gone to a state in which the machine is paused, or an emergency stop was engaged:
-  // bring the outputs to neutral. Has to return at once; has to be idempotent. An exception is
+  // The robot is in a state in which the machine is paused, or an emergency stop was engaged:
+  // bring the outputs to neutral. Must return at once and be idempotent. An exception is
   // logged.
   virtual void OnPause() {}
   // The robot goes to Active; called before the machine is started or continues. An exception fails

@@ -18,7 +18,7 @@
 
 namespace musher {
 
-// Adds what the thread is doing to the message of a failed check, as long as it lives: "seed 42".
+// While it exists, adds what the thread is doing to the message of a failed check: "seed 42".
 class CheckContext {
  public:
   explicit CheckContext(std::string what);

@@ -20,7 +20,7 @@ namespace musher {
 // The bytes of a file; empty if it cannot be read to its end.
 std::string ReadFile(const std::filesystem::path& file);
 
-// Whether all of it was written; errno says why not. An interrupted write goes on.
+// Whether all of it was written; else errno gives the reason. An interrupted write goes on.
 bool WriteAll(int fd, std::string_view text);
 
 // Replaces the content of a file, or makes it: a reader gets the old or the new content, never a
@@ -34,7 +34,7 @@ struct ReplaceOptions {
 Result<> ReplaceFile(const std::string& path, std::string_view content,
                      const ReplaceOptions& options = {});
 
-// Waits until the names of the files in a folder are on disk; errno says why not.
+// Waits until the names of the files in a folder are on disk; on failure errno gives the reason.
 bool SyncFolder(const std::string& folder);
 
 // What a folder contains, in no order. `error` is set if it cannot be read to its end.

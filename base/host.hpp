@@ -62,8 +62,7 @@ class NameLock {
   // Any user of the host can take a name. So a holder is trusted only if the process and the lock
   // belong to root or to our own user.
   struct Holder {
-    pid_t pid = 0;  // 0: no process holds the name, or it is of a user whose files we may not
-                    // read
+    pid_t pid = 0;  // 0: no process holds the name, or the files of its user are not readable
     uid_t uid = 0;  // the user that took the name
     bool trusted = false;  // that user and the process's user are root or our own
 
@@ -72,7 +71,7 @@ class NameLock {
   // Searches all processes.
   static Holder HolderOf(std::string_view name);
 
-  // Whether process `pid` holds the name and is trusted; the Error says why not, with
+  // Whether process `pid` holds the name and is trusted; the Error gives the reason, with
   // kCodeStateInvalid if there is no such process (any more). Inspects this process only.
   static Result<> CheckHolder(std::string_view name, pid_t pid);
 

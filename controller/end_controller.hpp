@@ -1,5 +1,5 @@
 #pragma once
-// Ends the previous controller, whose machine this one takes over; the actuators keep running.
+// Ends the previous controller before this one takes its machine over; the actuators keep running.
 //
 // Threads: any; waits for the exit of the process, for some seconds at most.
 

@@ -45,7 +45,7 @@ class MachineController {
   bool WaitActuatorsSetUp();
   Result<> AwaitSetUp();
 
-  // The states that the controller knows; makes no calls.
+  // The last known states, without a call.
   void GetStateMap(std::map<std::string, std::string>& state_map) const;
   // False for an unknown actuator; `state` is then unchanged.
   bool GetState(const std::string& target_actuator, std::string& state) const;

@@ -7,7 +7,7 @@
 // those above it:
 //   step/       what every part can do: change the machine, act, record, save; emergency stops
 //   process/    the processes of the actuators, restarts
-//   policy/     what the policy remembers; power
+//   policy/     the stored values of the policy; power
 //   command/    one command to one actuator, with a definite outcome; taking control; arrivals
 //   switch/     a switch: legs in the order of the plan, rollback, result; TearDown; requests
 //   startup/    processes, the first stage, adoption, later stages

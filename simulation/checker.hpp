@@ -48,7 +48,7 @@ class Checker {
   void OnControllersBlocked(bool state_lost);
   // A controller is killed: its callers get no reply.
   void OnControllerKilled(const ControllerProcess& controller);
-  // A live process is about to exit with code 2 (configuration error).
+  // A running process is about to exit with code 2 (configuration error).
   void OnWrongConfig(const std::string& name);
   // It is killed, perhaps before it exits with code 2.
   void OnCrash(const std::string& name) { config_errors_.erase(name); }

@@ -74,7 +74,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   transport::Node& node() { return *node_; }
   Time Now() const { return node_->loop().Now(); }
   bool begun() const { return begun_; }
-  // Whether it leads the machine, as far as it knows.
+  // Whether it leads the machine according to its own state.
   bool leads() const {
     return begun_ && shell_->machine().phase != Phase::kFenced &&
            shell_->machine().phase != Phase::kIdle;

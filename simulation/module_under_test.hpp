@@ -44,7 +44,7 @@ struct FaultTestCounts {
   std::uint64_t failed = 0;          // of them
   std::uint64_t repeated = 0;        // run again in the same state
   std::uint64_t stop_requested = 0;  // that saw StopRequested() return true
-  std::uint64_t killed = 0;          // whose process was killed
+  std::uint64_t killed = 0;          // with their process
   std::uint64_t stops_during_callback = 0;
   std::uint64_t stops_before_callback = 0;  // of these, before its first instruction
   std::uint64_t emergency_stops = 0;        // in all

@@ -274,7 +274,8 @@ void Processes::SwitchPower(Part& part, const State& target) const {
   const auto rank = config_.RankOf(target);
   if (!rank || !part.shell) return;
   const ActuatorReport& report = part.shell->report();
-  const bool again = report.state == target && report.emergency_stop == 0;
+  const bool again = report.state == target ? report.emergency_stop == 0
+                                            : SwitchesOnAgain(config_, report.state, target);
   if (*rank <= *BuiltInRank(kDeActive)) {
     part.powered = false;
   } else if (again || Rises(config_, report.state, target)) {

@@ -55,7 +55,7 @@ void Checker::CheckStopsAtRest(const Machine& machine) {
   if (known != open && !excused(known)) {
     return ReportViolation(
         Invariant::kEmergencyStopLatched,
-        std::string("the controller knows of ") + (known ? "an" : "no") + " emergency stop" + what);
+        std::string("the controller has ") + (known ? "an" : "no") + " emergency stop" + what);
   }
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
@@ -81,10 +81,12 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
   }
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) idle_and_stopped_.emplace_back(name, host);
-  if (before.busy() && Rises(config_, before.state, report.state)) {
+  const bool level =
+      before.state != report.state && SwitchesOnAgain(config_, before.state, report.state);
+  if (before.busy() && (level || Rises(config_, before.state, report.state))) {
     ReportViolation(Invariant::kEmergencyStopHolds,
-                    name + " has switched up from " + before.state + " to " + report.state +
-                        " although it has latched an emergency stop");
+                    name + " has switched from " + before.state + " to " + report.state +
+                        ", which may switch it on, although it has latched an emergency stop");
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// How ROS 2 processes and a machine meet: what a ROS 2 process has to have in its environment, and
-// why one does not meet the machine with what it has.
+// How ROS 2 processes and a machine discover each other: the environment that a ROS 2 process
+// needs, and why a process does not discover the machine with the environment that it has.
 //
 // Pure functions of environments; threads: any.
 
@@ -33,9 +33,9 @@ Environment RosEnvironment(TransportProfile profile, const Environment& environm
 // Ends the message that `program` was not found: how a person gets `ros2`; empty for any other.
 std::string MissingProgramHint(std::string_view program);
 
-// Why a ROS 2 process in the environment `node` does not meet a machine of this profile whose
-// processes are in the environment `machine`: sentences that say what to change; none where nothing
-// is known against it.
+// Why a ROS 2 process in the environment `node` does not discover a machine of this profile with
+// processes in the environment `machine`: sentences with the necessary changes; empty without a
+// known obstacle.
 std::vector<std::string> RosObstacles(TransportProfile profile, const Environment& machine,
                                       const Environment& node);
 

@@ -24,7 +24,7 @@ class Findings {
   std::string Guess(std::string_view word, const std::vector<std::string_view>& candidates);
 
   // All diagnostics, by line and with columns in bytes of `text`. Where there are too many,
-  // warnings are dropped first, and a last line says how many are not shown.
+  // warnings are dropped first, and a last line reports how many are not shown.
   std::vector<Diagnostic> Take(const std::string& file, std::string_view text) &&;
 
  private:

@@ -20,9 +20,9 @@ struct CheckOptions {
   std::vector<std::string> files;
 };
 
-// The config lies in an upgrade root, or offers the manager's OTA service. Otherwise the owner may
-// not want upgrades and gets no warning.
-bool WantsUpgrades(const MachineConfig& config) {
+// The config is in an upgrade root, or offers the manager's OTA service. A robot without upgrades
+// gets no warning.
+bool IsUpgradable(const MachineConfig& config) {
   if (config.policy && config.policy->manager) return true;
   std::error_code error;
   std::filesystem::path folder = std::filesystem::absolute(config.file, error).lexically_normal();
@@ -34,7 +34,7 @@ bool WantsUpgrades(const MachineConfig& config) {
 }
 
 void AddUpgradeFault(const MachineConfig& config, std::vector<Diagnostic>& diagnostics) {
-  if (config.states.empty() || config.HasState(kOta) || !WantsUpgrades(config)) return;
+  if (config.states.empty() || config.HasState(kOta) || !IsUpgradable(config)) return;
   diagnostics.push_back({config.file, 0, 0, Severity::kWarning,
                          "the machine has no state OTA, which upgrades need: `musher ota` "
                          "refuses this config; add OTA to `states` of [controller]"});

@@ -47,8 +47,8 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
   return {RandomId(), true, Me(), words.substr(0, kLongestReason)};
 }
 
-// Waits until all actuators have latched the stop. A controller knows which are present; without
-// one the actuators have as long to appear as discovery takes.
+// Waits until all actuators have latched the stop. A controller reports which are present; without
+// one the actuators have the time of discovery to appear.
 EstopReport AwaitAll(Link& link, const Latching& latching, Duration timeout) {
   const Time begin = link.loop().Now();
   const auto report = [&] { return latching.Report(link.status()); };

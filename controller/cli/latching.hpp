@@ -27,7 +27,7 @@ struct EstopReport {
     std::string trouble;       // if not stopped: its health according to the controller, "hung"
     bool unsupported = false;  // its protocol has no emergency stop
   };
-  // An emergency stop that was already engaged. Only a controller knows by whom and why.
+  // An emergency stop that was already engaged. Only a controller has its origin and reason.
   struct Earlier {
     std::string by;
     std::string reason;
@@ -37,7 +37,7 @@ struct EstopReport {
   std::string reason;
   bool controller = false;          // a controller leads …
   bool controller_latched = false;  // … has latched the stop and publishes it to later actuators …
-  bool knows_origin = false;        // … and knows by whom and why, unless that was lost earlier
+  bool knows_origin = false;  // … with its origin and reason, unless these were lost earlier
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
 

@@ -19,7 +19,7 @@ struct GlobalOptions {
   std::optional<Duration> timeout;       // for the controller's answer; none: the command's own
   ColourWhen colour = ColourWhen::kAuto;
   std::string keys;      // folder with credentials; empty: none are used
-  std::string identity;  // whose credentials
+  std::string identity;  // the name of the credentials
 };
 
 }  // namespace musher::cli

@@ -26,8 +26,8 @@ std::vector<Diagnostic> CheckRos(const MachineConfig& config,
     const int line = places.LineOf("actuator." + actuator.name, ours ? "env" : "protocol");
     const std::string where =
         "in 'actuator." + actuator.name + "': " +
-        (ours ? "the ROS 2 node does not meet the machine: "
-              : "a ROS 2 node that is started in this shell does not meet the machine: ");
+        (ours ? "the ROS 2 node does not discover the machine: "
+              : "a ROS 2 node that is started in this shell does not discover the machine: ");
     for (const std::string& obstacle :
          transport::RosObstacles(profile.value(), environment, node)) {
       found.push_back({config.file, line, line == 0 ? 0 : 1, Severity::kWarning, where + obstacle});

@@ -2,8 +2,8 @@
 // any thread or DDS socket exists; this process stays in the foreground and prints events.
 //
 // The controller of an upgrade root may have to restart from another slot. It executes this program
-// again, in the same process and with --resume: its launcher, systemd and others that know its pid
-// notice nothing, and its memory keeps nothing of the previous machine.
+// again, in the same process and with --resume: its pid stays the same for its launcher and for
+// systemd, and its memory keeps nothing of the previous machine.
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -197,8 +197,8 @@ Result<> CheckTarget(Target& target, const UpOptions& options, const GlobalOptio
   config.transport = profile.value();  // decisions about silent actuators depend on it, too
   if (global.name_space_given && global.name_space != config.name_space) {
     return Error{kCodeParametersInvalid,
-                 "--namespace differs from the config: actuators read the namespace from " +
-                     options.file + ", which says '" + config.name_space + "'"};
+                 "--namespace differs from the config: actuators use the namespace of " +
+                     options.file + ", '" + config.name_space + "'"};
   }
   return CheckKeys(config, console);
 }

@@ -31,7 +31,7 @@ struct SwitchEnd {
   enum class Kind {
     kAnswered,  // by the controller that was called
     kReported,  // by its successor; `result` has no actuators
-    kUnknown,   // no controller reports it; result.reason says why, and what to do
+    kUnknown,   // no controller reports it; result.reason gives the reason, and what to do
   };
   Kind kind = Kind::kUnknown;
   // With an outcome of set_state, or "interrupted": its controller exited before the switch ended.

@@ -82,7 +82,7 @@ msg::BmsInfo::Response Information::Battery() const {
   return {*battery_, old ? MakeCode(ModuleCode::kBms, KeyCode::kTimeout) : kCodeOk};
 }
 
-// Fields of an account or of another module, which this controller does not know, are null.
+// Fields of an account or of another module, which this controller does not have, are null.
 msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) const {
   if (enables.size() > kKeys.size()) return {"", kCodeParametersInvalid};
   Json known;

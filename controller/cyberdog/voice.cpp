@@ -233,7 +233,8 @@ void Speaking::On(const voice_event::PlayEnded& ended) {
 
 bool Speaking::May(Occasion occasion) const {
   const bool asleep = voice_.machine.state == kLowPower;
-  return rules_.Says(occasion) && (!asleep || !rules_.quiet_asleep || occasion == Occasion::kTouch);
+  return rules_.Announces(occasion) &&
+         (!asleep || !rules_.quiet_asleep || occasion == Occasion::kTouch);
 }
 
 void Speaking::Say(Occasion occasion, Utterance utterance) {

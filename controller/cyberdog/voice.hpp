@@ -1,6 +1,6 @@
 #pragma once
-// Decides what the manager says and when: (state, event, now) → what to play. Plain values, no
-// clock, no I/O; the shell is speaker.hpp.
+// Decides the manager's phrases and their times: (state, event, now) → what to play. Plain values,
+// no clock, no I/O; the shell is speaker.hpp.
 //
 //   event ──▶ is it an occasion? ──▶ waiting ──(audio available and free)──▶ playing ──▶ ended
 //                                       └─(audio not available for 10 s)──▶ dropped

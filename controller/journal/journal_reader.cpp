@@ -58,6 +58,14 @@ std::int64_t FirstWithChecksum(const Open& journal) {
   }
 }
 
+// A damaged record may be read as one with fewer columns, which hold other values then.
+bool HasTypesOfVersion1(SQLite::Statement& row) {
+  const auto is_text = [&](int column) { return row.getColumn(column).isText(); };
+  const auto is_number = [&](int column) { return row.getColumn(column).isInteger(); };
+  return is_number(1) && is_number(2) && is_number(3) && is_number(4) && is_text(5) && is_text(6) &&
+         is_number(7) && is_text(8) && is_text(9);
+}
+
 // An entry, or why it is damaged.
 Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_checksum) {
   JournalEntry entry;
@@ -73,14 +81,15 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
   entry.code = row.getColumn(7).getInt();
   entry.message = row.getColumn(8).getString();
   entry.data = row.getColumn(9).getString();
-  if (row.getColumnCount() == 10) return entry;  // of version 1
+  // SQLite reads the missing end of a page as zeros; every written entry has a kind.
+  const bool of_zeros = entry.kind.empty() || entry.kind.find('\0') != std::string::npos;
+  const bool of_version_1 = id > 0 && !of_zeros && HasTypesOfVersion1(row);
+  if (row.getColumnCount() == 10) return of_version_1 ? Result<JournalEntry>(entry) : damaged;
   entry.id = Unsigned(row, 10);
   entry.cause = Unsigned(row, 11);
   entry.state = row.getColumn(12).getString();
   const auto checksum = row.getColumn(13);
-  // SQLite reads the missing end of a page as zeros.
-  const bool of_zeros = entry.kind.find('\0') != std::string::npos;
-  const bool may_lack_it = id > 0 && id < first_with_checksum && !of_zeros;
+  const bool may_lack_it = of_version_1 && id < first_with_checksum;
   if (checksum.isNull() ? !may_lack_it : checksum.getInt64() != ChecksumOf(id, entry)) {
     return damaged;
   }

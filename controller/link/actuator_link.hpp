@@ -2,7 +2,7 @@
 // How the controller communicates with one actuator. There is one kind of link for each `protocol`
 // of the config; to the decision code all of them look the same: commands go in, events come out.
 // Where a protocol does not report something (a state, a clock, the outcome of a command), the link
-// makes an ActuatorReport from what it knows.
+// makes an ActuatorReport from its data.
 //
 // Threads: loop thread only. `emit` may be called at any time except inside Switch() and Query().
 

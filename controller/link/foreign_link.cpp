@@ -64,7 +64,7 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
   const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
                                   [&](transport::PeerId s) { return !ended_.contains(s); });
   if (other != servers_.rend()) return Appear(*other);
-  ReportVanished("it offers no service any more");
+  ReportVanished("its services are lost");
   Forget();
 }
 
@@ -135,7 +135,7 @@ void ForeignLink::BeginWaiting() {
   const auto next = std::exchange(waiting_, std::nullopt);
   if (!next) return;
   if (Now() - next->since > next->command.budget) {
-    return Refuse(next->command.number, kCodeTimeout, "it had to wait for too long");
+    return Refuse(next->command.number, kCodeTimeout, "it waited too long for an earlier command");
   }
   Begin(next->command);
 }

@@ -183,7 +183,7 @@ Result<Manifest> ParseManifest(std::string_view text, const std::string& file) {
   Manifest manifest = Read(root, format);
   if (format != kFormat) {
     return Refusal(Fault::kUnknownFormat, file + " has format " + std::to_string(format) +
-                                              "; this musher knows " + std::to_string(kFormat));
+                                              "; this musher supports " + std::to_string(kFormat));
   }
   root.RefuseOthers();
   if (findings.HasErrors()) return First(std::move(findings), file, text, false);

@@ -19,7 +19,7 @@ struct KeyPair {
 };
 Result<KeyPair> MakeKeyPair();
 
-// The signature of `text`. An Error says what is wrong with the key, never its content.
+// The signature of `text`. An Error describes the fault of the key, never its content.
 Result<std::string> Sign(std::string_view text, std::string_view private_pem);
 
 // Ok: `signature` was made from `text` with the private key of `public_pem`.

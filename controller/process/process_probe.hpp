@@ -25,7 +25,7 @@ class ProcessProbe {
 
   // Checks that process `pid`, which a status claims, is the actuator's: it is in the session of
   // `child`, the process that we have started for this actuator (0: none), or it holds the
-  // actuator's name on this host and belongs to root or our user. The Error says why not, with
+  // actuator's name on this host and belongs to root or our user. The Error gives the reason, with
   // kCodeStateInvalid if there is no such process.
   virtual Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) = 0;
 

@@ -31,7 +31,7 @@ struct ProcessExit {
     kExited,   // number = its exit code
     kKilled,   // number = the signal
     kUnknown,  // not a child: only its exit is known
-    kNotRun    // its program could not be executed; `last_output` says why
+    kNotRun    // its program could not be executed; `last_output` gives the reason
   };
 
   Kind kind = Kind::kUnknown;
@@ -66,7 +66,7 @@ class ProcessRunner {
   // Watches a running process, for example one that the previous controller has started, or a
   // started one that hosts several actuators: each of them may watch it. For a process that this
   // controller did not start the exit code is unknown. Fails if there is no such process. The
-  // caller must know that the pid is of this host (HostId) and whose it is (ProcessProbe::Prove).
+  // caller must have verified the host of the pid (HostId) and its actuator (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
   // Watches a process that an earlier controller has started as its child. When it exits, the rest

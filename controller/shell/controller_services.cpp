@@ -182,7 +182,7 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
     return reply(known);
   }
   if (request.epoch >= own) {
-    known.reason = "the controller of epoch " + std::to_string(own) + " knows no such switch";
+    known.reason = "the controller of epoch " + std::to_string(own) + " has no such switch";
     known.state = shell_.machine().state;
     return reply(known);
   }

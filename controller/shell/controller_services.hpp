@@ -1,8 +1,8 @@
 #pragma once
-// What a controller answers under <namespace>/musher/: set_state, restart_actuator,
+// The services of a controller under <namespace>/musher/: set_state, restart_actuator,
 // release_emergency_stop, request_policy, get_status, get_capabilities, get_plan, get_switch and
-// get_history, for the CLI and for any ROS 2 node. They are there only while the controller leads:
-// a request that comes before waits at its client for the next leader.
+// get_history, for the CLI and for any ROS 2 node. They are offered only while the controller
+// leads: an earlier request waits at its client for the next leader.
 //
 // Threads: loop thread only.
 

@@ -61,7 +61,7 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
         step.part == PlanStep::Part::kInTarget || step.part == PlanStep::Part::kHeldInTarget;
     response.steps.push_back({config.actuators[step.actuator].name, step.wave, step.from, step.to,
                               step.driven() ? ToMilliseconds(step.deadline) : 0,
-                              there ? "is in the target state already" : step.note});
+                              there ? "is already in the target state" : step.note});
   }
   return response;
 }

@@ -9,7 +9,7 @@
 // `zcat` of the parts in order, then the live file, is the whole output. Otherwise the file is
 // copied and truncated; output between the two, some microseconds, is lost, and a line in the file
 // says so. Output that is too fast (more than a fifth of the limit in a second), or that a full
-// disk cannot take, is dropped with a line that says how much. A controller that crashes between
+// disk cannot take, is dropped with a line that reports how much. A controller that crashes between
 // writing a part and removing it leaves it twice.
 //
 // Checks once a second, ten times a second while a log grows fast. Without a controller nothing is

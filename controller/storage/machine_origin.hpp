@@ -1,7 +1,7 @@
 #pragma once
-// The identity of a machine: name, namespace, domain and the file that it was started from. It says
-// to which machine a state folder belongs and which machine a controller leads. A machine that
-// differs in one of them is another machine, with its own history, epochs and emergency stops.
+// The identity of a machine: name, namespace, domain and the file that it was started from. It
+// identifies the machine of a state folder and of a controller. A machine that differs in one of
+// them is another machine, with its own history, epochs and emergency stops.
 //
 // Stored in the state folder's file `machine`.
 //

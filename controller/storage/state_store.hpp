@@ -1,15 +1,15 @@
 #pragma once
-// The controller's folder, and the lock that says that it has a living owner:
+// The controller's folder, and the lock by which it has a running owner:
 //
 //   controller.lock     held while the controller runs; names it: "4711 robot"
-//   machine             whose folder it is (machine_origin.hpp)
+//   machine             the machine of the folder (machine_origin.hpp)
 //   config              the hash of the config that the machine was led with last
 //   epoch               the last epoch that was begun, as a decimal number
-//   emergency_stop      there while one is engaged: its number, by whom, why
+//   emergency_stop      exists while one is engaged: its number, origin and reason
 //   processes           the processes started for actuators (child_processes.hpp)
 //   stop_intent         there from the start of a TearDown until a person starts the machine
 //   remote_actuators    the actuators that run on other hosts, with the host
-//   policy              what the policy remembers: the low-power switch, where the battery took it
+//   policy              the values of the policy: the low-power switch, where the battery took it
 //   last_selfcheck_info.json  what the self-check of the last start has found
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
@@ -75,7 +75,7 @@ class StateStore {
                                const std::string& host);
   std::vector<RemoteActuator> LoadRemoteActuators(const std::string& host) const;
 
-  // What the policy remembers; nothing where there is no file yet, or none that can be read.
+  // The stored values of the policy; nothing without a file that can be read.
   Result<> SavePolicy(const StoredPolicy& policy);
   StoredPolicy LoadPolicy() const;
 

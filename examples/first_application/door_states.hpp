@@ -58,7 +58,7 @@ class Open : public fsm::State {
   fsm::StateId closed_ = fsm::kNoState;
 };
 
-// An obstacle: the door stays where it is, and opens once the obstacle is gone.
+// An obstacle: the door stays where it is, and opens once the path is free.
 class Blocked : public fsm::State {
  public:
   explicit Blocked(DoorData& door) : door_(door) {}

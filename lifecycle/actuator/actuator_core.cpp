@@ -197,7 +197,7 @@ class Deciding {
                        "no controller of epoch " + number + " has announced itself"};
       }
       core_.controller = sender;
-      // The new controller does not know the waiting command of the previous one.
+      // The new controller does not have the waiting command of the previous one.
       DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
     }
     report_.epoch = epoch;

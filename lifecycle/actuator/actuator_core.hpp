@@ -19,7 +19,7 @@
 //   - A number is accepted once and never below a number accepted or fenced.
 //   - A command older than its budget by this actuator's clock cannot begin.
 //   - A running callback is never interrupted, only requested to stop.
-//   - While an emergency stop is latched, nothing goes up, not even back to the present state after
+//   - While an emergency stop is latched, no command goes up, not even to the present state after
 //     a downward callback has failed, nor to another state of the same rank above DeActive. An
 //     upward callback that ends meanwhile has failed, whatever it returns: its state is not taken,
 //     and the stop action runs again.
@@ -40,7 +40,7 @@
 
 namespace musher {
 
-// A request that came over the wire and must be answered exactly once; the shell knows its client.
+// A request from the wire, which gets exactly one reply; the shell has its client.
 using RequestToken = std::uint64_t;
 
 // The participant that sent a sample, as the transport reports it. 0: unknown; such a command is

@@ -105,7 +105,7 @@ void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0) {
     if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
-    Lose(i, "its process is not known any more; it was torn down for its restart");
+    Lose(i, "its pid is unknown; it was torn down for its restart");
     return processes_.Recover(i);
   }
   const Duration grace = ends_itself ? kExitGrace : Duration::zero();

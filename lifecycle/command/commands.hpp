@@ -22,7 +22,7 @@ struct CommandResult {
   std::int32_t code = kCodeOk;
   std::string message;
   bool ran = false;         // the callback ran, or may have run
-  std::uint64_t cause = 0;  // the record that says why; 0: the switch it was part of
+  std::uint64_t cause = 0;  // the record with the reason; 0: the switch it was part of
 };
 
 class Commands : StepPart {
@@ -54,8 +54,8 @@ class Commands : StepPart {
   void Hang(std::size_t i, bool silent, const std::string& how);
   // The exit of a process can overtake its last sample.
   void AssumeTornDown(std::size_t i);
-  // An actuator that was found in Error, or reached its state otherwise without a check, or whose
-  // check was superseded, is not driven up without a request.
+  // An actuator that was found in Error, or reached its state otherwise without a check, or had its
+  // check superseded, is not driven up without a request.
   void ReportUnchecked(std::size_t i);
 
  private:

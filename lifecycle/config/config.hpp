@@ -55,7 +55,7 @@ struct ActuatorConfig {
   std::string cwd;                   // absolute; empty: the controller's own
   std::map<std::string, std::string> env;  // added to the controller's environment
   Protocol protocol = Protocol::kMusher;
-  std::string heartbeat_name;              // of protocol cyberdog: whose `manager_heartbeats`
+  std::string heartbeat_name;              // of protocol cyberdog: its name in `manager_heartbeats`
   std::map<State, Ros2State> ros2_states;  // of ros2_lifecycle: where it differs from Ros2GoalOf()
   int stage = 1;
   std::vector<std::string> after;     // actuators that must be up first
@@ -121,7 +121,7 @@ struct MachineConfig {
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
   std::optional<RosDistro>
-      ros_distro;  // whose layouts are spoken; none: that of ROS_DISTRO, or Jazzy
+      ros_distro;  // its message layouts are used; none: that of ROS_DISTRO, or Jazzy
   ClockSource clock = ClockSource::kSteady;
   std::string
       keys;  // absolute folder of credentials: only authenticated participants; empty: no security

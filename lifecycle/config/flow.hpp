@@ -21,8 +21,8 @@ bool Rises(const MachineConfig& config, std::string_view from, std::string_view 
 bool Falls(const MachineConfig& config, std::string_view from, std::string_view to);
 
 // Whether the callback of `to` may switch on again what an emergency stop has switched off in
-// `from`: it leads to a state above DeActive and not down. This includes the same
-// state and other states of the same rank.
+// `from`: it leads to a state above DeActive and not down. This includes the same state and other
+// states of the same rank.
 bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::string_view to);
 
 // The states that may follow `from`, in the config's order, without `from` itself.

@@ -72,7 +72,7 @@ struct VoicePolicy {
   int battery_at = 30;        // %: at or below it the first announcement of the battery
   bool quiet_asleep = false;  // in LowPower the manager speaks only when the robot is touched
 
-  bool Says(Occasion occasion) const {
+  bool Announces(Occasion occasion) const {
     return std::find(say.begin(), say.end(), occasion) != say.end();
   }
   friend bool operator==(const VoicePolicy&, const VoicePolicy&) = default;

@@ -1,5 +1,5 @@
 #pragma once
-// What the controller knows: the machine, its actuators and the switch under way. Plain values that
+// The controller's state: the machine, its actuators and the switch under way. Plain values that
 // can be copied and compared; only the coordinator (coordinator.hpp) changes them.
 //
 //   Phase:   idle ──▶ starting ──▶ running ──▶ stopping ──▶ stopped
@@ -82,7 +82,7 @@ struct ActuatorRecord {
   std::optional<Error> fault;  // why it is degraded
   std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
   std::optional<PendingCommand> command;  // the command under way
-  std::uint64_t cause = 0;                // the record that says why it is degraded, lost or back
+  std::uint64_t cause = 0;  // the record with the reason why it is degraded, lost or back
 
   Health health = Health::kWell;
   int restarts = 0;                // of its process, in a row
@@ -149,11 +149,11 @@ struct Switch {
   std::vector<std::uint64_t> requests;  // answered at its end
   std::vector<Leg> legs;
   std::vector<ActuatorResult> others;  // the actuators not driven, and why
-  bool stopped = false;                // by an emergency stop: a switch up has failed
+  bool stopped = false;                // by an emergency stop
   bool rolling_back = false;
   std::uint64_t back_number = 0;  // of the commands of the rollback
   std::vector<Leg> back;          // the legs of the rollback
-  std::uint64_t cause = 0;        // the record that says why this switch was begun
+  std::uint64_t cause = 0;        // the record with the reason for this switch
 
   friend bool operator==(const Switch&, const Switch&) = default;
 };
@@ -254,7 +254,7 @@ struct Machine {
   std::optional<Switch> current;
   std::optional<WaitingSwitch> waiting;  // never together with a current one
   std::optional<State> fallback;     // on_lost of a critical actuator, when there is time for it
-  std::uint64_t fallback_cause = 0;  // the record that says why
+  std::uint64_t fallback_cause = 0;  // the record with the reason
   std::optional<Stopping> stopping;
   std::optional<EmergencyStop> emergency_stop;
   std::uint64_t stop_cause = 0;                // the record of it

@@ -74,7 +74,7 @@ struct PowerDown {
   Time tear_down_at{};
   Time force_at{};
   bool commanded = false;   // the command has been given
-  std::uint64_t cause = 0;  // the record that says why
+  std::uint64_t cause = 0;  // the record with the reason
 
   friend bool operator==(const PowerDown&, const PowerDown&) = default;
 };

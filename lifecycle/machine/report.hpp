@@ -9,8 +9,8 @@
 
 namespace musher {
 
-// Epochs grow by one with every controller, numbers with every command; values beyond these are
-// invalid.
+// Epochs grow by one with every controller, numbers with every command; values from these on are
+// not taken over from a report. A controller's own commands may continue the number beyond.
 inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
 inline constexpr std::uint64_t kLastNumber = std::uint64_t{1} << 62;
 

@@ -110,7 +110,7 @@ class Planning {
     RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
                                         (stop.by.empty() ? "" : " by " + stop.by) +
                                         (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
-                                        (rises ? "; until it is released nothing goes up"
+                                        (rises ? "; until it is released no switch up is possible"
                                                : "; until it is released it holds " + plan_.from +
                                                      ", and nothing is switched on again"));
   }

@@ -15,7 +15,7 @@ namespace musher {
 struct PlanStep {
   enum class Part {
     kDriven,
-    kInTarget,      // is in the target state already
+    kInTarget,      // is already in the target state
     kHeldInTarget,  // the same, and no longer detached
     kUnsupported,   // does not list the target
     kLeftOut,       // not available, not checked, or still starting: `note` says which

@@ -1,7 +1,7 @@
 #pragma once
-// What the policy remembers of the switches: to where the battery has lowered the machine, in which
-// state it is kept, and when a failed switch is tried again. The rules that begin switches are
-// in rules/.
+// What the policy stores about the switches: to which state the battery has lowered the machine, in
+// which state it is kept, and when a failed switch is tried again. The rules that begin switches
+// are in rules/.
 
 #include <optional>
 #include <string>

@@ -44,7 +44,9 @@ bool Joining::MayJoin(std::size_t i, std::string& blocker) const {
   const bool goes_up = record.due && target && (!own || *own < *target);
   const bool elsewhere = record.due && record.state() != place;
   const bool refused = goes_up || (elsewhere && SwitchesOnAgain(config_, record.state(), place));
-  if (refused && machine_.emergency_stop && machine_.state != kError) return false;
+  // Its command could overtake the release on the way to it.
+  const bool stopped = machine_.emergency_stop || record.report.emergency_stop != 0;
+  if (refused && stopped && machine_.state != kError) return false;
   if (record.due && !goes_up) return true;
   if (!NeedsMet(i, blocker)) {
     if (blocker.empty()) blocker = WaitsForSuspended(i);

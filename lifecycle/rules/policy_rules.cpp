@@ -54,7 +54,7 @@ void PolicyRules::EvaluateLevel(const std::string& seen) {
   if (policy.level != before) {
     const State most = CeilingState(config_, policy.level);
     const bool kept_up = TakingDownLevel(policy) != policy.level;
-    text += policy.level == BatteryLevel::kFree    ? ": no limit any more"
+    text += policy.level == BatteryLevel::kFree    ? ": the machine is no longer limited"
             : kept_up                              ? ": no switch above " + most
             : policy.level == BatteryLevel::kEmpty ? ": it is empty"
                                                    : ": the machine is limited to " + most;
@@ -124,7 +124,8 @@ bool PolicyRules::ApplyBatteryRule() {
   const BatteryLevel level = TakingDownLevel(machine_.policy);
   if (level == BatteryLevel::kEmpty) {
     // A manager that speaks announces it first, before its voice is torn down with the rest.
-    const bool speaks = config_.policy->manager && config_.policy->voice.Says(Occasion::kBattery);
+    const bool speaks =
+        config_.policy->manager && config_.policy->voice.Announces(Occasion::kBattery);
     const Duration word = speaks ? config_.policy->power.delay : Duration{};
     power_.Begin(false, now_ + word, machine_.policy.level_cause);
     if (TearDownForPower()) return true;

@@ -36,8 +36,8 @@ std::string StartUp::NotSetUp(std::size_t i) const {
            (record.process == 0
                 ? ""
                 : ", but its program runs (process " + std::to_string(record.process) + ")") +
-           "; the node has another name, or no lifecycle states, or does not meet the machine: "
-           "`musher check` says why";
+           "; the node has another name, or no lifecycle states, or does not discover the machine: "
+           "`musher check` shows why";
   }
   if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
     return "was not set up " + within;

@@ -19,9 +19,9 @@ inline constexpr const char* kOutOfReach = "connection lost";
 
 namespace event {
 
-// Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
-// a process of actuator i runs on this host already, `processes[i]` is its pid where its end can be
-// seen, else 0. `epoch`, `stops`, `policy`, `stop_intent` and `remote` are what was found on disk.
+// Starts the machine: with `by_hand` only SetUp, the rest follows by requests. `running[i]`: a
+// process of actuator i already runs on this host; `processes[i]` is its pid if its exit can be
+// detected, else 0. `epoch`, `stops`, `policy`, `stop_intent` and `remote` were read from disk.
 // `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
 // controller finishes the TearDown that was begun, and the machine stays down. A person's start
 // clears the intent.

@@ -38,11 +38,11 @@ bool MachineView::RunsElsewhere(std::size_t i) const {
 
 bool MachineView::AnotherProcessIsPresent(std::size_t i, std::int32_t pid) const {
   const ActuatorRecord& record = Of(i);
-  const bool speaks =
+  const bool publishes =
       record.presence == Presence::kPresent ||
       (record.presence == Presence::kStarting && record.report.incarnation != record.dead);
   const bool here = !record.report.host.empty() && record.report.host == view_.host;
-  return speaks && here && record.report.pid != 0 && record.report.pid != pid;
+  return publishes && here && record.report.pid != 0 && record.report.pid != pid;
 }
 
 bool MachineView::Fits(std::size_t i) const {

@@ -1,5 +1,5 @@
 #pragma once
-// What the parts of a step ask about the machine and its actuators. Reads only.
+// The queries of the parts of a step about the machine and its actuators. Reads only.
 
 #include <cstdint>
 #include <string>

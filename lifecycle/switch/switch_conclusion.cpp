@@ -65,10 +65,12 @@ std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
     }
     CorrectIfAway(s, leg.actuator, result);
     for (const Leg& back : s.back) {
-      if (back.actuator == leg.actuator && back.outcome == ActuatorOutcome::kDone &&
-          leg.outcome == ActuatorOutcome::kDone) {
+      if (back.actuator != leg.actuator || leg.outcome != ActuatorOutcome::kDone) continue;
+      if (back.outcome == ActuatorOutcome::kDone) {
         result.outcome = ActuatorOutcome::kUndone;
         result.message = "is back in " + back.target;
+      } else if (back.code == kCodeProtectedError && back.outcome == ActuatorOutcome::kSkipped) {
+        result.message = back.message;
       }
     }
     results.push_back(std::move(result));

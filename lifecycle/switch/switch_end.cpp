@@ -33,11 +33,14 @@ EndedSwitch Switching::End() {
   if (undone) SettleBack(s);
   const SwitchResult result = conclusion().Conclude(s, undone);
   const Leg* worst = undone ? conclusion().WorstLeg(s) : nullptr;
+  const bool stopped = undone && s.stopped;
   const std::uint64_t recorded = RecordEnd(s, result,
                                            "switch " + std::to_string(s.number) + " is " +
                                                std::string(OutcomeName(result.outcome)) +
                                                (result.reason.empty() ? "" : ": " + result.reason),
-                                           worst ? Of(worst->actuator).cause : s.cause);
+                                           stopped ? machine_.stop_cause
+                                           : worst ? Of(worst->actuator).cause
+                                                   : s.cause);
   EndedSwitch ended{s.purpose, undone, !s.only, result, recorded};
   if (s.purpose == Purpose::kStop) return ended;  // answered when the processes have exited
   memory_.OnSwitchEnded(s, undone);
@@ -108,11 +111,31 @@ void Switching::SettleBack(const Switch& s) {
     }
     const bool restarted = present && !config_.RankOf(record.state());
     if (restarted && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it is driven on its own
+    if (present && leg.outcome == ActuatorOutcome::kSkipped && leg.code == kCodeProtectedError) {
+      SettleHeld(s, leg);
+      continue;
+    }
     Degrade(leg.actuator, leg.code,
             "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +
                 leg.message,
             Of(leg.actuator).cause);
     if (!IsComing(leg.actuator)) FallBack(leg.actuator);
+  }
+}
+
+// The effect on an actuator that is not driven back during an emergency stop. It stays where it is
+// also after the release, which starts no callback, until the next switch.
+void Switching::SettleHeld(const Switch& s, const Leg& back) {
+  const ActuatorRecord& record = Of(back.actuator);
+  const auto forward = std::ranges::find(s.legs, back.actuator, &Leg::actuator);
+  const std::string ended = ": an emergency stop has ended the switch to " + s.target;
+  if (record.report.busy()) {
+    Degrade(back.actuator, back.code, "is busy with " + record.report.target + ended,
+            machine_.stop_cause);
+  } else if (record.state() != machine_.state && record.state() == s.target) {
+    Degrade(back.actuator, back.code, "is in " + record.state() + ended, machine_.stop_cause);
+  } else if (forward->failed() && forward->code != kCodeProtectedError) {
+    Degrade(back.actuator, forward->code, forward->message, record.cause);
   }
 }
 

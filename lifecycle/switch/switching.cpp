@@ -182,10 +182,18 @@ Duration Switching::TearDownShare(const Leg& leg) const {
   return (machine_.stopping->tear_down_by - now_) / static_cast<int>(stages.size());
 }
 
+// Whether an emergency stop has ended a switch of the machine to another state that is as active:
+// it would switch on again what the stop has switched off.
+bool Switching::StoppedOnTheLevel(const Switch& s) const {
+  const bool level = s.direction == Direction::kLevel && s.from != s.target && !s.only;
+  return s.stopped && level && SwitchesOnAgain(config_, s.from, s.target);
+}
+
 // Whether the switch has to be undone: on the way up, all actuators or none. During start-up, only
 // critical ones count.
 bool Switching::Failed(const Switch& s) const {
   const bool starting = s.purpose == Purpose::kStartUpActivate;
+  if (StoppedOnTheLevel(s)) return true;
   if (s.direction != Direction::kUp) return false;
   if (s.stopped) return true;
   return std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
@@ -212,6 +220,11 @@ void Switching::BeginRollback(Switch& s) {
       back.outcome = ActuatorOutcome::kUnsupported;
       back.code = kCodeUnSupport;
       back.message = "has no state to go back to";
+    } else if (StoppedOnTheLevel(s) && SwitchesOnAgain(config_, back.from, back.target)) {
+      back.progress = Leg::Progress::kEnded;  // the way back may switch on, too
+      back.outcome = ActuatorOutcome::kSkipped;
+      back.code = kCodeProtectedError;
+      back.message = "is not driven back during an emergency stop";
     }
     for (const Leg& other : s.legs) {  // the reverse order
       if (std::find(other.needs.begin(), other.needs.end(), leg.actuator) == other.needs.end())
@@ -220,14 +233,15 @@ void Switching::BeginRollback(Switch& s) {
     }
     s.back.push_back(back);
   }
+  const auto driven = std::ranges::count(s.back, Leg::Progress::kWaiting, &Leg::progress);
   const Leg* worst = conclusion().WorstLeg(s);
   Record({"switch",
           s.only,
           s.number,
           kCodeOk,
           "switch " + std::to_string(s.number) + ": rolling back with command " +
-              std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
-              (s.back.size() == 1 ? " actuator" : " actuators"),
+              std::to_string(s.back_number) + ", " + std::to_string(driven) +
+              (driven == 1 ? " actuator" : " actuators"),
           0,
           s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause,
           {}});

@@ -37,7 +37,7 @@ class Switching : StepPart {
     std::optional<EndedSwitch> ended = {};
   };
   Progress Advance();
-  // What follows is in switch_end.cpp. Ends the current switch, all of whose legs have ended.
+  // What follows is in switch_end.cpp. Ends the current switch after the end of all its legs.
   EndedSwitch End();
   // Ends the current switch without rollback. Running callbacks finish; the newest command waits
   // behind them at the actuator.
@@ -58,12 +58,14 @@ class Switching : StepPart {
   const Leg* FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const;
   void SkipLeg(Leg& leg, const Leg* blocker);
   Duration TearDownShare(const Leg& leg) const;
+  bool StoppedOnTheLevel(const Switch& s) const;
   bool Failed(const Switch& s) const;
   void BeginRollback(Switch& s);
   State WayBack(const Leg& leg) const;
   void Apply(const Switch& s, bool undone);
   void DriveTheRest(const Switch& s);
   void SettleBack(const Switch& s);
+  void SettleHeld(const Switch& s, const Leg& back);
   SwitchConclusion conclusion() const { return {config_, machine_}; }
 
   PolicyMemory& memory_;

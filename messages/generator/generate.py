@@ -42,7 +42,7 @@ def write_all(folder, files):
 
 
 def remove_others(folder, made):
-    """Removes the headers of IDL that is gone: they would still be found and installed."""
+    """Removes the headers of removed IDL: they would still be found and installed."""
     for path in glob.glob(os.path.join(folder, "musher", "messages", "*", "*.hpp")):
         if os.path.relpath(path, folder) not in made:
             os.remove(path)

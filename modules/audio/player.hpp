@@ -51,7 +51,7 @@ inline constexpr std::size_t kMostWaiting = 16;
 inline constexpr std::size_t kMostUnknownCues = 32;  // that are logged
 inline constexpr int kFullVolume = 100;
 
-// A request that must be answered exactly once; the shell knows the caller. 0: no caller.
+// A request, which gets exactly one reply; the shell has its caller. 0: no caller.
 using CallToken = std::uint64_t;
 using SoundNumber = std::uint64_t;
 

@@ -8,7 +8,7 @@
 namespace musher::camera {
 
 // The info for the same camera's picture, scaled to that size. An info without a size (the source
-// does not know it) stays as it is.
+// has none) stays as it is.
 msg::CameraInfo Scaled(msg::CameraInfo info, std::uint32_t width_px, std::uint32_t height_px);
 
 // The info of a pinhole camera without distortion, square pixels, its axis through the middle.

@@ -45,7 +45,8 @@ int ExecProcess::Run(const std::string& state_config) {
   actuator_.Shutdown();
   actuator_thread.join();
   if (program_lost_) {
-    actuator_.Log("the program exited by itself: " + runner_.AwaitProgram()->Text());
+    actuator_.Log(LogLevel::kWarning,
+                  "the program exited by itself: " + runner_.AwaitProgram()->Text());
   }
   runner_.StopProgram();
   return *exit_code_;

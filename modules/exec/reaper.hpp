@@ -1,11 +1,11 @@
 #pragma once
 // Makes sure that no process started here outlives this process, even when it is killed with
-// SIGKILL: a small process beside it learns of every process group that is started, and kills
-// those that are left as soon as this process has exited or crashed. (PR_SET_PDEATHSIG would
+// SIGKILL: a small process beside it registers every process group that is started, and kills
+// the remaining ones as soon as this process has exited or crashed. (PR_SET_PDEATHSIG would
 // reach a child, but not its children, and it fires when the thread ends that made the child.)
 //
 // A child calls Add() itself, before it executes its program, and holds the pipe until then: the
-// reaper knows every group before its program runs, also when this process is killed right after
+// reaper has every group before its program runs, also when this process is killed right after
 // the fork.
 //
 // Threads: Start() while the process has one thread; the rest from any. Add() also in a process

@@ -233,7 +233,7 @@ JobMotion Decision::MotionOf(const Motion& motion, const MotionArguments& argume
 // A new command; it replaces the repeated one. Sent at once, or as soon as the link permits
 // another frame.
 void Decision::Command(const BodyCommand& command, bool at_once) {
-  // The board may remember the counts of its previous commander: do not use the one after its own.
+  // The board may store the counts of its previous commander: do not use the one after its own.
   constexpr int kHighestLife = 127;
   constexpr int kFarAway = 64;
   const bool first = core_.link.sent_at == Time::min();

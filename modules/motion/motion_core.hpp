@@ -58,7 +58,7 @@ inline constexpr Duration kSayPause = std::chrono::seconds(30);   // for the sam
 inline constexpr const char* kChargeFirst = "The battery is low. Charge me first.";
 inline constexpr std::int8_t kDoneBar = 95;  // %; more is done
 
-// A request that must be answered exactly once; the shell knows the caller. 0: no caller.
+// A request, which gets exactly one reply; the shell has its caller. 0: no caller.
 using RequestToken = std::uint64_t;
 
 // Whether a capability may be used now; the Error has the code of the motion manager.

@@ -1,5 +1,5 @@
 #pragma once
-// From the detections in successive pictures to what is published: which persons are there, which
+// From the detections in successive pictures to what is published: which persons are present, which
 // one to look at, whether a person is too close. Pure: time is the pictures' own.
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 #include "musher/modules/wedding/show.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -11,6 +12,8 @@
 
 namespace musher::wedding {
 namespace {
+
+constexpr Duration kLogPeriod = std::chrono::seconds(2);  // of each kind of fault
 
 constexpr std::string_view kInvalid = "INVALID";       // as on the robot it models
 constexpr std::size_t kMostShown = 40;                 // of an unknown word
@@ -26,7 +29,7 @@ Show::Show(const ShowConfig& config, ShowOutputs& outputs)
     : config_(config),
       outputs_(outputs),
       perception_(config.perception, config.gaze),
-      log_([&outputs](const std::string& line) { outputs.Log(line); }) {
+      log_([&outputs](const std::string& line) { outputs.Log(line); }, kLogPeriod) {
   data_.follow = config.gaze.follow;
   if (config.actions) actions_.emplace(config.actions->seed);
 }
@@ -53,7 +56,7 @@ void Show::Note(Time now) {
   now_ = now;
 }
 
-void Show::Refuse(LogKind kind, const Result<>& result) {
+void Show::Refuse(std::string_view kind, const Result<>& result) {
   if (!result) log_.Log(kind, result.error().message, now_);
 }
 
@@ -66,7 +69,7 @@ void Show::Record(std::string_view input, std::initializer_list<double> numbers)
 void Show::OnTarget(const Target& target, Time now) {
   Note(now);
   const Result<> taken = perception_.OnTarget(target, now);
-  if (!taken) return Refuse(LogKind::kTarget, taken);
+  if (!taken) return Refuse("target", taken);
   Record(input::kTarget, {target.point.x, target.point.y, target.distance_m,
                           static_cast<double>(target.stamp.count())});
 }
@@ -74,7 +77,7 @@ void Show::OnTarget(const Target& target, Time now) {
 void Show::OnGesture(std::string_view word, Time now) {
   Note(now);
   const Result<> taken = perception_.OnGesture(word, now);
-  if (!taken) return Refuse(LogKind::kGesture, taken);
+  if (!taken) return Refuse("gesture", taken);
   if (recorder_ != nullptr && first_start_) {
     recorder_->Input(input::kGesture, InputText(now - *first_start_, word));
   }
@@ -101,7 +104,7 @@ void Show::RecordTooClose() {
 void Show::OnFaces(std::string_view json, Time now) {
   Note(now);
   const Result<Faces> faces = ReadFaces(json);
-  if (!faces) return Refuse(LogKind::kFaces, faces.error());
+  if (!faces) return Refuse("faces", faces.error());
   perception_.OnFaces(faces.value(), now);
   const auto count = static_cast<double>(faces.value().count);
   const auto id = static_cast<double>(faces.value().largest_frontal);
@@ -116,16 +119,15 @@ void Show::OnFaces(std::string_view json, Time now) {
 void Show::OnCommand(std::string_view word, Time now) {
   Note(now);
   const std::string command = Tidy(word);
-  if (command == command::kReset) return Refuse(LogKind::kCommand, Reset(now));
+  if (command == command::kReset) return Refuse("command", Reset(now));
   const auto event = machine_ == nullptr ? std::nullopt : machine_->FindEvent(command);
   if (!event) {
-    return log_.Log(LogKind::kCommand, "command " + Shown(command) + ": not in this show", now);
+    return log_.Log("command", "command " + Shown(command) + ": not in this show", now);
   }
   if (resting_) {
-    return log_.Log(LogKind::kResting, "command " + command + " is refused: the show is paused",
-                    now);
+    return log_.Log("resting", "command " + command + " is refused: the show is paused", now);
   }
-  Refuse(LogKind::kNoRoom, machine_->Send(*event));
+  Refuse("no room", machine_->Send(*event));
 }
 
 void Show::OnVoiceCommand(std::string_view word, Time now) {
@@ -138,15 +140,14 @@ void Show::OnVoiceCommand(std::string_view word, Time now) {
     if (known != "none") OnCommand(known, now);
     return;
   }
-  log_.Log(LogKind::kVoice,
-           "voice command " + Shown(voice) + ": none, stop, photo or interview are known", now);
+  log_.Log("voice", "voice command " + Shown(voice) + ": none, stop, photo or interview are known",
+           now);
 }
 
 void Show::OnVoiceLevel(double level, Time now) {
   Note(now);
   if (!(level >= 0 && level <= 1)) {
-    return log_.Log(LogKind::kVoice, "voice level " + std::to_string(level) + ": it is 0 to 1",
-                    now);
+    return log_.Log("voice", "voice level " + std::to_string(level) + ": it is 0 to 1", now);
   }
   perception_.OnVoice(level, now);
   Record(input::kVoiceLevel, {level});
@@ -183,7 +184,7 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
                          Duration stamp, Time now) {
   Note(now);
   const Result<> taken = TakeJoints(data_.motion.joint_positions, names, positions);
-  if (!taken) return Refuse(LogKind::kJoints, taken);
+  if (!taken) return Refuse("joints", taken);
   const double yaw_rad = LookYaw(data_.motion.joint_positions);
   perception_.OnHead(stamp, yaw_rad, now);
   if (config_.gaze.camera == Mount::kBody) return;  // not needed there
@@ -192,20 +193,20 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
 
 void Show::OnLookAt(Gaze gaze, Time now) {
   Note(now);
-  Refuse(LogKind::kTarget, perception_.OnLookAt(gaze, now));
+  Refuse("target", perception_.OnLookAt(gaze, now));
 }
 
 void Show::OnCamera(double width, double height, double focal_length, Time now) {
   Note(now);
   const Result<bool> news = perception_.OnCamera(width, height, focal_length);
-  if (!news) return Refuse(LogKind::kTarget, news.error());
+  if (!news) return Refuse("target", news.error());
   if (news.value()) Record(input::kCamera, {width, height, focal_length});
 }
 
 void Show::OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
                            Time now) {
   Note(now);
-  Refuse(LogKind::kJoints, TakeJoints(data_.motion.joint_commands, names, positions));
+  Refuse("joints", TakeJoints(data_.motion.joint_commands, names, positions));
 }
 
 void Show::AfterTick() {
@@ -234,7 +235,7 @@ void Show::Rest(Time now, bool frozen) {
   // In IDLE already: no transition, so that pauses do not fill the history.
   const bool home = state() == state::kIdle && machine_->waiting_commands() == 0;
   if (machine_ != nullptr && machine_->running() && !home) {
-    Refuse(LogKind::kFault, machine_->Reset());
+    Refuse("fault", machine_->Reset());
   }
   if (actions_) actions_->Stop(data_);
   if (!frozen) AfterTick();

@@ -16,11 +16,11 @@
 #include <string>
 #include <string_view>
 
+#include "musher/base/rate_limited_log.hpp"
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/behavior/fsm/recorder.hpp"
 #include "musher/modules/wedding/extension/actions.hpp"
 #include "musher/modules/wedding/perception.hpp"
-#include "musher/modules/wedding/rate_limited_log.hpp"
 #include "musher/modules/wedding/show_config.hpp"
 #include "musher/modules/wedding/show_data.hpp"
 
@@ -110,7 +110,8 @@ class Show : private fsm::Listener {
 
   // Called with each input: when time goes back, earlier samples are dropped.
   void Note(Time now);
-  void Refuse(LogKind kind, const Result<>& result);
+  // Logs the error of `result`; `kind`: of RateLimitedLog.
+  void Refuse(std::string_view kind, const Result<>& result);
   Result<> TakeJoints(JointAngles& joints, std::span<const std::string> names,
                       std::span<const double> positions);
   void Record(std::string_view input, std::initializer_list<double> numbers);

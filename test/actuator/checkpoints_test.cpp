@@ -111,14 +111,14 @@ TEST_F(CheckpointsOf, AThreadOfTheModuleThatHasMadeOneMustMakeTheNext) {
   EXPECT_EQ(look.during, "") << "no callback runs";
 }
 
-TEST_F(CheckpointsOf, AThreadThatSaysNoMoreIsLeftAlone) {
+TEST_F(CheckpointsOf, AThreadWithoutFurtherCheckpointsIsNotMonitored) {
   points_->Mark(kOther, Duration::zero(), now_);
   points_->Mark(kOther, Duration::max(), now_);
   EXPECT_EQ(After(std::chrono::hours(1)).work, Health::kWell);
   EXPECT_FALSE(points_->Period());
 }
 
-TEST_F(CheckpointsOf, ACallbackThatSaidNoMoreIsWatchedAgainFromItsNextMark) {
+TEST_F(CheckpointsOf, ACallbackWithoutFurtherCheckpointsIsMonitoredAgainFromItsNextMark) {
   points_->Begin("SetUp", now_);
   points_->Mark(kWorker, Duration::max(), now_);
   EXPECT_EQ(After(std::chrono::hours(1)).work, Health::kWell);

@@ -91,7 +91,7 @@ TEST(Endpoints, AreNotThereInATrial) {
   EXPECT_EQ(runs, 1) << "at once";
 }
 
-TEST(EmergencyStopped, IsWhatTheMachineSaid) {
+TEST(EmergencyStopped, IsAsTheMachineReports) {
   ActuatorRunner<Counter> counter;
   CallbackHarness callbacks(counter);
   EXPECT_FALSE(counter.EmergencyStopped());

@@ -90,7 +90,7 @@ TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
   other.value()->RunOnLoop([&] { publisher.reset(); });
 }
 
-TEST(MachineActuator, SaysWhichStateHasNoCallback) {
+TEST(MachineActuator, ReportsAStateWithoutACallback) {
   const RobotFile file({"arm"}, kAllStates);
   MachineActuator arm("arm");
   RegisterAll(arm, {"SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower",
@@ -102,7 +102,7 @@ TEST(MachineActuator, SaysWhichStateHasNoCallback) {
   EXPECT_THAT(started.error().message, HasSubstr("state 'OTA'"));
 }
 
-TEST(MachineActuator, SaysWhichCallbackHasNoState) {
+TEST(MachineActuator, ReportsACallbackWithoutAState) {
   const RobotFile file({"arm"}, {"SetUp", "TearDown", "SelfCheck", "Active"});
   MachineActuator arm("arm");
   RegisterAll(arm, {"SetUp", "TearDown", "SelfCheck", "Active", "LowPower"});
@@ -112,7 +112,7 @@ TEST(MachineActuator, SaysWhichCallbackHasNoState) {
   EXPECT_THAT(started.error().message, HasSubstr("state 'LowPower'"));
 }
 
-TEST(MachineActuator, SaysThatAStateHasTwoCallbacks) {
+TEST(MachineActuator, ReportsAStateWithTwoCallbacks) {
   const RobotFile file({"arm"}, kAllStates);
   MachineActuator arm("arm");
   RegisterAll(arm, kAllStates);
@@ -121,7 +121,7 @@ TEST(MachineActuator, SaysThatAStateHasTwoCallbacks) {
   EXPECT_THAT(arm.Start().error().message, HasSubstr("two callbacks for state 'Active'"));
 }
 
-TEST(MachineActuator, SaysWhatIsWrongWithTheConfigAndWhere) {
+TEST(MachineActuator, ReportsTheErrorInTheConfigWithItsLine) {
   const RobotFile file({"arm"}, kAllStates, {{"SetUp", -5}});
   MachineActuator arm("arm");
   const Result<> initialised = arm.Init(file.path());
@@ -129,7 +129,7 @@ TEST(MachineActuator, SaysWhatIsWrongWithTheConfigAndWhere) {
   EXPECT_THAT(initialised.error().message, HasSubstr("robot.toml:10:10: error:"));
 }
 
-TEST(MachineActuator, SaysThatTheConfigHasNoActuatorOfItsName) {
+TEST(MachineActuator, ReportsAConfigWithoutAnActuatorOfItsName) {
   const RobotFile file({"arm"}, kAllStates);
   MachineActuator leg("leg");
   EXPECT_THAT(leg.Init(file.path()).error().message, HasSubstr("no actuator 'leg'"));
@@ -215,7 +215,7 @@ TEST(MachineActuator, IsShutDownWhenItsWaitHasEnded) {
   EXPECT_TRUE(second.Start().ok()) << "the name is free again";
 }
 
-// Its callbacks would use members that are gone already.
+// Its callbacks would use members that are already destroyed.
 TEST(MachineActuatorDeathTest, EndsTheProgramWhenADerivedOneIsDestroyedWhileItIsStarted) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_DEATH(

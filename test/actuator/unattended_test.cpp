@@ -126,7 +126,7 @@ TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
   EXPECT_EQ(stopped.wait_for(kWaitLimit), std::future_status::ready) << "beside the callback";
   release.set_value();
   EXPECT_TRUE(checked.get());
-  EXPECT_FALSE(controller.SetState("Active")) << "nothing goes up";
+  EXPECT_FALSE(controller.SetState("Active")) << "no switch up is possible";
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.emergency_stop == 7; }));
 }
 

@@ -81,7 +81,7 @@ TEST_F(AnApplicationsProcess, ReportsWhyItsMachineStoppedAndIsRestarted) {
   EXPECT_THAT(history.out, HasSubstr("exit code 1")) << history.err;
   std::ifstream log(harness_.state_dir() + "/logs/show.log");
   EXPECT_THAT(std::string(std::istreambuf_iterator<char>(log), {}),
-              HasSubstr("show: gives up: WORK: Run: the lamp is broken"));
+              HasSubstr("show: error: gives up: WORK: Run: the lamp is broken"));
 }
 
 }  // namespace musher::application_process_test

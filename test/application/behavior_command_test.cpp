@@ -251,7 +251,7 @@ TEST_F(BehaviorCommand, DrawsSvgThroughGraphvizIntoAFile) {
   EXPECT_THAT(svg, HasSubstr("</svg>"));
 }
 
-TEST_F(BehaviorCommand, SaysWhatToInstallWhereThereIsNoGraphviz) {
+TEST_F(BehaviorCommand, NamesThePackageToInstallWithoutGraphviz) {
   ActuatorRunner<Show> show;
   Begin(show);
   const TempFolder empty;

@@ -145,7 +145,7 @@ TEST(NameLock, ReportsWhichProcessHoldsTheName) {
   EXPECT_EQ(NameLock::HolderOf(name).pid, 0);
 }
 
-TEST(NameLock, SaysWhichProcessOfWhichUserHasTheName) {
+TEST(NameLock, ReportsTheProcessAndTheUserThatHoldTheName) {
   const std::string name = UniqueName("motion");
   Child holder([&] { return NameLock::Acquire(name); });
   ASSERT_TRUE(holder.ready());

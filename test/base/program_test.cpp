@@ -39,7 +39,7 @@ TEST(Program, IsKilledWhenItsTimeIsOver) {
   EXPECT_EQ(run.value().status.Text(), "killed by SIGKILL");
 }
 
-TEST(Program, SaysWhyItCannotBeExecuted) {
+TEST(Program, ReportsWhyItCannotBeExecuted) {
   ProgramSpec spec;
   spec.argv = {"no-such-program"};
   const auto missing = RunProgram(spec, "");

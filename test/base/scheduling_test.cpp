@@ -121,7 +121,7 @@ TEST_F(Scheduling, ReportsAnExitedProcessBeforeAndAfterItIsReaped) {
   EXPECT_EQ(ThreadCpuTime(pid, pid), std::nullopt);
 }
 
-TEST_F(Scheduling, KnowsNoThreadThatIsAnotherProcesss) {
+TEST_F(Scheduling, RefusesAThreadOfAnotherProcess) {
   const Child child([] {});
   EXPECT_TRUE(ThreadCpuTime(child.pid(), child.pid()));
   EXPECT_EQ(ThreadCpuTime(child.pid(), getpid()), std::nullopt);

@@ -154,7 +154,7 @@ TEST(Cdr, ReadsWhatAnOlderPeerSendsWithoutTheFieldsThatWereAppendedSince) {
   EXPECT_EQ(Decode<Newer>(bytes), (Newer{"dog", false, {}}));
 }
 
-TEST(Cdr, IsReadByAnOlderPeerAsFarAsItKnows) {
+TEST(Cdr, IsReadByAnOlderPeerUpToItsLastField) {
   const auto older = Decode<Older>(Encode(Newer{"dog", true, {"sit"}}));
   ASSERT_TRUE(older);
   EXPECT_EQ(older->name, "dog");

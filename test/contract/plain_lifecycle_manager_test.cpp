@@ -175,10 +175,11 @@ TEST_F(AMachineAndItsManagers, ItsActuatorsRefuseAManagerWithAReasonAndAnswerQue
   EXPECT_EQ(tool.GetState(), "inactive [2]");
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(tool.ChangeState(kActivate), false);
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              AllOf(HasSubstr("arm: change_state 3 failed: under control of the controller of "
-                              "epoch 1"),
-                    HasSubstr("lifecycle set /" + RobotFile::name_space() + "/musher")));
+  EXPECT_THAT(
+      ::testing::internal::GetCapturedStderr(),
+      AllOf(HasSubstr("arm: warning: change_state 3 failed: under control of the controller of "
+                      "epoch 1"),
+            HasSubstr("lifecycle set /" + RobotFile::name_space() + "/musher")));
   EXPECT_EQ(arm_.CurrentState(), "SelfCheck");
   ASSERT_TRUE(controller_.SetState("Active"));
   EXPECT_EQ(tool.GetState(), "active [3]");

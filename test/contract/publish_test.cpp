@@ -69,7 +69,7 @@ TEST_P(Publish, GivesALatchedSampleToALateJoiner) {
   EXPECT_THAT(received, ElementsAre("new", "newest"));
 }
 
-TEST_P(Publish, GivesALateJoinerAsManyLatchedSamplesAsTheDepthSays) {
+TEST_P(Publish, GivesALateJoinerAsManyLatchedSamplesAsItsDepth) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("events");
   constexpr Qos kThree{Qos::Reliability::kReliable, Qos::Durability::kTransientLocal, 3};

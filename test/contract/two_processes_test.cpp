@@ -70,7 +70,7 @@ class TwoProcesses : public ::testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(, TwoProcesses, ::testing::Values("local", "lan"),
                          [](const auto& profile) { return std::string(profile.param); });
 
-TEST_P(TwoProcesses, AnswerACallMadeBeforeTheyKnowEachOther) {
+TEST_P(TwoProcesses, AnswerACallMadeBeforeTheyDiscoverEachOther) {
   const auto client = Must(MakeClient<msg::SetState>(node(), name_ + "/set_state"));
   std::optional<Result<msg::SetState::Response>> answer;
   client->Call({"Active", ""}, std::chrono::seconds(15),
@@ -120,7 +120,7 @@ TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
   EXPECT_LT(loop().Now() - killed, Milliseconds(8 * kLeaseMs));
 }
 
-TEST_P(TwoProcesses, KnowEachOtherAgainAfterAnOutageThatWasLongerThanTheLease) {
+TEST_P(TwoProcesses, DiscoverEachOtherAgainAfterAnOutageThatWasLongerThanTheLease) {
   PeerProcess peer(name_);
   PeerId before = 0, after = 0;
   bool lost = false;

@@ -171,7 +171,7 @@ TEST_F(Backtrace, PrefersEuStack) {
   EXPECT_EQ(Take(hung_.pid()).value(), "#0 by eu-stack -p " + std::to_string(hung_.pid()) + "\n");
 }
 
-TEST_F(Backtrace, SaysThatThereIsNoTool) {
+TEST_F(Backtrace, ReportsAMissingTool) {
   const Error error = TakeFails(hung_.pid());
   EXPECT_EQ(error.code, kCodeUnSupport);
   EXPECT_EQ(error.message,
@@ -191,14 +191,14 @@ TEST_F(Backtrace, IsNotTakenOfThisProcess) {
   EXPECT_EQ(TakeFails(getpid()).code, kCodeParametersInvalid);
 }
 
-TEST_F(Backtrace, SaysThatItIsNotPermitted) {
+TEST_F(Backtrace, ReportsAMissingPermission) {
   WriteTool("eu-stack", "echo 'eu-stack: ptrace: Operation not permitted' >&2; exit 2");
   const Error error = TakeFails(hung_.pid());
   EXPECT_EQ(error.code, kCodePermissionDenied);
   EXPECT_THAT(error.message, HasSubstr("CAP_SYS_PTRACE"));
 }
 
-TEST_F(Backtrace, SaysWhatTheToolSaidWhenThereIsNoStack) {
+TEST_F(Backtrace, ReportsTheOutputOfTheToolWithoutAStack) {
   WriteTool("eu-stack", "echo PID; echo 'no such luck' >&2; exit 1");
   EXPECT_EQ(TakeFails(hung_.pid()).message, "eu-stack shows no stack of process " +
                                                 std::to_string(hung_.pid()) +
@@ -223,7 +223,7 @@ TEST_F(Backtrace, KillsASlowToolAndContinuesTheProcess) {
   EXPECT_EQ(calls_, 1);
 }
 
-TEST_F(Backtrace, IsForgottenWithItsTaker) {
+TEST_F(Backtrace, IsDiscardedWithItsTaker) {
   WriteToolThatHangs();
   Begin(hung_.pid());
   ASSERT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kStopped; }));
@@ -243,7 +243,7 @@ TEST_F(Backtrace, IsTakenOnceAtATimeOfAProcess) {
   EXPECT_TRUE(Take(other.pid()));
 }
 
-TEST_F(Backtrace, MayEndItsTakerWhenItIsThere) {
+TEST_F(Backtrace, MayDestroyItsTakerOnceItIsComplete) {
   WriteTool("eu-stack", "echo '#0'");
   taker_->Take(hung_.pid(), std::chrono::seconds(30), [this](const Result<std::string>&) {
     taker_ = nullptr;

@@ -140,7 +140,7 @@ TEST_F(JournalTest, IsReadableAfterItsWriterWasKilled) {
   EXPECT_THAT(Troubles(), IsEmpty());
 }
 
-TEST_F(JournalTest, SaysThatThereIsNothingToRead) {
+TEST_F(JournalTest, ReportsAJournalWithoutRecords) {
   const auto entries = ReadJournal(path_, 0, 1);
   ASSERT_FALSE(entries);
   EXPECT_THAT(entries.error().message, ::testing::HasSubstr(path_));

@@ -56,7 +56,7 @@ class JournalTrouble : public JournalTest {
   }
 };
 
-TEST_F(JournalTrouble, IsSaidOnceAndWhatWaitedIsWrittenWhenItIsOver) {
+TEST_F(JournalTrouble, IsLoggedOnceAndWhatWaitedIsWrittenWhenItIsOver) {
   BlockThePath();
   Journal journal(path_, Options());
   for (std::int64_t time = 1; time <= 3; ++time) {
@@ -69,7 +69,7 @@ TEST_F(JournalTrouble, IsSaidOnceAndWhatWaitedIsWrittenWhenItIsOver) {
   EXPECT_THAT(Times(Read()), ElementsAre(1, 2, 3));
 }
 
-TEST_F(JournalTrouble, IsSaidAgainWhenItComesBack) {
+TEST_F(JournalTrouble, IsLoggedAgainWhenItComesBack) {
   BlockThePath();
   for (int spell = 1; spell <= 2; ++spell) {
     Journal journal(path_, Options());

@@ -1,4 +1,4 @@
-// Real files, and processes that print into them. The tests look when they want to; the loop does
+// Real files, and processes that print into them. The tests read at any time; the loop does
 // not run unless a test is about that.
 
 #include "musher/controller/storage/log_files.hpp"
@@ -180,7 +180,7 @@ TEST_F(Logs, AreCopiedAndCutWhereTheFilesystemCannotCollapseAndSaySo) {
   EXPECT_TRUE(all == Expected());
 }
 
-TEST_F(Logs, OfAFloodAreCutInTheMiddleWithALineThatSaysHowMuch) {
+TEST_F(Logs, OfAFloodAreCutInTheMiddleWithALineThatReportsHowMuch) {
   Make();
   Print(9 << 20);
   logs_->LookNow();
@@ -251,7 +251,7 @@ TEST_F(Logs, ThatCannotBeOpenedAreReportedOnceAndTriedAgain) {
   EXPECT_NE(logs_->Output("legs"), nullptr);
 }
 
-TEST_F(Logs, OnADiskThatTakesNoMoreAreDroppedWithALineThatSaysSo) {
+TEST_F(Logs, OnAFullDiskAreDroppedWithALineThatReportsIt) {
   Make();
   Print(1'200'000);
   rlimit before{};

@@ -148,7 +148,7 @@ TEST(MachineController, IsOfNoUseBeforeInit) {
   EXPECT_FALSE(controller.SetState("Active"));
 }
 
-TEST(MachineController, SaysThatAnActuatorDidNotComeInItsTime) {
+TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {
   const RobotFile file({"arm"}, kAllStates, {{"SetUp", 100}});
   MachineController controller;
   ASSERT_TRUE(controller.MachineControllerInit(file.path()));

@@ -173,21 +173,21 @@ TEST_F(Supervisor, GivesTheProcessItsOwnGroupSoThatCtrlCIsNotForIt) {
   EXPECT_NE(getsid(pid), getsid(0));
 }
 
-TEST_F(Supervisor, SaysBeforeStartReturnsThatThereIsNoSuchProgram) {
+TEST_F(Supervisor, ReportsAMissingProgramBeforeStartReturns) {
   const auto pid = supervisor_->Start({"dog", {"no-such-program"}, "", {}, output_.get()}, nullptr);
   ASSERT_FALSE(pid);
   EXPECT_EQ(pid.error().message, "can't run no-such-program: No such file or directory");
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "the failed child is still there";
 }
 
-TEST_F(Supervisor, SaysThatAProgramMayNotBeRun) {
+TEST_F(Supervisor, ReportsAProgramThatIsNotExecutable) {
   std::ofstream(folder_ / "text") << "not a program\n";
   const auto pid = supervisor_->Start({"dog", {folder_ / "text"}, "", {}, output_.get()}, nullptr);
   ASSERT_FALSE(pid);
   EXPECT_THAT(pid.error().message, AllOf(HasSubstr("text"), HasSubstr("Permission denied")));
 }
 
-TEST_F(Supervisor, SaysThatTheFolderOfAProcessIsMissing) {
+TEST_F(Supervisor, ReportsAMissingFolderOfAProcess) {
   ProcessSpec spec = Script("exit 0");
   spec.cwd = folder_ / "missing";
   const auto pid = supervisor_->Start(spec, nullptr);

@@ -41,7 +41,7 @@ TEST_F(Store, MakesItsFolderForItsOwnerOnly) {
   EXPECT_THAT(store.LogFile("motion"), EndsWith("/logs/motion.log"));
 }
 
-TEST_F(Store, KeepsWhatThePolicyRemembersAndForgetsWhatItForgot) {
+TEST_F(Store, KeepsAndDeletesTheValuesOfThePolicy) {
   StateStore store = MustOpen();
   EXPECT_EQ(store.LoadPolicy(), StoredPolicy{});
   const StoredPolicy lowered{true, Lowering{"Active", "Protected", 7}};
@@ -178,7 +178,7 @@ TEST_F(Store, WhoseLockNamesNoProcessHasNoOwner) {
   EXPECT_EQ(StateStore::OwnerOf(dir_), getpid());
 }
 
-TEST_F(Store, SaysThatTheDiskDoesNotLetItMakeAFolder) {
+TEST_F(Store, ReportsAFolderThatCannotBeCreated) {
   std::ofstream(folder_ / "file") << "in the way";
   const auto store = StateStore::Open(folder_ / "file/robot", robot_);
   ASSERT_FALSE(store);
@@ -190,14 +190,14 @@ TEST_F(Store, HasEpochZeroAtFirst) {
   EXPECT_EQ(MustOpen().LoadEpoch().value(), 0U);
 }
 
-TEST_F(Store, RemembersTheEpochForTheNextController) {
+TEST_F(Store, KeepsTheEpochForTheNextController) {
   for (const std::uint64_t epoch : {std::uint64_t{41}, ~std::uint64_t{0}, std::uint64_t{7}}) {
     ASSERT_TRUE(MustOpen().SaveEpoch(epoch));
     EXPECT_EQ(MustOpen().LoadEpoch().value(), epoch);
   }
 }
 
-TEST_F(Store, SaysThatTheEpochIsDamagedAndCanReplaceIt) {
+TEST_F(Store, ReportsADamagedEpochAndCanReplaceIt) {
   StateStore store = MustOpen();
   for (const char* text : {"", "4", "four\n", "4 \n", "-4\n", "99999999999999999999\n"}) {
     std::ofstream(dir_ + "/epoch") << text;
@@ -264,7 +264,7 @@ TEST_F(Store, IsFoundThroughTheProcessThatHasIt) {
   EXPECT_EQ(OriginOfProcess(getpid()), robot_);
 }
 
-TEST_F(Store, RemembersTheConfigThatTheMachineWasLedWith) {
+TEST_F(Store, KeepsTheConfigThatTheMachineRanWith) {
   StateStore store = MustOpen();
   EXPECT_EQ(store.LoadConfigHash(), "");
   ASSERT_TRUE(store.SaveConfigHash("ab12"));

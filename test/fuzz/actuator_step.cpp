@@ -15,7 +15,7 @@ namespace {
 namespace event = actuator_event;
 
 MachineConfig Config() {
-  MachineConfig config = testing::MachineOf(1);
+  MachineConfig config = testing::WithDancing(testing::MachineOf(1));
   ActuatorConfig& actuator = config.actuators[0];
   std::erase(actuator.states, State(kOta));
   actuator.times.assign(actuator.states.size(), Milliseconds(100));
@@ -48,8 +48,8 @@ class Harness {
       }
       case 1:
       case 2: {
-        const event::SwitchArrived arrived{++token_, AnyCommand(input_, core_.report, now_),
-                                           AnySender()};
+        const event::SwitchArrived arrived{
+            ++token_, AnyCommand(input_, core_.report, now_, "Dancing"), AnySender()};
         return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
@@ -59,7 +59,7 @@ class Harness {
         return StepFrom(arrived.sender, query.epoch, arrived);
       }
       case 4:
-        return StepWith(event::ManagerCommand{++token_, AnyState(input_)});
+        return StepWith(event::ManagerCommand{++token_, AnyState(input_, "Dancing")});
       case 5:
         if (!core_.report.busy()) return;
         return StepWith(event::CallbackEnded{input_.Bool() ? input_.Take<std::int32_t>() : kCodeOk,
@@ -101,12 +101,17 @@ class Harness {
       const bool ended = std::holds_alternative<event::CallbackEnded>(what);
       Require(!before.report.busy() || ended, "one callback runs at a time");
       Require(config_.actuators[0].Lists(run->target), "only listed states run");
-      const bool up = Rises(config_, before.report.state, run->target) &&
-                      Rises(config_, core_.report.state, run->target);
-      Require(before.report.emergency_stop == 0 || !up, "no switch up during an emergency stop");
+      const bool up = MaySwitchOn(before.report.state, run->target) &&
+                      MaySwitchOn(core_.report.state, run->target);
+      Require(before.report.emergency_stop == 0 || !up, "nothing switches on during a stop");
     } else if (std::holds_alternative<actuator_action::Finish>(action)) {
       finished_ = true;
     }
+  }
+
+  // The callback of another state that is more active, or as active above DeActive.
+  bool MaySwitchOn(const State& from, const State& to) const {
+    return Rises(config_, from, to) || (from != to && SwitchesOnAgain(config_, from, to));
   }
 
   Sender AnySender() { return input_.Below(4); }

@@ -8,11 +8,12 @@
 
 namespace musher::fuzz {
 
-inline State AnyState(Input& input) {
+// A built-in state, `own` (a state that only this machine has), or any text.
+inline State AnyState(Input& input, const State& own = State()) {
   const auto& states = BuiltInStates();
   const std::size_t index = input.Below(states.size() + 2);
   if (index < states.size()) return State(states[index]);
-  return index == states.size() ? State() : State(input.Text());
+  return index == states.size() ? own : State(input.Text());
 }
 
 inline std::int64_t AnyTime(Input& input, Time now) {
@@ -44,11 +45,12 @@ inline ActuatorReport AnyReport(Input& input, const ActuatorReport& truth, Time 
 }
 
 // `truth`, with some of its fields replaced.
-inline SwitchCommand AnyCommand(Input& input, const ActuatorReport& truth, Time now) {
+inline SwitchCommand AnyCommand(Input& input, const ActuatorReport& truth, Time now,
+                                const State& own) {
   SwitchCommand command;
   command.epoch = truth.epoch;
   command.number = truth.number + 1;
-  command.target = AnyState(input);
+  command.target = AnyState(input, own);
   command.budget = Milliseconds(100);
   command.status_stamp = now;
   command.incarnation = truth.incarnation;

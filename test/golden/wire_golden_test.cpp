@@ -86,7 +86,7 @@ TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
     std::ifstream file(entry.path());
     for (std::string name, digits; file >> name >> digits;) {
       const auto coding = now.find(name);
-      ASSERT_NE(coding, now.end()) << name << " is gone";
+      ASSERT_NE(coding, now.end()) << name << " was removed";
       EXPECT_TRUE(coding->second.bytes.starts_with(digits)) << name << " begins differently";
       EXPECT_TRUE(coding->second.reads(digits)) << name << " is not read";
     }

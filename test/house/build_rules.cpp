@@ -19,13 +19,13 @@ std::vector<std::string> DeadFiles(const std::vector<SourceFile>& tree) {
       }
     }
   }
-  std::vector<std::string> dead;
+  std::vector<std::string> unbuilt;
   for (const SourceFile& file : tree) {
     if (file.Is(".cpp") && !built.contains(file.path)) {
-      dead.push_back(file.path + ": is in no CMake target");
+      unbuilt.push_back(file.path + ": is in no CMake target");
     }
   }
-  return dead;
+  return unbuilt;
 }
 
 }  // namespace musher::house

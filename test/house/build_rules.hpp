@@ -1,5 +1,5 @@
 #pragma once
-// Files that no target builds are dead; a test that no target builds is worse.
+// Files that no target builds are dead code; a test that no target builds never runs.
 
 #include "musher/test/house/source_tree.hpp"
 

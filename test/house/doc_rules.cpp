@@ -90,7 +90,7 @@ std::vector<std::string> StaleSnippets(const SourceFile& document,
         snippet.source + (snippet.region.empty() ? "" : " [" + snippet.region + "]");
     const SourceFile* source = Find(tree, snippet.source);
     if (snippet.source.empty()) {
-      report("code that says not where it is from");
+      report("code without a source in a comment above");
     } else if (source == nullptr) {
       report("there is no " + snippet.source);
     } else if (const auto region = Region(*source, snippet.region); !region) {

@@ -84,7 +84,7 @@ TEST(House, NoFoldersIncludeEachOther) {
   EXPECT_THAT(IncludeCycles(Tree()), IsEmpty());
 }
 
-TEST(House, PureFoldersKnowNoClockNoThreadAndNoSocket) {
+TEST(House, PureFoldersUseNoClockNoThreadAndNoSocket) {
   EXPECT_THAT(ViolationsOf(IsPure, Impurities), IsEmpty());
 }
 
@@ -101,7 +101,7 @@ TEST(House, NothingIsLeftForLaterInTheCode) {
   EXPECT_THAT(ViolationsOf(IsAny, Leftovers), IsEmpty());
 }
 
-TEST(House, SpeaksTheLanguageOfTheField) {
+TEST(House, UsesTheWordsOfTheField) {
   std::map<std::string, std::string> words;
   for (const SourceFile& file : Tree()) {
     if (file.path == "test/house/private_words.txt") words = ReadPrivateWords(file.text);
@@ -154,7 +154,7 @@ TEST(House, TheReferenceListsEveryTopicAndServiceOfTheMachine) {
   EXPECT_THAT(WrongTopicsAndServices(File("docs/reference.md"), Tree()), IsEmpty());
 }
 
-TEST(House, ThePageOfCyberDogSaysWhatIsThereAndWhatIsLeftOut) {
+TEST(House, ThePageOfCyberDogListsWhatIsImplementedAndWhatIsLeftOut) {
   EXPECT_THAT(WrongInterfaces(File("docs/cyberdog.md"), Tree()), IsEmpty());
 }
 

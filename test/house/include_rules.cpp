@@ -111,7 +111,8 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
   return {};
 }
 
-// The folder of a file as a node of the graph. The command line is one node. In lifecycle/ the
+// The folder of a file as a node of the graph. The command line is one node, and so is a module,
+// except modules/world, which has rooms. In lifecycle/ the
 // rooms stand on some files beside them and below others: there each file is a node.
 std::string NodeOf(const std::string& path) {
   const std::string cli = "controller/cli";
@@ -120,7 +121,8 @@ std::string NodeOf(const std::string& path) {
   const bool beside_the_rooms =
       path.starts_with(lifecycle) && path.find('/', lifecycle.size()) == std::string::npos;
   if (beside_the_rooms) return path.substr(0, path.rfind('.'));
-  if (path.starts_with("modules/")) return "modules/" + ModuleOf(path);
+  const bool has_rooms = path.starts_with("modules/world/");
+  if (path.starts_with("modules/") && !has_rooms) return "modules/" + ModuleOf(path);
   const std::size_t slash = path.rfind('/');
   return slash == std::string::npos ? path : path.substr(0, slash);
 }

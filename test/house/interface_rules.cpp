@@ -8,7 +8,7 @@ namespace {
 
 using Names = std::set<std::string>;
 
-constexpr const char* kThere = "## What is there";
+constexpr const char* kImplemented = "## What is implemented";
 constexpr const char* kLeftOut = "## What is left out";
 
 void Collect(const std::string& text, const std::regex& pattern, Names& names) {
@@ -71,13 +71,13 @@ std::vector<std::string> WrongInterfaces(const SourceFile& page,
     Names names;
     Collect(line.text.substr(0, line.text.find('|', 1)), code, names);
     for (const std::string& name : names) {
-      if (section == kThere && !strings.contains(name)) {
+      if (section == kImplemented && !strings.contains(name)) {
         violations.push_back(At(page, line.number, "the code has no `" + name + "`"));
       } else if (section == kLeftOut && strings.contains(name)) {
         violations.push_back(At(page, line.number, "the code has `" + name + "`"));
       }
     }
-    checked_there = checked_there || section == kThere;
+    checked_there = checked_there || section == kImplemented;
     checked_left_out = checked_left_out || section == kLeftOut;
   }
   if (!checked_there || !checked_left_out) violations.push_back(page.path + ": a table is missing");

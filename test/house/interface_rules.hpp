@@ -1,9 +1,10 @@
 #pragma once
 // The page of CyberDog's interfaces (docs/cyberdog.md) held against the code.
 //
-// Names stand as `code` in the first column of its tables: under "## What is there" those that the
-// code has as a string, under "## What is left out" those that it has not. Every message type of
-// CyberDog's package `protocol`, and every topic and service of the manager, is on the page.
+// Names stand as `code` in the first column of its tables: under "## What is implemented" those
+// that the code has as a string, under "## What is left out" those that it has not. Every message
+// type of CyberDog's package `protocol`, and every topic and service of the manager, is on the
+// page.
 
 #include "musher/test/house/source_tree.hpp"
 

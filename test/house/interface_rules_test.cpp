@@ -14,29 +14,30 @@ const std::vector<SourceFile> kTree = {
 
 SourceFile Page(const std::string& there, const std::string& left_out) {
   return {"docs/cyberdog.md",
-          "`AudioText`\n## What is there\n| name | |\n|---|---|\n| `ready_notify` | |\n" + there +
-              "## What is left out\n| name | why |\n|---|---|\n| `ad` | `stop_play` |\n" + left_out,
+          "`AudioText`\n## What is implemented\n| name | |\n|---|---|\n| `ready_notify` | |\n" +
+              there + "## What is left out\n| name | why |\n|---|---|\n| `ad` | `stop_play` |\n" +
+              left_out,
           false};
 }
 
-TEST(InterfaceRules, APageThatSaysWhatTheCodeHasIsGood) {
+TEST(InterfaceRules, APageThatMatchesTheCodeIsAccepted) {
   EXPECT_THAT(WrongInterfaces(Page("| `stop_play` | |\n", ""), kTree), IsEmpty());
 }
 
-TEST(InterfaceRules, WhatIsThereAndIsNotIsReported) {
+TEST(InterfaceRules, AListedInterfaceThatTheCodeLacksIsReported) {
   EXPECT_THAT(WrongInterfaces(Page("| `stop_play`, `later` | |\n", ""), kTree),
               ElementsAre("docs/cyberdog.md:6: the code has no `later`"));
 }
 
-TEST(InterfaceRules, WhatIsLeftOutAndIsThereIsReported) {
+TEST(InterfaceRules, AnInterfaceListedAsLeftOutThatTheCodeHasIsReported) {
   EXPECT_THAT(WrongInterfaces(Page("", "| `stop_play` | no reason |\n"), kTree),
               ElementsAre("docs/cyberdog.md:10: the code has `stop_play`"));
 }
 
-TEST(InterfaceRules, AnInterfaceOrATypeThatThePageForgetsIsReported) {
-  const SourceFile page = {"docs/cyberdog.md",
-                           "## What is there\n| `stop_play` | |\n## What is left out\n| `ad` | |\n",
-                           false};
+TEST(InterfaceRules, AnInterfaceOrATypeMissingInThePageIsReported) {
+  const SourceFile page = {
+      "docs/cyberdog.md",
+      "## What is implemented\n| `stop_play` | |\n## What is left out\n| `ad` | |\n", false};
   EXPECT_THAT(WrongInterfaces(page, kTree),
               ElementsAre("docs/cyberdog.md: `AudioText` is missing",
                           "docs/cyberdog.md: `ready_notify` is missing"));

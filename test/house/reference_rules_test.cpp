@@ -23,7 +23,7 @@ TEST(ReferenceRules, AcceptAListThatAgrees) {
   EXPECT_THAT(WrongCodes(page, kHeader), IsEmpty());
 }
 
-TEST(ReferenceRules, ReportACodeThatIsMissingWrongOrGone) {
+TEST(ReferenceRules, ReportACodeThatIsMissingWrongOrRemoved) {
   const SourceFile page =
       PageWith("## Codes\n\n| 7 | Timeout | why |\n\n| Robot (the machine) | 200 | UWB | 1600 |\n");
   EXPECT_THAT(WrongCodes(page, kHeader),
@@ -31,14 +31,14 @@ TEST(ReferenceRules, ReportACodeThatIsMissingWrongOrGone) {
                           "the reference says 200 for the module robot, which is 100"));
 }
 
-TEST(ReferenceRules, ReportAVariableThatIsUnexplainedOrGone) {
+TEST(ReferenceRules, ReportAVariableThatIsUnexplainedOrRemoved) {
   const SourceFile page = PageWith("## Environment variables\n\n| `MUSHER_OLD` | all | gone |\n");
   const SourceFile code = {"controller/a.cpp", "getenv(\"MUSHER_NEW\");"};
   EXPECT_THAT(WrongVariables(page, {code}), ElementsAre("the reference does not explain MUSHER_NEW",
                                                         "no program reads or sets MUSHER_OLD"));
 }
 
-TEST(ReferenceRules, ReportATopicOrServiceThatIsUnlistedOrGoneOrOfAnUnknownType) {
+TEST(ReferenceRules, ReportATopicOrServiceThatIsUnlistedOrRemovedOrOfAnUnknownType) {
   const SourceFile page = PageWith(
       "## Topics and services\n\n| name | type |\n|---|---|\n"
       "| topic `musher/beat` | `musher_msgs/msg/Beat` | all |\n"

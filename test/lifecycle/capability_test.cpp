@@ -144,7 +144,7 @@ TEST_F(Capabilities, OfADegradedActuatorHaveItsFaultAsReasonAndDependOnItsState)
             "hot");
 }
 
-TEST_F(Capabilities, AreRefusedByAStopThatTheMachineOrTheActuatorKnowsOf) {
+TEST_F(Capabilities, AreRefusedByAStopOfTheMachineOrOfTheActuator) {
   machine_.emergency_stop = EmergencyStop{7, "me", ""};
   EXPECT_FALSE(Verdict("walk").allowed);
   machine_.emergency_stop.reset();

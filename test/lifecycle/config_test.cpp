@@ -27,7 +27,7 @@ bool Has(const std::vector<FlowEdge>& flow, const FlowEdge& edge) {
   return std::find(flow.begin(), flow.end(), edge) != flow.end();
 }
 
-TEST(ActuatorConfig, KnowsWhatItListsAndHowLongItMayTake) {
+TEST(ActuatorConfig, HasTheStatesThatItListsWithTheirTimes) {
   const ActuatorConfig wheels = TwoActuators().actuators[0];
   EXPECT_TRUE(wheels.Lists("Active"));
   EXPECT_FALSE(wheels.Lists("Parked"));
@@ -47,7 +47,7 @@ TEST(MachineConfig, GivesTheDefaultTimeWhereAnActuatorHasNone) {
   EXPECT_EQ(config.TimeFor(1, "Active"), Milliseconds(250));
 }
 
-TEST(MachineConfig, KnowsItsStatesAndTheirRanks) {
+TEST(MachineConfig, HasItsStatesWithTheirRanks) {
   const MachineConfig config = TwoActuators();
   EXPECT_TRUE(config.HasState("Parked"));
   EXPECT_FALSE(config.HasState("OTA"));

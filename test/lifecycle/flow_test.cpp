@@ -15,7 +15,7 @@ TEST(Flow, NoSwitchLeadsToAStepOfAProcessStart) {
   EXPECT_FALSE(FlowAllows(config, "Active", "Uninitialized"));
 }
 
-TEST(Flow, NoSwitchLeadsToUninitializedWhateverTheConfigSays) {
+TEST(Flow, NoSwitchLeadsToUninitializedWithAnyConfig) {
   MachineConfig config = MachineOf(1);
   config.states.emplace_back(kUninitialized);
   config.flow.push_back({"Active", State(kUninitialized)});

@@ -311,7 +311,7 @@ TEST_F(Monitor, ReportsTheWorkThreadsVerdictAndItsState) {
   EXPECT_EQ(how_, "no checkpoint in Active for 512 ms");
   answers_[0] = true;
   Take(monitor_.OnSample(0, kFirst, now_));
-  EXPECT_THAT(Found(), IsEmpty()) << "that it answers says nothing of its work";
+  EXPECT_THAT(Found(), IsEmpty()) << "an answer is no evidence of progress";
   heartbeat_[0] = {kHeartbeat, Health::kWell, "", {}, {}};
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a well"));

@@ -179,7 +179,7 @@ TEST_F(DrivingARos2Node, ACommandThatIsNotQueriedEndsToo) {
   ros_->holds_changes = false;  // the first request is lost for good
   network_.RunFor(std::chrono::seconds(2));
   EXPECT_EQ(reply_->number, next);
-  EXPECT_EQ(reply_->code, kCodeTimeout) << "it had to wait for too long";
+  EXPECT_EQ(reply_->code, kCodeTimeout) << "it waited too long for an earlier command";
   EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
 }
 
@@ -245,7 +245,7 @@ TEST_F(DrivingARos2Node, IsNotTakenForActiveBecauseAnEventWasLost) {
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
 }
 
-TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter) {
+TEST_F(DrivingARos2Node, AnAnswerFromBeforeACommandIsNotTakenForItsResult) {
   BringUp();
   ros_->holds_looks = true;
   link_->Query({1, number_, false});

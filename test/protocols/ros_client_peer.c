@@ -1,4 +1,4 @@
-// A ROS 2 process that calls one service once, as soon as it is there, as rclcpp does: waits until
+// A ROS 2 process that calls one service as soon as it is available, as rclcpp does: waits until
 // a server is matched in both directions, sends one request, and waits for the reply. In plain C,
 // without any of our code.
 //

@@ -74,7 +74,7 @@ class RosGraphPeer {
     waitpid(pid_, nullptr, 0);
   }
 
-  // Waits until what the peer sees is as `done` wants it; false when it never is.
+  // Waits until `done` accepts what the peer sees; false if it never does.
   template <class Done>
   bool Sees(const Done& done) {
     return loop_.RunUntil([&] { return done(graph_); }, loop_.Now() + std::chrono::seconds(20));

@@ -1,4 +1,4 @@
-// What a ROS 2 (Jazzy) process knows of the others, and what it logs about them: reads the builtin
+// The graph of a ROS 2 (Jazzy) process, and what it logs about the others: reads the builtin
 // topics and `ros_discovery_info` as rmw_cyclonedds_cpp does. In plain C, without any of our code.
 //
 //   ros_graph_peer      in the domain of ROS_DOMAIN_ID, until its standard input ends
@@ -265,7 +265,7 @@ static void PrintAll(const uint8_t* self) {
   memset(listed, 0, sizeof(listed));
   printf("samples %d\n", sample_count);
   for (int p = 0; p < info_count; ++p) {
-    if (!HasEnclave(infos[p]->gid.data)) continue;  // gone, or no ROS 2 process
+    if (!HasEnclave(infos[p]->gid.data)) continue;  // exited, or no ROS 2 process
     for (uint32_t n = 0; n < infos[p]->node_entities_info_seq._length; ++n) {
       const NodeInfo* node = &infos[p]->node_entities_info_seq._buffer[n];
       const bool root = strcmp(node->node_namespace, "/") == 0;

@@ -143,16 +143,16 @@ void Harness::Deliver(const Message& message, bool held_back, bool introduced) {
   }
 }
 
-// The end of a callback switches the output on, towards a more active state, or off; a self-check
-// switches nothing.
+// The end of a callback switches the output on, towards a state that is as active or more, or off;
+// a self-check switches nothing.
 void Harness::EndCallback(std::size_t i, std::int32_t code, const std::string& text) {
   SimActuator& actuator = world_.actuators[i];
   actuator.work = Work::kNone;
   const ActuatorReport& report = actuator.core.report;
   if (code == kCodeOk && config_.RankOf(report.target)) {
-    const bool again = report.target == report.state && report.emergency_stop == 0 &&
-                       Rises(config_, kUninitialized, report.target);
-    actuator.energised = again || Rises(config_, report.state, report.target);
+    const bool again = report.target != report.state || report.emergency_stop == 0;
+    actuator.energised = Rises(config_, report.state, report.target) ||
+                         (again && SwitchesOnAgain(config_, report.state, report.target));
   }
   StepActuator(i, actuator_event::CallbackEnded{code, text});
 }

@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 class PlantedFault : public ::testing::Test {
  protected:
   void Search(Rules rules, const State& from, const State& to, int faults,
-              const std::string& machine = "Parallel") {
-    const Model correct(ScenarioNamed(machine).config, to);
+              const Scenario& machine = ScenarioNamed("Parallel")) {
+    const Model correct(machine.config, to);
     const Model model(correct.config, to, std::move(rules));
     World root = WorldIn(correct, from);
     root.faults = root.faults_left = faults;
@@ -137,6 +137,34 @@ TEST_F(PlantedFault, FindsACallbackThatUndoesAnEmergencyStop) {
   EXPECT_THAT(searched_.fault->violations,
               Contains(HasSubstr("is energised during an emergency stop")));
   EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
+}
+
+// The controller completes a switch on the level that the stop has crossed.
+TEST_F(PlantedFault, FindsASwitchOnTheLevelThatAnEmergencyStopDoesNotEnd) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    auto actions = Step(config, machine, event, now);
+    if (machine.current) machine.current->stopped = false;
+    return actions;
+  };
+  Search(rules, "Active", "Dancing", 1, Dancers());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
+}
+
+// Whatever is not higher counts as safe during a stop.
+TEST_F(PlantedFault, FindsACallbackOfTheSameRankThatUndoesAnEmergencyStop) {
+  Rules rules;
+  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+    MachineConfig lower = config;
+    lower.ranks["Dancing"] = *BuiltInRank(kDeActive);
+    return Step(lower, i, core, event, now);
+  };
+  Search(rules, "Active", "Dancing", 1, Dancers());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("begins Dancing while an emergency stop is latched")));
 }
 
 TEST_F(PlantedFault, ReportsTheShortestScenario) {

@@ -61,6 +61,13 @@ void CheckDone(const Model& model, const World& world, const SwitchResult& resul
   }
 }
 
+// Whether the callback of another state may switch on what an emergency stop has switched off: of
+// one that is more active, or as active above DeActive.
+bool MaySwitchOn(const MachineConfig& config, const State& from, const State& to) {
+  const bool level = from != to && SwitchesOnAgain(config, from, to);
+  return level || Rises(config, from, to);
+}
+
 // All actuators are back. Where the machine has no state with a rank, none is above DeActive.
 void CheckUndone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   const bool at_rest = model.config.RankOf(world.machine.state).has_value();
@@ -91,9 +98,11 @@ void CheckPlace(const Model& model, const World& world, std::size_t i, Notes& no
   if (record.command) notes.violations.push_back("a command to " + own.name + " has no end");
   const auto place = config.RankOf(machine.state);
   const auto rank = config.RankOf(state);
-  const bool stopped_below = machine.emergency_stop && (!rank || (place && *rank < *place));
+  const bool waits =  // for the release of the stop
+      machine.emergency_stop && (!rank || (place && *rank < *place) ||
+                                 (record.due && MaySwitchOn(config, state, machine.state)));
   const bool there = actuator.alive && record.presence == Presence::kPresent &&
-                     (state == machine.state || !place || stopped_below);
+                     (state == machine.state || !place || waits);
   if (!there && !record.held && !record.fault) {
     notes.violations.push_back("in a stable state " + own.name +
                                (actuator.alive ? " is in " : " has exited in ") + state +
@@ -165,14 +174,20 @@ void CheckUp(const Model& model, const World& world, const action::AnswerSetStat
   }
 }
 
-// Without an order among the actuators each fault makes at most one degraded.
+// Without an order among the actuators each fault makes at most one degraded; an emergency stop all
+// whose switch on the level it has ended.
 void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto& actuators = model.config.actuators;
   const bool in_order = std::any_of(actuators.begin(), actuators.end(),
                                     [](const ActuatorConfig& a) { return !a.after.empty(); });
-  const auto degraded = Degraded(model.config, world.machine).size();
+  const auto names = Degraded(model.config, world.machine);
+  const auto degraded = std::ranges::count_if(names, [&](const std::string& name) {
+    const ActuatorReport& report = world.actuators[*model.config.IndexOf(name)].core.report;
+    const bool level = model.config.RankOf(report.state) == model.config.RankOf(world.from);
+    return report.emergency_stop == 0 || !level || world.machine.state != world.from;
+  });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
-  if (in_order || degraded <= static_cast<std::size_t>(world.faults - world.faults_left)) return;
+  if (in_order || degraded <= world.faults - world.faults_left) return;
   notes.violations.push_back(std::to_string(degraded) +
                              " actuators are degraded, more than had a fault");
 }
@@ -194,8 +209,8 @@ void CheckStopped(const Model& model, const World& world, std::size_t i,
   if (actuator.energised && actuator.work == Work::kNone) {
     notes.violations.push_back(name + " is energised during an emergency stop");
   }
-  if (Rises(model.config, before.state, report.state)) {
-    notes.violations.push_back(name + " has switched up to " + report.state +
+  if (MaySwitchOn(model.config, before.state, report.state)) {
+    notes.violations.push_back(name + " has switched to " + report.state +
                                " during an emergency stop");
   }
 }
@@ -219,7 +234,7 @@ void CheckBegin(const Model& model, const World& world, std::size_t i, const Sta
   const SimActuator& actuator = world.actuators[i];
   const ActuatorReport& report = actuator.core.report;
   const std::string what = model.config.actuators[i].name + " begins " + target;
-  if (report.emergency_stop != 0 && Rises(model.config, report.state, target)) {
+  if (report.emergency_stop != 0 && MaySwitchOn(model.config, report.state, target)) {
     notes.violations.push_back(what + " while an emergency stop is latched");
   }
   if (number == 0) return;

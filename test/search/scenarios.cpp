@@ -46,6 +46,11 @@ const std::vector<Scenario>& Scenarios() {
   return all;
 }
 
+const Scenario& Dancers() {
+  static const Scenario dancers = {"Dancers", testing::WithDancing(MachineOf(kActuators))};
+  return dancers;
+}
+
 const Scenario& ScenarioNamed(const std::string& name) {
   const auto found = std::find_if(Scenarios().begin(), Scenarios().end(),
                                   [&](const Scenario& s) { return s.name == name; });

@@ -15,6 +15,8 @@ struct Scenario {
 };
 
 const std::vector<Scenario>& Scenarios();
+// With Dancing, a state of its own that is as active as Active.
+const Scenario& Dancers();
 const Scenario& ScenarioNamed(const std::string& name);
 
 // Every state of the machine, in CyberDog's order.

@@ -6,9 +6,9 @@
 // What a World keeps beside the two decision codes:
 //   outbox      commands and queries that the controller has not sent yet
 //   replies     under way to the controller, in order
-//   status_due  the latched status has changed and will be published; its content is the one by
-//   then end         of a process, under way to the controller late        messages that a fault
-//   delays: they arrive at any later choice, or never
+//   status_due  the latched status has changed and will be published, with its content by then
+//   end         of a process, under way to the controller
+//   late        messages that a fault delays: they arrive at any later choice, or never
 //
 // Time stands still while a message is under way, and then jumps to the next deadline. A callback
 // that runs at that moment is overdue, which is a fault; so is a delayed message.
@@ -19,15 +19,13 @@
 //     stop, the end of the controller) commutes with the sending by another process, so it gives
 //     the same result before the sending; a command that arrives later is a delayed one.
 //   - The end of a callback and the arrival of its reply are one step, as are a status and its
-//   arrival,
-//     and a crash and its detection: what the controller receives from others in between commutes
-//     with what happened at the actuator. Where two messages of one actuator could be reordered,
-//     one is delayed. The end of a process that exits by itself is detected later or, before its
-//     last reply, at once.
+//     arrival, and a crash and its detection: what the controller receives from others in between
+//     commutes with what happened at the actuator. Where two messages of one actuator could be
+//     reordered, one is delayed. The end of a process that exits by itself is detected later or,
+//     before its last reply, at once.
 //   - A status that the controller knows already changes nothing and is not waited for. Nor is a
-//   status
-//     that says that a command runs whose reply is awaited, once no fault is left: whatever ends
-//     the wait brings a newer report.
+//     status that reports a running command whose reply is awaited, once no fault is left:
+//     whatever ends the wait brings a newer report.
 //   - An emergency stop reaches all actuators at once, also between two commands of one wave; the
 //     controller receives it at any time. An actuator that receives it later is another fault.
 //   - Before the first request the only fault is an emergency stop: the rest is another start.

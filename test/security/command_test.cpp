@@ -70,7 +70,7 @@ TEST_F(Keys, AreIssuedOnlyWhereTheCasKeysAre) {
   ASSERT_NO_FATAL_FAILURE(Start());  // the robot does not need them
 }
 
-TEST_F(Keys, NeedAConfigThatSaysWhereTheyAre) {
+TEST_F(Keys, NeedAConfigWithTheirFolder) {
   const std::string open = folder_ / "open.toml";
   std::ifstream in(config_);
   std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -144,7 +144,7 @@ TEST_F(WrongKeys, WithPermissionsThatWereChanged) {
 
 TEST_F(WrongKeys, InADomainThatSecurityDoesNotKnow) {
   setenv("ROS_DOMAIN_ID", "231", 1);
-  ExpectRefusal("DDS Security knows the domains 0 to 230");
+  ExpectRefusal("DDS Security supports the domains 0 to 230");
 }
 
 TEST_F(WrongKeys, WhereAPluginIsNotWhatItShouldBe) {

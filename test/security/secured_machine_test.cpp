@@ -70,7 +70,7 @@ TEST_F(SecuredMachine, IsTakenOverByTheNextController) {
   EXPECT_EQ(after["actuators"]["legs"]["pid"], before["actuators"]["legs"]["pid"]);
 }
 
-TEST_F(SecuredMachine, SaysThatAnActuatorRunsWithoutKeys) {
+TEST_F(SecuredMachine, ReportsAnActuatorThatRunsWithoutCredentials) {
   const std::string open = folder_ / "open.toml";
   const std::string text = Text(config_);
   std::ofstream(open) << text.substr(0, text.find("[security]"));

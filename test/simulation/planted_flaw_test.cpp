@@ -154,6 +154,21 @@ TEST_F(PlantedFlaw, FindsACallbackThatUndoesAnEmergencyStop) {
   ExpectFound(Invariant::kEmergencyStopHolds, "although it has latched an emergency stop");
 }
 
+// A callback of the same rank, too, may switch on what the stop has switched off.
+TEST_F(PlantedFlaw, FindsACallbackOfTheSameRankThatUndoesAnEmergencyStop) {
+  slow_ = State("Dancing");
+  Make(WithDancing(Started(1)));
+  BringUp();
+  Request(State("Dancing"));
+  ASSERT_TRUE(RunUntil([&] { return robot_->ReportOf("a")->target == "Dancing"; },
+                       std::chrono::seconds(1)));
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  CoreOf("a").stopped_meanwhile = false;  // so that its end counts as it is
+  RunFor(std::chrono::seconds(30));
+  ExpectFound(Invariant::kEmergencyStopHolds, "although it has latched an emergency stop");
+}
+
 TEST_F(PlantedFlaw, FindsHardwareThatACallbackSwitchesOnDuringAStop) {
   slow_ = State(kActive);
   Make(Started(1));
@@ -278,7 +293,7 @@ TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   robot_->StartController();
   RunFor(Milliseconds(100));
   robot_->network().Block("b", "controller");
-  robot_->StartActuator("b");  // the controller knows nothing of it
+  robot_->StartActuator("b");  // without the controller
   robot_->on_signal(*robot_->leader(), robot_->processes().PidOf("b"));
   ExpectFound(Invariant::kOnlyOwnProcessesSignalled, "is not the process of that actuator");
 }

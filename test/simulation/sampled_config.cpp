@@ -84,6 +84,14 @@ std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
   return policy;
 }
 
+// Some robots have a state of their own in which they are as active as in Active.
+void AddDancing(MachineConfig& config, std::uint64_t seed) {
+  Random random(seed * 2 + 0x64616e6365);
+  if (!random.Bernoulli(0.1)) return;
+  config.states.emplace_back("Dancing");
+  config.ranks[State("Dancing")] = *BuiltInRank(kActive);
+}
+
 // The controller does not start what runs on other hosts.
 void StartSomeByHand(MachineConfig& config, std::uint64_t seed) {
   Random random(seed * 2 + 0x68616e64);
@@ -119,6 +127,7 @@ MachineConfig SampleConfig(std::uint64_t seed) {
     config.states.emplace_back("Parked");
     config.ranks[State("Parked")] = *BuiltInRank(kDeActive);
   }
+  AddDancing(config, seed);
   config.flow = DefaultFlow(config.states);
   if (config.HasState("Parked")) {
     for (const std::string_view state : {kActive, kProtected, kDeActive, kLowPower, kOta}) {

@@ -83,7 +83,7 @@ TEST_F(TopicClock, StandsAtZeroAndFiresNothingBeforeTheFirstSample) {
   EXPECT_THAT(log_, IsEmpty());
 }
 
-TEST_F(TopicClock, ShowsWhatTheLastSampleSaid) {
+TEST_F(TopicClock, ShowsTheTimeOfTheLastSample) {
   Show(5000);
   EXPECT_EQ(clock_->Now(), At(5000));
   network_.RunFor(seconds(10));

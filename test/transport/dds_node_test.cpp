@@ -247,6 +247,15 @@ TEST(Settings, LetAnActuatorDiscoverTheControllerBeforeTheControllerRequests) {
   EXPECT_THAT(xml(DiscoveryTiming::kCommand), Not(HasSubstr("PreEmptiveAckDelay")));
 }
 
+// With an actuator's timing the start of a hundred processes takes twice as long.
+TEST(Settings, RequestRepetitionsSeldomInACrowd) {
+  const auto xml = [](DiscoveryTiming timing) {
+    return dds::SettingsXml(TransportProfile::kLocal, {}, timing);
+  };
+  EXPECT_THAT(xml(DiscoveryTiming::kActuator), HasSubstr("<NackDelay>10ms</NackDelay>"));
+  EXPECT_THAT(xml(DiscoveryTiming::kCrowd), HasSubstr("<NackDelay>100ms</NackDelay>"));
+}
+
 TEST(Settings, TakeTheRequestedLease) {
   const std::string xml = dds::SettingsXml(TransportProfile::kLocal, Milliseconds(800));
   EXPECT_THAT(xml, HasSubstr("<LeaseDuration>800ms</LeaseDuration>"));

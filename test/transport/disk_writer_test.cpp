@@ -150,7 +150,7 @@ TEST_F(Writer, TakesAnExceptionForAFailure) {
   EXPECT_EQ(why, "out of memory");
 }
 
-TEST_F(Writer, SaysThatAStalledDiskWasNotFlushed) {
+TEST_F(Writer, ReportsThatAStalledDiskWasNotFlushed) {
   Do("policy", "one");
   gate_->AwaitBegun(1);
   EXPECT_FALSE(writer_->Flush(Milliseconds(1)));

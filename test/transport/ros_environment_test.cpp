@@ -1,4 +1,4 @@
-// What a ROS 2 process needs in its environment, and why it does not meet a machine without it.
+// What a ROS 2 process needs in its environment, and why it does not discover a machine without it.
 
 #include "musher/transport/ros_environment.hpp"
 

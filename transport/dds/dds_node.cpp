@@ -164,14 +164,16 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   if (options.credentials) {
     constexpr int kHighestSecured = 230;  // accepted by Cyclone's reader of governance documents
     if (domain_id.value() > kHighestSecured) {
-      return Error{kCodeParametersInvalid, "DDS Security knows the domains 0 to 230, not " +
+      return Error{kCodeParametersInvalid, "DDS Security supports the domains 0 to 230, not " +
                                                std::to_string(domain_id.value())};
     }
     const keys::KeyFolder folder(options.credentials->keys);
     if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
   }
   const bool restarted = std::getenv("MUSHER_FAST_DISCOVERY") != nullptr;
-  const bool fast = restarted && options.discovery == DiscoveryTiming::kActuator;
+  const bool of_actuator = options.discovery == DiscoveryTiming::kActuator ||
+                           options.discovery == DiscoveryTiming::kCrowd;
+  const bool fast = restarted && of_actuator;
   const DiscoveryTiming discovery = fast ? DiscoveryTiming::kCommand : options.discovery;
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   const char* uri = std::getenv("CYCLONEDDS_URI");

@@ -24,7 +24,8 @@ struct Credentials {
 // How soon a process requests and repeats what may have been lost in discovery (profile local; lan
 // has one timing).
 enum class DiscoveryTiming {
-  kActuator,    // waits and combines: the discovery of a hundred that start together settles sooner
+  kActuator,    // waits a little and combines
+  kCrowd,       // waits long and combines: of a hundred processes that start together
   kCommand,     // at once: for a program that exits after its reply
   kController,  // at once, but lets a new process discover this one first
 };

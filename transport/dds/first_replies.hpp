@@ -1,7 +1,7 @@
 #pragma once
 // Makes the first reply to a ROS 2 client arrive early.
 //
-// A newly matched reader does not know the writer's first sequence number until it has requested it
+// A newly matched reader lacks the writer's first sequence number until it has requested it
 // (Cyclone: 10 ms after the match). If a reply arrives before that, the reader requests a
 // repetition at once; that is before Cyclone counts the reply as sent, so it is not repeated, and
 // the reader requests it again with the writer's next heartbeat, up to 800 ms later. So:

@@ -1,5 +1,5 @@
 #pragma once
-// What Cyclone knows of the endpoints that a local endpoint is matched with.
+// Cyclone's data about the endpoints that a local endpoint is matched with.
 
 #include <dds/dds.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 // A DDS type whose samples are plain bytes: the encapsulation header and the CDR that follows it,
-// as they are on the wire. Keyless, XCDR version 1. Cyclone knows only its name.
+// as they are on the wire. Keyless, XCDR version 1. Cyclone has only its name.
 //
 // Threads: any; samples are immutable and counted by Cyclone.
 

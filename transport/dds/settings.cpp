@@ -28,10 +28,9 @@ std::string Buffers(const std::string& linger) {
   return "<SocketReceiveBufferSize max=\"4MB\"/>" + Element("WriterLingerDuration", linger);
 }
 
-// Loopback loses only what overflows a buffer. When a hundred processes start at once, discovery
-// settles because responses are combined. A loss between two processes that have just discovered
-// each other is repaired by the next repetition, after 100 ms: with 400 ms the start of 16
-// actuators takes 0.73 s instead of 0.39 s, that of 24 1.1 s instead of 0.8 s; only that of 48
+// Loopback loses only what overflows a buffer. A loss between two processes that have just
+// discovered each other is repaired by the next repetition, after 100 ms: with 400 ms the start of
+// 16 actuators takes 0.73 s instead of 0.39 s, that of 24 1.1 s instead of 0.8 s; only that of 48
 // takes some 15 % less with 400 ms. A repetition that is requested too early is not sent (Cyclone's
 // writer does not count its sample as sent yet), so it is requested again after 50 ms: the first
 // request of a ROS 2 client is often lost like that. With 10 ms the start of 32 processes sends up
@@ -41,6 +40,16 @@ constexpr const char* kActuatorDiscoveryTiming =
     "<HeartbeatInterval min=\"20ms\" minsched=\"50ms\" max=\"8s\">100ms</HeartbeatInterval>"
     "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"
     "<NackDelay>10ms</NackDelay><AutoReschedNackDelay>50ms</AutoReschedNackDelay>"
+    "<AckDelay>100ms</AckDelay>";
+// When a hundred processes start at once on two cores, each is kept from its packets long enough
+// for its buffer to overflow, and a repetition that is requested early is one packet more for all
+// them: with the timing above the start of 100 takes 20 to 29 s, with this one 10 to 14 s. Delays
+// of 300 to 400 ms instead of 13 and 100 ms gain nothing more, and delay an emergency stop from the
+// command line, which takes 0.15 to 0.5 s with these (up to 1.3 s within seconds of the start).
+constexpr const char* kCrowdDiscoveryTiming =
+    "<HeartbeatInterval min=\"400ms\" minsched=\"500ms\" max=\"8s\">1s</HeartbeatInterval>"
+    "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"
+    "<NackDelay>100ms</NackDelay><AutoReschedNackDelay>1s</AutoReschedNackDelay>"
     "<AckDelay>100ms</AckDelay>";
 // For a few processes that must not wait for a repetition. Cyclone requests what a new process has
 // announced after 10 ms.
@@ -54,9 +63,17 @@ constexpr const char* kCommandDiscoveryTiming =
 constexpr const char* kRequestAfter = "<PreEmptiveAckDelay>30ms</PreEmptiveAckDelay>";
 
 std::string TimingXml(DiscoveryTiming timing) {
-  if (timing == DiscoveryTiming::kActuator) return kActuatorDiscoveryTiming;
-  const bool controller = timing == DiscoveryTiming::kController;
-  return std::string(kCommandDiscoveryTiming) + (controller ? kRequestAfter : "");
+  switch (timing) {
+    case DiscoveryTiming::kActuator:
+      return kActuatorDiscoveryTiming;
+    case DiscoveryTiming::kCrowd:
+      return kCrowdDiscoveryTiming;
+    case DiscoveryTiming::kCommand:
+      return kCommandDiscoveryTiming;
+    case DiscoveryTiming::kController:
+      break;
+  }
+  return std::string(kCommandDiscoveryTiming) + kRequestAfter;
 }
 
 // Discovery is by multicast, samples are sent by unicast.

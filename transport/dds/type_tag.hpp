@@ -1,13 +1,13 @@
 #pragma once
-// The USER_DATA by which ROS 2 knows the definition of an endpoint's type: "typehash=<hash>;". A
-// ROS 2 process logs a warning about every endpoint that has no USER_DATA at all.
+// The USER_DATA by which ROS 2 identifies the definition of an endpoint's type: "typehash=<hash>;".
+// A ROS 2 process logs a warning about every endpoint that has no USER_DATA at all.
 
 #include <string>
 
 namespace musher::transport::dds {
 
-// `type`: its name on DDS. A type of a robot's own, whose hash Musher does not know, gets a tag
-// that ROS 2 accepts without a warning and shows as an unknown hash.
+// `type`: its name on DDS. A type of the robot itself, of which Musher has no hash, gets a tag that
+// ROS 2 accepts without a warning and shows as an unknown hash.
 std::string TypeTag(const std::string& type);
 
 }  // namespace musher::transport::dds

@@ -43,7 +43,7 @@ std::string NextStep(const msg::MachineStatus& machine) {
 }  // namespace
 
 std::string EstopText(const EstopReport& report, bool colour) {
-  std::string text = report.earlier ? "an emergency stop was engaged already" +
+  std::string text = report.earlier ? "an emergency stop was already engaged" +
                                           Signed(report.earlier->by, report.earlier->reason)
                                     : "emergency stop engaged" + Signed(report.by, report.reason);
   text = Paint(text, Style::kBad, colour) + '\n';

@@ -7,7 +7,7 @@
 
 namespace musher::cli {
 
-// Renders a DOT text to SVG with the program `dot`. If it is missing, the error says what to
+// Renders a DOT text to SVG with the program `dot`. If it is missing, the error names what to
 // install.
 Result<std::string> RenderSvg(const std::string& dot);
 

@@ -255,7 +255,7 @@ class ActuatorReader {
     for (const std::string_view key : {"checkpoint_ms", "checkpoint_ms_in", "controller_lost_ms"}) {
       if (reader_.Has(key) && !(can_be_queried && key == "checkpoint_ms")) {
         reader_.Warn(reader_.At(key), key,
-                     "has no effect with this protocol, which knows no such thing");
+                     "has no effect with this protocol, which does not support it");
       }
     }
   }

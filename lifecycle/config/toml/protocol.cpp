@@ -40,7 +40,7 @@ void ReadRos2States(const ActuatorConfig& config, TableReader& reader, Draft& dr
       reader.Fault(member.at, "ros2_states", Quote(member.key) + " is not among its states");
     } else if (goal == Ros2State::kFinalized && member.key != kTearDown) {
       reader.Fault(member.at, "ros2_states",
-                   "only TearDown can be \"finalized\", from which no node comes back");
+                   "only TearDown can be \"finalized\", which a node cannot leave");
     } else if (goal) {
       ros2_states.emplace(member.key, *goal);
     }

@@ -86,7 +86,7 @@ class FlowReader {
 
   bool CheckWay(const Word& word, std::string_view key, TableReader& transition) {
     if (word.text == kTearDown && key == "from") {
-      transition.Fault(word.at, key, "nothing follows TearDown but a new start");
+      transition.Fault(word.at, key, "TearDown is final: only a new start follows it");
       return false;
     }
     if (word.text == kSelfCheck) return CheckState(word, key, transition, draft_);

@@ -127,7 +127,7 @@ std::optional<std::string> Body::Take(const Scene& scene, const BoardCommand& co
       "mode " + std::to_string(command.mode) + " gait " + std::to_string(command.gait);
   if (motion == nullptr) {
     refused_ = true;
-    return name + " is refused: the board does not know it";
+    return name + " is refused: the board has no such motion";
   }
   if (auto objection = Objection(command, *motion)) {
     refused_ = true;

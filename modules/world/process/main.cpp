@@ -1,4 +1,4 @@
-// musher-world: a simulated robot and the place it is in. See README.md in this folder.
+// musher-world: a simulated robot and the place it is in. See ../README.md.
 
 #include <CLI/CLI.hpp>
 #include <iostream>

@@ -20,7 +20,7 @@ const char* const kWorldCommands =
     "  battery PERCENT     how full the battery is\n"
     "  cable in|out        the charging cable\n"
     "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
-    "  say TEXT...         a person says that to the robot\n"
+    "  say TEXT...         a person speaks TEXT to the robot\n"
     "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
     "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
     "  place X Y [YAW]     moves the body there, m and rad\n"
@@ -191,10 +191,10 @@ class CommandSender {
 
 Result<WorldCommand> ParseWorldCommand(const Words& words) {
   if (const auto command = ReadWords(words)) return *command;
-  std::string said;
-  for (const std::string& word : words) said += " " + word;
+  std::string command_line;
+  for (const std::string& word : words) command_line += " " + word;
   return Error{kCodeParametersInvalid,
-               "`tell" + said + "` is unknown; the commands are\n" + kWorldCommands};
+               "unknown command `tell" + command_line + "`; the commands are\n" + kWorldCommands};
 }
 
 Result<std::string> SendWorldCommand(const WorldCommand& command, const std::string& name_space,

@@ -9,7 +9,7 @@ namespace musher::world {
 
 inline constexpr int kMostPicturePx = 8192;  // on a side
 
-// The error says what is wrong. Never throws.
+// The error describes the fault. Never throws.
 Result<> CheckPicture(const std::string& path);
 
 }  // namespace musher::world

@@ -117,7 +117,7 @@ class GuestReader {
     const double least_m = scene_.body.radius_m + kGuestRadiusM;
     if (act.walk_to_m && (*act.walk_to_m - start).norm() < least_m) {
       reader.Fault(reader.At("walk_to_m"), "walk_to_m",
-                   "the robot is there: expected as far from it as its radius_m and 0.2 m");
+                   "too close to the robot: expected at least its radius_m and 0.2 m from it");
     }
     guest.acts.push_back(act);
   }

@@ -153,7 +153,7 @@ class Reader {
     if (!mode || !gait || !time) return;
     if (FindMotion(static_cast<int>(*mode), static_cast<int>(*gait)) == nullptr) {
       return reader.Fault(reader.At("mode"), "mode",
-                          "the board knows no mode " + std::to_string(*mode));
+                          "the board has no mode " + std::to_string(*mode));
     }
     scene_.motion_times.push_back({static_cast<int>(*mode), static_cast<int>(*gait), *time});
   }

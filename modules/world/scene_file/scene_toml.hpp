@@ -1,6 +1,6 @@
 #pragma once
-// Reads a scene file (README.md lists its keys, config/scenes/yard.toml explains each). All errors
-// are reported at once, each with its place in the file.
+// Reads a scene file (../README.md lists its keys, config/scenes/yard.toml explains each). All
+// errors are reported at once, each with its place in the file.
 
 #include <optional>
 #include <string>

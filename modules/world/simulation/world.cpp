@@ -90,7 +90,7 @@ std::optional<std::string> World::PutDown(const Pose2& at) {
   }
   if (!IsFree(*scene_, at.position_m)) {
     return "the body cannot be at " + At(at.position_m) +
-           ": an obstacle is there, or it is outside";
+           ": an obstacle is in the way, or it is outside";
   }
   Record();
   body_.PutDown({at.position_m, std::remainder(at.yaw_rad, 2 * M_PI)});

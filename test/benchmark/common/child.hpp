@@ -1,6 +1,6 @@
 #pragma once
-// Processes of a benchmark. A child dies with the thread that started it, whatever that one dies
-// of.
+// Processes of a benchmark. A child is killed when the thread that started it exits, for any
+// reason.
 
 #include <sys/types.h>
 
@@ -29,7 +29,7 @@ class Child {
   pid_t pid() const { return pid_; }
   // Waits for its end and gives its exit code; 128 + the signal that killed it.
   int Wait();
-  // Waits until a piped child says something, or ends the benchmark when it dies without.
+  // Waits until a piped child prints something, or ends the benchmark when it exits without.
   void AwaitOutput() const;
 
  private:

@@ -101,7 +101,7 @@ void ObservedController::Await(const std::string& what,
 }
 
 void ObservedController::AwaitAllThere() {
-  Await("all actuators are there", [](const Machine& machine) {
+  Await("all actuators are present", [](const Machine& machine) {
     for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
       if (!IsThere(machine, i)) return false;
     }

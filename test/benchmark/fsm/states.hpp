@@ -1,6 +1,6 @@
 #pragma once
 // States for a plain loop and for a machine, which do the same. They are made elsewhere, of two
-// classes each, so that the compiler knows no more of what it calls than in an application.
+// classes each, so that the compiler can inline no more than in an application.
 
 #include <cstdint>
 #include <memory>

@@ -39,7 +39,7 @@ struct Traffic {
   double packets = 0;
 };
 
-// Sent on the loopback interface since it is there.
+// Sent on the loopback interface since its creation.
 Traffic TrafficOnLoopback() {
   std::ifstream file("/proc/thread-self/net/dev");
   for (std::string line; std::getline(file, line);) {

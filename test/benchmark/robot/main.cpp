@@ -22,7 +22,7 @@ double Milli(Duration duration) {
   return Microseconds(duration) / 1000;
 }
 
-// The stream of a walker that dies, again and again.
+// The stream of a walker that crashes, again and again.
 void Streams(Robot& robot, int rounds, const Table& table) {
   if (robot.Do(msg::MotionId::kRecoveryStand).code != kCodeOk) Fail("the robot does not stand up");
   std::vector<double> to_board;

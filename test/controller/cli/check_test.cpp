@@ -24,7 +24,7 @@ class CheckCommand : public ::testing::Test {
   const TempFolder folder_;
 };
 
-TEST_F(CheckCommand, SaysWhatAGoodConfigHas) {
+TEST_F(CheckCommand, PrintsTheContentsOfAValidConfig) {
   const Ran ran = RunProgram({"check", Write("dog.toml", kRobotToml)});
   EXPECT_EQ(ran.exit, 0);
   EXPECT_EQ(ran.out, "ok: 2 actuators, 6 states, 2 stages\n");
@@ -81,7 +81,7 @@ TEST_F(CheckCommand, FaultsAFolderAndAMissingFile) {
   EXPECT_THAT(missing.out, HasSubstr("none.toml: error: "));
 }
 
-TEST_F(CheckCommand, WarnsOfAConfigThatCannotBeUpgradedOnlyWhereUpgradesAreWanted) {
+TEST_F(CheckCommand, WarnsOfAConfigThatCannotBeUpgradedOnlyWhereUpgradesAreConfigured) {
   const char* warning = "dog.toml: warning: the machine has no state OTA, which upgrades need";
   EXPECT_THAT(RunProgram({"check", Write("dog.toml", kRobotToml)}).out, Not(HasSubstr("OTA")));
   const std::string manager = std::string(kRobotToml) + "[policy]\nmanager = true\n";
@@ -198,8 +198,9 @@ TEST_F(CheckedPrograms, ThatAreRos2NodesAreNamedWhereTheyCannotMeetTheMachine) {
   EXPECT_EQ(Check(node).out, "ok: 2 actuators, 6 states, 2 stages\n");
   const Ran ran = Check(node + "\nenv = { ROS_LOCALHOST_ONLY = \"1\" }");
   EXPECT_EQ(ran.exit, 0);
-  EXPECT_THAT(ran.out, HasSubstr("warning: in 'actuator.legs': the ROS 2 node does not meet the "
-                                 "machine: ROS_LOCALHOST_ONLY is 1"));
+  EXPECT_THAT(ran.out,
+              HasSubstr("warning: in 'actuator.legs': the ROS 2 node does not discover the "
+                        "machine: ROS_LOCALHOST_ONLY is 1"));
 }
 
 TEST_F(CheckedPrograms, ThatAPersonStartsMayNeedSettingsInTheShell) {
@@ -207,8 +208,8 @@ TEST_F(CheckedPrograms, ThatAPersonStartsMayNeedSettingsInTheShell) {
   setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp", 1);
   const Ran ran = Check("protocol = \"ros2_lifecycle\"");
   unsetenv("RMW_IMPLEMENTATION");
-  EXPECT_THAT(ran.out, HasSubstr("a ROS 2 node that is started in this shell does not meet the "
-                                 "machine: CYCLONEDDS_URI is not set"));
+  EXPECT_THAT(ran.out, HasSubstr("a ROS 2 node that is started in this shell does not discover "
+                                 "the machine: CYCLONEDDS_URI is not set"));
 }
 
 }  // namespace musher::cli::check_test

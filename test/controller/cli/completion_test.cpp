@@ -110,7 +110,7 @@ TEST_F(Completion, LetsTheShellCompleteFiles) {
   EXPECT_THAT(Offered({"up", "a.toml", ""}), IsEmpty());
 }
 
-TEST_F(Completion, WithoutAMachineOffersTheBuiltInStatesAndNothingElseAndSaysNothing) {
+TEST_F(Completion, WithoutAMachineOffersOnlyTheBuiltInStatesAndPrintsNothing) {
   const std::vector<std::string> nowhere = {"--namespace", "of_no_machine"};
   const auto offered = [&](std::vector<std::string> words) {
     words.insert(words.begin(), nowhere.begin(), nowhere.end());

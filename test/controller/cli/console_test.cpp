@@ -34,7 +34,7 @@ TEST(Console, LetsNoMessageDriveTheTerminal) {
   EXPECT_EQ(Printable("a\x1b[2Jb\nc\x7f\td\u00e9"), "a [2Jb c  d\u00e9");
 }
 
-TEST(Console, SaysAFailureOnceForPeopleAndOnceForPrograms) {
+TEST(Console, PrintsAFailureOnceAsTextAndOnceAsJson) {
   std::ostringstream out;
   std::ostringstream err;
   Console people(out, err, {});

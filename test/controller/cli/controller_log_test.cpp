@@ -78,7 +78,7 @@ TEST_F(Log, AlsoHasWhatIsPrinted) {
   EXPECT_THAT(Text(), EndsWith("a library warns\n"));
 }
 
-TEST_F(Log, DoesNotHoldUpTheLoopWhileTheDiskStallsAndSaysHowMuchItDropped) {
+TEST_F(Log, DoesNotBlockTheLoopWhileTheDiskStallsAndReportsHowMuchItDropped) {
   StallDisk();
   const std::string line(1000, 'x');
   for (int i = 0; i < 2000; ++i) log_.Write(line + std::to_string(i));

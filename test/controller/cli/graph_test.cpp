@@ -135,7 +135,7 @@ TEST_F(GraphCommand, DrawsSvgThroughGraphviz) {
   EXPECT_THAT(Written("x.svg"), HasSubstr("</svg>"));
 }
 
-TEST_F(GraphCommand, SaysWhatToInstallWhereThereIsNoGraphviz) {
+TEST_F(GraphCommand, NamesThePackageToInstallWithoutGraphviz) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder_.path().c_str(), 1);
   const Ran ran = RunProgram({"graph", config_, "--format", "svg"});
@@ -145,7 +145,7 @@ TEST_F(GraphCommand, SaysWhatToInstallWhereThereIsNoGraphviz) {
   EXPECT_THAT(ran.err, HasSubstr("install the package graphviz"));
 }
 
-TEST_F(GraphCommand, SaysThatAFileCannotBeWritten) {
+TEST_F(GraphCommand, ReportsAFileThatCannotBeWritten) {
   const Ran ran = RunProgram({"graph", config_, "-o", folder_ / "no/such/x.dot"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, HasSubstr("no/such/x.dot"));

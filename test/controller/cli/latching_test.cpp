@@ -110,7 +110,7 @@ TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
   EXPECT_EQ(EstopError(report), "stop not confirmed: eyes");
 }
 
-TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerKnows) {
+TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerLists) {
   legs_.reset();
   Engage();
   msg::MachineStatus controller = Controller();
@@ -122,7 +122,7 @@ TEST_F(Stop, IsNotCompleteWithoutAnActuatorThatOnlyTheControllerKnows) {
 }
 
 // A command line that ended before left the robot with "voice had latched it" for a reason.
-TEST_F(Stop, IsNotSettledBeforeAControllerThatGotItFromAnActuatorKnowsItsOrigin) {
+TEST_F(Stop, IsNotSettledBeforeAControllerThatReceivedItFromAnActuatorReceivesItsOrigin) {
   Engage();
   msg::MachineStatus controller = Controller();
   controller.emergency_stop_by = "";
@@ -183,13 +183,13 @@ TEST_F(Stop, ReportsTheOriginOfAnEarlierStop) {
   Engage();
   EstopReport report = AfterASecond();
   ASSERT_TRUE(report.earlier);
-  EXPECT_THAT(EstopText(report, false), HasSubstr("an emergency stop was engaged already\n"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("an emergency stop was already engaged\n"));
   msg::MachineStatus controller = Controller();
   controller.emergency_stop_by = "bob@dog";
   controller.emergency_stop_reason = "a child";
   report = AfterASecond(controller);
   EXPECT_EQ(EstopText(report, false),
-            "an emergency stop was engaged already by bob@dog: a child\n"
+            "an emergency stop was already engaged by bob@dog: a child\n"
             "legs  stopped before\n"
             "eyes  stopped after " +
                 std::to_string(ToMilliseconds(report.actuators[1].after)) +

@@ -122,7 +122,7 @@ TEST_F(Replaying, EndsWithTwoWithoutAJournal) {
   EXPECT_EQ(RunProgram({"replay", file_, "--since", "soon"}).exit, 2);
 }
 
-TEST_F(Replaying, SaysWhatIsMissingOfADamagedJournal) {
+TEST_F(Replaying, ReportsWhatIsMissingInADamagedJournal) {
   std::filesystem::resize_file(file_, std::filesystem::file_size(file_) - 5000);
   const Ran replay = RunProgram({"replay", file_});
   EXPECT_THAT(replay.err, ::testing::ContainsRegex("musher: read [0-9]+ entries and inputs; the "
@@ -169,7 +169,7 @@ TEST_F(Replaying, HistoryExplainsARequestedState) {
   EXPECT_EQ(json["complete"], true);
 }
 
-TEST_F(Replaying, HistorySaysWhenACauseIsOlderThanWhatItShows) {
+TEST_F(Replaying, HistoryMarksACauseThatIsOlderThanItsFirstRecord) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--why", "--limit", "5"});
   EXPECT_THAT(ran.out, EndsWith("    because of an event before these entries\n"));
 }

@@ -82,14 +82,14 @@ TEST(Program, ReadsTheJournalOfAnExitedController) {
   EXPECT_THAT(newest.out, Not(HasSubstr("too late")));
 }
 
-TEST(Program, SaysThatAJournalCannotBeRead) {
+TEST(Program, ReportsAJournalThatCannotBeRead) {
   const Ran ran = RunProgram({"history", "--journal", "/no/such/journal", "--json"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.out, HasSubstr(R"({"error":)"));
   EXPECT_THAT(ran.err, HasSubstr("/no/such/journal"));
 }
 
-TEST(Program, SaysWhichTimesHistoryUnderstands) {
+TEST(Program, ListsTheTimesThatHistoryAccepts) {
   const Ran ran = RunProgram({"history", "--since", "soon"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, HasSubstr("--since: invalid time 'soon'"));

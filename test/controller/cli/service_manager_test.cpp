@@ -52,7 +52,7 @@ TEST_F(Service, IsReadyOnceTheMachineIsUsable) {
   EXPECT_THAT(socket_->Take(), ElementsAre("READY=1"));
 }
 
-TEST_F(Service, SaysWhyTheStartFailedAndIsNotReady) {
+TEST_F(Service, ReportsWhyTheStartFailedAndIsNotReady) {
   Listen();
   ServiceManager manager(loop_, config_);
   machine_.phase = Phase::kFailed;
@@ -196,7 +196,7 @@ TEST_F(Service, TriesOnceMoreAtItsEndWhatFoundNoRoom) {
   EXPECT_THAT(socket_->Take(), ElementsAre("STOPPING=1", "STATUS=process 7 leads"));
 }
 
-TEST_F(Service, KnowsASocketWithoutAFile) {
+TEST_F(Service, AcceptsASocketWithoutAFile) {
   socket_ = std::make_unique<NotifySocket>("@musher-test-" + std::to_string(getpid()));
   ServiceManager manager(loop_, config_);
   manager.StartUpEnded({true, "the machine is Active"});

@@ -148,7 +148,7 @@ TEST_F(Text, ShowsTheActuatorsHeldByAStopAlsoAfterItsRelease) {
   EXPECT_NE(StatusText(status, false).find("held by the stop"), std::string::npos);
 }
 
-TEST_F(Text, SaysWhatIsNotOnDiskYet) {
+TEST_F(Text, ReportsWhatIsNotOnDiskYet) {
   msg::MachineStatus status = RobotStatus();
   status.not_on_disk = {"emergency stop (4 s)", "policy (1 s): no space"};
   EXPECT_NE(StatusText(status, false)
@@ -178,7 +178,7 @@ TEST_F(Text, ShowsAfterAReleaseTheMachinesStateAndTheNextStep) {
             std::string::npos);
 }
 
-TEST_F(Text, SaysThatAnActuatorIsBack) {
+TEST_F(Text, ReportsAnActuatorThatIsPresentAgain) {
   EXPECT_EQ(RestartText(RobotStatus().actuators[0], false), "legs is back in Active (pid 101)\n");
 }
 

@@ -65,7 +65,7 @@ TEST_F(ARobotThatFails, PublishesTheCodeOfADegradedSwitch) {
   EXPECT_EQ(States(), "2 2(5001)");
 }
 
-TEST_F(ARobotThatFails, SaysThatACriticalActuatorPreventsItsStart) {
+TEST_F(ARobotThatFails, AnnouncesThatACriticalActuatorPreventsItsStart) {
   fails_in_ = kSelfCheck;
   robot_.StartController();
   robot_.RunFor(std::chrono::seconds(5));
@@ -74,7 +74,7 @@ TEST_F(ARobotThatFails, SaysThatACriticalActuatorPreventsItsStart) {
   EXPECT_EQ(times_ready_, 0);
 }
 
-TEST_F(ARobotThatFails, SaysWhenSomethingFailsLater) {
+TEST_F(ARobotThatFails, AnnouncesALaterFailure) {
   BringUp();
   fails_in_ = kLowPower;
   robot_.Set("LowPower");

@@ -65,7 +65,7 @@ TEST_F(PowerSavingTest, IsOnInLowPowerAndOffBeforeTheSwitchOutOfIt) {
   EXPECT_EQ(states_at_call_.back(), "LowPower");
 }
 
-TEST_F(PowerSavingTest, ThatCannotBeLeftKeepsTheRobotInLowPowerAndSaysWhy) {
+TEST_F(PowerSavingTest, ThatCannotBeLeftKeepsTheRobotInLowPowerAndReportsWhy) {
   ServePower();
   BringUp();
   Take("LowPower");

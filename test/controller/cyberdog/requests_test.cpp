@@ -85,7 +85,7 @@ struct StateRequest {
 class StateRequestFrom : public CyberdogRequests,
                          public ::testing::WithParamInterface<StateRequest> {};
 
-TEST_P(StateRequestFrom, IsFulfilledOrRefusedAsTheTableSays) {
+TEST_P(StateRequestFrom, IsExecutedOrRefusedAsInTheTable) {
   const auto [from, number, to] = GetParam();
   const bool refused = std::string(to).empty();
   BringUp();

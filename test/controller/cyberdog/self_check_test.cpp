@@ -61,7 +61,7 @@ TEST_F(SelfChecks, OfADegradedActiveActuatorNameThePartAndThatTheStartContinues)
   EXPECT_EQ(SelfCheckOf(config_, machine_).code, msg::SelfCheckStatus::kFailedStarted);
 }
 
-TEST_F(SelfChecks, KnowNothingOfAnUncheckedActuator) {
+TEST_F(SelfChecks, HaveNoResultOfAnUncheckedActuator) {
   machine_.actuators[0].checked = false;
   machine_.actuators[1].checked = false;
   const Json json = Described();

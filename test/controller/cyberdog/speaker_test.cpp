@@ -69,7 +69,7 @@ class ASpeakingRobot : public ManagedRobot {
   std::unique_ptr<transport::Server<msg::AudioTextPlay>> audio_;
 };
 
-TEST_F(ASpeakingRobot, SaysThatItIsReady) {
+TEST_F(ASpeakingRobot, AnnouncesThatItIsReady) {
   PlugAudioIn();
   BringUp();
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
@@ -84,7 +84,7 @@ TEST_F(ASpeakingRobot, AnnouncesItsChargeOnADoubleTap) {
   EXPECT_THAT(Said(), ElementsAre("1083"));
 }
 
-TEST_F(ASpeakingRobot, SaysTheLevelsOfItsBatteryAndThatItIsTornDown) {
+TEST_F(ASpeakingRobot, AnnouncesTheLevelsOfItsBatteryAndItsTearDown) {
   PlugAudioIn();
   BringUp();
   Said();
@@ -99,7 +99,7 @@ TEST_F(ASpeakingRobot, SaysTheLevelsOfItsBatteryAndThatItIsTornDown) {
   EXPECT_TRUE(robot_.RunUntil([&] { return state() == kTearDown; }, seconds(3)));
 }
 
-TEST_F(ASpeakingRobot, SaysWhyAWakeWordIsRefused) {
+TEST_F(ASpeakingRobot, AnnouncesWhyAWakeWordIsRefused) {
   PlugAudioIn();
   BringUp();
   SetBattery(4);
@@ -151,7 +151,7 @@ class ARobotWithoutAudio : public ASpeakingRobot {
   ARobotWithoutAudio() : ASpeakingRobot(ManagedMachine()) {}
 };
 
-TEST_F(ARobotWithoutAudio, SaysNothingAboutIt) {
+TEST_F(ARobotWithoutAudio, AnnouncesNothingAboutIt) {
   BringUp();
   Records();
   robot_.RunFor(seconds(30));
@@ -169,7 +169,7 @@ class ARobotWithALameLeg : public ASpeakingRobot {
   bool lame_ = false;
 };
 
-TEST_F(ARobotWithALameLeg, SaysThatItsMotionDoesNotSwitch) {
+TEST_F(ARobotWithALameLeg, AnnouncesThatItsMotionDoesNotSwitch) {
   PlugAudioIn();
   BringUp();
   Take("LowPower");
@@ -189,7 +189,7 @@ class AMutedRobot : public ASpeakingRobot {
   }
 };
 
-TEST_F(AMutedRobot, SaysNothing) {
+TEST_F(AMutedRobot, AnnouncesNothing) {
   PlugAudioIn();
   BringUp();
   SetBattery(3);

@@ -28,7 +28,7 @@ TEST_F(Voices, ATapIsAnsweredBeforeWhatElseWaits) {
   EXPECT_THAT(Said(), ElementsAre("9000", "1050", "60"));
 }
 
-TEST_F(Voices, AnUnknownChargeIsSaidAsASentence) {
+TEST_F(Voices, AnUnknownChargeIsAnnouncedAsASentence) {
   BringUp();
   machine_.battery_silent = true;
   Show();
@@ -38,7 +38,7 @@ TEST_F(Voices, AnUnknownChargeIsSaidAsASentence) {
 
 // --- refusals and failures ---
 
-TEST_F(Voices, WhatThePolicyRefusesIsSaidAsItsSentenceAndNotAgainForHalfAMinute) {
+TEST_F(Voices, WhatThePolicyRefusesIsAnnouncedAsItsSentenceAndNotAgainForHalfAMinute) {
   BringUp();
   const std::string why = "wake-up refused: the battery is at 4 %";
   for (int i = 0; i < 3; ++i) Record("policy", 0, 113, why), Wait(seconds(5));
@@ -47,14 +47,14 @@ TEST_F(Voices, WhatThePolicyRefusesIsSaidAsItsSentenceAndNotAgainForHalfAMinute)
   EXPECT_THAT(Said(), ElementsAre(why));
 }
 
-TEST_F(Voices, WhatThePolicyDoesWithoutTroubleIsNotSaid) {
+TEST_F(Voices, WhatThePolicyDoesWithoutTroubleIsNotAnnounced) {
   BringUp();
   Record("policy", 0, 0, "the battery is at 18 %: down to Protected");
   Record("policy", 0, 111, "wake-up refused: switch 4 is under way");
   EXPECT_THAT(Said(), IsEmpty());
 }
 
-TEST_F(Voices, AFailedSwitchIsSaidByTheModuleThatFailed) {
+TEST_F(Voices, AFailedSwitchIsAnnouncedByTheModuleThatFailed) {
   BringUp();
   Record("switch", 4, 0, "switch 4 begins");
   Record("switch", 4, 2112, "switch 4 is undone: sensor_manager: failed");
@@ -67,7 +67,7 @@ TEST_F(Voices, AFailedSwitchIsSaidByTheModuleThatFailed) {
   EXPECT_THAT(Said(), ElementsAre("switch to Dance refused: there is no such state"));
 }
 
-TEST_F(Voices, WhatWasDegradedBeforeIsNotSaidAtEverySwitch) {
+TEST_F(Voices, WhatWasDegradedBeforeIsNotAnnouncedAtEverySwitch) {
   BringUp();
   Fail("sensor_manager", 2409);
   Show();
@@ -76,7 +76,7 @@ TEST_F(Voices, WhatWasDegradedBeforeIsNotSaidAtEverySwitch) {
   EXPECT_THAT(Said(), IsEmpty());
 }
 
-TEST_F(Voices, AFailureDuringTheStartIsOnlySaidAsAPart) {
+TEST_F(Voices, AFailureDuringTheStartIsOnlyAnnouncedAsAPart) {
   machine_.phase = Phase::kStarting;
   Show();
   Record("switch", 1, 2109, "switch 1 is done-degraded: sensor_manager");
@@ -125,7 +125,7 @@ TEST_F(Voices, TheRobotStandsUpForTheAppAlsoWithoutAVoice) {
   EXPECT_THAT(Said(), ElementsAre("stand up"));
 }
 
-TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreSaid) {
+TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreAnnounced) {
   config_.policy->voice.say = {Occasion::kTouch};
   BringUp();
   SetBattery(3);
@@ -136,7 +136,7 @@ TEST_F(Voices, OnlyTheOccasionsOfTheConfigAreSaid) {
   EXPECT_THAT(Said(), ElementsAre("1003"));
 }
 
-TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndSaysTheRestAwake) {
+TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndAnnouncesTheRestAwake) {
   config_.policy->voice.quiet_asleep = true;
   BringUp();
   machine_.state = kLowPower;
@@ -149,7 +149,7 @@ TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndSaysTheRestAwake) {
   EXPECT_THAT(Said(), ElementsAre("10020"));
 }
 
-TEST_F(Voices, ATornDownRobotSaysNothingMore) {
+TEST_F(Voices, ATornDownRobotAnnouncesNothingMore) {
   BringUp();
   Feed(voice_event::PlayReported{true});
   SetBattery(15);

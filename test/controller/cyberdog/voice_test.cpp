@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 
 // --- the start ---
 
-TEST_F(Voices, ARobotThatIsUpSaysThatItIsReadyAndWellAndThenThatAllIsLoaded) {
+TEST_F(Voices, ARobotThatIsUpAnnouncesThatItIsReadyAndWellAndThenThatAllIsLoaded) {
   Start();
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
   machine_.loaded = true;
@@ -23,14 +23,14 @@ TEST_F(Voices, ARobotThatIsUpSaysThatItIsReadyAndWellAndThenThatAllIsLoaded) {
   EXPECT_THAT(Said(), IsEmpty());
 }
 
-TEST_F(Voices, ARobotOfOneStageSaysNothingOfASecond) {
+TEST_F(Voices, ARobotOfOneStageAnnouncesNoSecondStage) {
   config_ = ManagedConfig(1);
   machine_.loaded = true;
   Start();
   EXPECT_THAT(Said(), ElementsAre("9000", "60"));
 }
 
-TEST_F(Voices, AFailedSelfCheckSaysWhichParts) {
+TEST_F(Voices, AFailedSelfCheckNamesTheParts) {
   Fail("sensor_manager", 2309, "ultrasonic: silent, 2309; gps: silent, 2409");
   Fail("device_manager", 2718);
   Start();
@@ -43,14 +43,14 @@ TEST_F(Voices, APartWithoutAPhraseIsNamed) {
   EXPECT_THAT(Said(), ElementsAre("9000", "61", "gripper: the jaw is stuck"));
 }
 
-TEST_F(Voices, ACriticalFailureIsSaidWithoutReady) {
+TEST_F(Voices, ACriticalFailureIsAnnouncedWithoutReady) {
   machine_.phase = Phase::kFailed;
   Fail("motion_manager", 3009);
   Show();
   EXPECT_THAT(Said(), ElementsAre("61", "31015"));
 }
 
-TEST_F(Voices, WhatFailsInTheSecondStageIsSaidWhenItIsOver) {
+TEST_F(Voices, WhatFailsInTheSecondStageIsAnnouncedWhenItIsOver) {
   Start();
   Said();
   Fail("RealSenseActuator", 4409);
@@ -86,7 +86,7 @@ TEST_F(Voices, AReporterThatFallsSilentPlaysNoMore) {
 
 // --- a player that is not there, or does not answer ---
 
-TEST_F(Voices, WithoutAPlayerNothingIsSaidAndThatIsReportedOnce) {
+TEST_F(Voices, WithoutAPlayerNothingIsAnnouncedAndThatIsReportedOnce) {
   Feed(voice_event::PlayerMatched{false});
   Start();
   EXPECT_THAT(Said(), ElementsAre("(dropped)"));
@@ -123,7 +123,7 @@ TEST_F(Voices, APlayerThatIsLostEndsItsUtterance) {
 
 // --- the battery ---
 
-TEST_F(Voices, EachLevelOfTheBatteryIsSaidOnceEachWay) {
+TEST_F(Voices, EachLevelOfTheBatteryIsAnnouncedOnceInEachDirection) {
   BringUp();
   for (int percent = 79; percent >= 0; --percent) SetBattery(percent), Wait(seconds(2));
   EXPECT_THAT(Said(), ElementsAre("10030", "10020", "10005", "10000"));
@@ -139,7 +139,7 @@ TEST_F(Voices, TheLevelsAreInclusive) {
   EXPECT_THAT(Said(), ElementsAre("10020"));
 }
 
-TEST_F(Voices, ABatteryThatWaversAtALevelIsSaidOnce) {
+TEST_F(Voices, ABatteryThatWaversAtALevelIsAnnouncedOnce) {
   BringUp();
   for (const int percent : {30, 31, 30, 31, 30}) SetBattery(percent);
   EXPECT_THAT(Said(), ElementsAre("10030"));
@@ -148,13 +148,13 @@ TEST_F(Voices, ABatteryThatWaversAtALevelIsSaidOnce) {
   EXPECT_THAT(Said(), ElementsAre("10030")) << "two percent above it began again";
 }
 
-TEST_F(Voices, AJumpSaysOnlyTheLast) {
+TEST_F(Voices, AJumpAnnouncesOnlyTheLastLevel) {
   BringUp();
   SetBattery(4);
   EXPECT_THAT(Said(), ElementsAre("10005"));
 }
 
-TEST_F(Voices, ABatteryThatIsChargedIsNotSaidUntilTheCableIsOut) {
+TEST_F(Voices, ABatteryThatIsChargedIsNotAnnouncedUntilTheCableIsOut) {
   BringUp();
   SetBattery(18, true);
   EXPECT_THAT(Said(), IsEmpty());
@@ -162,7 +162,7 @@ TEST_F(Voices, ABatteryThatIsChargedIsNotSaidUntilTheCableIsOut) {
   EXPECT_THAT(Said(), ElementsAre("10020"));
 }
 
-TEST_F(Voices, ALowBatteryAtTheStartIsSaidAfterReady) {
+TEST_F(Voices, ALowBatteryAtTheStartIsAnnouncedAfterReady) {
   machine_.battery = 25;
   Start();
   EXPECT_THAT(Said(), ElementsAre("9000", "60", "10030"));

@@ -164,7 +164,7 @@ TEST_F(Bundle, ForAnotherRobotIsRefused) {
 
 TEST_F(Bundle, OfAnUnknownFormatIsRefused) {
   PutManifest("format = 2\nwhatever = \"that is\"\n");
-  ExpectRefused(Fault::kUnknownFormat, "has format 2; this musher knows 1");
+  ExpectRefused(Fault::kUnknownFormat, "has format 2; this musher supports 1");
 }
 
 TEST_F(Bundle, WhoseManifestIsNotTomlIsRefused) {
@@ -263,7 +263,7 @@ TEST_F(Bundle, IsNotMadeOverAnother) {
   EXPECT_THAT(made.error().message, HasSubstr("already exists"));
 }
 
-TEST_F(Bundle, SaysWhatIsWrongWithAKey) {
+TEST_F(Bundle, ReportsWhatIsWrongWithAKey) {
   const auto made = MakeBundle(*disk_, "/built/1.1.0", ManifestOf("1.1.0"), TheKeys().public_pem,
                                "/bundles/new", {});
   ASSERT_FALSE(made);

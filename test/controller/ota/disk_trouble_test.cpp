@@ -48,7 +48,7 @@ TEST_F(DiskTrouble, FullAtAnyOperationEndsTheInstallationAndHarmsNothing) {
   std::cout << failures << " operations on a full disk\n";
 }
 
-TEST_F(DiskTrouble, ATrialBootThatCannotBeRememberedIsNotBegun) {
+TEST_F(DiskTrouble, ATrialBootThatCannotBeSavedIsNotBegun) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
   FailFrom(1);
   const auto boot = OpenRoot(*disk_).Boot();
@@ -139,7 +139,7 @@ TEST_F(DiskTrouble, WithoutStateAndLinkTheOlderVersionIsStarted) {
   EXPECT_EQ(OpenRoot(*disk_).Boot().value().version.text, "1.0.0");
 }
 
-TEST_F(DiskTrouble, WithoutAnyVersionThatIsWholeItSaysWhatIsWrongWithEach) {
+TEST_F(DiskTrouble, WithoutAnIntactVersionItReportsTheDamageOfEach) {
   disk_->Put("/robot/slots/a/bin/legs", "?");
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_FALSE(boot);

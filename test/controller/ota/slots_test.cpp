@@ -192,7 +192,7 @@ TEST(Flows, WithoutAMachineHaveNoStepThatNeedsOne) {
   }
 }
 
-TEST(RootFile, SaysWhatIsReadBack) {
+TEST(RootFile, IsReadBackAsItWasWritten) {
   RootConfig config{"dog", "keys/ota.pub", "config/robot.toml", std::chrono::seconds(20)};
   const auto read = ParseRootConfig(FormatRootConfig(config), "ota.toml");
   ASSERT_TRUE(read) << read.error().message;

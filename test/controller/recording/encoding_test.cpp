@@ -77,7 +77,7 @@ TEST(Encoding, OfTheEndOfAProcessHasItsExitCodeAndReadsEndsWithoutOne) {
             before.substr(0, before.size() - 1) + R"(,"exit_code":2})");
 }
 
-TEST(Encoding, SaysWhereItCannotBeRead) {
+TEST(Encoding, ReportsWhereItCannotBeRead) {
   const auto error_of = [](const char* text) {
     const auto read = DecodeEvent(text);
     return read.ok() ? "" : read.error().message;

@@ -52,7 +52,7 @@ Robot::Robot(Shape shape, fs::path folder, int domain)
 
 Robot::~Robot() {
   launchers_.clear();
-  observer_.reset();  // while its end of the link is there
+  observer_.reset();  // while its end of the link exists
   far_host_.reset();
   KillMarked("MUSHER_FAULT_INJECTION_ROBOT=" + folder_.string());
 }

@@ -25,7 +25,7 @@ TEST_F(Finding, EndsWithThreeWhereThereIsNoController) {
   }
 }
 
-TEST_F(Finding, SaysInJsonThatThereIsNoController) {
+TEST_F(Finding, ReportsAMissingControllerInJson) {
   const Ended status = Musher({"status", "--json", "--timeout", "0.2"});
   EXPECT_EQ(status.exit, 3);
   EXPECT_EQ(Json(status.out)["code"], 105);

@@ -47,7 +47,7 @@ TEST_F(InterruptedSwitch, IsReportedAtOnceAndTheSuccessorReportsTheMachinesState
   Release();
 }
 
-TEST_F(InterruptedSwitch, ExitsWithFiveAndSaysWhatToDoWithoutASuccessor) {
+TEST_F(InterruptedSwitch, ExitsWithFiveAndPrintsWhatToDoWithoutASuccessor) {
   ASSERT_NO_FATAL_FAILURE(SetAndKillController());
   const Ended set = set_->Wait();
   EXPECT_EQ(set.exit, 5);

@@ -44,7 +44,7 @@ TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
             HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
 }
 
-TEST_F(Reasons, StatusSaysThatTheProgramEndedByItself) {
+TEST_F(Reasons, StatusReportsAProgramThatExitedByItself) {
   Replace("\ncommand = [\"musher-exec\", \"" + (folder_ / "voice"),
           "\nrestart = \"no\"\ncommand = [\"musher-exec\", \"" + (folder_ / "voice"));
   // Release() opens and closes it, and cat ends.

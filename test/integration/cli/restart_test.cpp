@@ -57,7 +57,7 @@ TEST_F(Restart, ByHandExitsWithOneAndTheReasonWhenTheActuatorStaysLost) {
   EXPECT_EQ(Status()["state"], "Active");
 }
 
-TEST_F(Restart, ByHandSaysWhichNameWasMeant) {
+TEST_F(Restart, ByHandSuggestsTheNameThatWasMeant) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended restart = Musher({"restart", "vioce"});
   EXPECT_EQ(restart.exit, 1);

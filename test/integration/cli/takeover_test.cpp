@@ -60,7 +60,7 @@ TEST_F(Takeover, IsTheWayOutOfARefusalThatNamesTheLivingController) {
   EXPECT_EQ(Status(), before_);  // it was not disturbed
 }
 
-TEST_F(Takeover, EndsTheFirstWhichSaysWhyAndKeepsItsActuators) {
+TEST_F(Takeover, EndsTheFirstWhichReportsWhyAndKeepsItsActuators) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Process second(Command({"up", config_, "--takeover"}));
   EXPECT_NE(second.LineWith("the machine is adopted in Active"), "");

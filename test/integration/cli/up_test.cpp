@@ -27,7 +27,7 @@ TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
+TEST_F(Up, ReportsOnASecondCtrlCThatItIsAlreadyStopping) {
   Blocks("legs", "TearDown");
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("the machine is Active"), "");
@@ -93,7 +93,7 @@ TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) 
 }
 
 // The start-up has failed before the controller's owner has the controller.
-TEST_F(Up, SaysThatNothingOfTheFirstStageCouldBeStarted) {
+TEST_F(Up, ReportsAFirstStageOfWhichNothingCouldBeStarted) {
   std::string config;
   {
     std::ifstream file(config_);
@@ -123,7 +123,7 @@ TEST_F(Up, AfterARestartOfItsServiceTheMachineIsUp) {
 }
 
 // It hangs in no state of its own: the whole process stands still, and nothing here may end it.
-TEST_F(Up, DownSaysWhichActuatorItDoesNotReachAndEndsWithOne) {
+TEST_F(Up, DownNamesTheActuatorThatItCannotReachAndExitsWithOne) {
   std::string config;
   {
     std::ifstream file(config_);
@@ -179,7 +179,7 @@ TEST_F(Up, LeavesAFailedStartForInspection) {
   EXPECT_EQ(Musher({"status"}).exit, 3);
 }
 
-TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
+TEST_F(Up, ReportsAnInvalidConfigOfAModuleAtOnce) {
   Does("legs", "[state.Activ]\nrun = [\"true\"]\n");
   const Ended up = Musher({"up", config_});
   EXPECT_EQ(up.exit, 1);
@@ -235,7 +235,7 @@ TEST_F(Up, LosesItsControllerWithItsLauncherButKeepsTheActuators) {
   EXPECT_EQ(again.Wait().exit, 0);
 }
 
-TEST_F(Up, SaysThatItsControllerHasDied) {
+TEST_F(Up, ReportsThatItsControllerHasCrashed) {
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("the machine is Active"), "");
   kill(Status()["pid"].get<pid_t>(), SIGKILL);

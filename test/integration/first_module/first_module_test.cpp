@@ -82,7 +82,7 @@ TEST_F(FirstModule, GoesToActiveToLowPowerAndToTearDown) {
 }
 
 // [test]
-TEST_F(FirstModule, SaysWithItsCodeThatItsSelfCheckFailed) {
+TEST_F(FirstModule, ReportsAFailedSelfCheckWithItsCode) {
   ASSERT_NO_FATAL_FAILURE(Start());
   std::ofstream(robot_ + "/temperature") << "91\n";
   const SwitchResult result = controller_.Switch("SelfCheck");

@@ -157,7 +157,7 @@ class TheStackWithoutRos2 : public TheStack {
 constexpr const char* kHint =
     " (set up ROS 2 in this shell first: . /opt/ros/<distribution>/setup.sh)";
 
-TEST_F(TheStackWithoutRos2, IsValidAndCheckSaysHowToGetRos2) {
+TEST_F(TheStackWithoutRos2, IsValidAndCheckPrintsHowToInstallRos2) {
   const Ended check = Musher({"check", robot_});
   EXPECT_EQ(check.exit, 0);
   for (const char* node : kNodes) {
@@ -167,7 +167,7 @@ TEST_F(TheStackWithoutRos2, IsValidAndCheckSaysHowToGetRos2) {
   EXPECT_THAT(check.out, HasSubstr("\nok: 7 actuators, 7 states, 1 stage\n"));
 }
 
-TEST_F(TheStackWithoutRos2, DoesNotStartAndSaysHowToGetRos2) {
+TEST_F(TheStackWithoutRos2, DoesNotStartAndPrintsHowToInstallRos2) {
   const Ended up = Musher({"up", robot_, "--detach"});
   EXPECT_EQ(up.exit, 1);
   EXPECT_THAT(up.out + up.err,
@@ -207,9 +207,9 @@ TEST_F(TheTalker, IsReportedAsNotDiscoveredWhenItIsInAnotherDomain) {
   EXPECT_EQ(up.exit, 1);
   EXPECT_THAT(up.err, AllOf(HasSubstr("no managed node /lc_talker was discovered within 400 ms, "
                                       "but its program runs (process "),
-                            HasSubstr("does not meet the machine: `musher check` says why")));
+                            HasSubstr("does not discover the machine: `musher check` shows why")));
   EXPECT_THAT(Musher({"check", talker_}).out,
-              HasSubstr("the ROS 2 node does not meet the machine: ROS_DOMAIN_ID is " + other));
+              HasSubstr("the ROS 2 node does not discover the machine: ROS_DOMAIN_ID is " + other));
   EXPECT_EQ(Musher({"down"}).exit, 0);
 }
 

@@ -42,7 +42,7 @@ TEST_F(Upgrade, KeepsItsControllersProcessAndItsLauncher) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-TEST_F(Upgrade, WhoseCriticalModuleFailsItsSelfCheckRollsBackAndSaysWhy) {
+TEST_F(Upgrade, WithAFailedSelfCheckOfACriticalModuleRollsBackAndReportsWhy) {
   Make("1.1.0", {.check = "exit 9"});
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended installed = Install("1.1.0");

@@ -27,7 +27,7 @@ class UpgradeOfWhichNothingStarts
     : public RobotWithUpgrades,
       public ::testing::WithParamInterface<std::tuple<std::size_t, const char*>> {};
 
-TEST_P(UpgradeOfWhichNothingStarts, GoesBackByItselfAndSaysSo) {
+TEST_P(UpgradeOfWhichNothingStarts, RollsBackByItselfAndReportsIt) {
   const Broken& broken = kBroken[std::get<0>(GetParam())];
   const std::string restart = std::get<1>(GetParam());
   Make("1.1.0", {.program = broken.script, .restart = restart});

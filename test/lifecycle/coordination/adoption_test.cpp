@@ -46,7 +46,7 @@ TEST_F(Adopting, ReportsATornDownActuatorAsTornDownAndDoesNotWaitForIt) {
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 
-TEST_F(Adopting, FinishesASwitchDownInWhichThePreviousControllerDied) {
+TEST_F(Adopting, FinishesASwitchDownInWhichThePreviousControllerCrashed) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").after = {"b"};  // so b goes down after a
   Harness& t = In("Active", config);
@@ -108,7 +108,7 @@ TEST_F(Adopting, DoesNotRecordWhereADetachedActuatorIs) {
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("elsewhere"))));
 }
 
-TEST_F(Adopting, GoesToTheTargetOfADownwardSwitchThoughNoActuatorIsThereYet) {
+TEST_F(Adopting, SwitchesToTheTargetOfADownwardSwitchThoughNoActuatorIsPresentYet) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "LowPower").takes = Milliseconds(90);
   t.RequestSwitch("LowPower");
@@ -118,7 +118,7 @@ TEST_F(Adopting, GoesToTheTargetOfADownwardSwitchThoughNoActuatorIsThereYet) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
 }
 
-TEST_F(Adopting, UndoesASwitchUpInWhichThePreviousControllerDied) {
+TEST_F(Adopting, UndoesASwitchUpInWhichThePreviousControllerCrashed) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(90);
   t.RequestSwitch("Active");
@@ -255,7 +255,7 @@ TEST_F(Adopting, LearnsHowACallbackOfThePreviousControllerEndedThoughTheStatusIs
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
 }
 
-TEST_F(Adopting, FinishesATearDownInWhichThePreviousControllerDied) {
+TEST_F(Adopting, FinishesATearDownInWhichThePreviousControllerCrashed) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
   t.RequestSwitch("TearDown");

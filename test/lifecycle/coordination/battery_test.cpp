@@ -231,7 +231,7 @@ TEST_F(BatteryRule, ASilentBatteryIsRecordedAndItsLastLevelStaysInEffect) {
   EXPECT_TRUE(IsRecorded("battery samples received again"));
 }
 
-TEST_F(BatteryRule, TheJournalSaysWhyTheMachineIsInLowPower) {
+TEST_F(BatteryRule, TheJournalRecordsWhyTheMachineIsInLowPower) {
   Battery(4);
   EXPECT_THAT(Why("switch 3 is done"),
               ElementsAre("switch 3 is done", "the battery is at 4 %: down to LowPower",
@@ -260,7 +260,7 @@ TEST_F(BatteryRule, AnEmergencyStopKeepsTheMachineDown) {
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(BatteryRule, ARestartedControllerKnowsWhyTheMachineWasTakenDown) {
+TEST_F(BatteryRule, ARestartedControllerReportsWhyTheMachineWasTakenDown) {
   Battery(10);
   EXPECT_EQ(state(), "Protected");
   robot().RestartController();

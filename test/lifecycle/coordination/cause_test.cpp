@@ -68,7 +68,7 @@ TEST_F(Causes, AnUndoneSwitchIsCausedByTheFailedActuator) {
       ElementsAre(StartsWith("switch 4: rolling back"), failed, "switch to Active requested"));
 }
 
-TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
+TEST_F(Causes, ARefusalIsCausedByTheRequestAndNamesWhatIsUnderWay) {
   Harness& t = In("Active");
   t.RequestSwitch("LowPower");
   t.Set("Protected");

@@ -51,7 +51,7 @@ TEST_F(Switching, AnOverdueCallbackIsRequestedToStop) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchSaysDone) {
+TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchedStatusReportsDone) {
   Harness& t = In("Active");
   t.RequestSwitch("LowPower");
   t.RunFor(Milliseconds(5));

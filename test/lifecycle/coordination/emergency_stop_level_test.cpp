@@ -3,25 +3,19 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::emergency_stop_level_test {
 
+using ::testing::Contains;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-// Machines with Dancing, which is as active as Active.
 MachineConfig Dancers() {
-  MachineConfig config = MachineOf(2);
-  config.states.emplace_back("Dancing");
-  config.ranks["Dancing"] = *BuiltInRank(kActive);
-  config.flow = DefaultFlow(config.states);
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.push_back(Milliseconds(100));
-  }
-  return config;
+  return WithDancing(MachineOf(2));
 }
 
 class StoppedDancers : public Switching {
@@ -55,6 +49,80 @@ TEST_F(StoppedDancers, AreBroughtBackToTheStateOfTheMachineAfterTheRelease) {
   t.Release();
   t.Rest();
   EXPECT_EQ(t.RecordOf("b").state(), "Active");
+}
+
+// The search found such a switch reported as done, with every actuator degraded, and its callbacks
+// begun again by the controller at the release.
+TEST_F(StoppedDancers, EndASwitchThatTheStopCrossesInTheStateBefore) {
+  Harness& t = In("Active", Dancers());
+  t.On("b", "Dancing").takes = Milliseconds(90);
+  const RequestId request = t.RequestSwitch("Dancing");
+  t.RunFor(Milliseconds(40));  // a has done its part
+  Stop(t);
+  t.Rest();
+  const SwitchResult& result = t.answers.at(request);
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(result.code, kCodeProtectedError);
+  EXPECT_EQ(Of(result, "a").message, "is not driven back during an emergency stop");
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.RecordOf("a").state(), "Dancing");
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_EQ(t.RecordOf("a").fault->message,
+            "is in Dancing: an emergency stop has ended the switch to Dancing");
+  EXPECT_EQ(t.RecordOf("b").state(), "Active");
+  EXPECT_FALSE(t.RecordOf("b").fault);
+}
+
+// A release starts no callback.
+TEST_F(StoppedDancers, StayWhereTheStopHasEndedTheirSwitchUntilTheNextOne) {
+  Harness& t = In("Active", Dancers());
+  t.On("b", "Dancing").takes = Milliseconds(90);
+  t.RequestSwitch("Dancing");
+  t.RunFor(Milliseconds(40));
+  Stop(t);
+  t.Rest();
+  t.ClearLog();
+  t.Release();
+  t.Rest();
+  EXPECT_THAT(t.log(), IsEmpty());
+  EXPECT_EQ(t.RecordOf("a").state(), "Dancing");
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.RecordOf("a").state(), "Active");
+  EXPECT_FALSE(t.RecordOf("a").fault);
+}
+
+TEST_F(StoppedDancers, KeepTheFailureOfTheirOwnThatTheStopCrosses) {
+  Harness& t = In("Active", Dancers());
+  t.On("a", "Dancing").code = kCodeFailed;
+  t.On("a", "Dancing").message = "the motor stalls";
+  t.On("b", "Dancing").takes = Milliseconds(90);
+  const RequestId request = t.RequestSwitch("Dancing");
+  t.RunFor(Milliseconds(40));
+  Stop(t);
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_EQ(t.RecordOf("a").fault->message, "the motor stalls");
+}
+
+TEST_F(StoppedDancers, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
+  MachineConfig config = WithDancing(Ours(2));
+  for (Duration& time : ActuatorNamed(config, "b").times) time = Milliseconds(1000);
+  Harness& t = In("Active", std::move(config));
+  t.On("b", "Dancing").takes = Milliseconds(900);
+  t.RequestSwitch("Dancing");
+  t.RunFor(Milliseconds(40));
+  t.Crash("a");
+  t.RunFor(Milliseconds(300));
+  ASSERT_EQ(t.RecordOf("a").state(), "SetUp") << "it is back, and waits for the end of the switch";
+  Stop(t);
+  t.Rest();
+  t.Release();
+  t.Rest();
+  EXPECT_THAT(t.log(), Contains("a:SelfCheck"));
+  EXPECT_TRUE(t.RecordOf("a").checked);
+  EXPECT_EQ(t.RecordOf("a").state(), "Active");
+  EXPECT_FALSE(t.RecordOf("a").fault);
 }
 
 // A module of another protocol would run the callback: it does not receive the stop.

@@ -162,4 +162,16 @@ class Harness {
 MachineConfig MachineOf(int actuators);
 ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name);
 
+// A machine with Dancing, which is as active as Active.
+inline MachineConfig WithDancing(MachineConfig config) {
+  config.states.emplace_back("Dancing");
+  config.ranks["Dancing"] = *BuiltInRank(kActive);
+  config.flow = DefaultFlow(config.states);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.push_back(Milliseconds(100));
+  }
+  return config;
+}
+
 }  // namespace musher::testing

@@ -77,7 +77,7 @@ TEST_F(KeepRule, TheBatteryRuleDoesNotApplyMeanwhileAndAppliesAfterwards) {
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(KeepRule, ASwitchElsewhereEndsTheKeepAndSaysSo) {
+TEST_F(KeepRule, ASwitchToAnotherStateEndsTheKeepAndReportsIt) {
   Robot();
   KeepAndWait("Active", 60);
   Battery(10);

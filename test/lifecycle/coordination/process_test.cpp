@@ -117,7 +117,7 @@ TEST_F(Processes, ThatExitBeforeTheirFirstStatusAreRestarted) {
   EXPECT_THAT(Did<action::StartProcess>(), SizeIs(2));
 }
 
-TEST_F(Processes, OfAControllerThatDoesNotKnowItsHostAreTheirOwn) {
+TEST_F(Processes, OfAControllerWithoutAHostNameAreItsOwn) {
   StartUpOurs();
   machine_.host = Of(0).report.host = "";
   Of(0).report.pid = 900;

@@ -326,7 +326,7 @@ TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
-TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAPersonWantsItDown) {
+TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAnOperatorRequestsOne) {
   t.Feed(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
   t.RunFor(Milliseconds(1));
   EXPECT_FALSE(t.stop_intent_on_disk);

@@ -199,9 +199,9 @@ TEST_F(Reports, AnActuatorLostInItsSetUpIsDegraded) {
   EXPECT_EQ(Of(0).health, Health::kCrashed);
 }
 
-using Orders = OneController;
+using SentCommands = OneController;
 
-TEST_F(Orders, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
+TEST_F(SentCommands, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
   Pass(Milliseconds(999));
@@ -211,7 +211,7 @@ TEST_F(Orders, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
   EXPECT_THAT(Did<action::SendQuery>(), SizeIs(6));  // three each
 }
 
-TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {
+TEST_F(SentCommands, HaveNumbersAboveAllSeenNumbers) {
   StartUp();
   const std::uint64_t before = machine_.number;
   ActuatorReport report = Report(0);
@@ -225,7 +225,7 @@ TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {
   EXPECT_EQ(Of(0).command->number, before + 1);
 }
 
-TEST_F(Orders, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {
+TEST_F(SentCommands, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   config_.actuators[0].command = {"run"};
   config_.actuators[0].restart.policy = RestartPolicy::kOnFailure;

@@ -278,7 +278,7 @@ TEST_F(VoiceOnANetwork, KeepsTheMicrophoneAndTheVoiceControl) {
   EXPECT_EQ(Call<msg::SetBool>("audio_action_set", {true}), (msg::SetBool::Response{true, ""}));
 }
 
-TEST_F(VoiceOnANetwork, KnowsWhichPhrasesItHas) {
+TEST_F(VoiceOnANetwork, ListsItsPhrases) {
   using Query = msg::SdcardPlayIdQuery;
   EXPECT_EQ(Call<Query>("sdcard_playid_query", {1042}), (Query::Response{true, 0}));
   EXPECT_EQ(Call<Query>("sdcard_playid_query", {1101}), (Query::Response{false, 0}));

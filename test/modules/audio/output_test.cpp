@@ -105,7 +105,7 @@ TEST_F(WavFiles, HaveTheSoundInItsLengthAndEndWithTheClock) {
   EXPECT_EQ(File("0001.wav").samples, Tone(Milliseconds(300)).samples);
 }
 
-TEST_F(WavFiles, AreAsLoudAsTheVolumeSays) {
+TEST_F(WavFiles, AreAsLoudAsTheVolume) {
   output_->SetVolume(50);
   Play(Milliseconds(100));
   clock_.Pass(Milliseconds(100));

@@ -120,7 +120,7 @@ TEST_F(CaptureSourceTest, ReportsAFileThatIsNoVideo) {
   EXPECT_THAT(failed_->message, HasSubstr("is no video"));
 }
 
-TEST_F(CaptureSourceTest, PlaysWhatIsThereOfAVideoThatIsCutOff) {
+TEST_F(CaptureSourceTest, PlaysTheCompletePartOfAVideoThatIsCutOff) {
   const std::string path = Video();
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   Open(SourceKind::kVideo, path, false);

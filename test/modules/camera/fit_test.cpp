@@ -79,7 +79,7 @@ TEST(CameraInfo, IsScaledWithThePicture) {
   EXPECT_EQ(half.d, full.d);
 }
 
-TEST(CameraInfo, OfASourceThatDoesNotKnowItsSizeStays) {
+TEST(CameraInfo, OfASourceWithoutASizeStays) {
   EXPECT_EQ(Scaled({}, 320, 240), msg::CameraInfo{});
 }
 

@@ -16,7 +16,7 @@ void Add(PictureCount& count, std::int64_t ms, std::int64_t age_ms = 1) {
   count.Add(picture, Milliseconds(age_ms), Time{} + Milliseconds(ms + age_ms));
 }
 
-TEST(PictureCount, KnowsRateShapeAndAge) {
+TEST(PictureCount, MeasuresRateShapeAndAge) {
   PictureCount count;
   for (int i = 0; i <= 100; ++i) Add(count, i * 50, i);
   EXPECT_EQ(count.shape(), "640x480 bgr8");

@@ -21,7 +21,7 @@ CameraService::Response Refused(const CameraService::Request& request,
   return refusal == nullptr ? CameraService::Response{} : *refusal;
 }
 
-TEST(CameraService, KnowsItsCommands) {
+TEST(CameraService, ExecutesItsCommands) {
   EXPECT_EQ(Decide({0, "", 320, 240, 5}, kReady, {}), Decision(SetShape{{320, 240, 5}}));
   EXPECT_EQ(Decide({1, "a.jpg", 0, 0, 0}, kReady, {320, 240, 5}),
             Decision(TakePicture{{320, 240, 5}, "a.jpg"}));

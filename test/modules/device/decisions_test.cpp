@@ -87,7 +87,7 @@ TEST(ShutdownLights, AreHiddenByNoOtherClient) {
   EXPECT_EQ(arbiter.Show(LedExecute::kMini).light, Color(0x31, 0xFF, 0, 0));
 }
 
-TEST(Touch, KnowsTheCodesOfThePad) {
+TEST(Touch, ReadsTheCodesOfThePad) {
   for (const int known : {1, 3, 7, 8, 9, 0x11}) EXPECT_TRUE(IsTouch(known)) << known;
   for (const int unknown : {-1, 0, 2, 4, 6, 0x12, 1000}) EXPECT_FALSE(IsTouch(unknown)) << unknown;
 }

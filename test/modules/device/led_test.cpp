@@ -115,7 +115,7 @@ TEST(LedArbiter, LeavesEverythingAsItWasWhenItRefuses) {
 }
 
 // Every possible effect, against the ranges of the table.
-TEST(LedArbiter, KnowsTheEffectsOfEachTargetAndMode) {
+TEST(LedArbiter, ListsTheEffectsOfEachTargetAndMode) {
   const auto legal = [](std::uint8_t target, std::uint8_t mode) {
     std::set<int> effects;
     for (int effect = 0; effect <= 0xFF; ++effect) {

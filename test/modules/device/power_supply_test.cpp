@@ -104,7 +104,7 @@ TEST_F(PowerSupply, IsInvalidWithoutAChargeOrWithImpossibleValues) {
   EXPECT_FALSE(Validate(Read().value()));
 }
 
-TEST_F(PowerSupply, KnowsTheWordsOfTheKernel) {
+TEST_F(PowerSupply, ReadsTheWordsOfTheKernel) {
   const auto flags = [this](const std::string& status, const std::string& health) {
     Supply("BAT0",
            {{"type", "Battery"}, {"capacity", "50"}, {"status", status}, {"health", health}});

@@ -52,7 +52,7 @@ TEST_F(CommandTest, HandlesMoreOutputThanAPipeHolds) {
   EXPECT_EQ(end.value().last_line, "end");
 }
 
-TEST_F(CommandTest, GetsSigtermWhenItIsNotWantedAnyMore) {
+TEST_F(CommandTest, GetsSigtermWhenItIsNoLongerNeeded) {
   const std::string ready = folder_ / "ready";
   const auto end =
       Run("trap 'echo bye; exit 3' TERM; echo $$ > " + ready + "; while :; do sleep 0.01; done",

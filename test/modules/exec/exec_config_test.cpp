@@ -71,7 +71,7 @@ TEST(ExecConfig, NamesAStateThatTheStateConfigDoesNotList) {
                           "Active; did you mean \"Active\"?"));
 }
 
-TEST(ExecConfig, TakesNoShellLineWhereItWantsArguments) {
+TEST(ExecConfig, RefusesAShellLineInPlaceOfArguments) {
   EXPECT_THAT(Faults("[state.Active]\nrun = \"echo hello\"\n"),
               ElementsAre("/robot/audio.toml:2:7: error: state.Active.run: expected an array of "
                           "strings, found a string; write [\"program\", \"argument\"], or shell = "

@@ -120,7 +120,8 @@ TEST(MusherExec, ExitsAtOnceWithAMessageWhenItsProgramCrashes) {
   ASSERT_GT(program, 0);
   kill(program, SIGSEGV);
   EXPECT_EQ(peer.AwaitExit(), 1);
-  EXPECT_THAT(peer.Output(), HasSubstr("motion: the program exited by itself: killed by SIGSEGV"));
+  EXPECT_THAT(peer.Output(),
+              HasSubstr("motion: warning: the program exited by itself: killed by SIGSEGV"));
   EXPECT_TRUE(HasExited(slow));
 }
 

@@ -43,7 +43,7 @@ TEST(Reaper, KillsChildrenAndGrandchildrenWhenTheParentIsKilled) {
   const pid_t grandchild = ReadPid(folder / "grandchild");
   ASSERT_GT(child, 0);
   ASSERT_GT(grandchild, 0);
-  ASSERT_EQ(ReadPid(folder / "parent"), parent) << "the reaper knows of the child from here on";
+  ASSERT_EQ(ReadPid(folder / "parent"), parent) << "the reaper has registered the child";
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
   EXPECT_TRUE(HasExited(child));

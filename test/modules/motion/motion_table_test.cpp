@@ -56,7 +56,7 @@ TEST(MotionTable, NamesModeGaitAndTimeAsTheBoardDoes) {
   }
 }
 
-TEST(MotionTable, SaysWhichModesMayFollow) {
+TEST(MotionTable, ListsTheModesThatMayFollow) {
   EXPECT_THAT(TheTable().Find(101)->next, ElementsAre(0, 12, 7, 80));
   EXPECT_THAT(TheTable().Find(0)->next, ElementsAre(0, 12, 7, 15));
   EXPECT_THAT(TheTable().Find(303)->next, ElementsAre(0, 12, 7, 21, 3, 6, 11, 23, 80, 81, 82));

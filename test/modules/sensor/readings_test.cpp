@@ -94,7 +94,7 @@ TEST(Readings, OfAnotherTofThanTheirTopicsAreRefused) {
   EXPECT_FALSE(Validate(tof, 1));
 }
 
-TEST(Readings, WithoutAFixMayNotKnowWhereTheyAre) {
+TEST(Readings, WithoutAFixMayHaveNoPosition) {
   msg::NavSatFix fix = FixOf(kNan, kNan);
   fix.status.status = msg::NavSatStatus::kNoFix;
   EXPECT_TRUE(Validate(fix));
@@ -132,7 +132,7 @@ int Passed(RateLimit limit, double source_hz, int readings) {
   return passed;
 }
 
-TEST(RateOfReadings, IsTheOneWantedWhateverTheSourcesIs) {
+TEST(RateOfReadings, IsTheConfiguredOneAtAnyRateOfTheSource) {
   const RateLimit ten(Milliseconds(100));
   EXPECT_EQ(Passed(ten, 10, 100), 100);
   EXPECT_NEAR(Passed(ten, 15, 150), 100, 2);
@@ -141,7 +141,7 @@ TEST(RateOfReadings, IsTheOneWantedWhateverTheSourcesIs) {
   EXPECT_EQ(Passed(RateLimit(Duration::zero()), 50, 500), 500);
 }
 
-RC_GTEST_PROP(RateOfReadingsProperty, IsNeverMuchMoreThanTheOneWanted, ()) {
+RC_GTEST_PROP(RateOfReadingsProperty, IsNeverMuchHigherThanTheConfiguredOne, ()) {
   const auto gaps = *rc::gen::container<std::vector<int>>(200, rc::gen::inRange(1, 300));
   RateLimit limit(Milliseconds(100));
   Duration at = seconds(50);

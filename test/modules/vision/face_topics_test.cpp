@@ -231,7 +231,7 @@ TEST_F(FaceTopicsTest, DoNotFillTheLogWhenTwoCamerasWithTwoClocksSendOnOneTopic)
   EXPECT_THAT(log_, ElementsAre(HasSubstr("two cameras on robot1/image_rgb")));
 }
 
-TEST_F(FaceTopicsTest, KnowDistancesByTheConfiguredAngleWithoutCameraInfo) {
+TEST_F(FaceTopicsTest, MeasureDistancesByTheConfiguredAngleWithoutCameraInfo) {
   infos_.reset();
   config_.hfov_rad = 2 * std::atan(320.0 / 600);
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};

@@ -72,7 +72,7 @@ TEST_F(FaceWatchTest, AGuestWhoComesUntilTheFaceFillsThePictureAndGoesBack) {
   EXPECT_EQ(sight.target->id, 1) << "the same guest";
 }
 
-TEST_F(FaceWatchTest, WithoutALensKnowsTheNearestButNotHowFarAway) {
+TEST_F(FaceWatchTest, WithoutALensReportsTheNearestWithoutADistance) {
   See({FaceOf(1, 0.2), FaceOf(2, 0.8)}, std::nullopt);
   const Sight sight = See({FaceOf(1, 0.2), FaceOf(2, 0.8)}, std::nullopt);
   ASSERT_TRUE(sight.target);

@@ -113,7 +113,7 @@ clear_m = 0.5
   EXPECT_THAT(Said("picture ="), ElementsAre(HasSubstr("faces.toml:1:")));
 }
 
-TEST(VisionConfig, RefusesARateAtWhichAFaceIsForgottenFromOnePictureToTheNext) {
+TEST(VisionConfig, RefusesARateAtWhichAFaceIsLostFromOnePictureToTheNext) {
   EXPECT_THAT(Said("rate_hz = 0.19\n"),
               ElementsAre(HasSubstr("faces.toml:1:11: error: rate_hz: a face would be forgotten")));
   EXPECT_THAT(Said("rate_hz = 0.2\n"), IsEmpty());

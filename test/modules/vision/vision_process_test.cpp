@@ -196,9 +196,10 @@ TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
   ASSERT_TRUE(
       peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
   EXPECT_EQ(peer_.AwaitExit(), 1);
-  EXPECT_THAT(peer_.Output(),
-              HasSubstr("vision: the detector is lost: 5 pictures in a row: the detector failed: "
-                        "by the test (5912"));
+  EXPECT_THAT(
+      peer_.Output(),
+      HasSubstr("vision: warning: the detector is lost: 5 pictures in a row: the detector failed: "
+                "by the test (5912"));
 }
 
 TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {

@@ -161,7 +161,7 @@ TEST_F(InterviewShow, AsksThreeQuestionsAndThanks) {
   EXPECT_EQ(script_.poses.back(), "neutral");
 }
 
-TEST_F(InterviewShow, OfTheShippedConfigAsksWhatTheVoiceSaysAndTakesAsLongAsItsManualSays) {
+TEST_F(InterviewShow, OfTheShippedConfigAsksTheSentencesOfTheVoiceAndTakesAsLongAsInItsManual) {
   const std::string source = MUSHER_SOURCE_DIR;
   const std::string file = source + "/config/wedding/second_generation.toml";
   const std::string config = config_toml::ReadTextFile(file, 1 << 20).value();

@@ -64,7 +64,7 @@ TEST_F(ShowInput, ReadsFacesAndRefusesInvalidOnes) {
   EXPECT_EQ(data().perception.face_count, 0) << "too old";
 }
 
-TEST_F(ShowInput, KnowsTwentyFourJointsByNameOrInTheirOrder) {
+TEST_F(ShowInput, MapsTwentyFourJointsByNameOrInTheirOrder) {
   std::vector<double> angles(kJointCount, 0.25);
   show_->OnJointStates({}, angles, Duration(1), now_);
   const std::vector<std::string> names = {"j23_head_yaw", "j12_waist_yaw"};

@@ -316,7 +316,7 @@ TEST_F(ShowTest, ContinuesFromASavedPhotoInAnotherProcess) {
 
 // --- guests ---
 
-TEST_F(ShowTest, WaitsForAFaceToStayWhereItsConfigSaysSo) {
+TEST_F(ShowTest, WaitsForAFaceToStayIfConfigured) {
   ShowConfig config;
   config.idle.confirm = Milliseconds(300);
   Begin(config);

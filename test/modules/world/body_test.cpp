@@ -149,7 +149,7 @@ TEST_F(BodyTest, TakesTheTimeThatTheSceneGivesAMotionLessWhereLittleIsLeftOfTheW
 }
 
 TEST_F(BodyTest, RefusesAnUnknownMode) {
-  EXPECT_THAT(commander_.Do(99, 0), Optional(HasSubstr("does not know")));
+  EXPECT_THAT(commander_.Do(99, 0), Optional(HasSubstr("the board has no such motion")));
   EXPECT_EQ(body().status(), BoardStatus::kBanTrans);
 }
 
@@ -161,7 +161,7 @@ TEST_F(BodyTest, EchoesTheAcceptedCommandAndNotTheRefusedOne) {
   EXPECT_EQ(body().life_count(), 1);
 }
 
-TEST_F(BodyTest, JumpsAheadAndLandsWhereTheTableSays) {
+TEST_F(BodyTest, JumpsAheadAndLandsAsFarAsInTheTable) {
   commander_.Do(16, 1);
   Pass(world_, Seconds(0.9));
   EXPECT_TRUE(body().in_the_air());

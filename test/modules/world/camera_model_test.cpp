@@ -68,7 +68,7 @@ RC_GTEST_PROP(CameraModelProperty, ProjectsARayOntoThePixelItComesFrom, ()) {
 }
 
 // What pictures are drawn with is what CameraInfo says, for every pixel at once.
-TEST(Lens, LooksWhereTheModelSays) {
+TEST(Lens, LooksInTheDirectionOfTheModel) {
   for (const CameraSpec& spec : {FrontSpec(), FisheyeSpec()}) {
     const Lens lens(spec);
     for (const int y : {0, 13, 240, 479}) {

@@ -54,7 +54,7 @@ Scene Hall(std::vector<GuestAct> acts) {
   return scene;
 }
 
-TEST(Guests, ComeAtTheirTimeWalkAtTheirSpeedAndAreGoneWhereTheyLeave) {
+TEST(Guests, ComeAtTheirTimeWalkAtTheirSpeedAndLeaveAtTheirExit) {
   World world(Hall({WalkAt(1, {4, 1}), LeaveAt(5)}));
   const Guest& guest = world.guests()[0];
   Pass(world, Seconds(0.9));

@@ -38,7 +38,7 @@ double Degrees(double rad) {
   return rad * 180 / M_PI;
 }
 
-TEST(Humanoid, KnowsThePosesOfTheShowAndOfItsSecondGeneration) {
+TEST(Humanoid, HasThePosesOfTheShowAndOfItsSecondGeneration) {
   Humanoid humanoid(Spec());
   EXPECT_EQ(humanoid.pose(), "neutral");
   for (const char* name :

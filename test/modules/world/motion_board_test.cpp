@@ -82,7 +82,7 @@ class MotionBoard : public ::testing::Test {
   std::unique_ptr<transport::Client<msg::MotionResultCmd>> client_;
 };
 
-TEST_F(MotionBoard, KnowsEveryMotionOfTheRobotsTable) {
+TEST_F(MotionBoard, HasEveryMotionOfTheRobotsTable) {
   for (const motion::Motion& motion : Table().motions()) {
     EXPECT_NE(FindMotion(motion.mode, motion.gait), nullptr) << motion.id;
   }

@@ -49,7 +49,7 @@ double Uniform(double least, double most) {
   return least + (most - least) * *rc::gen::inRange(0, 10'001) / 10'000;
 }
 
-RC_GTEST_PROP(RenderProperty, ShowsAPointWhereCameraInfoSaysItIs, ()) {
+RC_GTEST_PROP(RenderProperty, ShowsAPointWhereCameraInfoProjectsIt, ()) {
   for (CameraSpec spec : CameraSet().cameras) {
     spec.noise = 0;
     const View view{{{Uniform(-5, 5), Uniform(-5, 5)}, Uniform(-3, 3)},

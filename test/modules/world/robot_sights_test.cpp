@@ -186,7 +186,7 @@ TEST(HeadCamera, SeesItsOwnRaisedHandWhenItLooksThere) {
   EXPECT_NE(shots.with.bgr, shots.without.bgr);
 }
 
-TEST(RobotFigure, IsAsLargeAsItsSceneSaysAndStandsOnTheGround) {
+TEST(RobotFigure, IsAsLargeAsInItsSceneAndStandsOnTheGround) {
   World world = Posing("neutral");
   View view = ViewOf(world, kHall);
   for (const double trunk_m : {0.6, 0.9}) {

@@ -19,7 +19,7 @@ Scene Read(const std::string& text) {
   return reading.scene.value_or(Scene());
 }
 
-TEST(SceneLooks, KnowsColoursByNameAndByNumber) {
+TEST(SceneLooks, ReadsColoursByNameAndByNumber) {
   EXPECT_EQ(ParseColor("#12aBff"), (Color{0x12, 0xAB, 0xFF}));
   EXPECT_TRUE(ParseColor("yellow"));
   for (const char* wrong : {"", "#12345", "#1234567", "#12345g", "yelow", "#-12345"}) {

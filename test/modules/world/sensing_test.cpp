@@ -115,7 +115,7 @@ TEST(Sensing, SeesWithEachTofWhatIsOnItsOwnSide) {
   EXPECT_LT(nearest(3), bare[3] - 0.1);
 }
 
-TEST(Sensing, KnowsItsPositionOnTheEarth) {
+TEST(Sensing, ReportsItsPositionOnTheEarth) {
   Scene scene = Precise();
   scene.sensors.gps.latitude_deg = 60;
   scene.sensors.gps.longitude_deg = 179.99999;
@@ -175,7 +175,7 @@ TEST(Sensing, ReportsThatTheTagIsBehindAnObstacle) {
   EXPECT_GT(seen->rssi_1, hidden->rssi_1);
 }
 
-TEST(Sensing, HasNoiseOfTheSizeThatTheSceneSays) {
+TEST(Sensing, HasTheNoiseOfTheScene) {
   Scene scene = EmptyYard();
   scene.sensors.lidar.reach.noise_m = 0.02;
   scene.boxes = {WallAt(3)};

@@ -209,7 +209,7 @@ TEST_F(WorldCamerasTest, SkipAPictureThatIsDueWhileTheLastIsDrawnAndLogItOnce) {
   EXPECT_THAT(log_, Contains(HasSubstr("camera front: a shot was due")));
 }
 
-TEST_F(WorldCamerasTest, LetTimeWaitForThemWhereTheSceneSaysSo) {
+TEST_F(WorldCamerasTest, HoldTheWorldTimeIfTheSceneRequiresIt) {
   HeldWorker worker;
   Scene scene = SmallCameras();
   scene.speed = 100;

@@ -113,7 +113,7 @@ TEST_F(WorldSensorsTest, FallSilentByTheirFaultsUntilThereIsNone) {
   EXPECT_THAT(right, SizeIs(10));
 }
 
-TEST_F(WorldSensorsTest, FallSilentAsTheSceneSays) {
+TEST_F(WorldSensorsTest, FallSilentAsConfiguredInTheScene) {
   Scene scene = EmptyYard();
   scene.events = {{seconds(3), FaultOn{"gps", 0}}};
   Open(scene);

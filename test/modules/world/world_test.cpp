@@ -170,7 +170,7 @@ TEST(World, RefusesAnImpossibleBatteryLevel) {
 
 TEST(World, RefusesToPutABodyIntoAnObstacle) {
   World world(FullYard());
-  EXPECT_THAT(world.PutDown({{2, -2}, 0}), Optional(HasSubstr("an obstacle is there")));
+  EXPECT_THAT(world.PutDown({{2, -2}, 0}), Optional(HasSubstr("an obstacle is in the way")));
   EXPECT_THAT(world.PutDown({{99, 0}, 0}), Optional(HasSubstr("outside")));
   EXPECT_THAT(world.PutDown({{std::nan(""), 0}, 0}), Optional(HasSubstr("not a number")));
   EXPECT_EQ(world.body().pose().position_m, Vector2d(0, 0));
@@ -232,7 +232,7 @@ TEST(World, IsAValueThatContinuesFromACopy) {
   EXPECT_EQ(Numbers(world), Numbers(copy));
 }
 
-TEST(World, RemembersThatABodyWhichCouldWalkStands) {
+TEST(World, RecordsThatABodyThatCouldWalkStands) {
   World world(EmptyYard());
   Commander(world).Walk({0.5, 0, 0}, Seconds(3));
   Pass(world, Seconds(4));
