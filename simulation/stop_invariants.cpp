@@ -81,9 +81,7 @@ void Checker::CheckStopped(const std::string& name, std::size_t host, const Actu
   }
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) idle_and_stopped_.emplace_back(name, host);
-  const bool level =
-      before.state != report.state && SwitchesOnAgain(config_, before.state, report.state);
-  if (before.busy() && (level || Rises(config_, before.state, report.state))) {
+  if (before.busy() && MaySwitchOn(config_, before.state, report.state)) {
     ReportViolation(Invariant::kEmergencyStopHolds,
                     name + " has switched from " + before.state + " to " + report.state +
                         ", which may switch it on, although it has latched an emergency stop");

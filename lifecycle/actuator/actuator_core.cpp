@@ -254,10 +254,8 @@ class Deciding {
     return core_.half_way_down || switches_on;
   }
 
-  // So does the callback of another state of the same rank above DeActive.
   bool SwitchesOn(const State& target) const {
-    const bool elsewhere = target != report_.state;
-    return GoesUp(target) || (elsewhere && SwitchesOnAgain(machine_, report_.state, target));
+    return GoesUp(target) || MaySwitchOn(machine_, report_.state, target);
   }
 
   // A repeated command gets the same answer again, or the answer of its run.

@@ -29,6 +29,10 @@ bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::st
   return !Falls(config, from, to) && Rises(config, kUninitialized, to);
 }
 
+bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string_view to) {
+  return Rises(config, from, to) || (from != to && SwitchesOnAgain(config, from, to));
+}
+
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from) {
   std::vector<State> reachable;
   for (const State& to : config.states) {

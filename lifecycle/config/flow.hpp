@@ -25,6 +25,10 @@ bool Falls(const MachineConfig& config, std::string_view from, std::string_view 
 // states of the same rank.
 bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::string_view to);
 
+// Whether the callback of `to` may switch on what is off in `from`: of another state that is more
+// active, or as active above DeActive. While an emergency stop is engaged it does not run.
+bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string_view to);
+
 // The states that may follow `from`, in the config's order, without `from` itself.
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from);
 

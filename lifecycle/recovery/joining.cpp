@@ -22,6 +22,11 @@ bool Joining::DriveLateOnes() {
       changed |= !had_a_fault && record.fault;
       continue;
     }
+    if (record.due && StoppedOnTheLevel(i)) {
+      Hold(i);
+      changed = true;
+      continue;
+    }
     std::string blocker;
     if (!MayJoin(i, blocker)) {
       if (blocker.empty()) continue;
@@ -35,6 +40,27 @@ bool Joining::DriveLateOnes() {
   return changed;
 }
 
+// Whether an emergency stop is between the actuator and the state of the machine, another one that
+// is as active. The release starts no callback on the same level.
+bool Joining::StoppedOnTheLevel(std::size_t i) const {
+  const State& own = Of(i).state();
+  const State place = PlaceOf(i);
+  const bool level = own != place && config_.RankOf(own) == config_.RankOf(place);
+  return level && IsStopped(i) && SwitchesOnAgain(config_, own, place);
+}
+
+// Its command could overtake the release on the way to it: its own report counts, too.
+bool Joining::IsStopped(std::size_t i) const {
+  return machine_.emergency_stop.has_value() || Of(i).report.emergency_stop != 0;
+}
+
+void Joining::Hold(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.due = false;
+  Degrade(i, kCodeProtectedError, "is in " + record.state() + ": an emergency stop holds it there",
+          machine_.stop_cause);
+}
+
 // Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.
 bool Joining::MayJoin(std::size_t i, std::string& blocker) const {
   const ActuatorRecord& record = Of(i);
@@ -42,11 +68,7 @@ bool Joining::MayJoin(std::size_t i, std::string& blocker) const {
   const State place = PlaceOf(i);
   const auto target = config_.RankOf(place);
   const bool goes_up = record.due && target && (!own || *own < *target);
-  const bool elsewhere = record.due && record.state() != place;
-  const bool refused = goes_up || (elsewhere && SwitchesOnAgain(config_, record.state(), place));
-  // Its command could overtake the release on the way to it.
-  const bool stopped = machine_.emergency_stop || record.report.emergency_stop != 0;
-  if (refused && stopped && machine_.state != kError) return false;
+  if (goes_up && IsStopped(i) && machine_.state != kError) return false;
   if (record.due && !goes_up) return true;
   if (!NeedsMet(i, blocker)) {
     if (blocker.empty()) blocker = WaitsForSuspended(i);

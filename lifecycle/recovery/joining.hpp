@@ -16,6 +16,9 @@ class Joining : StepPart {
   bool DriveLateOnes();
 
  private:
+  bool StoppedOnTheLevel(std::size_t i) const;
+  bool IsStopped(std::size_t i) const;
+  void Hold(std::size_t i);
   bool MayJoin(std::size_t i, std::string& blocker) const;
   void Join(std::size_t i);
 

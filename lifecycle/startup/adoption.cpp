@@ -1,6 +1,8 @@
 #include "musher/lifecycle/startup/adoption.hpp"
 
 #include <algorithm>
+#include <tuple>
+#include <vector>
 
 #include "musher/lifecycle/config/ros2_states.hpp"
 
@@ -15,10 +17,9 @@ std::optional<State> Adoption::LowestFound() const {
       std::all_of(view_.actuators.begin(), view_.actuators.end(), [](const ActuatorRecord& record) {
         return record.presence != Presence::kPresent || record.report.apart;
       });
-  std::optional<State> lowest;
+  std::vector<State> found;
   const auto consider = [&](const State& state) {
-    const auto rank = config_.RankOf(state);
-    if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = state;
+    if (config_.RankOf(state)) found.push_back(state);
   };
   bool musher_present = false;  // a Musher actuator, which reports its state
   const auto consider_all = [&](bool ros2) {
@@ -28,19 +29,32 @@ std::optional<State> Adoption::LowestFound() const {
       if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
       if (is_ros2 != ros2) continue;
       // While the Musher actuators are still in SetUp or SelfCheck, the machine was starting.
-      if (ros2 && lowest && AgreesWith(i, *lowest)) continue;
-      if (ros2 && !lowest && musher_present && AgreesWith(i, State(kSetUp))) continue;
+      if (ros2 && !found.empty() && AgreesWith(i, Lowest(found))) continue;
+      if (ros2 && found.empty() && musher_present && AgreesWith(i, State(kSetUp))) continue;
       musher_present |= ConfigOf(i).protocol == Protocol::kMusher;
       // An actuator that is being torn down alone will exit, and is restarted if it should be.
       const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
       if (ends && record.report.apart) continue;
       consider(record.state());
-      consider(record.report.target);  // also out of a check, which has no rank of its own
+      // Also out of a check, which has no rank of its own. On the same level the state counts.
+      const State& target = record.report.target;
+      if (config_.RankOf(target) != config_.RankOf(record.state())) consider(target);
     }
   };
   consider_all(false);
   consider_all(true);
-  return lowest;
+  if (found.empty()) return std::nullopt;
+  return Lowest(found);
+}
+
+// The least active of `found`; of several on the same level that of the most actuators, and then
+// the first one of the config.
+State Adoption::Lowest(const std::vector<State>& found) const {
+  const auto key = [&](const State& state) {
+    return std::tuple(*config_.RankOf(state), -std::ranges::count(found, state),
+                      std::ranges::find(config_.states, state));
+  };
+  return *std::ranges::min_element(found, {}, key);
 }
 
 // Whether a ROS 2 node is in the ROS 2 state to which `state` maps: then it may have been in that

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/lifecycle/step/machine_view.hpp"
 
@@ -13,7 +14,8 @@ class Adoption : MachineView {
  public:
   using MachineView::MachineView;
 
-  // The least active state of the running actuators, or of the targets they are switching to.
+  // The least active state of the running actuators, or of the targets they are switching to. Of
+  // several on the same level that of the most actuators, and then the first one of the config.
   std::optional<State> LowestFound() const;
   // Whether the previous controller crashed during a switch.
   bool FoundSwitching() const;
@@ -21,6 +23,7 @@ class Adoption : MachineView {
   std::string Elsewhere() const;
 
  private:
+  State Lowest(const std::vector<State>& found) const;
   bool AgreesWith(std::size_t i, const State& state) const;
 };
 

@@ -101,17 +101,12 @@ class Harness {
       const bool ended = std::holds_alternative<event::CallbackEnded>(what);
       Require(!before.report.busy() || ended, "one callback runs at a time");
       Require(config_.actuators[0].Lists(run->target), "only listed states run");
-      const bool up = MaySwitchOn(before.report.state, run->target) &&
-                      MaySwitchOn(core_.report.state, run->target);
+      const bool up = MaySwitchOn(config_, before.report.state, run->target) &&
+                      MaySwitchOn(config_, core_.report.state, run->target);
       Require(before.report.emergency_stop == 0 || !up, "nothing switches on during a stop");
     } else if (std::holds_alternative<actuator_action::Finish>(action)) {
       finished_ = true;
     }
-  }
-
-  // The callback of another state that is more active, or as active above DeActive.
-  bool MaySwitchOn(const State& from, const State& to) const {
-    return Rises(config_, from, to) || (from != to && SwitchesOnAgain(config_, from, to));
   }
 
   Sender AnySender() { return input_.Below(4); }

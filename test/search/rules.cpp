@@ -61,13 +61,6 @@ void CheckDone(const Model& model, const World& world, const SwitchResult& resul
   }
 }
 
-// Whether the callback of another state may switch on what an emergency stop has switched off: of
-// one that is more active, or as active above DeActive.
-bool MaySwitchOn(const MachineConfig& config, const State& from, const State& to) {
-  const bool level = from != to && SwitchesOnAgain(config, from, to);
-  return level || Rises(config, from, to);
-}
-
 // All actuators are back. Where the machine has no state with a rank, none is above DeActive.
 void CheckUndone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   const bool at_rest = model.config.RankOf(world.machine.state).has_value();
@@ -98,9 +91,8 @@ void CheckPlace(const Model& model, const World& world, std::size_t i, Notes& no
   if (record.command) notes.violations.push_back("a command to " + own.name + " has no end");
   const auto place = config.RankOf(machine.state);
   const auto rank = config.RankOf(state);
-  const bool waits =  // for the release of the stop
-      machine.emergency_stop && (!rank || (place && *rank < *place) ||
-                                 (record.due && MaySwitchOn(config, state, machine.state)));
+  // For the release of the stop, which drives no actuator to another state on the same level.
+  const bool waits = machine.emergency_stop && (!rank || (place && *rank < *place));
   const bool there = actuator.alive && record.presence == Presence::kPresent &&
                      (state == machine.state || !place || waits);
   if (!there && !record.held && !record.fault) {

@@ -91,7 +91,9 @@ TEST(ExhaustiveSearchOfDancers, FindsNoViolation) {
   for (const auto& [from, to] : pairs) {
     const Model model(Dancers().config, to);
     World root = WorldIn(model, from);
-    root.faults = root.faults_left = FaultsOf(Dancers());
+    // An emergency stop and a restart of the controller cross the switch on the level.
+    const int more = from == "Active" && FaultsOf(Dancers()) == 1 ? 1 : 0;
+    root.faults = root.faults_left = FaultsOf(Dancers()) + more;
     const Searched searched = SearchAll(model, root);
     EXPECT_FALSE(searched.fault) << "from " << from << " to " << to << "\n"
                                  << ScenarioOf(model, root, searched.fault->path);

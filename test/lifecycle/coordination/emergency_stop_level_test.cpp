@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
 #include <utility>
 
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -11,6 +12,7 @@
 namespace musher::testing::emergency_stop_level_test {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -36,7 +38,7 @@ TEST_F(StoppedDancers, StayInTheirState) {
   EXPECT_TRUE(t.Set("Dancing").done());
 }
 
-TEST_F(StoppedDancers, AreBroughtBackToTheStateOfTheMachineAfterTheRelease) {
+TEST_F(StoppedDancers, StayWhereTheyWentByThemselvesUntilTheNextSwitch) {
   Harness& t = In("Active", Dancers());
   Stop(t);
   ActuatorReport report = t.CoreOf("b").report;
@@ -44,11 +46,14 @@ TEST_F(StoppedDancers, AreBroughtBackToTheStateOfTheMachineAfterTheRelease) {
   report.state = "Dancing";  // by itself
   t.Feed(event::StatusSeen{1, report});
   t.Rest();
-  EXPECT_THAT(t.log(), IsEmpty());
-  EXPECT_FALSE(t.RecordOf("b").fault) << "it was not commanded, and has refused nothing";
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->message, "is in Dancing: an emergency stop holds it there");
   t.Release();
   t.Rest();
+  EXPECT_THAT(t.log(), IsEmpty());
+  EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.RecordOf("b").state(), "Active");
+  EXPECT_FALSE(t.RecordOf("b").fault);
 }
 
 // The search found such a switch reported as done, with every actuator degraded, and its callbacks
@@ -91,6 +96,34 @@ TEST_F(StoppedDancers, StayWhereTheStopHasEndedTheirSwitchUntilTheNextOne) {
   EXPECT_FALSE(t.RecordOf("a").fault);
 }
 
+// The state in which such a machine was adopted was that of the first actuator in the config, and
+// the release drove the others there.
+TEST_F(StoppedDancers, AreAdoptedInTheStateOfMostOfThemAndNotDrivenThereByTheRelease) {
+  for (const std::string dancer : {"a", "c"}) {
+    MachineConfig config = WithDancing(Ours(3));
+    const std::string last = dancer == "a" ? "c" : "a";
+    ActuatorNamed(config, "b").after = {dancer};
+    ActuatorNamed(config, last).after = {"b"};
+    Harness& t = In("Active", std::move(config));
+    t.On("b", "Dancing").takes = Milliseconds(90);
+    t.RequestSwitch("Dancing");
+    t.RunFor(Milliseconds(40));
+    ASSERT_EQ(t.StateOf(dancer), "Dancing");
+    Stop(t);
+    t.RestartController();
+    t.Rest();
+    EXPECT_EQ(t.machine().state, "Active") << dancer;
+    ASSERT_TRUE(t.RecordOf(dancer).fault);
+    EXPECT_EQ(t.RecordOf(dancer).fault->message, "is in Dancing: an emergency stop holds it there");
+    t.ClearLog();
+    t.Release();
+    t.Rest();
+    EXPECT_THAT(t.log(), IsEmpty()) << dancer;
+    EXPECT_TRUE(t.Set("Dancing").done());
+    EXPECT_FALSE(t.RecordOf(dancer).fault);
+  }
+}
+
 TEST_F(StoppedDancers, KeepTheFailureOfTheirOwnThatTheStopCrosses) {
   Harness& t = In("Active", Dancers());
   t.On("a", "Dancing").code = kCodeFailed;
@@ -103,6 +136,18 @@ TEST_F(StoppedDancers, KeepTheFailureOfTheirOwnThatTheStopCrosses) {
   EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
   ASSERT_TRUE(t.RecordOf("a").fault);
   EXPECT_EQ(t.RecordOf("a").fault->message, "the motor stalls");
+}
+
+TEST_F(StoppedDancers, AreDrivenBackToAStateBelow) {
+  Harness& t = In("Active", Dancers());
+  ASSERT_TRUE(t.Set("DeActive", "a").done());
+  t.On("b", "Dancing").takes = Milliseconds(90);
+  t.RequestSwitch("Dancing");
+  t.RunFor(Milliseconds(40));
+  ASSERT_EQ(t.StateOf("a"), "Dancing");
+  Stop(t);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
 }
 
 TEST_F(StoppedDancers, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
@@ -126,21 +171,53 @@ TEST_F(StoppedDancers, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
 }
 
 // A module of another protocol would run the callback: it does not receive the stop.
-using DancersOfAnyProtocol = OneController;
+class DancersOfAnyProtocol : public OneController {
+ protected:
+  void StartUp() {
+    config_ = Dancers();
+    config_.actuators[1].after = {"a"};
+    OneController::StartUp();
+  }
+  void Stop() { Do(event::EmergencyStopSeen{{7, "alice", "smoke"}}); }
+};
 
 TEST_F(DancersOfAnyProtocol, AreNotCommandedOnceTheStopIsEngaged) {
-  config_ = Dancers();
-  config_.actuators[1].after = {"a"};
   StartUp();
   Do(event::SetStateRequested{1, "Dancing", {}});
   ASSERT_TRUE(Of(0).command);
-  Do(event::EmergencyStopSeen{{7, "alice", "smoke"}});
+  Stop();
   Obey(0);
   EXPECT_FALSE(Of(1).command);
   ASSERT_THAT(Did<action::AnswerSetState>(), SizeIs(1));
   const SwitchResult result = Did<action::AnswerSetState>()[0].result;
   EXPECT_EQ(result.actuators.at(1).outcome, ActuatorOutcome::kRefused);
   EXPECT_EQ(result.actuators.at(1).code, kCodeProtectedError);
+}
+
+TEST_F(DancersOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNoneBack) {
+  StartUp();
+  Do(event::SetStateRequested{1, "Dancing", {}});
+  Stop();
+  Obey(0);
+  const action::Record record = RecordWith("rolling back with command");
+  EXPECT_THAT(record.message, HasSubstr(", 0 actuators"));
+  EXPECT_NE(record.cause, 0);
+  EXPECT_EQ(record.cause, machine_.stop_cause);
+}
+
+// The command could overtake the release on the way to the actuator, which would refuse it.
+TEST_F(DancersOfAnyProtocol, AreNotCommandedUpBeforeTheyHaveReportedTheRelease) {
+  StartUp();
+  Stop();
+  ActuatorReport report = Report(1, "DeActive");  // by itself
+  report.emergency_stop = 7;
+  Say(1, report);
+  Do(event::ReleaseRequested{2, "alice"});
+  EXPECT_FALSE(Of(1).command);
+  report.emergency_stop = 0;
+  Say(1, report);
+  ASSERT_TRUE(Of(1).command);
+  EXPECT_EQ(Of(1).command->target, "Active");
 }
 
 }  // namespace musher::testing::emergency_stop_level_test
