@@ -9,7 +9,6 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
-#include "musher/controller/cyberdog/serial_number.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 
@@ -246,6 +245,9 @@ Result<> Controller::OpenShell() {
   dependencies.output = [this](const std::string& name) {
     return logs_ ? logs_->Output(name) : nullptr;
   };
+  for (const ControllerExtension& extension : options_.extensions) {
+    dependencies.links.insert(extension.links.begin(), extension.links.end());
+  }
   dependencies.wall_ns = WallNanoseconds;
   dependencies.config_text = TextOf(config_);
   dependencies.host = HostId();
@@ -258,11 +260,11 @@ Result<> Controller::OpenShell() {
   };
   hooks.close_services = [this] {
     ros2_tools_ = nullptr;
-    manager_ = nullptr;
+    extensions_.clear();
     services_ = nullptr;
   };
   hooks.on_record = [this](const action::Record& record) {
-    if (manager_) manager_->OnRecord(record);
+    for (const auto& extension : extensions_) extension->OnRecord(record);
     if (ros2_tools_) ros2_tools_->OnRecord(record);
     if (options_.hooks.on_record) options_.hooks.on_record(record);
   };
@@ -282,17 +284,25 @@ Result<> Controller::OpenServices() {
   auto services = ControllerServices::Make(node_, *shell_, std::move(read_history));
   if (!services) return services.error();
   services_ = std::move(services).value();
-  cyberdog::Host host;
-  host.serial_number = cyberdog::ReadSerialNumber();
-  host.save_text = [this](const std::string& name, const std::string& text) {
+  ros2_tools_ =
+      std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, std::to_string(incarnation_));
+  return OpenExtensions();
+}
+
+Result<> Controller::OpenExtensions() {
+  const auto save_text = [this](const std::string& name, const std::string& text) {
     if (!store_) return;
     disk_.Do(name, [store = store_, name, text] { return store->SaveText(name, text); });
   };
-  auto manager = cyberdog::Manager::Make(node_, *shell_, host);
-  if (!manager) return manager.error();
-  manager_ = std::move(manager).value();
-  ros2_tools_ =
-      std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, std::to_string(incarnation_));
+  if (config_.policy && config_.policy->manager && options_.extensions.empty()) {
+    Trouble("[policy] manager has no effect: this program's controller has no extension for it");
+  }
+  for (const ControllerExtension& extension : options_.extensions) {
+    if (!extension.open_services) continue;
+    auto services = extension.open_services({node_, *shell_, save_text});
+    if (!services) return services.error();
+    if (services.value()) extensions_.push_back(std::move(services).value());
+  }
   return Ok();
 }
 

@@ -8,9 +8,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/base/host.hpp"
-#include "musher/controller/cyberdog/manager.hpp"
+#include "musher/controller/extension.hpp"
 #include "musher/controller/journal/journal.hpp"
 #include "musher/controller/process/process_probe.hpp"
 #include "musher/controller/process/process_supervisor.hpp"
@@ -34,6 +35,7 @@ struct ControllerOptions {
   // Restarted by a supervisor, not by a person: if the previous controller was taking the machine
   // down, complete that and stay down.
   bool restarted = false;
+  std::vector<ControllerExtension> extensions;
   ControllerShell::Hooks hooks;
   // Called once for each problem that does not stop the robot, such as a full disk. From any
   // thread.
@@ -71,6 +73,7 @@ class Controller {
   Result<> TakeName();
   Result<> OpenShell();
   Result<> OpenServices();
+  Result<> OpenExtensions();
   MachineOrigin Origin() const;
   Result<> MayTakeOver(pid_t controller) const;
   void BeginAfter(Duration listen);
@@ -103,9 +106,9 @@ class Controller {
   ProcessSupervisor processes_;
   KernelProbe process_probe_;
   std::unique_ptr<ControllerShell> shell_;
-  std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
-  std::unique_ptr<cyberdog::Manager> manager_;    // also null without [policy] manager
-  std::unique_ptr<Ros2Tools> ros2_tools_;         // null unless this controller leads
+  std::unique_ptr<ControllerServices> services_;                // null unless this controller leads
+  std::vector<std::unique_ptr<ExtensionServices>> extensions_;  // none unless this one leads
+  std::unique_ptr<Ros2Tools> ros2_tools_;                       // null unless this controller leads
   transport::LoopHandlePtr begin_later_;
   std::vector<transport::LoopHandlePtr> kill_later_;  // for processes that the config does not list
 };

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -14,6 +15,7 @@ namespace musher {
 
 class MachineController::Impl {
  public:
+  explicit Impl(std::vector<ControllerExtension> extensions) : extensions_(std::move(extensions)) {}
   ~Impl() {
     if (!node_) return;
     node_->RunOnLoop([this] {
@@ -89,6 +91,7 @@ class MachineController::Impl {
   Result<> Begin(int domain_id) {
     ControllerOptions options;
     options.by_hand = true;
+    options.extensions = extensions_;
     options.on_trouble = [](const std::string& message) { std::cerr << message << std::endl; };
     transport::Node& node = own_node_ ? *own_node_ : node_->node();
     auto controller = Controller::Make(node, domain_id, *config_, std::move(options));
@@ -97,13 +100,16 @@ class MachineController::Impl {
     return Ok();
   }
 
+  const std::vector<ControllerExtension> extensions_;
   std::optional<MachineConfig> config_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<transport::Node> own_node_;  // by its name, on a thread that is shared
   std::unique_ptr<Controller> controller_;
 };
 
-MachineController::MachineController() : impl_(std::make_unique<Impl>()) {}
+MachineController::MachineController() : MachineController(std::vector<ControllerExtension>{}) {}
+MachineController::MachineController(std::vector<ControllerExtension> extensions)
+    : impl_(std::make_unique<Impl>(std::move(extensions))) {}
 MachineController::~MachineController() = default;
 
 Result<> MachineController::Init(const std::string& config_file,

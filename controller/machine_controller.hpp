@@ -17,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
@@ -25,9 +26,13 @@
 
 namespace musher {
 
+struct ControllerExtension;
+
 class MachineController {
  public:
   MachineController();
+  // With protocols and services of other libraries: MachineController({cyberdog::Extension()}).
+  explicit MachineController(std::vector<ControllerExtension> extensions);
   // Leaves actuators and their processes running; SetState("TearDown") stops them.
   ~MachineController();
   MachineController(const MachineController&) = delete;

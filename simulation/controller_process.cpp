@@ -21,6 +21,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   hosts.Attach(endpoint, host);
   ControllerShell::Dependencies dependencies;
   dependencies.node = node_.get();
+  dependencies.links = cyberdog_.links;
   dependencies.processes = this;
   dependencies.process_probe = this;
   dependencies.journal = this;
@@ -79,12 +80,10 @@ Result<> ControllerProcess::OpenServices() {
   services_ = ControllerServices::Make(*node_, *shell_, [this](auto since, auto limit, auto done) {
                 ReadDisk(since, limit, std::move(done));
               }).value();
-  cyberdog::Host host;
-  host.serial_number = "SIMULATED-1";
-  host.save_text = [this](const std::string& name, const std::string& text) {
+  const auto save_text = [this](const std::string& name, const std::string& text) {
     disk_.files[name] = text;
   };
-  manager_ = cyberdog::Manager::Make(*node_, *shell_, host).value();
+  manager_ = cyberdog_.open_services({*node_, *shell_, save_text}).value();
   return Ok();
 }
 

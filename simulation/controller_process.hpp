@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/cyberdog/manager.hpp"
+#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
@@ -128,7 +128,8 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless it leads
-  std::unique_ptr<cyberdog::Manager> manager_;    // the same; also null where the config has none
+  const ControllerExtension cyberdog_ = cyberdog::Extension("SIMULATED-1");
+  std::unique_ptr<ExtensionServices> manager_;  // the same; also null where the config has none
 };
 
 }  // namespace musher::simulation

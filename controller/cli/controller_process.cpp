@@ -10,6 +10,7 @@
 
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/wire/dds_options.hpp"
 
@@ -153,6 +154,7 @@ ControllerOptions ControllerProcess::Options() {
   options.adopt = start_.adopt;
   options.restarted = start_.restarted;
   if (run_) options.started_from = run_->root;
+  options.extensions = {cyberdog::Extension()};
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {

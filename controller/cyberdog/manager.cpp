@@ -2,21 +2,21 @@
 
 namespace musher::cyberdog {
 
-Manager::Manager(transport::Node& node, ControllerShell& shell, const Host& host)
-    : endpoints_(node, shell.config().name_space, shell.config().clock),
-      announcements_(endpoints_, shell.config(), shell.machine()),
-      information_(endpoints_, shell.config(), shell.machine(), host.serial_number),
-      self_check_file_(node.loop(), shell.config(), shell.machine(), host.save_text),
-      power_saving_(endpoints_, shell),
-      requests_(endpoints_, shell, power_saving_) {}
+Manager::Manager(const ExtensionHost& host, const std::string& serial_number)
+    : endpoints_(host.node, host.shell.config().name_space, host.shell.config().clock),
+      announcements_(endpoints_, host.shell.config(), host.shell.machine()),
+      information_(endpoints_, host.shell.config(), host.shell.machine(), serial_number),
+      self_check_file_(host.node.loop(), host.shell.config(), host.shell.machine(), host.save_text),
+      power_saving_(endpoints_, host.shell),
+      requests_(endpoints_, host.shell, power_saving_) {}
 
-Result<std::unique_ptr<Manager>> Manager::Make(transport::Node& node, ControllerShell& shell,
-                                               const Host& host) {
-  const auto& policy = shell.config().policy;
+Result<std::unique_ptr<Manager>> Manager::Make(const ExtensionHost& host,
+                                               const std::string& serial_number) {
+  const auto& policy = host.shell.config().policy;
   if (!policy || !policy->manager) return std::unique_ptr<Manager>();
-  std::unique_ptr<Manager> manager(new Manager(node, shell, host));
+  std::unique_ptr<Manager> manager(new Manager(host, serial_number));
   if (!manager->endpoints_.opened()) return manager->endpoints_.opened().error();
-  auto speaker = Speaker::Make(manager->endpoints_, shell);
+  auto speaker = Speaker::Make(manager->endpoints_, host.shell);
   if (!speaker) return speaker.error();
   manager->speaker_ = std::move(speaker).value();
   return manager;

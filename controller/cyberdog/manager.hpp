@@ -6,6 +6,7 @@
 // Threads: loop thread only.
 
 #include <memory>
+#include <string>
 
 #include "musher/controller/cyberdog/announcements.hpp"
 #include "musher/controller/cyberdog/information.hpp"
@@ -13,27 +14,21 @@
 #include "musher/controller/cyberdog/requests.hpp"
 #include "musher/controller/cyberdog/self_check_file.hpp"
 #include "musher/controller/cyberdog/speaker.hpp"
+#include "musher/controller/extension.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::cyberdog {
 
-// The computer that the manager runs on.
-struct Host {
-  SaveText save_text;  // may be empty
-  std::string serial_number;
-};
-
-class Manager {
+class Manager : public ExtensionServices {
  public:
-  // Null unless the config enables it. The shell must outlive it.
-  static Result<std::unique_ptr<Manager>> Make(transport::Node& node, ControllerShell& shell,
-                                               const Host& host);
+  // Null unless the config enables it.
+  static Result<std::unique_ptr<Manager>> Make(const ExtensionHost& host,
+                                               const std::string& serial_number);
 
-  // To be called for every record of the shell.
-  void OnRecord(const action::Record& record);
+  void OnRecord(const action::Record& record) override;
 
  private:
-  Manager(transport::Node& node, ControllerShell& shell, const Host& host);
+  Manager(const ExtensionHost& host, const std::string& serial_number);
 
   transport::Endpoints endpoints_;
   Announcements announcements_;

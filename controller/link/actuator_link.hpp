@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 
 #include "musher/lifecycle/actuator/actuator_core.hpp"
@@ -42,8 +43,16 @@ class ActuatorLink {
   virtual void OnProcessEnded(std::int32_t /*pid*/) {}
 };
 
-// The link for `config.actuators[actuator].protocol`. `node` and `config` must outlive it.
+using LinkMaker = std::function<Result<std::unique_ptr<ActuatorLink>>(
+    transport::Node& node, const MachineConfig& config, std::size_t actuator,
+    ActuatorLink::Emit emit)>;
+// Of protocols that the controller does not have itself.
+using LinkMakers = std::map<Protocol, LinkMaker>;
+
+// The link for `config.actuators[actuator].protocol`. `node` and `config` must outlive it. Fails if
+// the controller has no such link and `extensions` neither.
 Result<std::unique_ptr<ActuatorLink>> MakeLink(transport::Node& node, const MachineConfig& config,
-                                               std::size_t actuator, ActuatorLink::Emit emit);
+                                               std::size_t actuator, ActuatorLink::Emit emit,
+                                               const LinkMakers& extensions);
 
 }  // namespace musher

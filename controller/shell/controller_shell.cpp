@@ -41,7 +41,8 @@ Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies depe
 Result<> ControllerShell::Open() {
   transport::Node& node = *dependencies_.node;
   for (std::size_t i = 0; i < peers_.size(); ++i) {
-    auto link = MakeLink(node, config_, i, [this](const Event& event) { OnLinkEvent(event); });
+    auto link = MakeLink(
+        node, config_, i, [this](const Event& event) { OnLinkEvent(event); }, dependencies_.links);
     if (!link) return link.error();
     peers_[i].link = std::move(link).value();
   }

@@ -36,6 +36,7 @@ class ControllerShell {
   // The dependencies of the shell; all must outlive it.
   struct Dependencies {
     transport::Node* node = nullptr;
+    LinkMakers links = {};  // of the extensions
     ProcessRunner* processes = nullptr;
     ProcessProbe* process_probe = nullptr;
     JournalSink* journal = nullptr;

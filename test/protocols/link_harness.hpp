@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -23,8 +24,10 @@ class LinkStage : public ::testing::Test {
 
   void OpenLink() {
     link_ = nullptr;
-    link_ =
-        MakeLink(*controller_, config_, 0, [this](Event event) { Note(std::move(event)); }).value();
+    link_ = MakeLink(
+                *controller_, config_, 0, [this](Event event) { Note(std::move(event)); },
+                cyberdog::Extension("").links)
+                .value();
   }
 
   // A command as the coordinator gives it; its number.

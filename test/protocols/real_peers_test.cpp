@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/actuator/robot_file.hpp"
@@ -54,7 +55,10 @@ class ARealPeer : public ::testing::TestWithParam<const char*> {
     config_.actuators[0].protocol = ros2 ? Protocol::kRos2Lifecycle : Protocol::kCyberdog;
     config_.actuators[0].heartbeat_name = "a";
     node_ = transport::MakeDdsNode(loop_).value();
-    link_ = MakeLink(*node_, config_, 0, [this](const Event& event) { Note(event); }).value();
+    link_ = MakeLink(
+                *node_, config_, 0, [this](const Event& event) { Note(event); },
+                cyberdog::Extension("").links)
+                .value();
     peer_.emplace(GetParam(), "a");
   }
   bool Until(const std::function<bool()>& done) {

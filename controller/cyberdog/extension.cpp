@@ -1,0 +1,23 @@
+#include "musher/controller/cyberdog/extension.hpp"
+
+#include <utility>
+
+#include "musher/controller/cyberdog/manager.hpp"
+#include "musher/controller/link/cyberdog_link.hpp"
+
+namespace musher::cyberdog {
+
+ControllerExtension Extension(std::string serial_number) {
+  ControllerExtension extension;
+  extension.links[Protocol::kCyberdog] = CyberdogLink::Make;
+  extension.open_services =
+      [serial = std::move(serial_number)](
+          const ExtensionHost& host) -> Result<std::unique_ptr<ExtensionServices>> {
+    auto manager = Manager::Make(host, serial);
+    if (!manager) return manager.error();
+    return std::unique_ptr<ExtensionServices>(std::move(manager).value());
+  };
+  return extension;
+}
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,40 @@
+#pragma once
+// What another library adds to a controller: links to actuators of a further protocol, and services
+// beside Musher's own. The controller knows no such library: a program passes the extensions that
+// it wants (ControllerOptions::extensions).
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/base/result.hpp"
+#include "musher/controller/link/actuator_link.hpp"
+#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+// The open services of an extension. Threads: loop thread only.
+class ExtensionServices {
+ public:
+  virtual ~ExtensionServices() = default;
+  // Called for every record of the shell.
+  virtual void OnRecord(const action::Record& record) = 0;
+};
+
+// What the services are made from; all of it outlives them.
+struct ExtensionHost {
+  transport::Node& node;
+  ControllerShell& shell;
+  // Saves a file of this name in the state folder; returns at once. May be empty.
+  std::function<void(const std::string& name, const std::string& text)> save_text;
+};
+
+struct ControllerExtension {
+  LinkMakers links;
+  // Called each time the controller begins to lead the machine; the services are destroyed when it
+  // no longer does. Null if the config does not enable them. May be empty.
+  std::function<Result<std::unique_ptr<ExtensionServices>>(const ExtensionHost&)> open_services;
+};
+
+}  // namespace musher
