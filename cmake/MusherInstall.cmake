@@ -6,7 +6,7 @@ install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INST
 install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
 # What a robot's project includes; what only Musher's own sources include stays here.
-foreach(folder base lifecycle wire behavior messages transport actuator application controller simulation)
+foreach(folder base lifecycle wire behavior messages transport actuator application controller cyberdog simulation)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
           FILES_MATCHING PATTERN "*.hpp"
           PATTERN "lifecycle/authority.hpp" EXCLUDE

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/controller_services.hpp"
 #include "musher/controller/shell/controller_shell.hpp"
+#include "musher/cyberdog/extension.hpp"
 #include "musher/simulation/processes.hpp"
 
 namespace musher::simulation {

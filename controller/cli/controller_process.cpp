@@ -10,7 +10,7 @@
 
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/wall_time.hpp"
-#include "musher/controller/cyberdog/extension.hpp"
+#include "musher/cyberdog/extension.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/wire/dds_options.hpp"
 

@@ -24,15 +24,17 @@ const std::map<std::string, Folders>& MayInclude() {
        {"application", "actuator", "base", "lifecycle", "messages", "transport", "wire",
         "behavior"}},
       {"controller", {"controller", "base", "lifecycle", "messages", "transport", "wire"}},
+      {"cyberdog",
+       {"cyberdog", "controller", "base", "lifecycle", "messages", "transport", "wire"}},
       {"simulation",
-       {"simulation", "actuator", "controller", "base", "lifecycle", "messages", "transport",
-        "wire"}},
+       {"simulation", "actuator", "controller", "cyberdog", "base", "lifecycle", "messages",
+        "transport", "wire"}},
       {"modules",
        {"modules", "application", "actuator", "base", "lifecycle", "messages", "transport", "wire",
         "behavior"}},
       {"examples",
-       {"application", "actuator", "controller", "simulation", "base", "lifecycle", "messages",
-        "transport", "wire", "behavior"}},
+       {"application", "actuator", "controller", "cyberdog", "simulation", "base", "lifecycle",
+        "messages", "transport", "wire", "behavior"}},
   };
   return table;
 }
@@ -55,7 +57,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
         "test/fault_injection/", "test/controller/cli/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
-      {"nlohmann/", {"controller/", "modules/", "test/"}},
+      {"nlohmann/", {"controller/", "cyberdog/", "modules/", "test/"}},
       {"zlib.h", {"controller/storage/log_files.cpp", "test/controller/"}},
       {"fmt/", {"controller/", "modules/", "test/"}},
       {"opencv2/", {"modules/", "test/modules/"}},
@@ -85,7 +87,8 @@ std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   if (allowed == MayInclude().end()) return {};
   const std::string folder = header.substr(0, header.find('/'));
   // The command line is a program on top of everything; the rest of controller/ is not.
-  if (folder == "simulation" && file.In("controller/cli/")) return {};
+  const bool on_top = folder == "simulation" || folder == "cyberdog";
+  if (on_top && file.In("controller/cli/")) return {};
   if (!allowed->second.contains(folder)) return file.Folder() + " may not include " + folder;
   const bool pure = file.In("lifecycle/") || file.In("behavior/");
   if (pure && IsOfTheKernel(header)) return file.Folder() + " may not include " + header;

@@ -46,7 +46,7 @@ Names InterfacesOfTheManager(const std::vector<SourceFile>& tree) {
       R"re((?:Subscribe|Serve|PublishFunction|OpenClient)<[^>]+>\(\s*"([\w/]+)")re");
   Names names;
   for (const SourceFile& file : tree) {
-    if (file.In("controller/cyberdog/")) Collect(WithoutComments(file.text), opened, names);
+    if (file.In("cyberdog/")) Collect(WithoutComments(file.text), opened, names);
   }
   return names;
 }

@@ -9,7 +9,7 @@ using ::testing::IsEmpty;
 
 const std::vector<SourceFile> kTree = {
     {"modules/voice/shell.cpp", "Serve<msg::X>(\"stop_play\"); // \"later\"\n", false},
-    {"controller/cyberdog/manager.cpp", "PublishFunction<msg::Bool>(\n  \"ready_notify\");", false},
+    {"cyberdog/manager.cpp", "PublishFunction<msg::Bool>(\n  \"ready_notify\");", false},
     {"messages/protocol/audio.idl", "@final struct AudioText_Request_ {", false}};
 
 SourceFile Page(const std::string& there, const std::string& left_out) {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/controller/link/actuator_link.hpp"
+#include "musher/cyberdog/extension.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 

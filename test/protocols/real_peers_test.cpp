@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "musher/actuator/machine_actuator.hpp"
-#include "musher/controller/cyberdog/extension.hpp"
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/machine_controller.hpp"
+#include "musher/cyberdog/extension.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_manager.hpp"

@@ -63,7 +63,7 @@ const std::string kAllMachineServices = "musher/*";
 const Topics kBehaviorQueries = {"*/get_behavior"};
 const Topics kBehaviorPublishes = {"*/behavior_state"};
 
-// CyberDog's manager (controller/cyberdog): its topics, its queries, open to all; the topics and
+// CyberDog's manager (cyberdog/): its topics, its queries, open to all; the topics and
 // the service that the robot's modules may use; and those for operators only.
 const Topics kManagerPublishes = {"state_switch_status", "self_check_status", "ready_notify",
                                   "manager_errors", "dog_sn"};

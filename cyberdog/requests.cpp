@@ -1,0 +1,142 @@
+#include "musher/cyberdog/requests.hpp"
+
+#include "musher/cyberdog/numbers.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+
+namespace musher::cyberdog {
+namespace {
+
+constexpr std::int32_t kKeptAlready = -1;  // as in CyberDog
+
+// std_srvs has no field for a code, so the message contains it.
+template <class Response>
+Response ReplyFrom(const Result<>& result) {
+  if (result) return {true, ""};
+  return {false, WithCode(result.error().message, result.error().code)};
+}
+
+std::string NoState(std::uint8_t number) {
+  return std::to_string(number) + " is not the number of a state";
+}
+
+}  // namespace
+
+Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell,
+                   PowerSaving& power_saving)
+    : shell_(shell), power_saving_(power_saving) {
+  ServeStates(endpoints);
+  ServePower(endpoints);
+}
+
+void Requests::ServeStates(transport::Endpoints& endpoints) {
+  endpoints.Subscribe<msg::UInt8>("machine_state_switch",
+                                  [this](const msg::UInt8& wanted) { OnSwitch(wanted.data); });
+  endpoints.Serve<msg::MachineState>(
+      "machine_state_switch_keep",
+      [this](const auto& request, const KeepReply& reply) { OnKeep(request, reply); });
+  endpoints.Serve<msg::Trigger>("machine_state_valget", [this](const auto&, const auto& reply) {
+    reply({true, std::string(TextOf(shell_.machine().state))});
+  });
+  endpoints.Serve<msg::SetBool>("ota_state_switch", [this](const auto& request, const auto& reply) {
+    event::PolicyRequested requested;
+    requested.what = PolicyRequest::kOta;
+    requested.enable = request.data;
+    Request(requested,
+            [reply](const Result<>& result) { reply(ReplyFrom<msg::SetBool::Response>(result)); });
+  });
+}
+
+void Requests::ServePower(transport::Endpoints& endpoints) {
+  const auto enable = [&](const char* name, PolicyRequest what) {
+    endpoints.Serve<msg::SetBool>(name, [this, what](const auto& request, const auto& reply) {
+      event::PolicyRequested requested;
+      requested.what = what;
+      requested.enable = request.data;
+      Request(requested, [reply](const Result<>& result) {
+        reply(ReplyFrom<msg::SetBool::Response>(result));
+      });
+    });
+  };
+  const auto trigger = [&](const char* name, PolicyRequest what) {
+    endpoints.Serve<msg::Trigger>(name, [this, what](const auto&, const auto& reply) {
+      event::PolicyRequested requested;
+      requested.what = what;
+      Request(requested, [reply](const Result<>& result) {
+        reply(ReplyFrom<msg::Trigger::Response>(result));
+      });
+    });
+  };
+  enable("low_power_enable", PolicyRequest::kLowPowerSwitch);
+  enable("low_power_onoff", PolicyRequest::kLowPowerStore);
+  trigger("low_power_exit", PolicyRequest::kWakeUp);
+  trigger("poweroff", PolicyRequest::kPowerOff);
+  trigger("reboot", PolicyRequest::kReboot);
+  endpoints.Serve<msg::Trigger>("low_power_switch_state", [this](const auto&, const auto& reply) {
+    const bool on = shell_.machine().policy.low_power;
+    reply({on, on ? "on" : "off"});
+  });
+  endpoints.Subscribe<msg::Bool>("dog_wakeup", [this](const msg::Bool&) { OnWakeWord(); });
+}
+
+void Requests::Request(const event::PolicyRequested& requested,
+                       const ControllerShell::OnAnswer& done) {
+  const bool to_a_state =
+      requested.what == PolicyRequest::kSwitch || requested.what == PolicyRequest::kKeep;
+  const bool urgent = requested.state == kTearDown || requested.state == kError;
+  const bool cancels = requested.what == PolicyRequest::kKeep && requested.ticks == 0;
+  const bool leads_out = requested.what == PolicyRequest::kWakeUp ||
+                         requested.what == PolicyRequest::kOta ||
+                         (to_a_state && requested.state != kLowPower && !urgent && !cancels);
+  const PolicyState& policy = shell_.machine().policy;
+  const bool refused = policy.keep || policy.level >= BatteryLevel::kLowPower;  // by the policy
+  if (shell_.machine().state != kLowPower || !leads_out || refused) {
+    return shell_.SendPolicyRequest(requested, done);
+  }
+  power_saving_.Leave([this, requested, done](const Result<>& left) {
+    if (!left) return done(left);
+    shell_.SendPolicyRequest(requested, done);
+  });
+}
+
+void Requests::OnSwitch(std::uint8_t number) {
+  const auto state = StateOfNumber(number);
+  if (!state) {
+    return shell_.Remark(kCodeParametersInvalid, "machine_state_switch: " + NoState(number));
+  }
+  event::PolicyRequested requested;
+  requested.what = PolicyRequest::kSwitch;
+  requested.state = *state;
+  Request(requested, [](const Result<>&) {});  // a refusal is in the journal
+}
+
+void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply& reply) {
+  const bool kept = shell_.machine().policy.keep.has_value();
+  const bool cancels = kept && request.ticks == 0;  // in whichever state
+  const auto state = StateOfNumber(request.state);
+  if (!state && !cancels) {
+    shell_.Remark(kCodeParametersInvalid, "machine_state_switch_keep: " + NoState(request.state));
+    return reply({false, kCodeParametersInvalid});
+  }
+  event::PolicyRequested requested;
+  requested.what = PolicyRequest::kKeep;
+  requested.state = state.value_or(shell_.machine().state);
+  requested.ticks = request.ticks;
+  Request(requested, [reply, kept](const Result<>& result) {
+    if (result) return reply({true, kCodeOk});
+    if (kept) return reply({true, kKeptAlready});
+    reply({false, result.error().code});
+  });
+}
+
+// Received all day long; only a resting robot wakes up by it.
+void Requests::OnWakeWord() {
+  const State& state = shell_.machine().state;
+  if (state == kActive || state == kProtected || power_saving_.leaving()) return;
+  event::PolicyRequested requested;
+  requested.what = PolicyRequest::kWakeUp;
+  Request(requested, [](const Result<>&) {});  // a refusal is in the journal
+}
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,38 @@
+#pragma once
+// The requests to CyberDog's manager: states, low power, OTA, power. Only the wire: the policy
+// decides what is allowed, through the controller's shell.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <string>
+
+#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/cyberdog/power_saving.hpp"
+#include "musher/messages/protocol/manager.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::cyberdog {
+
+class Requests {
+ public:
+  // All must outlive it.
+  Requests(transport::Endpoints& endpoints, ControllerShell& shell, PowerSaving& power_saving);
+
+ private:
+  using KeepReply = transport::Server<msg::MachineState>::Reply;
+
+  void ServeStates(transport::Endpoints& endpoints);
+  void ServePower(transport::Endpoints& endpoints);
+  // Sends a request to the policy; if it leads out of LowPower, once the board has left low power.
+  // TearDown and Error do not wait for the board, and a refused request does not wake it.
+  void Request(const event::PolicyRequested& requested, const ControllerShell::OnAnswer& done);
+  void OnSwitch(std::uint8_t number);
+  void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);
+  void OnWakeWord();
+
+  ControllerShell& shell_;
+  PowerSaving& power_saving_;
+};
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,338 @@
+#include "musher/cyberdog/voice.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "musher/cyberdog/parts.hpp"
+#include "musher/cyberdog/sounds.hpp"
+#include "musher/messages/protocol/audio.hpp"
+
+namespace musher::cyberdog {
+namespace {
+
+using Play = msg::AudioPlay;
+
+// In order of urgency: nothing to say, battery_at, and the levels of the policy.
+constexpr std::array<std::uint16_t, 5> kBatteryWords = {0, Play::kBattery30, Play::kBattery20,
+                                                        Play::kBattery5, Play::kBattery0};
+constexpr std::size_t kLongestSentence = 240;  // bytes; some ten seconds
+
+// Cuts at a character boundary.
+std::string Shortened(std::string text) {
+  if (text.size() <= kLongestSentence) return text;
+  std::size_t end = kLongestSentence;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  text.resize(end);
+  return text;
+}
+
+class Speaking {
+ public:
+  Speaking(const MachineConfig& config, VoiceState& voice, Time now)
+      : config_(config), rules_(config.policy->voice), voice_(voice), now_(now) {}
+
+  void On(const voice_event::MachineSeen& seen);
+  void On(const voice_event::Recorded& recorded);
+  void On(const voice_event::DoubleTapped& tapped);
+  void On(const voice_event::AppConnected& connected);
+  void On(const voice_event::PlayerMatched& matched);
+  void On(const voice_event::PlayReported& reported);
+  void On(const voice_event::PlayEnded& ended);
+  void On(const voice_event::TimePassed&) {}
+
+  void FollowClock();
+  void Settle();
+  std::vector<VoiceAction> Take() && { return std::move(actions_); }
+
+ private:
+  bool May(Occasion occasion) const;
+  void Say(Occasion occasion, Utterance utterance);
+  void SayFirst(Utterance utterance);
+  void SaySentence(Occasion occasion, const std::string& sentence);
+  void Queue(VoiceState::Waiting waiting, bool first);
+
+  void AnnounceStart();
+  void AnnounceFaults();
+  void AnnounceBattery();
+  int BatteryUrgency() const;
+  void AnnounceSwitch(const action::Record& record);
+
+  void End();
+  void DropWithoutPlayer();
+  void PlayNext();
+
+  const MachineConfig& config_;
+  const VoicePolicy& rules_;
+  VoiceState& voice_;
+  const Time now_;
+  std::vector<VoiceAction> actions_;
+};
+
+// The zero of /clock changes when the world restarts, and with its first sample.
+void Speaking::FollowClock() {
+  if (voice_.now == Time{} || now_ < voice_.now) {
+    const Duration jump = now_ - voice_.now;
+    for (auto& waiting : voice_.waiting) waiting.until += jump;
+    if (voice_.playing) voice_.playing->until += jump;
+    if (voice_.tapped) *voice_.tapped += jump;
+    for (auto& sentence : voice_.sentences) sentence.said += jump;
+    voice_.busy_until += jump;
+  }
+  voice_.now = now_;
+}
+
+void Speaking::On(const voice_event::MachineSeen& seen) {
+  voice_.machine = seen.machine;
+  switch (seen.machine.phase) {
+    case Phase::kFailed:
+      if (std::exchange(voice_.failure_announced, true)) return;
+      Say(Occasion::kStart, {Play::kSelfCheckFailed, ""});
+      return AnnounceFaults();
+    case Phase::kRunning:
+      AnnounceStart();
+      return AnnounceBattery();
+    case Phase::kIdle:
+    case Phase::kStarting:
+      return;
+    case Phase::kStopping:
+    case Phase::kStopped:
+    case Phase::kFenced:
+      voice_.waiting.clear();
+  }
+}
+
+void Speaking::AnnounceStart() {
+  const MachineView& machine = voice_.machine;
+  if (!std::exchange(voice_.start_announced, true)) {
+    if (machine.adopted) {
+      voice_.loading_announced = true;
+    } else {
+      Say(Occasion::kStart, {Play::kReady, ""});
+      const bool well = machine.faults.empty();
+      Say(Occasion::kStart, {well ? Play::kSelfCheckOk : Play::kSelfCheckFailed, ""});
+      AnnounceFaults();
+    }
+  }
+  if (!machine.loaded || std::exchange(voice_.loading_announced, true)) return;
+  AnnounceFaults();
+  const auto& all = config_.actuators;
+  const bool staged =
+      std::any_of(all.begin(), all.end(), [](const auto& a) { return a.stage > 1; });
+  if (staged) Say(Occasion::kStart, {Play::kStarted, ""});
+}
+
+void Speaking::AnnounceFaults() {
+  for (const MachineView::Fault& fault : voice_.machine.faults) {
+    auto& announced = voice_.faults_announced;
+    if (std::find(announced.begin(), announced.end(), fault) != announced.end()) continue;
+    announced.push_back(fault);
+    for (const std::int32_t code : FailedCodes(PartsOf(fault.actuator), fault.error)) {
+      if (const auto sound = SelfCheckSound(fault.actuator, code)) {
+        Say(Occasion::kStart, {*sound, ""});
+      } else {
+        SaySentence(Occasion::kStart, fault.actuator + ": " + fault.error.message);
+      }
+    }
+  }
+}
+
+// 0: nothing to announce.
+int Speaking::BatteryUrgency() const {
+  const MachineView& machine = voice_.machine;
+  if (!machine.battery) return 0;
+  switch (machine.level) {
+    case BatteryLevel::kEmpty:
+      return 4;
+    case BatteryLevel::kLowPower:
+      return 3;
+    case BatteryLevel::kProtected:
+      return 2;
+    case BatteryLevel::kFree:
+      break;
+  }
+  const int hysteresis = config_.policy->battery ? config_.policy->battery->hysteresis : 0;
+  const int left_at = rules_.battery_at + (voice_.battery_announced > 0 ? hysteresis : 1);
+  return *machine.battery < left_at ? 1 : 0;
+}
+
+// An announcement that is not permitted now is not marked as done: it follows later if still true.
+void Speaking::AnnounceBattery() {
+  const int urgency = BatteryUrgency();
+  if (urgency > voice_.battery_announced) {
+    if (voice_.machine.charging || !May(Occasion::kBattery)) return;
+    Say(Occasion::kBattery, {kBatteryWords.at(static_cast<std::size_t>(urgency)), ""});
+  }
+  voice_.battery_announced = urgency;
+}
+
+// Before the machine is running, the start has announcements of its own.
+void Speaking::On(const voice_event::Recorded& recorded) {
+  const action::Record& record = recorded.record;
+  if (record.kind == "switch") return AnnounceSwitch(record);
+  const bool announced = record.kind == "policy" && record.code != kCodeOk &&
+                         record.code != kCodeTargetBusy && voice_.machine.phase == Phase::kRunning;
+  if (announced) SaySentence(Occasion::kRefusal, record.message);
+}
+
+void Speaking::AnnounceSwitch(const action::Record& record) {
+  const bool begins = record.switch_number != 0 && record.switch_number != voice_.switch_number;
+  if (begins) {
+    voice_.switch_number = record.switch_number;
+    voice_.known.clear();
+    for (const auto& fault : voice_.machine.faults) voice_.known.push_back(fault.error.code);
+  }
+  // No announcement if another switch superseded this one, or if the actuator was already degraded.
+  const bool known =
+      record.switch_number != 0 &&
+      std::find(voice_.known.begin(), voice_.known.end(), record.code) != voice_.known.end();
+  const bool announced = record.code != kCodeOk && record.code != kCodeTargetBusy && !known &&
+                         !record.actuator && voice_.machine.phase == Phase::kRunning;
+  if (!announced) return;
+  const auto sound = record.switch_number == 0 ? std::nullopt : SwitchSound(record.code);
+  if (sound) return Say(Occasion::kSwitch, {*sound, ""});
+  SaySentence(Occasion::kSwitch, record.message);
+}
+
+void Speaking::On(const voice_event::DoubleTapped&) {
+  const MachineView& machine = voice_.machine;
+  if (machine.phase != Phase::kRunning) return;
+  if (voice_.tapped && now_ < *voice_.tapped + kTapPause) return;
+  voice_.tapped = now_;
+  if (!machine.battery || machine.battery_silent) {
+    return SayFirst({0, "the charge of the battery is not known"});
+  }
+  SayFirst({static_cast<std::uint16_t>(Play::kBatteryLevel + *machine.battery), ""});
+}
+
+void Speaking::On(const voice_event::AppConnected&) {
+  const MachineView& machine = voice_.machine;
+  const bool awake = machine.state == kActive || machine.state == kProtected;
+  if (machine.phase != Phase::kRunning || !awake || machine.charging) return;
+  if (!May(Occasion::kApp) || std::exchange(voice_.greeted, true)) return;
+  if (voice_.player) {
+    Queue({{Play::kAppConnected, ""}, now_ + kVoiceTimeout, true}, false);
+  } else {
+    actions_.emplace_back(voice_action::StandUp{});
+  }
+}
+
+void Speaking::On(const voice_event::PlayerMatched& matched) {
+  voice_.player = matched.available;
+  if (!matched.available && voice_.playing) End();
+}
+
+void Speaking::On(const voice_event::PlayReported& reported) {
+  voice_.busy_until = reported.playing ? now_ + kReportLasts : now_;
+}
+
+void Speaking::On(const voice_event::PlayEnded& ended) {
+  if (!voice_.playing || ended.number != voice_.number) return;  // its deadline is over
+  End();
+}
+
+bool Speaking::May(Occasion occasion) const {
+  const bool asleep = voice_.machine.state == kLowPower;
+  return rules_.Announces(occasion) &&
+         (!asleep || !rules_.quiet_asleep || occasion == Occasion::kTouch);
+}
+
+void Speaking::Say(Occasion occasion, Utterance utterance) {
+  if (May(occasion)) Queue({std::move(utterance), now_ + kVoiceTimeout}, false);
+}
+
+// A person waits for the answer to a double tap.
+void Speaking::SayFirst(Utterance utterance) {
+  if (May(Occasion::kTouch)) Queue({std::move(utterance), now_ + kVoiceTimeout}, true);
+}
+
+void Speaking::SaySentence(Occasion occasion, const std::string& sentence) {
+  auto& said = voice_.sentences;
+  std::erase_if(said, [&](const auto& s) { return now_ >= s.said + kSameSentence; });
+  const std::string text = Shortened(sentence);
+  const bool again =
+      std::any_of(said.begin(), said.end(), [&](const auto& s) { return s.text == text; });
+  if (again || !May(occasion)) return;
+  said.push_back({text, now_});
+  Say(occasion, {0, text});
+}
+
+void Speaking::Queue(VoiceState::Waiting waiting, bool first) {
+  auto& all = voice_.waiting;
+  const bool waits = std::any_of(all.begin(), all.end(),
+                                 [&](const auto& w) { return w.utterance == waiting.utterance; });
+  if (waits) return;
+  if (all.size() == kMostWaiting) all.erase(all.begin());
+  all.insert(first ? all.begin() : all.end(), std::move(waiting));
+}
+
+void Speaking::End() {
+  const bool stand_up = voice_.playing->stand_up;
+  voice_.playing.reset();
+  voice_.busy_until = now_;
+  if (stand_up) actions_.emplace_back(voice_action::StandUp{});
+}
+
+void Speaking::Settle() {
+  if (voice_.playing && now_ >= voice_.playing->until) End();
+  if (!voice_.player) DropWithoutPlayer();
+  if (voice_.player && !voice_.playing) PlayNext();
+}
+
+void Speaking::DropWithoutPlayer() {
+  const auto dropped =
+      std::erase_if(voice_.waiting, [&](const auto& w) { return now_ >= w.until; });
+  if (dropped == 0 || std::exchange(voice_.silence_announced, true)) return;
+  actions_.emplace_back(voice_action::LogDropped{});
+}
+
+void Speaking::PlayNext() {
+  if (voice_.waiting.empty()) return;
+  VoiceState::Waiting next = voice_.waiting.front();
+  if (now_ < std::min(voice_.busy_until, next.until)) return;
+  voice_.waiting.erase(voice_.waiting.begin());
+  actions_.emplace_back(voice_action::Play{++voice_.number, next.utterance});
+  next.until = now_ + (next.utterance.text.empty() ? kPhraseTime : kSentenceTime);
+  voice_.playing = std::move(next);
+}
+
+}  // namespace
+
+MachineView ViewOf(const MachineConfig& config, const Machine& machine) {
+  MachineView view;
+  view.phase = machine.phase;
+  view.state = machine.state;
+  view.adopted = machine.last_switch == 0;
+  view.loaded = machine.policy.loaded;
+  view.battery = machine.policy.battery;
+  view.level = machine.policy.level;
+  view.charging = machine.policy.charging;
+  view.battery_silent = machine.policy.battery_silent;
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    if (const auto fault = TroubleOf(machine.actuators[i])) {
+      view.faults.push_back({config.actuators[i].name, *fault});
+    }
+  }
+  return view;
+}
+
+std::vector<VoiceAction> Speak(const MachineConfig& config, VoiceState& voice,
+                               const VoiceEvent& event, Time now) {
+  Speaking speaking(config, voice, now);
+  speaking.FollowClock();
+  std::visit([&](const auto& what) { speaking.On(what); }, event);
+  speaking.Settle();
+  return std::move(speaking).Take();
+}
+
+std::optional<Time> NextVoiceDeadline(const VoiceState& voice) {
+  if (voice.playing) return voice.playing->until;
+  if (voice.waiting.empty()) return std::nullopt;
+  if (voice.player) return std::min(voice.busy_until, voice.waiting.front().until);
+  const auto first =
+      std::min_element(voice.waiting.begin(), voice.waiting.end(),
+                       [](const auto& a, const auto& b) { return a.until < b.until; });
+  return first->until;
+}
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,280 @@
+// The requests of the dog's app to its manager, and the replies by CyberDog's tables.
+
+#include "musher/test/cyberdog/managed_robot.hpp"
+
+namespace musher::testing::requests_test {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::uint8_t kActiveNumber = 0, kProtectNumber = 1, kLowPowerNumber = 2, kOtaNumber = 3,
+                       kShutdownNumber = 4, kSelfCheckNumber = 5, kDeActiveNumber = 6,
+                       kErrorNumber = 7;
+
+class CyberdogRequests : public ManagedRobot {
+ protected:
+  void SwitchTo(std::uint8_t number) {
+    if (!switch_) switch_ = PublishFunction<msg::UInt8>("machine_state_switch");
+    Settle();
+    switch_({number});
+    Settle();
+  }
+  std::function<void(const msg::UInt8&)> switch_;
+};
+
+TEST_F(CyberdogRequests, TheStateHasItsTextInEveryState) {
+  BringUp();
+  const std::pair<const char*, const char*> kTexts[] = {
+      {"Active", "active"},      {"Protected", "protected"},
+      {"LowPower", "lowpower"},  {"OTA", "ota"},
+      {"DeActive", "deactive"},  {"Error", "error-state"},
+      {"SelfCheck", "selfcheck"}};
+  for (const auto& [state, text] : kTexts) {
+    Take(state);
+    const auto answer = Trigger("machine_state_valget");
+    EXPECT_TRUE(answer.success);
+    EXPECT_EQ(answer.message, text);
+  }
+}
+
+TEST_F(CyberdogRequests, TheTopicSwitchesDirectlyToEveryStateThatHasANumber) {
+  BringUp();
+  const std::pair<std::uint8_t, const char*> kNumbers[] = {
+      {kProtectNumber, "Protected"},  {kLowPowerNumber, "LowPower"}, {kOtaNumber, "OTA"},
+      {kActiveNumber, "Active"},      {kDeActiveNumber, "DeActive"}, {kErrorNumber, "Error"},
+      {kSelfCheckNumber, "SelfCheck"}};
+  for (const auto& [number, target] : kNumbers) {
+    SwitchTo(number);
+    EXPECT_EQ(state(), target);
+  }
+  SwitchTo(kShutdownNumber);
+  robot_.RunFor(std::chrono::seconds(10));
+  EXPECT_FALSE(robot_.IsAlive("a"));
+}
+
+TEST_F(CyberdogRequests, ANumberThatMeansNothingIsRefusedWithACodeAndARecord) {
+  BringUp();
+  Records();
+  SwitchTo(8);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_THAT(Records(), HasSubstr("110 machine_state_switch: 8 is not the number of a state"));
+  const auto answer = Keep(255, 10);
+  EXPECT_FALSE(answer.success);
+  EXPECT_EQ(answer.code, kCodeParametersInvalid);
+  EXPECT_THAT(Records(),
+              HasSubstr("110 machine_state_switch_keep: 255 is not the number of a state"));
+  EXPECT_FALSE(robot_.machine().policy.keep);
+}
+
+TEST_F(CyberdogRequests, ADirectSwitchOutsideTheFlowIsRefusedWithACodeAndARecord) {
+  BringUp();
+  Take("Error");
+  Records();
+  SwitchTo(kLowPowerNumber);
+  EXPECT_EQ(state(), "Error");
+  EXPECT_THAT(Records(), HasSubstr("103 switch to LowPower refused: "));
+}
+
+// CyberDog's table of rules: where the robot is, what is wanted, what comes of it.
+struct StateRequest {
+  const char* from;
+  std::uint8_t number;
+  const char* to;  // empty: refused
+};
+
+class StateRequestFrom : public CyberdogRequests,
+                         public ::testing::WithParamInterface<StateRequest> {};
+
+TEST_P(StateRequestFrom, IsExecutedOrRefusedAsInTheTable) {
+  const auto [from, number, to] = GetParam();
+  const bool refused = std::string(to).empty();
+  BringUp();
+  Take(from);
+  const auto answer = Keep(number);
+  EXPECT_EQ(answer.success, !refused);
+  EXPECT_EQ(answer.code, refused ? kCodeStateInvalid : kCodeOk);
+  EXPECT_EQ(state(), refused ? from : to);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, StateRequestFrom,
+                         ::testing::Values(StateRequest{"OTA", kActiveNumber, ""},
+                                           StateRequest{"OTA", kProtectNumber, ""},
+                                           StateRequest{"OTA", kLowPowerNumber, ""},
+                                           StateRequest{"OTA", kOtaNumber, "OTA"},
+                                           StateRequest{"OTA", kShutdownNumber, ""},
+                                           StateRequest{"LowPower", kActiveNumber, "Active"},
+                                           StateRequest{"LowPower", kProtectNumber, "Protected"},
+                                           StateRequest{"LowPower", kLowPowerNumber, "LowPower"},
+                                           StateRequest{"LowPower", kOtaNumber, "OTA"},
+                                           StateRequest{"LowPower", kShutdownNumber, "TearDown"},
+                                           StateRequest{"Active", kActiveNumber, "Active"},
+                                           StateRequest{"Active", kProtectNumber, "Protected"},
+                                           StateRequest{"Active", kLowPowerNumber, "LowPower"},
+                                           StateRequest{"Active", kOtaNumber, "OTA"},
+                                           StateRequest{"Active", kShutdownNumber, "TearDown"},
+                                           StateRequest{"Protected", kActiveNumber, "Active"},
+                                           StateRequest{"Protected", kLowPowerNumber, "LowPower"},
+                                           StateRequest{"Protected", kOtaNumber, "OTA"}),
+                         [](const auto& request) {
+                           return std::string(request.param.from) + "To" +
+                                  std::to_string(request.param.number);
+                         });
+
+class CyberdogBusy : public ManagedRobot {
+ protected:
+  CyberdogBusy()
+      : ManagedRobot(ManagedMachine(), [](const std::string&, const State& state) {
+          simulation::Act act;
+          if (state == "DeActive") act.takes = Milliseconds(90);
+          return act;
+        }) {}
+  // A switch that takes a while has just begun.
+  void BeginSwitch() {
+    robot_.leader()->shell().SetState("DeActive", std::nullopt, [](const SwitchResult&) {});
+    ASSERT_TRUE(robot_.machine().current);
+  }
+};
+
+TEST_F(CyberdogBusy, EverythingIsRefusedDuringASwitch) {
+  BringUp();
+  auto keep = transport::MakeClient<msg::MachineState>(*app_, "dog/machine_state_switch_keep");
+  auto ota = transport::MakeClient<msg::SetBool>(*app_, "dog/ota_state_switch");
+  auto wake = transport::MakeClient<msg::Trigger>(*app_, "dog/low_power_exit");
+  Settle();
+  int refused = 0;
+  BeginSwitch();
+  for (std::uint8_t number = kActiveNumber; number <= kShutdownNumber; ++number) {
+    keep.value()->Call({number, 0}, std::chrono::seconds(5), [&](const auto& answer) {
+      refused += !answer.value().success && answer.value().code == kCodeTargetBusy ? 1 : 0;
+    });
+  }
+  ota.value()->Call({true}, std::chrono::seconds(5), [&](const auto& answer) {
+    EXPECT_THAT(answer.value().message, HasSubstr("111 (Robot: TargetBusy)"));
+    refused += answer.value().success ? 0 : 1;
+  });
+  wake.value()->Call({}, std::chrono::seconds(5),
+                     [&](const auto& answer) { refused += answer.value().success ? 0 : 1; });
+  robot_.RunFor(Milliseconds(50));
+  EXPECT_EQ(refused, 7);
+  Settle();
+  EXPECT_EQ(state(), "DeActive");
+}
+
+TEST_F(CyberdogRequests, KeepingHoldsTheStateUntilItsTimeIsOver) {
+  BringUp();
+  auto answer = Keep(kProtectNumber, 60);
+  EXPECT_TRUE(answer.success);
+  EXPECT_EQ(answer.code, 0);
+  EXPECT_EQ(state(), "Protected");
+  answer = Keep(kActiveNumber, 30);  // kept already: understood, and not done
+  EXPECT_TRUE(answer.success);
+  EXPECT_EQ(answer.code, -1);
+  EXPECT_EQ(state(), "Protected");
+  EXPECT_FALSE(Trigger("poweroff").success);
+  EXPECT_FALSE(SetBool("ota_state_switch", true).success);
+  robot_.RunFor(std::chrono::seconds(60));
+  EXPECT_TRUE(SetBool("ota_state_switch", true).success);
+}
+
+TEST_F(CyberdogRequests, KeepingIsCalledOffByAnyStateAndZeroSeconds) {
+  BringUp();
+  ASSERT_TRUE(Keep(kProtectNumber, 60).success);
+  const auto answer = Keep(99, 0);
+  EXPECT_TRUE(answer.success);
+  EXPECT_EQ(answer.code, 0);
+  EXPECT_EQ(state(), "Protected") << "which stays";
+  EXPECT_FALSE(robot_.machine().policy.keep);
+}
+
+TEST_F(CyberdogRequests, OtaIsEnteredAndLeftByItsOwnSwitch) {
+  BringUp();
+  EXPECT_TRUE(SetBool("ota_state_switch", true).success);
+  EXPECT_EQ(state(), "OTA");
+  EXPECT_TRUE(SetBool("ota_state_switch", true).success) << "it is there";
+  EXPECT_TRUE(SetBool("ota_state_switch", false).success);
+  EXPECT_EQ(state(), "Active");
+  const auto again = SetBool("ota_state_switch", false);
+  EXPECT_FALSE(again.success);
+  EXPECT_THAT(again.message, HasSubstr("not in OTA"));
+}
+
+TEST_F(CyberdogRequests, LowPowerHasASwitchAndAWayOut) {
+  BringUp();
+  EXPECT_EQ(Trigger("low_power_switch_state"), (msg::Trigger::Response{false, "off"}));
+  EXPECT_TRUE(SetBool("low_power_enable", true).success);
+  EXPECT_EQ(Trigger("low_power_switch_state"), (msg::Trigger::Response{true, "on"}));
+  EXPECT_TRUE(SetBool("low_power_onoff", false).success);
+  EXPECT_EQ(Trigger("low_power_switch_state"), (msg::Trigger::Response{false, "off"}));
+  const auto early = Trigger("low_power_exit");
+  EXPECT_FALSE(early.success);
+  EXPECT_THAT(early.message, HasSubstr("(103 (Robot: StateInvalid))"));
+  Take("LowPower");
+  EXPECT_TRUE(Trigger("low_power_exit").success);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(CyberdogRequests, TheWakeWordWakesItFromLowPowerAsFarAsTheBatteryAllows) {
+  BringUp();
+  const auto wake = PublishFunction<msg::Bool>("dog_wakeup");
+  Settle();
+  SetBattery(80);
+  Records();
+  wake({true});
+  Settle();
+  EXPECT_THAT(Records(), Not(HasSubstr("wake"))) << "it is awake";
+  Take("LowPower");
+  wake({false});  // the word counts, not what the sample says
+  Settle();
+  EXPECT_EQ(state(), "Active");
+  SetBattery(4);
+  EXPECT_EQ(state(), "LowPower");
+  wake({true});
+  Settle();
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_THAT(Records(), HasSubstr("refused"));
+}
+
+TEST_F(CyberdogRequests, PowerOffAnswersAtOnceAndTearsDownAfterTwoSeconds) {
+  BringUp();
+  EXPECT_TRUE(Trigger("poweroff").success);
+  robot_.RunFor(Milliseconds(1000));
+  EXPECT_TRUE(robot_.IsAlive("a"));
+  robot_.RunFor(std::chrono::seconds(6));
+  EXPECT_FALSE(robot_.IsAlive("a"));
+  EXPECT_THAT(Records(), HasSubstr("no command is configured"));
+}
+
+TEST_F(CyberdogRequests, RebootIsAnotherWayToTheSameEnd) {
+  BringUp();
+  EXPECT_TRUE(Trigger("reboot").success);
+  const auto off = Trigger("poweroff");
+  EXPECT_FALSE(off.success);
+  EXPECT_THAT(off.message, HasSubstr("about to reboot"));
+  robot_.RunFor(std::chrono::seconds(7));
+  EXPECT_FALSE(robot_.IsAlive("a"));
+}
+
+TEST_F(CyberdogRequests, PowerOffIsRefusedInOta) {
+  BringUp();
+  Take("OTA");
+  for (const char* name : {"poweroff", "reboot"}) {
+    const auto answer = Trigger(name);
+    EXPECT_FALSE(answer.success);
+    EXPECT_THAT(answer.message, HasSubstr("OTA"));
+  }
+  robot_.RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(state(), "OTA");
+}
+
+TEST_F(CyberdogRequests, NoServiceIsOfferedWithoutAManagerInTheConfig) {
+  MachineConfig config = ManagedMachine();
+  config.policy->manager = false;
+  simulation::SimRobot robot(1, config);
+  const auto app = robot.network().MakeNode("app");
+  auto client = transport::MakeClient<msg::Trigger>(*app, "dog/poweroff").value();
+  robot.StartController();
+  robot.RunFor(std::chrono::seconds(5));
+  EXPECT_FALSE(client->Ready());
+}
+
+}  // namespace musher::testing::requests_test
