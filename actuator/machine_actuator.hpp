@@ -24,7 +24,8 @@
 // A callback that fails leaves the actuator in its previous state, and the controller may then run
 // that state's callback again to clean up: callbacks must be idempotent.
 //
-// Errors: the bool calls print the error to stderr; the Result calls return it.
+// Errors: Run() and Check() log them; the other calls return them. The calls of CyberDog's library
+// are in cyberdog/machine.hpp.
 
 #include <chrono>
 #include <cstdint>
@@ -61,12 +62,10 @@ class MachineActuator {
   // Reads and validates the state config. `config_file` empty: $MUSHER_CONFIG, which a controller
   // sets for the processes that it starts. `node`: to share one participant among the actuators of
   // a process; null: creates its own.
-  bool MachineActuatorInit(const std::string& config_file = "",
-                           std::shared_ptr<transport::NodeThread> node = nullptr);
   Result<> Init(const std::string& config_file = "",
                 std::shared_ptr<transport::NodeThread> node = nullptr);
 
-  // Registers the callback of `state`; before ActuatorStart(). The callback returns CyberDog's
+  // Registers the callback of `state`; before Start(). The callback returns CyberDog's
   // code, 0 = done.
   void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
   // The same with a reason for people; an Error's code must not be 0. An exception counts as
@@ -81,7 +80,6 @@ class MachineActuator {
   // callback or a callback no state (the error names it), if SetUp fails (with its code), or if an
   // actuator of this name already runs on this host. Once for each object: after a failure it is
   // shut down, Wait() returns 1, and the program should exit.
-  bool ActuatorStart();
   Result<> Start();
 
   // Blocks until TearDown is done, or GiveUp() or Shutdown() is called; then shuts down, so that no
@@ -89,7 +87,7 @@ class MachineActuator {
   // each leaves the machine by its own Wait().
   int Wait();
 
-  // MachineActuatorInit(), ActuatorStart() and Wait(): the main function of a program that is this
+  // Init(), Start() and Wait(): the main function of a program that is this
   // actuator. Returns its exit code: kConfigurationError if the config is invalid or does not fit
   // the callbacks (the controller does not restart such an actuator automatically), 1 if SetUp
   // fails or it cannot start now, else that of Wait().
@@ -201,7 +199,8 @@ class MachineActuator {
 // An actuator that is started by hand, in a test or beside others of its process:
 //
 //   ActuatorRunner<Gripper> gripper(...);  // the arguments of Gripper's constructor
-//   if (!gripper.MachineActuatorInit(config, node) || !gripper.ActuatorStart()) return 1;
+//   const auto begun = gripper.Init(config, node);
+//   const auto started = begun ? gripper.Start() : begun;
 //
 // It is a Gripper; when it is destroyed, its callbacks end before its members do.
 template <typename Actuator>

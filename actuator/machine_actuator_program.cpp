@@ -1,31 +1,15 @@
 // The calls of a program that is one actuator: a failure is logged and becomes its exit code.
 
-#include <utility>
-
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/base/code.hpp"
 
 namespace musher {
 
-bool MachineActuator::MachineActuatorInit(const std::string& config_file,
-                                          std::shared_ptr<transport::NodeThread> node) {
-  const Result<> result = Init(config_file, std::move(node));
-  if (!result) Log(LogLevel::kError, result.error().message);
-  return result.ok();
-}
-
-bool MachineActuator::ActuatorStart() {
-  const Result<> result = Start();
-  if (!result) {
-    const Error& why = result.error();
-    Log(LogLevel::kError,
-        "not started: " + CodeText(why.code) + (why.message.empty() ? "" : ", ") + why.message);
-  }
-  return result.ok();
-}
-
 int MachineActuator::Check(const std::string& config_file) {
-  if (!MachineActuatorInit(config_file)) return kConfigurationError;
+  if (const auto read = Init(config_file); !read) {
+    Log(LogLevel::kError, read.error().message);
+    return kConfigurationError;
+  }
   const auto fit = CheckCallbacks();
   if (!fit) Log(LogLevel::kError, fit.error().message);
   return fit ? 0 : kConfigurationError;
@@ -33,7 +17,10 @@ int MachineActuator::Check(const std::string& config_file) {
 
 int MachineActuator::Run(const std::string& config_file) {
   if (const int faulty = Check(config_file); faulty != 0) return faulty;
-  return ActuatorStart() ? Wait() : 1;
+  const auto started = Start();
+  if (started) return Wait();
+  Log(LogLevel::kError, "not started: " + ErrorText(started.error()));
+  return 1;
 }
 
 }  // namespace musher

@@ -22,6 +22,11 @@ struct Error {
   friend bool operator==(const Error&, const Error&) = default;
 };
 
+// "3009 (MotionManager: SelfCheckFailed), the leg does not answer".
+inline std::string ErrorText(const Error& error) {
+  return CodeText(error.code) + (error.message.empty() ? "" : ", ") + error.message;
+}
+
 // A value, or the reason why there is none. A dropped Result is a compile error.
 template <typename T = void>
 class [[nodiscard]] Result {

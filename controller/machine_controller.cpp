@@ -53,7 +53,7 @@ class MachineController::Impl {
   }
 
   Result<> AwaitSetUp() {
-    if (!controller_) return Error{kCodeUninitialized, "MachineControllerInit has not succeeded"};
+    if (!controller_) return Error{kCodeUninitialized, "Init() has not succeeded"};
     std::promise<Result<>> promise;
     node_->loop().Post([&] {
       controller_->shell().AwaitSetUp([&](const Result<>& result) { promise.set_value(result); });
@@ -67,7 +67,7 @@ class MachineController::Impl {
       refusal.target = target;
       refusal.outcome = SwitchOutcome::kRefused;
       refusal.code = kCodeUninitialized;
-      refusal.reason = "MachineControllerInit has not succeeded";
+      refusal.reason = "Init() has not succeeded";
       return refusal;
     }
     std::promise<SwitchResult> promise;
@@ -117,58 +117,35 @@ Result<> MachineController::Init(const std::string& config_file,
   return impl_->Init(config_file, std::move(node));
 }
 
-bool MachineController::MachineControllerInit(const std::string& config_file,
-                                              std::shared_ptr<transport::NodeThread> node) {
-  const Result<> result = Init(config_file, std::move(node));
-  if (!result) std::cerr << result.error().message << std::endl;
-  return result.ok();
-}
-
 Result<> MachineController::AwaitSetUp() {
   return impl_->AwaitSetUp();
 }
 
-bool MachineController::WaitActuatorsSetUp() {
-  return AwaitSetUp().ok();
-}
-
-void MachineController::GetStateMap(std::map<std::string, std::string>& state_map) const {
-  state_map.clear();
+std::map<std::string, State> MachineController::States() const {
+  std::map<std::string, State> states;
   const Machine machine = impl_->Snapshot();
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
-    state_map[impl_->config()->actuators[i].name] = machine.actuators[i].state();
+    states[impl_->config()->actuators[i].name] = machine.actuators[i].state();
   }
+  return states;
 }
 
-bool MachineController::GetState(const std::string& target_actuator, std::string& state) const {
-  std::map<std::string, std::string> states;
-  GetStateMap(states);
-  const auto found = states.find(target_actuator);
-  if (found == states.end()) return false;
-  state = found->second;
-  return true;
+std::optional<State> MachineController::StateOf(const std::string& actuator) const {
+  const auto states = States();
+  const auto found = states.find(actuator);
+  return found == states.end() ? std::nullopt : std::optional(found->second);
 }
 
 State MachineController::GetMachineState() const {
   return impl_->Snapshot().state;
 }
 
-SwitchResult MachineController::Switch(const std::string& target_actuator,
-                                       const std::string& target_state) {
-  return impl_->Switch(target_actuator, target_state);
+SwitchResult MachineController::Switch(const std::string& actuator, const State& target) {
+  return impl_->Switch(actuator, target);
 }
 
-SwitchResult MachineController::Switch(const std::string& target_state) {
-  return impl_->Switch(std::nullopt, target_state);
-}
-
-bool MachineController::SetState(const std::string& target_actuator,
-                                 const std::string& target_state) {
-  return Switch(target_actuator, target_state).done();
-}
-
-bool MachineController::SetState(const std::string& target_state) {
-  return Switch(target_state).done();
+SwitchResult MachineController::Switch(const State& target) {
+  return impl_->Switch(std::nullopt, target);
 }
 
 }  // namespace musher

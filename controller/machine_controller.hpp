@@ -3,19 +3,19 @@
 // decides when the machine switches to which state.
 //
 //   musher::MachineController controller;
-//   if (!controller.MachineControllerInit("robot.toml")) return 1;
-//   if (!controller.WaitActuatorsSetUp()) return 1;
-//   if (!controller.SetState("SelfCheck") || !controller.SetState("Active")) return 1;
+//   if (const auto begun = controller.Init("robot.toml"); !begun) return Fail(begun.error());
+//   if (const auto there = controller.AwaitSetUp(); !there) return Fail(there.error());
+//   if (!controller.Switch("SelfCheck").done() || !controller.Switch("Active").done()) return 1;
 //
 // It starts the processes of actuators that have a `command`, keeps a journal and answers the CLI,
-// like `musher up`. Every call also has a form that returns the outcome of each actuator with code,
-// message and duration.
+// like `musher up`. The calls of CyberDog's library are in cyberdog/machine.hpp.
 //
 // Threads: calls from any thread; each blocks until it has its result. The work runs on a loop
 // thread of its own (or of the given node). Must not be called from that loop.
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,35 +33,32 @@ class MachineController {
   MachineController();
   // With protocols and services of other libraries: MachineController({cyberdog::Extension()}).
   explicit MachineController(std::vector<ControllerExtension> extensions);
-  // Leaves actuators and their processes running; SetState("TearDown") stops them.
+  // Leaves actuators and their processes running; Switch("TearDown") stops them.
   ~MachineController();
   MachineController(const MachineController&) = delete;
   MachineController& operator=(const MachineController&) = delete;
 
   // Reads and validates the config (empty: $MUSHER_CONFIG), takes the machine over and starts
-  // processes. Fails, with the reason on stderr, if the config is invalid or a running controller
-  // leads the machine. The file is not needed after that. `node` null: creates its own.
-  bool MachineControllerInit(const std::string& config_file = "",
-                             std::shared_ptr<transport::NodeThread> node = nullptr);
+  // processes. Fails if the config is invalid or a running controller leads the machine. The file
+  // is not needed after that. `node` null: creates its own.
   Result<> Init(const std::string& config_file = "",
                 std::shared_ptr<transport::NodeThread> node = nullptr);
 
-  // Waits until all actuators are set up; false if one fails or exceeds its SetUp time.
-  bool WaitActuatorsSetUp();
+  // Waits until all actuators are set up; fails if one fails or exceeds its SetUp time.
   Result<> AwaitSetUp();
 
-  // The last known states, without a call.
-  void GetStateMap(std::map<std::string, std::string>& state_map) const;
-  // False for an unknown actuator; `state` is then unchanged.
-  bool GetState(const std::string& target_actuator, std::string& state) const;
+  // The last known state of each actuator by its name, without a call.
+  std::map<std::string, State> States() const;
+  // The same of one actuator; nullopt if the config has none of this name.
+  std::optional<State> StateOf(const std::string& actuator) const;
   // The machine's own state.
   State GetMachineState() const;
 
-  // Switches one actuator, or the machine; true only for the outcome done, not for done-degraded.
-  bool SetState(const std::string& target_actuator, const std::string& target_state);
-  bool SetState(const std::string& target_state);
-  SwitchResult Switch(const std::string& target_actuator, const std::string& target_state);
-  SwitchResult Switch(const std::string& target_state);
+  // Switches one actuator, or the machine, and waits for the end. The result has the outcome of
+  // each actuator with its code, message and duration; done() is true for the outcome done, not for
+  // done-degraded.
+  SwitchResult Switch(const std::string& actuator, const State& target);
+  SwitchResult Switch(const State& target);
 
  private:
   class Impl;

@@ -21,21 +21,19 @@ class Robot : public testing::Test {
     node_ = musher::transport::NodeThread::Start().value();
   }
   void SetUp() override {
-    ASSERT_TRUE(robot_.MachineControllerInit("robot.toml", node_));
-    ASSERT_TRUE(robot_.WaitActuatorsSetUp());
+    ASSERT_TRUE(robot_.Init("robot.toml", node_));
+    ASSERT_TRUE(robot_.AwaitSetUp());
     node_->RunOnLoop([&] {
       gripper_ = musher::transport::MakeClient<SetBool>(node_->node(), "gripper/close").value();
     });
   }
   ~Robot() override {
     node_->RunOnLoop([&] { gripper_.reset(); });
-    robot_.SetState("TearDown");
+    robot_.Switch("TearDown");
   }
   void Go(const std::string& state) {
     const musher::SwitchResult result = robot_.Switch(state);
-    std::string gripper;
-    robot_.GetState("gripper", gripper);
-    ASSERT_EQ(gripper, state) << result.reason;
+    ASSERT_EQ(robot_.StateOf("gripper"), state) << result.reason;
   }
   SetBool::Response Close(bool close) {
     std::promise<SetBool::Response> promise;

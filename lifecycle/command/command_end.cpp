@@ -47,7 +47,7 @@ void Commands::End(std::size_t i, const CommandResult& given) {
     EndOwn(i, command, end);
   }
   // Of an actuator that cannot be queried nothing more is known until it is restarted.
-  const bool unknown = ConfigOf(i).protocol == Protocol::kCyberdog &&
+  const bool unknown = !HasQuery(ConfigOf(i).protocol) &&
                        end.outcome == ActuatorOutcome::kOverdue &&
                        machine_.phase != Phase::kStopping;
   if (unknown && MayRestart(i) && ProcessOf(i) != 0) {

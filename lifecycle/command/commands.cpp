@@ -82,10 +82,11 @@ void Commands::QueryOrLose(std::size_t i) {
         i, "no answer, not even to the query for the outcome of " + command.target, Of(i).cause);
   }
   if (command.queries == 0) {
-    const std::string next = ConfigOf(i).protocol == Protocol::kCyberdog
-                                 ? "; its protocol has no query for the outcome of " +
-                                       command.target + ", so its state is unknown until it answers"
-                                 : "; querying the outcome of " + command.target;
+    const std::string next = HasQuery(ConfigOf(i).protocol)
+                                 ? "; querying the outcome of " + command.target
+                                 : "; its protocol has no query for the outcome of " +
+                                       command.target +
+                                       ", so its state is unknown until it answers";
     Of(i).cause = RecordActuator(
         i, kCodeTimeout,
         ConfigOf(i).name + " did not answer within " +

@@ -18,6 +18,10 @@ std::string_view ProtocolName(Protocol protocol) {
   return "musher";
 }
 
+bool HasQuery(Protocol protocol) {
+  return protocol != Protocol::kCyberdog;
+}
+
 bool RestartConfig::Prevents(int exit_code) const {
   return std::find(prevent_exit_codes.begin(), prevent_exit_codes.end(), exit_code) !=
          prevent_exit_codes.end();

@@ -28,6 +28,10 @@ enum class Protocol {
 
 std::string_view ProtocolName(Protocol protocol);  // as the config writes it
 
+// Whether the outcome of a command can be queried. Of an actuator that cannot be queried and is
+// overdue nothing is known until it answers or is restarted.
+bool HasQuery(Protocol protocol);
+
 enum class RestartPolicy { kNo, kOnFailure, kAlways };
 
 // The exit code of a program that was called or configured wrongly: a restart does not help.

@@ -79,7 +79,7 @@ struct VoicePolicy {
 };
 
 struct PolicyConfig {
-  bool manager = false;  // the interfaces of CyberDog's manager are served
+  bool manager = false;  // an extension of the controller serves a manager's interfaces
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;
   PowerPolicy power;

@@ -256,8 +256,7 @@ class Planning {
 
   // Overdue, with a protocol that has no query: nothing more is sent to it until it answers.
   static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
-    return actuator.protocol == Protocol::kCyberdog && record.fault && record.report.busy() &&
-           !record.command;
+    return !HasQuery(actuator.protocol) && record.fault && record.report.busy() && !record.command;
   }
 
   // In a state with a rank, not in a step of a start or in Error.

@@ -38,7 +38,10 @@ ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, co
 }
 
 int ExecProcess::Run(const std::string& state_config) {
-  if (!actuator_.MachineActuatorInit(state_config)) return 1;
+  if (const auto begun = actuator_.Init(state_config); !begun) {
+    actuator_.Log(LogLevel::kError, begun.error().message);
+    return 1;
+  }
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
   std::thread actuator_thread([this] { RunActuator(); });
   loop_.Run();
@@ -53,9 +56,12 @@ int ExecProcess::Run(const std::string& state_config) {
 }
 
 void ExecProcess::RunActuator() {
-  const bool ok = actuator_.ActuatorStart();
-  loop_.Post([this, ok] { OnSetUp(ok); });
-  if (!ok) return;
+  const auto started = actuator_.Start();
+  if (!started) {
+    actuator_.Log(LogLevel::kError, "not started: " + ErrorText(started.error()));
+  }
+  loop_.Post([this, ok = started.ok()] { OnSetUp(ok); });
+  if (!started) return;
   const int exit_code = actuator_.Wait();
   loop_.Post([this, exit_code] { End(exit_code, Wanted::kNo); });
 }

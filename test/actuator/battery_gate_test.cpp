@@ -73,15 +73,15 @@ class BatteryGate : public ::testing::Test {
 TEST_F(BatteryGate, FollowsTheTopicOfThePolicy) {
   ASSERT_TRUE(legs_.Init(file_.path()));
   ASSERT_TRUE(legs_.Start());
-  ASSERT_TRUE(controller_.MachineControllerInit(file_.path()));
-  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
-  ASSERT_TRUE(controller_.SetState("SelfCheck"));
-  ASSERT_TRUE(controller_.SetState("Active"));
+  ASSERT_TRUE(controller_.Init(file_.path()));
+  ASSERT_TRUE(controller_.AwaitSetUp());
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
+  ASSERT_TRUE(controller_.Switch("Active").done());
   EXPECT_FALSE(legs_.Allowed("jump").ok()) << "nothing is known of the battery";
   EXPECT_TRUE(Becomes(true, 80));
   EXPECT_TRUE(Becomes(false, 29));
   EXPECT_EQ(legs_.Allowed("jump", ModuleCode::kMotionManager).error().code, 3013);
-  ASSERT_TRUE(controller_.SetState("LowPower"));
+  ASSERT_TRUE(controller_.Switch("LowPower").done());
   EXPECT_EQ(legs_.Allowed("jump", ModuleCode::kMotionManager).error().code, 3003);
 }
 

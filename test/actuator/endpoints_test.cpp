@@ -64,8 +64,8 @@ TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
   const RobotFile file({"counter"}, kAllStates);
   const auto other = transport::NodeThread::Start().value();
   ActuatorRunner<Counter> counter;
-  ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
-  ASSERT_TRUE(counter.ActuatorStart());
+  ASSERT_TRUE(counter.Init(file.path()));
+  ASSERT_TRUE(counter.Start());
   const auto answer = CallCount(*other, file.name_space() + "/count");
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer.value().message, "1");
@@ -77,7 +77,7 @@ TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
 TEST(Endpoints, ThatCannotBeOpenedFailSetUp) {
   const RobotFile file({"counter"}, kAllStates);
   ActuatorRunner<Counter> counter("no such name");
-  ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
+  ASSERT_TRUE(counter.Init(file.path()));
   EXPECT_FALSE(counter.Start());
 }
 

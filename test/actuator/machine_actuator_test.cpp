@@ -26,8 +26,8 @@ TEST(MachineActuator, IsInSetUpOnceItHasStarted) {
   MachineActuator arm("arm");
   RegisterAll(arm, kAllStates);
   EXPECT_EQ(arm.CurrentState(), "Uninitialized");
-  ASSERT_TRUE(arm.MachineActuatorInit(file.path()));
-  ASSERT_TRUE(arm.ActuatorStart());
+  ASSERT_TRUE(arm.Init(file.path()));
+  ASSERT_TRUE(arm.Start());
   EXPECT_EQ(arm.CurrentState(), "SetUp");
 }
 
@@ -82,8 +82,8 @@ TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
     ActuatorRunner<Singer> singer;
     auto subscription = singer.subscription();
     EXPECT_EQ(singer.node(), nullptr);
-    ASSERT_TRUE(singer.MachineActuatorInit(file.path()));
-    ASSERT_TRUE(singer.ActuatorStart());
+    ASSERT_TRUE(singer.Init(file.path()));
+    ASSERT_TRUE(singer.Start());
     ASSERT_EQ(subscription.wait_for(std::chrono::seconds(10)), std::future_status::ready);
     EXPECT_EQ(subscription.get(), "la");
   }

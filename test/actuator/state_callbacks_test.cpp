@@ -151,8 +151,8 @@ TEST(TheCallbackOfAllOtherStates, IsRunOnARobotButNotForAStateThatIsNotListed) {
   MachineController machine;
   ASSERT_TRUE(machine.Init(file).ok());
   ASSERT_TRUE(machine.AwaitSetUp().ok());
-  ASSERT_TRUE(machine.SetState("SelfCheck"));
-  ASSERT_TRUE(machine.SetState("Active"));
+  ASSERT_TRUE(machine.Switch("SelfCheck").done());
+  ASSERT_TRUE(machine.Switch("Active").done());
   const SwitchResult down = machine.Switch("LowPower");
   EXPECT_EQ(down.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(down.degraded, ElementsAre("arm"));

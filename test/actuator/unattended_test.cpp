@@ -120,13 +120,14 @@ TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
   MachineController controller;
   ASSERT_TRUE(controller.Init(file.path()).ok());
   ASSERT_TRUE(controller.AwaitSetUp().ok());
-  auto checked = std::async(std::launch::async, [&] { return controller.SetState("SelfCheck"); });
+  auto checked =
+      std::async(std::launch::async, [&] { return controller.Switch("SelfCheck").done(); });
   ASSERT_EQ(begun.get_future().wait_for(kWaitLimit), std::future_status::ready);
   listener.PressTheButton();
   EXPECT_EQ(stopped.wait_for(kWaitLimit), std::future_status::ready) << "beside the callback";
   release.set_value();
   EXPECT_TRUE(checked.get());
-  EXPECT_FALSE(controller.SetState("Active")) << "no switch up is possible";
+  EXPECT_FALSE(controller.Switch("Active").done()) << "no switch up is possible";
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.emergency_stop == 7; }));
 }
 
@@ -140,8 +141,8 @@ TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
     MachineController controller;
     ASSERT_TRUE(controller.Init(file.path()).ok());
     ASSERT_TRUE(controller.AwaitSetUp().ok());
-    ASSERT_TRUE(controller.SetState("SelfCheck"));
-    ASSERT_TRUE(controller.SetState("Active"));
+    ASSERT_TRUE(controller.Switch("SelfCheck").done());
+    ASSERT_TRUE(controller.Switch("Active").done());
   }  // it exits without a message
   EXPECT_EQ(arm.CurrentState(), "Active");
   EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.state == "Protected"; }));

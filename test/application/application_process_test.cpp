@@ -25,15 +25,15 @@ class AnApplicationsProcess : public ::testing::Test {
     });
   }
   ~AnApplicationsProcess() override {
-    harness_.controller().SetState("TearDown");
+    harness_.controller().Switch("TearDown");
     harness_.node().RunOnLoop([this] { order_.reset(); });
   }
 
   void Begin() {
     ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
     ASSERT_TRUE(harness_.controller().AwaitSetUp().ok());
-    ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(harness_.controller().SetState("Active"));
+    ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness_.controller().Switch("Active").done());
     EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("WORK"));
   }
   void Order(const std::string& order) {

@@ -29,8 +29,8 @@ class BehaviorCommand : public ::testing::Test {
   // In PLAY for 40 ms.
   void Begin(Show& show) {
     harness_.Open(show);
-    ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(harness_.controller().SetState("Active"));
+    ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness_.controller().Switch("Active").done());
     harness_.Tick(show, 7);
   }
   static bool Until(const std::function<bool()>& holds) {
@@ -66,7 +66,7 @@ TEST_F(BehaviorCommand, ShowsThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
   harness_.Tick(show, 1);
-  ASSERT_TRUE(harness_.controller().SetState("Protected"));
+  ASSERT_TRUE(harness_.controller().Switch("Protected").done());
   const Ran ran = RunProgram({"behavior", "show", "--history", "1"});
   EXPECT_EQ(ran.out,
             "show  STOP  SAFE_STOP  for 0.000 s  paused\n"
@@ -106,7 +106,7 @@ TEST_F(BehaviorCommand, PrintsWhyACommandIsRefused) {
   const Ran unknown = RunProgram({"behavior", "show", "--send", "agian"});
   EXPECT_EQ(unknown.exit, 1);
   EXPECT_EQ(unknown.err, "musher: show: there is no event agian; did you mean again?\n");
-  ASSERT_TRUE(harness_.controller().SetState("Protected"));
+  ASSERT_TRUE(harness_.controller().Switch("Protected").done());
   const Ran paused = RunProgram({"behavior", "show", "--send", "again"});
   EXPECT_EQ(paused.exit, 1);
   EXPECT_EQ(paused.err, "musher: show is paused in Protected\n");
@@ -158,7 +158,7 @@ TEST_F(BehaviorCommand, ReportsThatTheApplicationWasLostAndThatItIsBack) {
   show = std::make_unique<ActuatorRunner<Show>>();
   ASSERT_TRUE(show->Prepare(harness_.path()).ok());
   ASSERT_TRUE(show->Start().ok());
-  ASSERT_TRUE(Until([&] { return harness_.controller().SetState("Active"); }));
+  ASSERT_TRUE(Until([&] { return harness_.controller().Switch("Active").done(); }));
   EXPECT_NE(watch.LineWith("- -> GREET  started"), "");
 }
 

@@ -28,7 +28,7 @@ TEST_F(AFaultyFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
   ActuatorRunner<Show> show;
   show.data().throws = {{"resumes", "no"}};
   harness_.Open(show);
-  ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
+  ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
   const SwitchResult result = harness_.controller().Switch("Active");
   ASSERT_EQ(result.actuators.size(), 1U);
   EXPECT_THAT(result.actuators[0].message, HasSubstr("OnResume: no"));
@@ -99,13 +99,13 @@ TEST_F(AFaultyFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
   ActuatorRunner<Show> show;
   Begin(show);
   harness_.Tick(show, 6);
-  ASSERT_TRUE(harness_.controller().SetState("LowPower"));
+  ASSERT_TRUE(harness_.controller().Switch("LowPower").done());
   show.RunOnLoop([&] {
     const Result<> sent = show.Send("again");
     ASSERT_FALSE(sent);
     EXPECT_EQ(sent.error().message, "show is paused in LowPower");
   });
-  ASSERT_TRUE(harness_.controller().SetState("Active"));
+  ASSERT_TRUE(harness_.controller().Switch("Active").done());
   harness_.Tick(show, 1);
   EXPECT_EQ(show.Path(), "PLAY");
   show.RunOnLoop([&] { EXPECT_TRUE(show.Send("again")); });
@@ -155,7 +155,8 @@ TEST_F(AFaultyFsmActuator, LogsAFaultOfTearDownOnce) {
   ActuatorRunner<Show> show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
-  const std::string log = Logged([&] { EXPECT_TRUE(harness_.controller().SetState("TearDown")); });
+  const std::string log =
+      Logged([&] { EXPECT_TRUE(harness_.controller().Switch("TearDown").done()); });
   const auto first = log.find("no hinge");
   ASSERT_NE(first, std::string::npos) << log;
   EXPECT_EQ(log.find("no hinge", first + 1), std::string::npos) << log;
@@ -197,7 +198,7 @@ TEST_F(AFaultyFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
   ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
   ASSERT_TRUE(harness_.controller().AwaitSetUp().ok());
   for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
-    ASSERT_TRUE(harness_.controller().SetState(state)) << state;
+    ASSERT_TRUE(harness_.controller().Switch(state).done()) << state;
   }
   std::vector<std::string> published;
   std::unique_ptr<transport::Subscription> topic;

@@ -18,7 +18,7 @@ using testing::Show;
 
 class AnFsmActuator : public testing::WithHarness {
  protected:
-  bool Go(const std::string& state) { return harness_.controller().SetState(state); }
+  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
 };
 
 TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
@@ -174,8 +174,8 @@ TEST_F(AnFsmActuator, GoesToItsSafeStateWhenAHookAroundTheTickThrowsAndOutOfItAf
     Harness harness;
     ActuatorRunner<Show> show;
     harness.Open(show);
-    ASSERT_TRUE(harness.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(harness.controller().SetState("Active"));
+    ASSERT_TRUE(harness.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness.controller().Switch("Active").done());
     show.RunOnLoop([&] { show.data().throws[hook] = "the camera is gone"; });
     harness.Tick(show, 10);
     EXPECT_EQ(show.Path(), "STOP") << hook << ": for as long as it throws";

@@ -206,8 +206,8 @@ class WithHarness : public ::testing::Test {
   // In Active.
   void Begin(Show& show) {
     harness_.Open(show);
-    ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(harness_.controller().SetState("Active"));
+    ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness_.controller().Switch("Active").done());
   }
 
   Harness harness_;

@@ -157,7 +157,7 @@ class AMachineAndItsManagers : public ::testing::Test {
       ASSERT_TRUE(module->Init(file_.path()));
       ASSERT_TRUE(module->Start());
     }
-    ASSERT_TRUE(controller_.MachineControllerInit(file_.path()));
+    ASSERT_TRUE(controller_.Init(file_.path()));
   }
 
   RobotFile file_;
@@ -168,8 +168,8 @@ class AMachineAndItsManagers : public ::testing::Test {
 
 TEST_F(AMachineAndItsManagers, ItsActuatorsRefuseAManagerWithAReasonAndAnswerQueries) {
   BringActuatorsUp();
-  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
-  ASSERT_TRUE(controller_.SetState("SelfCheck"));
+  ASSERT_TRUE(controller_.AwaitSetUp());
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
   PlainParticipant person(Domain());
   PlainLifecycleClient tool(person, RobotFile::name_space() + "/arm");
   EXPECT_EQ(tool.GetState(), "inactive [2]");
@@ -181,7 +181,7 @@ TEST_F(AMachineAndItsManagers, ItsActuatorsRefuseAManagerWithAReasonAndAnswerQue
                       "epoch 1"),
             HasSubstr("lifecycle set /" + RobotFile::name_space() + "/musher")));
   EXPECT_EQ(arm_.CurrentState(), "SelfCheck");
-  ASSERT_TRUE(controller_.SetState("Active"));
+  ASSERT_TRUE(controller_.Switch("Active").done());
   EXPECT_EQ(tool.GetState(), "active [3]");
   EXPECT_TRUE(person.Spin([&] { return tool.events.size() >= 2; }));
   EXPECT_THAT(tool.events, ElementsAre("activate: inactive -> activating",
@@ -252,15 +252,15 @@ TEST_F(AMachineAndItsManagers, AppearInRos2sDiagnosticsAndLog) {
       });
   person.Read<rcl_interfaces_msg_dds__Log_>(rcl_interfaces_msg_dds__Log__desc, "rt/rosout",
                                             [&](const auto& log) { logged.emplace_back(log.msg); });
-  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
-  ASSERT_TRUE(controller_.SetState("SelfCheck"));
+  ASSERT_TRUE(controller_.AwaitSetUp());
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
   EXPECT_TRUE(person.Spin([&] { return !shown.empty() && shown.back() == "SelfCheck"; }));
   const auto begun = std::chrono::steady_clock::now();
-  ASSERT_TRUE(controller_.SetState("Active"));
+  ASSERT_TRUE(controller_.Switch("Active").done());
   EXPECT_TRUE(person.Spin([&] { return shown.back() == "Active"; }));
   const auto took = std::chrono::steady_clock::now() - begun;
   EXPECT_LT(took, std::chrono::milliseconds(900)) << "on change, not after the period of 1 s";
-  EXPECT_FALSE(controller_.SetState("SetUp"));
+  EXPECT_FALSE(controller_.Switch("SetUp").done());
   EXPECT_TRUE(person.Spin([&] { return !logged.empty(); }));
   EXPECT_THAT(logged.back(), HasSubstr("SetUp"));
 }
@@ -308,13 +308,13 @@ class RogueClient {
 
 TEST_F(AMachineAndItsManagers, AFloodOfRequestsDoesNotDelayASwitch) {
   BringActuatorsUp();
-  ASSERT_TRUE(controller_.WaitActuatorsSetUp());
-  ASSERT_TRUE(controller_.SetState("SelfCheck"));
+  ASSERT_TRUE(controller_.AwaitSetUp());
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
   const auto median_ms = [&](const std::function<bool()>& enough) {
     std::vector<double> took;
     for (int i = 0; i < 40 || i % 2 != 0 || !enough(); ++i) {
       const auto begun = std::chrono::steady_clock::now();
-      EXPECT_TRUE(controller_.SetState(i % 2 == 0 ? "Active" : "Protected"));
+      EXPECT_TRUE(controller_.Switch(i % 2 == 0 ? "Active" : "Protected").done());
       const std::chrono::duration<double, std::milli> one =
           std::chrono::steady_clock::now() - begun;
       took.push_back(one.count());

@@ -118,10 +118,10 @@ class ManagerOfPlainPeers : public ::testing::Test {
   void BringUp() {
     ASSERT_TRUE(legs_.Init(file_.path()));
     ASSERT_TRUE(legs_.Start());
-    ASSERT_TRUE(controller_.MachineControllerInit(file_.path()));
-    ASSERT_TRUE(controller_.WaitActuatorsSetUp());
-    ASSERT_TRUE(controller_.SetState("SelfCheck"));
-    ASSERT_TRUE(controller_.SetState("Active"));
+    ASSERT_TRUE(controller_.Init(file_.path()));
+    ASSERT_TRUE(controller_.AwaitSetUp());
+    ASSERT_TRUE(controller_.Switch("SelfCheck").done());
+    ASSERT_TRUE(controller_.Switch("Active").done());
   }
   // What the power-off command leaves behind.
   std::string Mark() const { return file_.path() + ".off"; }

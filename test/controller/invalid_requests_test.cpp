@@ -36,8 +36,8 @@ class InvalidRequests : public ::testing::Test {
     EXPECT_TRUE(arm_.Start().ok());
     EXPECT_TRUE(controller_.Init(file_.path(), node_).ok());
     EXPECT_TRUE(controller_.AwaitSetUp().ok());
-    EXPECT_TRUE(controller_.SetState("SelfCheck"));
-    EXPECT_TRUE(controller_.SetState("Active"));
+    EXPECT_TRUE(controller_.Switch("SelfCheck").done());
+    EXPECT_TRUE(controller_.Switch("Active").done());
   }
   ~InvalidRequests() override {
     EXPECT_EQ(arm_.CurrentState(), "Active") << "nothing has changed";

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <fstream>
 #include <future>
 
 #include "musher/actuator/machine_actuator.hpp"
@@ -54,10 +55,10 @@ class Controlling : public ::testing::Test {
   }
 
   void BringUp() {
-    ASSERT_TRUE(controller_.MachineControllerInit(file_.path()));
-    ASSERT_TRUE(controller_.WaitActuatorsSetUp());
-    ASSERT_TRUE(controller_.SetState("SelfCheck"));
-    ASSERT_TRUE(controller_.SetState("Active"));
+    ASSERT_TRUE(controller_.Init(file_.path()));
+    ASSERT_TRUE(controller_.AwaitSetUp());
+    ASSERT_TRUE(controller_.Switch("SelfCheck").done());
+    ASSERT_TRUE(controller_.Switch("Active").done());
   }
 
   RobotFile file_;
@@ -69,34 +70,29 @@ class Controlling : public ::testing::Test {
 
 TEST_F(Controlling, BringsActuatorsUpAndReportsTheirStates) {
   BringUp();
-  std::map<std::string, std::string> states;
-  controller_.GetStateMap(states);
-  EXPECT_THAT(states, ElementsAre(Pair("arm", "Active"), Pair("leg", "Active")));
+  EXPECT_THAT(controller_.States(), ElementsAre(Pair("arm", "Active"), Pair("leg", "Active")));
   EXPECT_EQ(controller_.GetMachineState(), "Active");
   EXPECT_EQ(arm_.CurrentState(), "Active");
 }
 
 TEST_F(Controlling, SwitchesOneActuatorOnly) {
   BringUp();
-  EXPECT_TRUE(controller_.SetState("arm", "Protected"));
-  std::string state;
-  EXPECT_TRUE(controller_.GetState("arm", state));
-  EXPECT_EQ(state, "Protected");
-  EXPECT_TRUE(controller_.GetState("leg", state));
-  EXPECT_EQ(state, "Active");
-  EXPECT_FALSE(controller_.GetState("tail", state));
+  EXPECT_TRUE(controller_.Switch("arm", "Protected").done());
+  EXPECT_EQ(controller_.StateOf("arm"), "Protected");
+  EXPECT_EQ(controller_.StateOf("leg"), "Active");
+  EXPECT_EQ(controller_.StateOf("tail"), std::nullopt);
 }
 
 TEST_F(Controlling, ReturnsTheCodeAndMessageOfTheFailedActuatorAndUndoesTheRest) {
   BringUp();
-  ASSERT_TRUE(controller_.SetState("LowPower"));
+  ASSERT_TRUE(controller_.Switch("LowPower").done());
   leg_.fails_in = "Active";
   const SwitchResult result = controller_.Switch("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
   EXPECT_EQ(result.code, 5001);
   EXPECT_THAT(result.reason, HasSubstr("by the test"));
   EXPECT_EQ(arm_.CurrentState(), "LowPower");
-  EXPECT_FALSE(controller_.SetState("Active"));
+  EXPECT_FALSE(controller_.Switch("Active").done());
 }
 
 TEST_F(Controlling, IsAnsweredByAnActuatorWhoseCallbackBlocks) {
@@ -112,7 +108,7 @@ TEST_F(Controlling, IsAnsweredByAnActuatorWhoseCallbackBlocks) {
 
 TEST_F(Controlling, TearsDownAndTheActuatorsProgramsEnd) {
   BringUp();
-  EXPECT_TRUE(controller_.SetState("TearDown"));
+  EXPECT_TRUE(controller_.Switch("TearDown").done());
   EXPECT_EQ(arm_.Wait(), 0);
   EXPECT_EQ(leg_.Wait(), 0);
 }
@@ -144,14 +140,25 @@ TEST_F(ControllingInAHurry, QueriesAnOverdueActuator) {
 
 TEST(MachineController, IsOfNoUseBeforeInit) {
   MachineController controller;
-  EXPECT_FALSE(controller.WaitActuatorsSetUp());
-  EXPECT_FALSE(controller.SetState("Active"));
+  EXPECT_FALSE(controller.AwaitSetUp());
+  EXPECT_FALSE(controller.Switch("Active").done());
+}
+
+TEST(MachineController, RefusesAProtocolThatItHasNoExtensionFor) {
+  const RobotFile file({"legs"}, kAllStates);
+  std::ofstream(file.path(), std::ios::app) << "protocol = \"cyberdog\"\n";
+  MachineController controller;
+  const Result<> begun = controller.Init(file.path());
+  ASSERT_FALSE(begun.ok());
+  EXPECT_EQ(begun.error().message,
+            "actuator 'legs' has the protocol 'cyberdog', which this program's controller does not "
+            "have: it needs the extension of that name");
 }
 
 TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {
   const RobotFile file({"arm"}, kAllStates, {{"SetUp", 100}});
   MachineController controller;
-  ASSERT_TRUE(controller.MachineControllerInit(file.path()));
+  ASSERT_TRUE(controller.Init(file.path()));
   const Result<> result = controller.AwaitSetUp();
   ASSERT_FALSE(result.ok());
   EXPECT_THAT(result.error().message, HasSubstr("arm was not set up within 100 ms"));

@@ -136,17 +136,15 @@ TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
   dog.RegisterStateCallback([](const State&) { return kCodeOk; });
   ASSERT_TRUE(dog.Init(file_.path()));
   ASSERT_TRUE(dog.Start());
-  MachineController controller;
-  ASSERT_TRUE(controller.MachineControllerInit(file_.path()));
-  ASSERT_TRUE(controller.WaitActuatorsSetUp());
-  EXPECT_TRUE(controller.SetState("SelfCheck"));
-  EXPECT_TRUE(controller.SetState("Active"));
-  EXPECT_TRUE(controller.SetState("LowPower"));
-  std::map<std::string, std::string> states;
-  controller.GetStateMap(states);
-  EXPECT_THAT(states, ::testing::ElementsAre(::testing::Pair("dog", "LowPower"),
-                                             ::testing::Pair("planner", "LowPower")));
-  EXPECT_TRUE(controller.SetState("TearDown"));
+  MachineController controller({cyberdog::Extension()});
+  ASSERT_TRUE(controller.Init(file_.path()));
+  ASSERT_TRUE(controller.AwaitSetUp());
+  EXPECT_TRUE(controller.Switch("SelfCheck").done());
+  EXPECT_TRUE(controller.Switch("Active").done());
+  EXPECT_TRUE(controller.Switch("LowPower").done());
+  EXPECT_THAT(controller.States(), ::testing::ElementsAre(::testing::Pair("dog", "LowPower"),
+                                                          ::testing::Pair("planner", "LowPower")));
+  EXPECT_TRUE(controller.Switch("TearDown").done());
 }
 
 TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
@@ -164,7 +162,7 @@ TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
   };
   ASSERT_TRUE(until([&] { return manager.Ready() && manager.heartbeat_counts["arm"] >= 2; }));
   std::vector<CyberdogManager::Result> results;
-  manager.SetState("Active", [&](auto r) { results = std::move(r); });
+  manager.Switch("Active", [&](auto r) { results = std::move(r); }).done();
   ASSERT_TRUE(until([&] { return !results.empty(); }));
   EXPECT_EQ(results[0].code, 0);
   EXPECT_EQ(results[0].current_state, 4);

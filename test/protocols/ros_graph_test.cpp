@@ -54,7 +54,7 @@ TEST_F(ARobotBesideRos2, IsListedByNameWithItsEndpointsAndWithoutAWarning) {
     ASSERT_TRUE(actuator->Init(file_.path(), thread));
     ASSERT_TRUE(actuator->Start());
   }
-  ASSERT_TRUE(controller.MachineControllerInit(file_.path()));
+  ASSERT_TRUE(controller.Init(file_.path()));
   RosGraphPeer ros;
   EXPECT_TRUE(ros.Sees([&](const RosGraph& graph) {
     return graph.Has(Here("arm"), "service " + Here("arm/musher_command")) &&

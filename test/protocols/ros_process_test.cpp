@@ -38,14 +38,12 @@ TEST(AManagedNode, IsDrivenWithoutAnySettingWhenTheControllerStartsIt) {
          << RobotFile::name_space() << "/planner\"]\n";
   }
   MachineController controller;
-  ASSERT_TRUE(controller.MachineControllerInit(file.path()));
-  ASSERT_TRUE(controller.WaitActuatorsSetUp());
-  EXPECT_TRUE(controller.SetState("SelfCheck"));
-  EXPECT_TRUE(controller.SetState("Active"));
-  std::map<std::string, std::string> states;
-  controller.GetStateMap(states);
-  EXPECT_EQ(states["planner"], "Active");
-  EXPECT_TRUE(controller.SetState("TearDown"));
+  ASSERT_TRUE(controller.Init(file.path()));
+  ASSERT_TRUE(controller.AwaitSetUp());
+  EXPECT_TRUE(controller.Switch("SelfCheck").done());
+  EXPECT_TRUE(controller.Switch("Active").done());
+  EXPECT_EQ(controller.StateOf("planner"), "Active");
+  EXPECT_TRUE(controller.Switch("TearDown").done());
 }
 
 // Milliseconds that the call of a fresh ROS 2 process takes; negative where it has failed.

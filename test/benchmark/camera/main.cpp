@@ -102,8 +102,7 @@ pid_t ChildNamed(const std::string& name) {
 class Manager {
  public:
   Manager() : fleet_([this](const Fleet& fleet, const std::string&) { return Command(fleet); }, 1) {
-    if (!controller_.MachineControllerInit(fleet_.config_file()) ||
-        !controller_.WaitActuatorsSetUp()) {
+    if (!controller_.Init(fleet_.config_file()) || !controller_.AwaitSetUp()) {
       Fail("the camera manager is not set up");
     }
     MustBeDone(controller_.Switch("SelfCheck"));
@@ -111,7 +110,7 @@ class Manager {
   }
   Manager(const Manager&) = delete;
   Manager& operator=(const Manager&) = delete;
-  ~Manager() { static_cast<void>(controller_.SetState("TearDown")); }
+  ~Manager() { static_cast<void>(controller_.Switch("TearDown").done()); }
 
   pid_t pid() const { return ChildNamed("musher-camera-manager"); }
 

@@ -16,7 +16,7 @@ namespace musher::benchmark {
 struct Board {
   // From the module.
   std::atomic<std::int64_t> callbacks;      // begun so far, by all its processes
-  std::atomic<std::int64_t> set_up_at;      // when ActuatorStart() came back, 0 before
+  std::atomic<std::int64_t> set_up_at;      // when Start() came back, 0 before
   std::atomic<std::int64_t> checkpoint_at;  // of its cycle, the last one
   // To the module.
   std::atomic<bool> silent;           // the cycle gives no more checkpoints

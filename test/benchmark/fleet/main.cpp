@@ -64,8 +64,8 @@ void Measure(int count, int number, int rounds, const Table& table) {
   const Fleet fleet(count, true);
   const auto started = Clock::now();
   MachineController controller;
-  if (!controller.MachineControllerInit(fleet.config_file())) Fail("no controller");
-  if (!controller.WaitActuatorsSetUp()) Fail("not all are set up");
+  if (!controller.Init(fleet.config_file())) Fail("no controller");
+  if (!controller.AwaitSetUp()) Fail("not all are set up");
   const double set_up = Milliseconds(started);
   const auto first = Clock::now();
   MustBeDone(controller.Switch("SelfCheck"));

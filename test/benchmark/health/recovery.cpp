@@ -54,7 +54,7 @@ struct Times {
   std::vector<double> trace;     // → backtrace
   std::vector<double> end;       // → its end on record
   std::vector<double> start;     // → exec
-  std::vector<double> own;       // → ActuatorStart() has come back: the module's own start
+  std::vector<double> own;       // → Start() has come back: the module's own start
   std::vector<double> join;      // → Active
   std::vector<double> whole;     // fault → Active
   std::vector<double> overhead;  // the whole but for what is the module's own, or the checkpoint

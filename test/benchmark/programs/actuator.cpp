@@ -20,7 +20,12 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     MachineActuator& actuator = *actuators.emplace_back(std::make_unique<MachineActuator>(argv[i]));
     actuator.RegisterStateCallback([](const musher::State&) { return 0; });
-    if (!actuator.MachineActuatorInit("", node) || !actuator.ActuatorStart()) return 1;
+    const auto begun = actuator.Init("", node);
+    const auto started = begun ? actuator.Start() : begun;
+    if (!started) {
+      actuator.Log(started.error());
+      return 1;
+    }
   }
   for (const auto& actuator : actuators) actuator->Wait();
 }

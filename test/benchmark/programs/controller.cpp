@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
   if (argc != 2) return 1;
   musher::benchmark::DieWithParent();
   musher::MachineController controller;
-  if (!controller.MachineControllerInit(argv[1]) || !controller.WaitActuatorsSetUp() ||
-      !controller.SetState("SelfCheck") || !controller.SetState("Active")) {
+  if (!controller.Init(argv[1]) || !controller.AwaitSetUp() ||
+      !controller.Switch("SelfCheck").done() || !controller.Switch("Active").done()) {
     return 1;
   }
   std::puts("Active");

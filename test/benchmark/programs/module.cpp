@@ -37,7 +37,12 @@ int Main(const std::string& name, Board& board, int hz) {
     if (state == kSetUp || state == kSelfCheck) Compute(board.load_ms.exchange(0));
     return 0;
   });
-  if (!actuator.MachineActuatorInit() || !actuator.ActuatorStart()) return 1;
+  const auto begun = actuator.Init();
+  const auto started = begun ? actuator.Start() : begun;
+  if (!started) {
+    actuator.Log(started.error());
+    return 1;
+  }
   board.set_up_at = NowOnBoard();
   if (hz > 0) std::thread([&] { Cycle(actuator, board, hz); }).detach();
   const int exit_code = actuator.Wait();

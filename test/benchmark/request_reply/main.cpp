@@ -81,8 +81,8 @@ class HandedOff {
 class Switched {
  public:
   Switched() : fleet_(1, true) {
-    if (!controller_.MachineControllerInit(fleet_.config_file())) Fail("no controller");
-    if (!controller_.WaitActuatorsSetUp()) Fail("the actuator is not set up");
+    if (!controller_.Init(fleet_.config_file())) Fail("no controller");
+    if (!controller_.AwaitSetUp()) Fail("the actuator is not set up");
     MustBeDone(controller_.Switch("SelfCheck"));
     MustBeDone(controller_.Switch("Active"));
   }

@@ -46,8 +46,8 @@ void Measure(int actuators, int processes, int number, const Table& table) {
   const auto begin = Clock::now();
   const Processes by_hand = shared ? StartByHand(fleet, processes) : Processes();
   MachineController controller;
-  if (!controller.MachineControllerInit(fleet.config_file())) Fail("no controller");
-  if (!controller.WaitActuatorsSetUp()) Fail("not all are set up");
+  if (!controller.Init(fleet.config_file())) Fail("no controller");
+  if (!controller.AwaitSetUp()) Fail("not all are set up");
   table.Row(what + "all set up after", {Seconds(Clock::now() - begin)}, "s");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));

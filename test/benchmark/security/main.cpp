@@ -63,8 +63,8 @@ double Switch(MachineController& controller, int switches) {
 // Starts a machine; gives the ms until all of it is Active.
 double Up(const Fleet& fleet, MachineController& controller) {
   const auto begin = Clock::now();
-  if (!controller.MachineControllerInit(fleet.config_file())) Fail("no controller");
-  if (!controller.WaitActuatorsSetUp()) Fail("not all are set up");
+  if (!controller.Init(fleet.config_file())) Fail("no controller");
+  if (!controller.AwaitSetUp()) Fail("not all are set up");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
   return Milliseconds(begin);

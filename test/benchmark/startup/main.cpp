@@ -41,8 +41,8 @@ void UnderMusher(const Fleet& fleet, Times& times) {
   NextDomain();
   const auto begin = Clock::now();
   MachineController controller;
-  if (!controller.MachineControllerInit(fleet.config_file())) Fail("no controller");
-  if (!controller.WaitActuatorsSetUp()) Fail("not all are set up");
+  if (!controller.Init(fleet.config_file())) Fail("no controller");
+  if (!controller.AwaitSetUp()) Fail("not all are set up");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
   times.start_s.push_back(Seconds(Clock::now() - begin));

@@ -70,7 +70,12 @@ int Main(const std::string& name, Board& board, int hz) {
   MachineActuator actuator(name);
   actuator.RegisterStateCallback(
       [&board](const State& state) { return Callback(board, IndexOfState(state)); });
-  if (!actuator.MachineActuatorInit() || !actuator.ActuatorStart()) return EXIT_FAILURE;
+  const auto begun = actuator.Init();
+  const auto started = begun ? actuator.Start() : begun;
+  if (!started) {
+    actuator.Log(started.error());
+    return EXIT_FAILURE;
+  }
   std::thread([&] { Cycle(actuator, board, hz); }).detach();
   const int exit_code = actuator.Wait();
   std::_Exit(exit_code);  // the cycle still uses the actuator

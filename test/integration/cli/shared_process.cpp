@@ -13,7 +13,10 @@ int main() {
   musher::MachineActuator leg("leg");
   for (musher::MachineActuator* actuator : {&arm, &leg}) {
     actuator->RegisterStateCallback([](const musher::State&) { return musher::kCodeOk; });
-    if (!actuator->MachineActuatorInit("", node) || !actuator->ActuatorStart()) {
+    const auto begun = actuator->Init("", node);
+    const auto started = begun ? actuator->Start() : begun;
+    if (!started) {
+      actuator->Log(started.error());
       return EXIT_FAILURE;
     }
   }

@@ -33,11 +33,11 @@ class FirstModule : public ::testing::Test {
     fs::create_symlink(MUSHER_BIN_DIR "/gripper", robot_ + "/build/gripper");
   }
   // [robot end]
-  ~FirstModule() override { controller_.SetState("TearDown"); }
+  ~FirstModule() override { controller_.Switch("TearDown"); }
 
   // [start]
   void Start() {
-    ASSERT_TRUE(controller_.MachineControllerInit(robot_ + "/robot.toml"));
+    ASSERT_TRUE(controller_.Init(robot_ + "/robot.toml"));
     const Result<> set_up = controller_.AwaitSetUp();
     ASSERT_TRUE(set_up) << set_up.error().message;
   }
@@ -109,7 +109,7 @@ TEST_F(FirstModule, IsSetByAClientOfOnesOwn) {
 TEST_F(FirstModule, DoesNotBecomeActiveAfterAFailedSelfCheck) {
   ASSERT_NO_FATAL_FAILURE(Start());
   std::ofstream(robot_ + "/temperature") << "91\n";
-  controller_.SetState("SelfCheck");
+  controller_.Switch("SelfCheck");
   const SwitchResult result = controller_.Switch("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused) << DescribeResult(result);
   EXPECT_EQ(controller_.GetMachineState(), "SelfCheck");

@@ -27,12 +27,12 @@ TEST(MotionProcess, StandsWalksASquareAndLiesDownForLowPower) {
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }))
       << "it stands at the end";
 
-  EXPECT_TRUE(robot.controller().SetState("LowPower"));
+  EXPECT_TRUE(robot.controller().Switch("LowPower").done());
   robot.OnBoard([](TopicBoard& board) { EXPECT_EQ(board.board.report.mode, kLying); });
   const Ran flip = RunProgram("musher-motion", {"result", "121"});
   EXPECT_EQ(flip.exit, 1);
   EXPECT_THAT(flip.output, HasSubstr("(3003)"));
-  EXPECT_TRUE(robot.controller().SetState("Active"));
+  EXPECT_TRUE(robot.controller().Switch("Active").done());
   robot.OnBoard([](TopicBoard& board) {
     EXPECT_EQ(board.board.report.mode, kLying) << "nothing moves by itself";
   });
@@ -42,7 +42,7 @@ TEST(MotionProcess, StandsWalksASquareAndLiesDownForLowPower) {
 TEST(MotionProcess, WalksInProtectedButDoesNoFlip) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
-  ASSERT_TRUE(robot.controller().SetState("Protected"));
+  ASSERT_TRUE(robot.controller().Switch("Protected").done());
   EXPECT_EQ(robot.RequestMotion(121), (msg::MotionResultCmd::Response{121, false, 3013}));
   const Ran walk = RunProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "0.3"});
   EXPECT_EQ(walk.exit, 0) << walk.output;

@@ -82,7 +82,7 @@ RobotRig::RobotRig() {
 }
 
 RobotRig::~RobotRig() {
-  controller_.SetState("TearDown");
+  controller_.Switch("TearDown");
   node_->RunOnLoop([this] {
     frames_.reset();
     board_.reset();
@@ -97,9 +97,8 @@ bool RobotRig::BringUp() {
     board_->board.report.gait = lying.gait;
     board_->board.report.bar = 100;
   });
-  return controller_.MachineControllerInit(folder_ / "robot.toml") &&
-         controller_.WaitActuatorsSetUp() && controller_.SetState("SelfCheck") &&
-         controller_.SetState("Active");
+  return controller_.Init(folder_ / "robot.toml") && controller_.AwaitSetUp() &&
+         controller_.Switch("SelfCheck").done() && controller_.Switch("Active").done();
 }
 
 void RobotRig::OnBoard(const std::function<void(TopicBoard&)>& work) {

@@ -107,7 +107,7 @@ class MusherWorld : public ::testing::Test {
 
 TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
   MachineController controller;
-  ASSERT_TRUE(controller.MachineControllerInit(folder_ / "robot.toml"));
+  ASSERT_TRUE(controller.Init(folder_ / "robot.toml"));
   const Result<> set_up = controller.AwaitSetUp();
   ASSERT_TRUE(set_up) << set_up.error().message;
   for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
