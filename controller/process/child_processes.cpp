@@ -16,6 +16,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/time.hpp"
 
 namespace musher {
 namespace {

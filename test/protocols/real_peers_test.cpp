@@ -162,7 +162,7 @@ TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndSendsItHeartbeats) {
   };
   ASSERT_TRUE(until([&] { return manager.Ready() && manager.heartbeat_counts["arm"] >= 2; }));
   std::vector<CyberdogManager::Result> results;
-  manager.Switch("Active", [&](auto r) { results = std::move(r); }).done();
+  manager.SetState("Active", [&](auto r) { results = std::move(r); });
   ASSERT_TRUE(until([&] { return !results.empty(); }));
   EXPECT_EQ(results[0].code, 0);
   EXPECT_EQ(results[0].current_state, 4);
