@@ -95,11 +95,9 @@ function(musher_test name)
   add_executable(${name} ${ARG_SOURCES})
   musher_target(${name})
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
-  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gmock_main)
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} musher_test_support GTest::gmock_main)
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)  # for ccache
   target_precompile_headers(${name} REUSE_FROM musher_test_headers)
-  target_compile_definitions(${name} PRIVATE
-    MUSHER_SOURCE_DIR="${PROJECT_SOURCE_DIR}" MUSHER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 180)
   endif()

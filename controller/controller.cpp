@@ -294,14 +294,16 @@ Result<> Controller::OpenExtensions() {
     if (!store_) return;
     disk_.Do(name, [store = store_, name, text] { return store->SaveText(name, text); });
   };
-  if (config_.policy && config_.policy->manager && options_.extensions.empty()) {
-    Trouble("[policy] manager has no effect: this program's controller has no extension for it");
-  }
   for (const ControllerExtension& extension : options_.extensions) {
     if (!extension.open_services) continue;
     auto services = extension.open_services({node_, *shell_, save_text});
     if (!services) return services.error();
     if (services.value()) extensions_.push_back(std::move(services).value());
+  }
+  if (config_.policy && config_.policy->manager && extensions_.empty()) {
+    Trouble(
+        "[policy] manager has no effect: give the controller the extension that serves it, such "
+        "as MachineController({cyberdog::Extension()})");
   }
   return Ok();
 }

@@ -1,7 +1,7 @@
 #pragma once
-// What another library adds to a controller: links to actuators of a further protocol, and services
-// beside Musher's own. The controller knows no such library: a program passes the extensions that
-// it wants (ControllerOptions::extensions).
+// What another library adds to a controller: links to actuators of a protocol that the controller
+// does not have itself, and services beside Musher's own. The controller knows no such library: a
+// program passes the extensions that it wants (ControllerOptions::extensions).
 
 #include <functional>
 #include <memory>
@@ -9,10 +9,12 @@
 
 #include "musher/base/result.hpp"
 #include "musher/controller/link/actuator_link.hpp"
-#include "musher/controller/shell/controller_shell.hpp"
+#include "musher/lifecycle/step/action.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher {
+
+class ControllerShell;
 
 // The open services of an extension. Threads: loop thread only.
 class ExtensionServices {
@@ -22,7 +24,8 @@ class ExtensionServices {
   virtual void OnRecord(const action::Record& record) = 0;
 };
 
-// What the services are made from; all of it outlives them.
+// What the services are made from. The node and the shell outlive them; `save_text` is to be
+// copied.
 struct ExtensionHost {
   transport::Node& node;
   ControllerShell& shell;

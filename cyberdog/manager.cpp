@@ -1,5 +1,7 @@
 #include "musher/cyberdog/manager.hpp"
 
+#include "musher/controller/shell/controller_shell.hpp"
+
 namespace musher::cyberdog {
 
 Manager::Manager(const ExtensionHost& host, const std::string& serial_number)

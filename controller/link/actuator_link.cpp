@@ -22,8 +22,9 @@ Result<std::unique_ptr<ActuatorLink>> MakeLink(transport::Node& node, const Mach
   if (maker == extensions.end()) {
     return Error{kCodeUnSupport, "actuator '" + own.name + "' has the protocol '" +
                                      std::string(ProtocolName(own.protocol)) +
-                                     "', which this program's controller does not have: it needs "
-                                     "the extension of that name"};
+                                     "', which the controller of this program does not have: "
+                                     "give it the extension for that protocol, such as "
+                                     "MachineController({cyberdog::Extension()})"};
   }
   return maker->second(node, config, actuator, std::move(emit));
 }

@@ -7,6 +7,7 @@
 #include <future>
 
 #include "musher/controller/machine_controller.hpp"
+#include "musher/cyberdog/extension.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/transport/service.hpp"
 
@@ -48,7 +49,7 @@ class Robot : public testing::Test {
 
   std::shared_ptr<musher::transport::NodeThread> node_;
   std::unique_ptr<musher::transport::Client<SetBool>> gripper_;
-  musher::MachineController robot_;
+  musher::MachineController robot_{{musher::cyberdog::Extension()}};
 };
 // [robot end]
 

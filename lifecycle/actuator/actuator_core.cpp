@@ -52,8 +52,10 @@ class Deciding {
     if (auto refusal = Authority(arrived.sender, command.epoch))
       return Refuse({arrived.token}, *refusal);
     if (Repeated(arrived)) return;
-    if (auto refusal = CheckCommand(command)) return Refuse({arrived.token}, *refusal);
-    report_.number = command.number;
+    const auto refusal = CheckCommand(command);
+    // Also of a refused one: its copy must not run once the stop is released.
+    if (command.incarnation == report_.incarnation) UseUp(command.number);
+    if (refusal) return Refuse({arrived.token}, *refusal);
     if (report_.busy()) {
       DropWaiting({kCodeTargetBusy, "replaced by command " + std::to_string(command.number)});
       core_.waiting = {command, {arrived.token}};
@@ -63,11 +65,10 @@ class Deciding {
   }
 
   void On(const event::QueryArrived& arrived) {
-    if (auto refusal = Authority(arrived.sender, arrived.command.epoch)) {
+    if (auto refusal = Authority(arrived.sender, arrived.command.epoch))
       return Refuse({arrived.token}, *refusal);
-    }
     const std::uint64_t number = arrived.command.number;
-    report_.number = std::max(report_.number, number);
+    UseUp(number);
     if (core_.waiting && core_.waiting->command.number <= number) {
       DropWaiting({kCodeTimeout, "not started by its deadline; cancelled"});
     }
@@ -162,10 +163,11 @@ class Deciding {
     Do(PublishStatus{});
   }
 
+  void UseUp(std::uint64_t number) { report_.number = std::max(report_.number, number); }
+
   void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
-    for (const RequestToken token : tokens) {
+    for (const RequestToken token : tokens)
       Do(Answer{token, Verdict::kRefused, refusal.code, refusal.message});
-    }
   }
 
   void DropWaiting(const Refusal& why) {

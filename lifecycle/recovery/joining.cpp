@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/config/ros2_states.hpp"
 
 namespace musher {
 
@@ -41,12 +42,17 @@ bool Joining::DriveLateOnes() {
 }
 
 // Whether an emergency stop is between the actuator and the state of the machine, another one that
-// is as active. The release starts no callback on the same level.
+// is as active. The release starts no callback on the same level: only a requested switch does. A
+// ROS 2 node that is in the same ROS 2 state in both runs none.
 bool Joining::StoppedOnTheLevel(std::size_t i) const {
   const State& own = Of(i).state();
   const State place = PlaceOf(i);
   const bool level = own != place && config_.RankOf(own) == config_.RankOf(place);
-  return level && IsStopped(i) && SwitchesOnAgain(config_, own, place);
+  const auto& goals = ConfigOf(i).ros2_states;
+  const bool runs = ConfigOf(i).protocol != Protocol::kRos2Lifecycle ||
+                    Ros2GoalOf(goals, own) != Ros2GoalOf(goals, place);
+  const bool held = IsStopped(i) || Of(i).report.held_by_stop;
+  return level && runs && held && ConfigOf(i).Lists(place) && SwitchesOnAgain(config_, own, place);
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.
@@ -57,7 +63,10 @@ bool Joining::IsStopped(std::size_t i) const {
 void Joining::Hold(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.due = false;
-  Degrade(i, kCodeProtectedError, "is in " + record.state() + ": an emergency stop holds it there",
+  if (record.fault) return;
+  Degrade(i, kCodeProtectedError,
+          "stays in " + record.state() + " since an emergency stop, until the next switch; the " +
+              "machine is in " + machine_.state,
           machine_.stop_cause);
 }
 

@@ -17,9 +17,9 @@ std::optional<State> Adoption::LowestFound() const {
       std::all_of(view_.actuators.begin(), view_.actuators.end(), [](const ActuatorRecord& record) {
         return record.presence != Presence::kPresent || record.report.apart;
       });
-  std::vector<State> found;
-  const auto consider = [&](const State& state) {
-    if (config_.RankOf(state)) found.push_back(state);
+  std::vector<Found> found;
+  const auto consider = [&](std::size_t i, const State& state) {
+    if (config_.RankOf(state)) found.push_back({i, state});
   };
   bool musher_present = false;  // a Musher actuator, which reports its state
   const auto consider_all = [&](bool ros2) {
@@ -35,10 +35,10 @@ std::optional<State> Adoption::LowestFound() const {
       // An actuator that is being torn down alone will exit, and is restarted if it should be.
       const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
       if (ends && record.report.apart) continue;
-      consider(record.state());
+      consider(i, record.state());
       // Also out of a check, which has no rank of its own. On the same level the state counts.
       const State& target = record.report.target;
-      if (config_.RankOf(target) != config_.RankOf(record.state())) consider(target);
+      if (config_.RankOf(target) != config_.RankOf(record.state())) consider(i, target);
     }
   };
   consider_all(false);
@@ -47,14 +47,23 @@ std::optional<State> Adoption::LowestFound() const {
   return Lowest(found);
 }
 
-// The least active of `found`; of several on the same level that of the most actuators, and then
-// the first one of the config.
-State Adoption::Lowest(const std::vector<State>& found) const {
-  const auto key = [&](const State& state) {
-    return std::tuple(*config_.RankOf(state), -std::ranges::count(found, state),
-                      std::ranges::find(config_.states, state));
+// The least active of `found`. Of several on the same level that of the most actuators, of those
+// that could be in each of them, and then the first one of the config.
+State Adoption::Lowest(const std::vector<Found>& found) const {
+  const auto votes = [&](const State& state) {
+    const auto rank = config_.RankOf(state);
+    return std::ranges::count_if(found, [&](const Found& one) {
+      return one.state == state && std::ranges::all_of(found, [&](const Found& other) {
+               return config_.RankOf(other.state) != rank ||
+                      ConfigOf(one.actuator).Lists(other.state);
+             });
+    });
   };
-  return *std::ranges::min_element(found, {}, key);
+  const auto key = [&](const Found& one) {
+    return std::tuple(*config_.RankOf(one.state), -votes(one.state),
+                      std::ranges::find(config_.states, one.state));
+  };
+  return std::ranges::min_element(found, {}, key)->state;
 }
 
 // Whether a ROS 2 node is in the ROS 2 state to which `state` maps: then it may have been in that

@@ -15,7 +15,7 @@ class Adoption : MachineView {
   using MachineView::MachineView;
 
   // The least active state of the running actuators, or of the targets they are switching to. Of
-  // several on the same level that of the most actuators, and then the first one of the config.
+  // several on the same level that of the most actuators that could be in each of them.
   std::optional<State> LowestFound() const;
   // Whether the previous controller crashed during a switch.
   bool FoundSwitching() const;
@@ -23,7 +23,11 @@ class Adoption : MachineView {
   std::string Elsewhere() const;
 
  private:
-  State Lowest(const std::vector<State>& found) const;
+  struct Found {
+    std::size_t actuator = 0;
+    State state;
+  };
+  State Lowest(const std::vector<Found>& found) const;
   bool AgreesWith(std::size_t i, const State& state) const;
 };
 

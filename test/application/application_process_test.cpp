@@ -8,6 +8,7 @@
 
 #include "musher/test/application/show.hpp"
 #include "musher/test/controller/cli/program.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::application_process_test {
 
@@ -19,7 +20,7 @@ class AnApplicationsProcess : public ::testing::Test {
  protected:
   AnApplicationsProcess() {
     std::ofstream(harness_.path(), std::ios::app)
-        << "command = [\"" MUSHER_BIN_DIR "/application_peer\"]\nrestart_delay_ms = 10\n";
+        << "command = [\"" + BinDir() + "/application_peer\"]\nrestart_delay_ms = 10\n";
     harness_.node().RunOnLoop([this] {
       order_ = transport::MakePublisher<msg::String>(harness_.node().node(), "order").value();
     });

@@ -10,6 +10,7 @@
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/test/controller/cli/program.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 
 namespace musher::behavior_command_test {
@@ -22,7 +23,7 @@ using testing::Process;
 using testing::RobotFile;
 using testing::Show;
 
-const std::string kMusher = MUSHER_BIN_DIR "/musher";
+const std::string kMusher = BinDir() + "/musher";
 
 class BehaviorCommand : public ::testing::Test {
  protected:

@@ -11,6 +11,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
+#include "musher/cyberdog/extension.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
 namespace musher::testing::plain_manager_peer_test {
@@ -134,7 +135,7 @@ class ManagerOfPlainPeers : public ::testing::Test {
   RobotFile file_;
   PlainPeer peer_;
   MachineActuator legs_{"legs"};
-  MachineController controller_;
+  MachineController controller_{{cyberdog::Extension()}};
 };
 
 TEST_F(ManagerOfPlainPeers, PublishesItsStateAndKeepsIt) {

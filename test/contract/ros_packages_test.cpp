@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "musher/test/support/paths.hpp"
+
 namespace musher::ros_packages_test {
 
 namespace fs = std::filesystem;
@@ -20,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Fields = std::vector<std::string>;  // "int32 pid"
 
-const fs::path kIdl = fs::path(MUSHER_SOURCE_DIR) / "messages";
+const fs::path kIdl = fs::path(SourceDir()) / "messages";
 const fs::path kPackages = fs::path(MUSHER_BINARY_DIR) / "share" / "musher" / "ros";
 
 std::string Text(const fs::path& path) {

@@ -14,6 +14,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/contract/world.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
@@ -26,7 +27,7 @@ constexpr int kLeaseMs = 1000;
 class PeerProcess {
  public:
   explicit PeerProcess(const std::string& name) {
-    std::string program = MUSHER_BIN_DIR "/contract_peer";
+    std::string program = BinDir() + "/contract_peer";
     std::string domain = std::to_string(TestDomain()), lease = std::to_string(kLeaseMs), arg = name;
     char* argv[] = {program.data(), domain.data(), lease.data(), arg.data(), nullptr};
     EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv, environ), 0);

@@ -6,12 +6,14 @@
 #include <sstream>
 #include <string>
 
+#include "musher/test/support/paths.hpp"
+
 namespace musher::msg {
 
 using HashTable = std::map<std::string, std::string>;  // by "std_msgs/msg/String"
 
 inline HashTable JazzyTypeHashes() {
-  std::ifstream file(MUSHER_SOURCE_DIR "/test/contract/type_hashes_jazzy.tsv");
+  std::ifstream file(SourceDir() + "/test/contract/type_hashes_jazzy.tsv");
   HashTable table;
   for (std::string line; std::getline(file, line);) {
     std::istringstream words(line);

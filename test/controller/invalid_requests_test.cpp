@@ -13,6 +13,7 @@
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -90,7 +91,7 @@ class InvalidRequests : public ::testing::Test {
   // code, and the arm's epoch then.
   std::tuple<int, int, std::uint64_t> OfAnUnknownClient(std::uint64_t ahead) const {
     const testing::Ended client =
-        testing::RunToEnd({MUSHER_BIN_DIR "/controller_unknown_client",
+        testing::RunToEnd({BinDir() + "/controller_unknown_client",
                            transport::CommandService(NameSpace(), "arm"), std::to_string(ahead)});
     std::tuple<int, int, std::uint64_t> said{-1, -1, 0};
     std::istringstream(client.out) >> std::get<0>(said) >> std::get<1>(said) >> std::get<2>(said);

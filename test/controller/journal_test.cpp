@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "musher/test/controller/journal_fixture.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::journal_test {
 
@@ -118,7 +119,7 @@ TEST_F(JournalTest, DropsItsOldestEntriesWhenItIsTooLarge) {
 TEST_F(JournalTest, IsReadableAfterItsWriterWasKilled) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
-  const std::string program = std::string(MUSHER_BIN_DIR) + "/controller_journal_writer";
+  const std::string program = BinDir() + "/controller_journal_writer";
   const pid_t writer = fork();
   if (writer == 0) {
     dup2(ends[1], 1);

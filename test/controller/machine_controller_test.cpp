@@ -150,9 +150,11 @@ TEST(MachineController, RefusesAProtocolThatItHasNoExtensionFor) {
   MachineController controller;
   const Result<> begun = controller.Init(file.path());
   ASSERT_FALSE(begun.ok());
-  EXPECT_EQ(begun.error().message,
-            "actuator 'legs' has the protocol 'cyberdog', which this program's controller does not "
-            "have: it needs the extension of that name");
+  EXPECT_EQ(
+      begun.error().message,
+      "actuator 'legs' has the protocol 'cyberdog', which the controller of this program does "
+      "not have: give it the extension for that protocol, such as "
+      "MachineController({cyberdog::Extension()})");
 }
 
 TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {

@@ -62,7 +62,7 @@ TEST_F(CallsOfCyberdogsLibrary, ReturnFalseAndLogTheReason) {
   ASSERT_TRUE(legs_.MachineActuatorInit(file_.path(), node_));
   EXPECT_FALSE(legs_.ActuatorStart());
   const std::string log = ::testing::internal::GetCapturedStderr();
-  EXPECT_THAT(log, HasSubstr("legs: error: /nowhere/robot.toml"));
+  EXPECT_THAT(log, HasSubstr("legs: /nowhere/robot.toml: error: the file cannot be read"));
   EXPECT_THAT(log, HasSubstr("legs: error: not started: 3009 (MotionManager: SelfCheckFailed)"));
 }
 

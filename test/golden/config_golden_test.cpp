@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::config_golden_test {
 
@@ -27,7 +28,7 @@ std::string ReadText(const fs::path& path) {
 std::vector<fs::path> Files(const std::string& kind, const std::string& extension) {
   std::vector<fs::path> files;
   for (const auto& entry :
-       fs::directory_iterator(fs::path(MUSHER_SOURCE_DIR) / "test" / "golden" / "configs" / kind)) {
+       fs::directory_iterator(fs::path(SourceDir()) / "test" / "golden" / "configs" / kind)) {
     if (entry.path().extension() == extension) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());

@@ -15,6 +15,7 @@
 #include "musher/base/version.hpp"
 #include "musher/messages/interfaces.hpp"
 #include "musher/test/contract/fill.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::msg::wire_golden_test {
 
@@ -72,7 +73,7 @@ struct Ours {
 };
 
 TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
-  const fs::path folder = fs::path(MUSHER_SOURCE_DIR) / "test" / "golden" / "wire";
+  const fs::path folder = fs::path(SourceDir()) / "test" / "golden" / "wire";
   Ours ours;
   VisitInterfaces(ours);
   const auto& now = ours.codings;

@@ -12,13 +12,14 @@
 #include "musher/test/house/interface_rules.hpp"
 #include "musher/test/house/reference_rules.hpp"
 #include "musher/test/house/text_rules.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::house::house_test {
 
 using ::testing::IsEmpty;
 
 const std::vector<SourceFile>& Tree() {
-  static const std::vector<SourceFile> tree = ReadTree(MUSHER_SOURCE_DIR);
+  static const std::vector<SourceFile> tree = ReadTree(SourceDir());
   return tree;
 }
 

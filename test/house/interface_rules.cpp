@@ -22,8 +22,9 @@ Names StringsOf(const std::vector<SourceFile>& tree) {
   static const std::regex quoted(R"re("([\w/.]+)")re");
   Names names;
   for (const SourceFile& file : tree) {
-    const bool program = file.IsCpp() && (file.In("controller/") || file.In("actuator/") ||
-                                          file.In("transport/") || file.In("modules/"));
+    const bool program =
+        file.IsCpp() && (file.In("controller/") || file.In("cyberdog/") || file.In("actuator/") ||
+                         file.In("transport/") || file.In("modules/"));
     const bool config = file.In("config/") && file.Is(".toml");
     if (program) Collect(WithoutComments(file.text), quoted, names);
     if (config) Collect(file.text, quoted, names);

@@ -110,6 +110,17 @@ TEST_F(Actuator, GivesARepeatedCommandTheSameAnswerAndRunsItOnce) {
   EXPECT_EQ(again.code, 5001);
 }
 
+// The search found that such a copy switched an actuator on, after its switch had been undone.
+TEST_F(Actuator, ACopyOfARefusedCommandDoesNotRunOnceTheStopIsReleased) {
+  SetUpIt();
+  Switch(1, "DeActive");
+  Do(EmergencyStopReceived{5, true, 999});
+  EXPECT_EQ(AnswerIn(Do(Command(2, "Active"))).code, kCodeProtectedError);
+  Do(EmergencyStopReceived{5, false, 1});
+  EXPECT_THAT(AnswerIn(Do(Command(2, "Active"))).message, HasSubstr("is outdated"));
+  EXPECT_FALSE(core_.report.busy());
+}
+
 TEST_F(Actuator, RefusesAStateItDoesNotList) {
   SetUpIt();
   const Answer answer = AnswerIn(Do(Command(1, "OTA")));
@@ -148,10 +159,11 @@ TEST_F(Actuator, DoesNotTakeAnOldStatusStampForAnOldCommand) {
 
 TEST_F(Actuator, RefusesACommandWithInvalidTimes) {
   SetUpIt();
+  std::uint64_t number = 0;
   for (const auto& [stamp, since] :
        {std::pair(Time::max(), Duration::zero()), std::pair(Time::min(), Duration::zero()),
         std::pair(now_, Duration::min()), std::pair(now_, Duration::max())}) {
-    SwitchArrived command = Command(1, "Active");
+    SwitchArrived command = Command(++number, "Active");
     command.command.status_stamp = stamp;
     command.command.since_status = since;
     EXPECT_EQ(AnswerIn(Do(command)).code, kCodeParametersInvalid);

@@ -9,6 +9,7 @@
 
 #include "musher/test/modules/exec/processes.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::test {
@@ -64,7 +65,7 @@ void ActuatorPeer::Start(const std::string& module_file) {
 }
 
 void ActuatorPeer::StartWith(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), std::string(MUSHER_BIN_DIR) + "/" + program_);
+  arguments.insert(arguments.begin(), BinDir() + "/" + program_);
   const UniqueFd output(
       open((folder_ / "output").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   process_.emplace(

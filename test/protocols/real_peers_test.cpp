@@ -14,12 +14,13 @@
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_manager.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::testing::real_peers_test {
 
-const std::string kPeer = MUSHER_BIN_DIR "/protocol_peer";
+const std::string kPeer = BinDir() + "/protocol_peer";
 constexpr const char* kLeaseMs = "1000";
 
 std::string NameSpace() {

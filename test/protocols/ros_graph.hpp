@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "musher/base/unique_fd.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/ros_environment.hpp"
 
@@ -58,7 +59,7 @@ class RosGraphPeer {
     std::vector<char*> environment;
     for (std::string& text : texts) environment.push_back(text.data());
     environment.push_back(nullptr);
-    std::string program = MUSHER_BIN_DIR "/ros_graph_peer";
+    std::string program = BinDir() + "/ros_graph_peer";
     std::array<char*, 2> arguments = {program.data(), nullptr};
     if (posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(),
                     environment.data()) != 0) {

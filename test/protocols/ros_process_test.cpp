@@ -13,6 +13,7 @@
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/contract/world.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/ros_environment.hpp"
 #include "musher/transport/service.hpp"
@@ -34,7 +35,7 @@ TEST(AManagedNode, IsDrivenWithoutAnySettingWhenTheControllerStartsIt) {
   const RobotFile file({"planner"}, kAllStates);
   {
     std::ofstream more(file.path(), std::ios::app);
-    more << "protocol = \"ros2_lifecycle\"\ncommand = [\"" MUSHER_BIN_DIR "/ros_server_peer\", \""
+    more << "protocol = \"ros2_lifecycle\"\ncommand = [\"" + BinDir() + "/ros_server_peer\", \""
          << RobotFile::name_space() << "/planner\"]\n";
   }
   MachineController controller;
@@ -48,8 +49,8 @@ TEST(AManagedNode, IsDrivenWithoutAnySettingWhenTheControllerStartsIt) {
 
 // Milliseconds that the call of a fresh ROS 2 process takes; negative where it has failed.
 double FirstCall(const std::string& service) {
-  const std::string line = std::string("CYCLONEDDS_URI='") + transport::kRosOnLoopback +
-                           "' exec " MUSHER_BIN_DIR "/ros_client_peer " + service;
+  const std::string line = std::string("CYCLONEDDS_URI='") + transport::kRosOnLoopback + "' exec " +
+                           BinDir() + "/ros_client_peer " + service;
   FILE* const program = popen(line.c_str(), "r");
   double available_ms = 0, reply_ms = -1;
   if (program == nullptr) return -1;

@@ -37,6 +37,7 @@ class Listing {
       Fault(ChoiceKind::kRequestError);
       if (world_.machine.phase != Phase::kStopping) Fault(ChoiceKind::kRequestTearDown);
     }
+    ListRelease();
     return std::move(choices_);
   }
 
@@ -57,6 +58,11 @@ class Listing {
       if (!world_.actuators[i].alive) continue;
       choices_.push_back({ChoiceKind::kEngageStopLate, static_cast<std::uint8_t>(i), 0, 2});
     }
+  }
+
+  void ListRelease() {
+    const bool engaged = model_.releases && !world_.released && world_.machine.emergency_stop;
+    if (engaged && IsQuiet(world_, choices_)) Free(ChoiceKind::kRelease);
   }
 
   void ListSending() {
@@ -136,7 +142,7 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
     const bool lost = choice.kind == ChoiceKind::kLate &&
                       (std::holds_alternative<Message>(late[choice.index]) ||
                        std::holds_alternative<event::Replied>(late[choice.index]));
-    return choice.cost > 0 || lost || overdue;
+    return choice.cost > 0 || lost || overdue || choice.kind == ChoiceKind::kRelease;
   });
 }
 

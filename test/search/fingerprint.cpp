@@ -177,7 +177,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   }
   std::sort(actuators.begin(), actuators.end());
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
-            w.stopped, w.stop_seen_due);
+            w.stopped, w.stop_seen_due, w.released);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
             m.emergency_stop.has_value(), m.other_stops.size(), m.released_stops, m.set_up_requests,
             m.policy);

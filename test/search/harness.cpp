@@ -78,7 +78,7 @@ void Harness::RestartController() {
   w.machine = MakeMachine(config_);
   w.outbox.clear();
   for (Request& request : w.requests) request.abandoned |= request.replies == 0;
-  w.stop_seen_due = w.stopped && w.stops_on_disk.engaged.empty();
+  w.stop_seen_due = w.stopped && !w.released && w.stops_on_disk.engaged.empty();
   for (SimActuator& actuator : w.actuators) {
     actuator.replies.clear();
     actuator.end.reset();
@@ -121,7 +121,7 @@ void Harness::StartActuator(std::size_t i) {
   actuator.core.report.incarnation = static_cast<std::uint64_t>(actuator.core.report.pid);
   actuator.core.report.host = "here";
   StepActuator(i, actuator_event::Started{});
-  if (world_.stopped) ReceiveStop(i);  // its topic is latched
+  if (world_.stopped && !world_.released) ReceiveStop(i);  // its topic is latched
 }
 
 // A process that has ended, or is not set up, receives nothing.
@@ -267,6 +267,9 @@ void Harness::Apply(const Action& action) {
     Log("  request " + std::to_string(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
+    for (std::size_t i = 0; i < kActuators && !publish->engaged; ++i) {
+      StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, Controller()});
+    }
     for (std::size_t i = 0; i < kActuators && publish->engaged; ++i) {
       // An actuator that receives the stop late receives all of it late.
       const auto& late = w.actuators[i].late;

@@ -122,6 +122,10 @@ class Making {
         harness_.Log("the controller receives the emergency stop");
         world_.stop_seen_due = false;
         return harness_.Feed(event::EmergencyStopSeen{{5, "operator", ""}});
+      case ChoiceKind::kRelease:
+        harness_.Log("a person releases the emergency stop");
+        world_.released = true;
+        return harness_.Feed(event::ReleaseRequested{0, "a person"});
       case ChoiceKind::kCrash:
         harness_.Log("FAULT: " + name() + " crashes");
         return harness_.Crash(i_);

@@ -18,7 +18,8 @@ class PlantedFault : public ::testing::Test {
   void Search(Rules rules, const State& from, const State& to, int faults,
               const Scenario& machine = ScenarioNamed("Parallel")) {
     const Model correct(machine.config, to);
-    const Model model(correct.config, to, std::move(rules));
+    Model model(correct.config, to, std::move(rules));
+    model.releases = true;
     World root = WorldIn(correct, from);
     root.faults = root.faults_left = faults;
     searched_ = SearchAll(model, root);
@@ -165,6 +166,22 @@ TEST_F(PlantedFault, FindsACallbackOfTheSameRankThatUndoesAnEmergencyStop) {
   EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
   EXPECT_THAT(searched_.fault->violations,
               Contains(HasSubstr("begins Dancing while an emergency stop is latched")));
+}
+
+// Once the stop is released, the controller takes no notice of what it holds.
+TEST_F(PlantedFault, FindsACallbackThatTheReleaseOfAnEmergencyStopStarts) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    Event changed = event;
+    if (auto* seen = std::get_if<event::StatusSeen>(&changed)) seen->report.held_by_stop = false;
+    if (auto* reply = std::get_if<event::Replied>(&changed)) reply->report.held_by_stop = false;
+    return Step(config, machine, changed, now);
+  };
+  Search(rules, "Active", "Dancing", 2, Dancers());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("by the release of the emergency stop")));
 }
 
 TEST_F(PlantedFault, ReportsTheShortestScenario) {

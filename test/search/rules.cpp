@@ -176,7 +176,7 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto degraded = std::ranges::count_if(names, [&](const std::string& name) {
     const ActuatorReport& report = world.actuators[*model.config.IndexOf(name)].core.report;
     const bool level = model.config.RankOf(report.state) == model.config.RankOf(world.from);
-    return report.emergency_stop == 0 || !level || world.machine.state != world.from;
+    return !report.held_by_stop || !level || world.machine.state != world.from;
   });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
   if (in_order || degraded <= world.faults - world.faults_left) return;
@@ -228,6 +228,11 @@ void CheckBegin(const Model& model, const World& world, std::size_t i, const Sta
   const std::string what = model.config.actuators[i].name + " begins " + target;
   if (report.emergency_stop != 0 && MaySwitchOn(model.config, report.state, target)) {
     notes.violations.push_back(what + " while an emergency stop is latched");
+  }
+  const bool level = report.state != target && !Rises(model.config, report.state, target);
+  if (world.released && report.held_by_stop && level &&
+      SwitchesOnAgain(model.config, report.state, target)) {
+    notes.violations.push_back(what + " by the release of the emergency stop");
   }
   if (number == 0) return;
   if (epoch < actuator.epoch) {

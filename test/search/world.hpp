@@ -100,6 +100,7 @@ struct World {
   bool at_start = false;       // nothing has been requested yet
   bool stopped = false;        // an emergency stop has been engaged
   bool stop_seen_due = false;  // the controller has not received it
+  bool released = false;       // by a person
 };
 
 enum class ChoiceKind : std::uint8_t {
@@ -113,6 +114,7 @@ enum class ChoiceKind : std::uint8_t {
   kEnd,           // of a process
   kEndFirst,      // a torn down actuator's process ends, and that is detected before its reply
   kSeeStop,       // the controller receives the emergency stop
+  kRelease,       // a person releases it, when nothing else is left to happen
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
   // Each of these is a fault.
@@ -166,6 +168,7 @@ struct Model {
   State target;  // of the first request
   Rules rules;
   std::array<std::size_t, kActuators> kinds{};  // equal for interchangeable actuators
+  bool releases = false;                        // whether kRelease is a choice
 };
 
 // The results of one choice.

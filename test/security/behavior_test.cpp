@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "musher/test/security/secured_machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::behavior_test {
 
@@ -17,7 +18,7 @@ class SecuredApplication : public SecuredMachine {
                            << "\"\ndefault_state = \"Uninitialized\"\nstate_dir = \"state\"\n"
                            << "[actuator.show]\nstates = " << states
                            << "\ntimes = [9000, 5000, 5000, 5000]\ncritical = true\n"
-                           << "command = [\"" MUSHER_BIN_DIR "/application_peer\"]\n"
+                           << "command = [\"" + BinDir() + "/application_peer\"]\n"
                            << "[security]\nkeys = \"keys\"\n";
     std::filesystem::remove_all(keys_);
     EXPECT_EQ(Musher({"keys", "init", config_}).exit, 0);

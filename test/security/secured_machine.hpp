@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing {
 
@@ -37,7 +38,7 @@ class SecuredMachine : public MachineByCli {
   // A process that does `actions` (see peer_program.cpp), ready; `keys` "-": without any.
   static std::unique_ptr<Process> Peer(const std::string& keys, const std::string& identity,
                                        const std::vector<std::string>& actions) {
-    std::vector<std::string> argv = {MUSHER_BIN_DIR "/security_peer",
+    std::vector<std::string> argv = {BinDir() + "/security_peer",
                                      std::to_string(transport::TestDomain()), keys, identity};
     argv.insert(argv.end(), actions.begin(), actions.end());
     return std::make_unique<Process>(argv);

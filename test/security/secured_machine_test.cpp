@@ -1,6 +1,7 @@
 // A machine with [security] has all functions of a machine without, for permitted callers.
 
 #include "musher/test/security/secured_machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::secured_machine_test {
 
@@ -74,8 +75,8 @@ TEST_F(SecuredMachine, ReportsAnActuatorThatRunsWithoutCredentials) {
   const std::string open = folder_ / "open.toml";
   const std::string text = Text(config_);
   std::ofstream(open) << text.substr(0, text.find("[security]"));
-  const Process voice({MUSHER_BIN_DIR "/musher-exec", folder_ / "voice.toml", "--actuator", "voice",
-                       "--config", open});
+  const Process voice(
+      {BinDir() + "/musher-exec", folder_ / "voice.toml", "--actuator", "voice", "--config", open});
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("controller started: epoch 1"), "");
   EXPECT_THAT(

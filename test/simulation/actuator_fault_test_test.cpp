@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "musher/test/simulation/motor.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::actuator_fault_test_test {
 
@@ -269,7 +270,7 @@ TEST(ActuatorFaultTest, ReplaysTheScenarioOfTheEnvironment) {
 
 TEST(ActuatorFaultTest, ReportsAConfigThatDoesNotFit) {
   MotorFaultTest<GoodMotor> test;
-  test.config_file = MUSHER_SOURCE_DIR "/examples/first_module/robot.toml";
+  test.config_file = SourceDir() + "/examples/first_module/robot.toml";
   EXPECT_THAT(test.Find().error().message, HasSubstr("has no actuator 'motor'"));
   test.config_file.clear();
   test.config_text = R"(

@@ -1,6 +1,7 @@
 // What a ROS 2 process needs in its environment, and why it does not discover a machine without it.
 
 #include "musher/transport/ros_environment.hpp"
+#include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
 
@@ -88,7 +89,7 @@ TEST(RosProcesses, AreNotWarnedOfAFileOfSettingsThatIsNotRead) {
 }
 
 TEST(RosProcesses, FindTheirSettingsAndTheMessagesOnThePageForUsersOfRos2) {
-  std::ifstream file(MUSHER_SOURCE_DIR "/docs/ros2.md");
+  std::ifstream file(SourceDir() + "/docs/ros2.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   EXPECT_THAT(page, HasSubstr(std::string("\nexport CYCLONEDDS_URI='") + kRosOnLoopback + "'\n"));
   EXPECT_THAT(page, HasSubstr("program 'ros2' not found in PATH" + MissingProgramHint("ros2")));

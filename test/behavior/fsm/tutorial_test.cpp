@@ -8,11 +8,12 @@
 
 #include "first_state_machine/greeter.hpp"
 #include "musher/behavior/fsm/graph.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::fsm::tutorial_test {
 
 TEST(Tutorial, ShowsTheMachineAsItIsDrawn) {
-  std::ifstream file(MUSHER_SOURCE_DIR "/docs/state-machines.md", std::ios::binary);
+  std::ifstream file(SourceDir() + "/docs/state-machines.md", std::ios::binary);
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   Robot robot;
   const auto machine = MakeGreeter(robot);

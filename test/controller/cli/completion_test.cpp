@@ -11,6 +11,7 @@
 #include "musher/controller/cli/completion_scripts.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::completion_test {
@@ -50,10 +51,8 @@ std::string Shell(const std::string& program, const TempFolder& folder, const st
 std::string BashOffers(const std::string& words) {
   const TempFolder folder;
   return Shell("bash", folder,
-               std::string(kBashCompletion) + "\ncd " + folder.path() +
-                   "\nPATH=" MUSHER_BIN_DIR
-                   ":$PATH\ntouch robot.toml 'my robot.toml' other.txt\nCOMP_WORDS=(" +
-                   words +
+               std::string(kBashCompletion) + "\ncd " + folder.path() + "\nPATH=" + BinDir() +
+                   ":$PATH\ntouch robot.toml 'my robot.toml' other.txt\nCOMP_WORDS=(" + words +
                    ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_musher musher\n"
                    "printf '%s|' \"${COMPREPLY[@]}\"\n");
 }

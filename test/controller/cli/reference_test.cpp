@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "musher/controller/cli/command_line.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::cli::reference_test {
 
@@ -26,7 +27,7 @@ struct Reference {
 const std::regex kLeadingWords("([a-z][a-z-]*)( [a-z][a-z-]*)?");
 
 Reference ReadReference(const std::set<std::string>& commands) {
-  std::ifstream file(MUSHER_SOURCE_DIR "/docs/reference.md");
+  std::ifstream file(SourceDir() + "/docs/reference.md");
   Reference reference;
   bool inside = false;
   for (std::string line; std::getline(file, line);) {

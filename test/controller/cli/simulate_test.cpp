@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "musher/test/controller/cli/program.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::simulate_test {
@@ -75,8 +76,7 @@ TEST_F(Simulating, ARobotThatAManagerStartsIsStartedByItsController) {
 
 TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml"}) {
-    const Ran ran = RunProgram(
-        {"simulate", std::string(MUSHER_SOURCE_DIR) + "/config/" + name, "--seeds", "300"});
+    const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", "300"});
     EXPECT_EQ(ran.exit, 0) << ran.out;
   }
 }
@@ -136,7 +136,7 @@ to = ["Active", "LowPower"]
 // be raised again.
 TEST_F(Simulating, ALoweringThatBeginsAsARaiseEndsIsRememberedByTheCheck) {
   const Ran ran = RunProgram(
-      {"simulate", MUSHER_SOURCE_DIR "/config/robot.toml", "--seed", "1135", "--only", "2,6,8,9"});
+      {"simulate", SourceDir() + "/config/robot.toml", "--seed", "1135", "--only", "2,6,8,9"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
 }
 

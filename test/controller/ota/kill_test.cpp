@@ -15,6 +15,7 @@
 #include "musher/controller/ota/install.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/signature.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::ota::kill_test {
@@ -46,8 +47,8 @@ class RealFiles : public ::testing::Test {
   int Install(const std::string& version, int killed_at) const {
     const std::string number = std::to_string(killed_at);
     const std::string bundle = folder_ / version;
-    const char* argv[] = {MUSHER_BIN_DIR "/ota_killed_installer", root_.c_str(), bundle.c_str(),
-                          number.c_str(), nullptr};
+    const std::string program = BinDir() + "/ota_killed_installer";
+    const char* argv[] = {program.c_str(), root_.c_str(), bundle.c_str(), number.c_str(), nullptr};
     pid_t pid = 0;
     posix_spawn(&pid, argv[0], nullptr, nullptr, const_cast<char**>(argv), environ);
     int status = 0;

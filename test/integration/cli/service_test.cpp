@@ -6,6 +6,7 @@
 
 #include "musher/test/controller/cli/notify_socket.hpp"
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::service_test {
 
@@ -19,7 +20,7 @@ class UpAsAService : public MachineByCli {
   // The launcher is the main process, so systemd names it.
   std::vector<std::string> Unit(const std::string& options = "") const {
     return {"sh", "-c",
-            "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + options + config_};
+            "export WATCHDOG_PID=$$; exec " + BinDir() + "/musher up " + options + config_};
   }
 
   ServiceManagerThatReads systemd_{folder_ / "notify"};

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::shared_process_test {
 
@@ -20,7 +21,7 @@ class SharedProcess : public MachineByCli {
       file << "[actuator." << actuator << "]\nstates = " << states
            << "\ntimes = [10000, 5000, 5000, 5000, 5000]\n";
       if (actuator == std::string("arm")) {
-        file << "command = [\"" << MUSHER_BIN_DIR << "/cli_shared_process\"]\n";
+        file << "command = [\"" << BinDir() << "/cli_shared_process\"]\n";
       }
     }
   }

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::switch_test {
 
@@ -139,7 +140,7 @@ TEST_F(Set, ShowsOnATerminalWhichActuatorsAreStillSwitching) {
   Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
   const std::string screen = folder_ / "screen";
-  Process set({"script", "-qfc", MUSHER_BIN_DIR "/musher set LowPower", screen});
+  Process set({"script", "-qfc", BinDir() + "/musher set LowPower", screen});
   const auto shown = [&] {
     std::ifstream file(screen);
     return std::string{std::istreambuf_iterator<char>(file), {}};

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::up_test {
 
@@ -132,7 +133,7 @@ TEST_F(Up, DownNamesTheActuatorThatItCannotReachAndExitsWithOne) {
   const std::string command = "command = [\"musher-exec\", \"" + (folder_ / "voice") + ".toml\"]\n";
   config.erase(config.find(command), command.size());
   std::ofstream(config_) << config;
-  Process voice({MUSHER_BIN_DIR "/musher-exec", folder_ / "voice.toml", "--config", config_,
+  Process voice({BinDir() + "/musher-exec", folder_ / "voice.toml", "--config", config_,
                  "--actuator", "voice"});
   ASSERT_EQ(UpDetached().exit, 0);
   voice.Signal(SIGSTOP);

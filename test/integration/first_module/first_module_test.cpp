@@ -13,6 +13,7 @@
 
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::first_module_test {
@@ -27,10 +28,10 @@ class FirstModule : public ::testing::Test {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
     const std::string path = std::getenv("PATH");
-    setenv("PATH", (MUSHER_BIN_DIR ":" + path).c_str(), 1);
-    fs::copy(MUSHER_SOURCE_DIR "/examples/first_module", robot_);
+    setenv("PATH", (BinDir() + ":" + path).c_str(), 1);
+    fs::copy(SourceDir() + "/examples/first_module", robot_);
     fs::create_directory(robot_ + "/build");
-    fs::create_symlink(MUSHER_BIN_DIR "/gripper", robot_ + "/build/gripper");
+    fs::create_symlink(BinDir() + "/gripper", robot_ + "/build/gripper");
   }
   // [robot end]
   ~FirstModule() override { controller_.Switch("TearDown"); }
@@ -97,7 +98,8 @@ TEST_F(FirstModule, ReportsAFailedSelfCheckWithItsCode) {
 TEST_F(FirstModule, IsSetByAClientOfOnesOwn) {
   ASSERT_NO_FATAL_FAILURE(Start());
   ASSERT_TRUE(controller_.Switch("SelfCheck").done());
-  FILE* client = popen(MUSHER_BIN_DIR "/machine_client Active 2>&1", "r");  // NOLINT(cert-env33-c)
+  FILE* client =
+      popen((BinDir() + "/machine_client Active 2>&1").c_str(), "r");  // NOLINT(cert-env33-c)
   ASSERT_NE(client, nullptr);
   std::array<char, 512> line{};
   ASSERT_NE(fgets(line.data(), line.size(), client), nullptr);

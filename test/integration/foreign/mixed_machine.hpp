@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing {
 
@@ -101,7 +102,7 @@ class MixedMachine : public MachineByCli {
     }
   }
   std::string CommandOf(const std::string& actuator, const std::string& kind) const {
-    std::vector<std::string> words = {MUSHER_BIN_DIR "/protocol_peer",
+    std::vector<std::string> words = {BinDir() + "/protocol_peer",
                                       kind,
                                       name_space_,
                                       actuator,

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing {
 
@@ -18,17 +19,17 @@ class Ros2Stack : public MachineByCli {
       unsetenv(name);
     }
     setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
-    std::filesystem::copy(MUSHER_SOURCE_DIR "/examples/ros2_stack", stack_,
+    std::filesystem::copy(SourceDir() + "/examples/ros2_stack", stack_,
                           std::filesystem::copy_options::recursive);
     std::filesystem::create_directory(stack_ + "/build");
-    std::filesystem::create_symlink(MUSHER_BIN_DIR "/managed_node", stack_ + "/build/managed_node");
+    std::filesystem::create_symlink(BinDir() + "/managed_node", stack_ + "/build/managed_node");
     WriteRos2();
     SetPath(folder_ / "bin:");
   }
 
   // The folders before those of a shell without ROS 2.
   static void SetPath(const std::string& before) {
-    setenv("PATH", (before + MUSHER_BIN_DIR ":/usr/bin:/bin").c_str(), 1);
+    setenv("PATH", (before + BinDir() + ":/usr/bin:/bin").c_str(), 1);
   }
 
   Ended Up() const { return Up(robot_); }

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "musher/test/contract/plain_lifecycle_manager.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace musher::testing::ros2_stack_test {
@@ -226,10 +227,10 @@ TEST_F(TheTalker, IsActivatedWhenItsLaunchFileStartsAndRespawnsIt) {
   Replace("command = [\"ros2\", \"run\", \"lifecycle\", \"lifecycle_talker\"]\n", "");
   Process up(Command({"up", talker_}));
   ASSERT_NE(up.LineWith("controller started"), "");
-  const Process first({MUSHER_BIN_DIR "/managed_node", "lc_talker"});
+  const Process first({BinDir() + "/managed_node", "lc_talker"});
   ASSERT_NE(up.LineWith("the machine is Active"), "");
   first.Signal(SIGKILL);
-  Process second({MUSHER_BIN_DIR "/managed_node", "lc_talker"});
+  Process second({BinDir() + "/managed_node", "lc_talker"});
   EXPECT_NE(second.LineWith("lc_talker: on_activate"), "");
   EXPECT_EQ(AwaitStatus(AllHaveArrived)["state"], "Active");
   EXPECT_EQ(Musher({"down"}).exit, 0);

@@ -1,6 +1,7 @@
 // A robot is upgraded while it runs, as a person sees it.
 
 #include "musher/test/integration/ota/root.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::testing::install_test {
 
@@ -123,7 +124,7 @@ TEST_F(Upgrade, ThatTheDiskHasNoRoomForTakesTheMachineBackToWhereItWas) {
   ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
   // To a process, files that may not grow are a full disk.
   const Ended installed = RunToEnd(
-      {"sh", "-c", "ulimit -f 100; exec " MUSHER_BIN_DIR "/musher ota install " + Bundle("1.1.0")});
+      {"sh", "-c", "ulimit -f 100; exec " + BinDir() + "/musher ota install " + Bundle("1.1.0")});
   EXPECT_EQ(installed.exit, 1);
   EXPECT_THAT(installed.err, HasSubstr("File too large"));
   EXPECT_THAT(History(), HasSubstr("LowPower → OTA"));

@@ -17,6 +17,7 @@
 
 #include "musher/test/integration/cli/arrival.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
@@ -74,7 +75,7 @@ class RobotWithUpgrades : public ::testing::Test {
   std::string Bundle(const std::string& version) const { return folder_ / version; }
 
   static std::vector<std::string> Command(std::vector<std::string> words) {
-    words.insert(words.begin(), MUSHER_BIN_DIR "/musher");
+    words.insert(words.begin(), BinDir() + "/musher");
     return words;
   }
   static Ended Musher(std::vector<std::string> words) {

@@ -32,6 +32,21 @@ TEST_F(Adopting, DisturbsNoActuatorInWhateverStateTheMachineIs) {
   }
 }
 
+// Those that cannot dance stay in Active: they say nothing about the machine.
+TEST_F(Adopting, OfTwoStatesOnOneLevelThatOfTheActuatorsWhichListBoth) {
+  MachineConfig config = WithDancing(Ours(5));
+  for (const char* name : {"c", "d", "e"}) {
+    ActuatorNamed(config, name).states.pop_back();
+    ActuatorNamed(config, name).times.pop_back();
+  }
+  Harness& t = In("Active", std::move(config));
+  EXPECT_EQ(t.Set("Dancing").outcome, SwitchOutcome::kDoneDegraded);
+  t.ClearLog();
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Dancing");
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
 TEST_F(Adopting, ReportsATornDownActuatorAsTornDownAndDoesNotWaitForIt) {
   Harness& t = In("Active", Ours(3));
   t.shared.insert("b");  // its process keeps running

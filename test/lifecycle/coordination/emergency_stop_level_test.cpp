@@ -20,6 +20,9 @@ MachineConfig Dancers() {
   return WithDancing(MachineOf(2));
 }
 
+constexpr const char* kStays =
+    "stays in Dancing since an emergency stop, until the next switch; the machine is in Active";
+
 class StoppedDancers : public Switching {
  protected:
   static void Stop(Harness& t) {
@@ -41,16 +44,14 @@ TEST_F(StoppedDancers, StayInTheirState) {
 TEST_F(StoppedDancers, StayWhereTheyWentByThemselvesUntilTheNextSwitch) {
   Harness& t = In("Active", Dancers());
   Stop(t);
-  ActuatorReport report = t.CoreOf("b").report;
-  report.stamp = t.now();
-  report.state = "Dancing";  // by itself
-  t.Feed(event::StatusSeen{1, report});
+  t.GoByItself("b", "Dancing");
   t.Rest();
   ASSERT_TRUE(t.RecordOf("b").fault);
-  EXPECT_EQ(t.RecordOf("b").fault->message, "is in Dancing: an emergency stop holds it there");
+  EXPECT_EQ(t.RecordOf("b").fault->message, kStays);
   t.Release();
   t.Rest();
   EXPECT_THAT(t.log(), IsEmpty());
+  EXPECT_EQ(t.RecordOf("b").state(), "Dancing");
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.RecordOf("b").state(), "Active");
   EXPECT_FALSE(t.RecordOf("b").fault);
@@ -114,13 +115,31 @@ TEST_F(StoppedDancers, AreAdoptedInTheStateOfMostOfThemAndNotDrivenThereByTheRel
     t.Rest();
     EXPECT_EQ(t.machine().state, "Active") << dancer;
     ASSERT_TRUE(t.RecordOf(dancer).fault);
-    EXPECT_EQ(t.RecordOf(dancer).fault->message, "is in Dancing: an emergency stop holds it there");
+    EXPECT_EQ(t.RecordOf(dancer).fault->message, kStays);
     t.ClearLog();
     t.Release();
     t.Rest();
     EXPECT_THAT(t.log(), IsEmpty()) << dancer;
     EXPECT_TRUE(t.Set("Dancing").done());
     EXPECT_FALSE(t.RecordOf(dancer).fault);
+  }
+}
+
+TEST_F(StoppedDancers, StayAlsoWhereTheControllerIsRestartedAfterTheRelease) {
+  for (const bool most_dance : {false, true}) {
+    Harness& t = In("Active", WithDancing(Ours(3)));
+    t.On("c", "Dancing").takes = Milliseconds(90);
+    if (!most_dance) t.On("b", "Dancing").takes = Milliseconds(90);
+    t.RequestSwitch("Dancing");
+    t.RunFor(Milliseconds(40));
+    Stop(t);
+    t.Rest();
+    t.Release();
+    t.Rest();
+    t.ClearLog();
+    t.RestartController();
+    t.Rest();
+    EXPECT_THAT(t.log(), IsEmpty()) << most_dance;
   }
 }
 
@@ -203,6 +222,26 @@ TEST_F(DancersOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNoneB
   EXPECT_THAT(record.message, HasSubstr(", 0 actuators"));
   EXPECT_NE(record.cause, 0);
   EXPECT_EQ(record.cause, machine_.stop_cause);
+}
+
+TEST_F(DancersOfAnyProtocol, AreCommandedWhereTheirRos2StateIsTheSame) {
+  StartUp();
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  config_.actuators[1].ros2_states = {{"Dancing", Ros2State::kActive}};
+  Stop();
+  Say(1, Report(1, "Dancing"));
+  EXPECT_FALSE(Of(1).fault);
+  ASSERT_TRUE(Of(1).command);
+  EXPECT_EQ(Of(1).command->target, "Active");
+}
+
+TEST_F(DancersOfAnyProtocol, KeepAnEarlierFaultWhereAStopHoldsThem) {
+  StartUp();
+  Of(1).fault = Error{5001, "the motor stalls"};
+  Stop();
+  Say(1, Report(1, "Dancing"));
+  EXPECT_FALSE(Of(1).due);
+  EXPECT_EQ(Of(1).fault->message, "the motor stalls");
 }
 
 // The command could overtake the release on the way to the actuator, which would refuse it.

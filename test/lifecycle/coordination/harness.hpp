@@ -111,6 +111,11 @@ class Harness {
   std::set<std::string> shared;      // actuators whose process still runs after their TearDown
   std::function<void()> after_step;  // called after every step of the controller
   Time now() const { return now_; }
+  // An error of the actuator: it is in another state, which nobody has commanded.
+  void GoByItself(const std::string& actuator, const State& state) {
+    fakes_[Index(actuator)].core.report.state = state;
+    Feed(event::StatusSeen{Index(actuator), ReportOf(Index(actuator))});
+  }
   // Commands of the test itself, as from an unknown participant.
   std::vector<ActuatorAction> Inject(const std::string& actuator, const ActuatorEvent& event);
 

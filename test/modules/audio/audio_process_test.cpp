@@ -19,6 +19,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::audio::audio_process_test {
@@ -29,7 +30,7 @@ using ::testing::HasSubstr;
 const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
                                              "Active",   "DeActive", "Protected",
                                              "LowPower", "OTA",      "Error"};
-const std::string kPhrases = "phrases = \"" MUSHER_SOURCE_DIR "/config/audio/phrases.toml\"\n";
+const std::string kPhrases = "phrases = \"" + SourceDir() + "/config/audio/phrases.toml\"\n";
 const std::string kWav = "output = \"wav\"\nfolder = \"spoken\"\n" + kPhrases;
 
 // Some eight seconds.
@@ -170,7 +171,7 @@ TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
 }
 
 TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
-  const std::string config = MUSHER_SOURCE_DIR "/config/audio/";
+  const std::string config = SourceDir() + "/config/audio/";
   Start("output = \"silent\"\nlanguage = \"zh\"\n" + kPhrases +
         "[[cues]]\ntopic = \"/wedding/audio/play\"\nfile = \"" + config + "wedding_cues.toml\"\n");
   const auto cues =
@@ -253,7 +254,7 @@ struct Ran {
 
 Ran RunTool(const std::string& arguments) {
   FILE* pipe =  // NOLINTNEXTLINE(cert-env33-c)
-      popen((MUSHER_BIN_DIR "/musher-audio " + arguments + " 2>&1").c_str(), "r");
+      popen((BinDir() + "/musher-audio " + arguments + " 2>&1").c_str(), "r");
   Ran ran;
   std::array<char, 4096> chunk{};
   while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), pipe)) {

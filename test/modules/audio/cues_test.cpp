@@ -5,6 +5,7 @@
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/test/modules/audio/harness.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::audio::testing::cues_test {
@@ -226,7 +227,7 @@ TEST(CueTopics, ReportAllErrorsOfAllFiles) {
 }
 
 TEST(CueTopics, OfTheWeddingRobotHaveEverySoundInBothLanguages) {
-  const AudioReading reading = ReadAudioFile(MUSHER_SOURCE_DIR "/config/audio/wedding.toml");
+  const AudioReading reading = ReadAudioFile(SourceDir() + "/config/audio/wedding.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(Texts(reading.diagnostics), IsEmpty());
   ASSERT_THAT(reading.config->cue_topics, SizeIs(1));

@@ -6,6 +6,7 @@
 
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound_file.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 
 namespace musher::audio::phrases_test {
@@ -129,7 +130,7 @@ TEST(Phrases, OfTwoRangesMayNotOverlap) {
 }
 
 TEST(AudioConfig, OfTheRobotIsWhole) {
-  const AudioReading reading = ReadAudioFile(MUSHER_SOURCE_DIR "/config/audio/audio.toml");
+  const AudioReading reading = ReadAudioFile(SourceDir() + "/config/audio/audio.toml");
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(Texts(reading.diagnostics), IsEmpty());
   EXPECT_EQ(reading.config->output.kind, OutputKind::kAuto);

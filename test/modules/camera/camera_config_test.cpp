@@ -1,6 +1,7 @@
 // The module's config file, valid and invalid.
 
 #include "musher/modules/camera/camera_config.hpp"
+#include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
 
@@ -23,8 +24,7 @@ std::vector<std::string> Faults(const std::string& text) {
 }
 
 TEST(CamerasConfig, OfTheRepositoryIsGood) {
-  const CamerasReading reading =
-      ReadCamerasFile(std::string(MUSHER_SOURCE_DIR) + "/config/camera/cameras.toml");
+  const CamerasReading reading = ReadCamerasFile(SourceDir() + "/config/camera/cameras.toml");
   ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_EQ(reading.config->cameras.size(), 3u);

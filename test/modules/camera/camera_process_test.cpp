@@ -17,6 +17,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::camera::camera_process_test {
 
@@ -83,7 +84,7 @@ class CameraManagerProcess : public ::testing::Test {
   // Runs musher-camera with these arguments; returns its exit code. The output goes to the file
   // `said`.
   exec::Child Tool(const std::vector<std::string>& arguments) {
-    std::vector<std::string> argv = {std::string(MUSHER_BIN_DIR) + "/musher-camera"};
+    std::vector<std::string> argv = {BinDir() + "/musher-camera"};
     argv.insert(argv.end(), arguments.begin(), arguments.end());
     const UniqueFd output(
         open((peer_.folder() / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));

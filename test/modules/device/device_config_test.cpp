@@ -1,4 +1,5 @@
 #include "musher/modules/device/device_config.hpp"
+#include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
 
@@ -109,7 +110,7 @@ TEST(DeviceConfig, TakesANameNotAPath) {
 }
 
 TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
-  const std::string file = MUSHER_SOURCE_DIR "/config/device/device_manager.toml";
+  const std::string file = SourceDir() + "/config/device/device_manager.toml";
   const DeviceReading reading = ReadDeviceFile(file);
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(reading.diagnostics, IsEmpty());

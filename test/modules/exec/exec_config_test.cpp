@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::exec::exec_config_test {
 
@@ -121,7 +122,7 @@ TEST(ExecConfig, ReportsWhyAFileCannotBeRead) {
 }
 
 TEST(CyberdogConfig, HasAGoodExecFileForEachActuator) {
-  const std::string folder = std::string(MUSHER_SOURCE_DIR) + "/config/";
+  const std::string folder = SourceDir() + "/config/";
   const ConfigReading machine = ReadConfigFile(folder + "cyberdog.toml");
   ASSERT_TRUE(machine.config);
   EXPECT_THAT(machine.diagnostics, IsEmpty());

@@ -1,4 +1,5 @@
 #include "musher/test/modules/motion/harness.hpp"
+#include "musher/test/support/paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,7 @@ namespace musher::motion::testing {
 
 const MotionTable& TheTable() {
   static const MotionTable table = [] {
-    TableReading reading = ReadTableFile(MUSHER_SOURCE_DIR "/config/motion/motions.toml");
+    TableReading reading = ReadTableFile(SourceDir() + "/config/motion/motions.toml");
     for (const Diagnostic& diagnostic : reading.diagnostics) {
       ADD_FAILURE() << FormatDiagnostic(diagnostic);
     }

@@ -7,6 +7,7 @@
 #include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/modules/motion/robot_rig.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::motion::testing::motion_process_test {
 
@@ -104,7 +105,7 @@ TEST(MotionProcess, ReportsThePlacesOfErrorsInAFile) {
   TempFolder folder;
   const Ran ran = RunProgram("musher-motion-manager",
                              {"--actuator", "motion_manager", "--config",
-                              MUSHER_SOURCE_DIR "/config/cyberdog.toml", folder / "absent.toml"});
+                              SourceDir() + "/config/cyberdog.toml", folder / "absent.toml"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.output, HasSubstr("absent.toml: error: the file cannot be read"));
 }

@@ -11,6 +11,7 @@
 #include "musher/modules/motion/motion_config.hpp"
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/test/modules/motion/harness.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::motion::testing::motion_table_test {
 
@@ -104,8 +105,7 @@ TEST(MotionTable, GivesTheFlipsACapabilityOfTheirOwn) {
 // The robot's state config permits in Protected the same as CyberDog's rules: to stand, to lie,
 // the plain pose as result commands, and walking by servo.
 TEST(MotionTable, AllowsInProtectedTheMotionsForALowBattery) {
-  const musher::ConfigReading robot =
-      musher::ReadConfigFile(MUSHER_SOURCE_DIR "/config/robot.toml");
+  const musher::ConfigReading robot = musher::ReadConfigFile(SourceDir() + "/config/robot.toml");
   ASSERT_TRUE(robot.config);
   CapabilityView view;
   view.actuator = "motion_manager";
@@ -199,10 +199,10 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
   const ConfigReading reading =
-      ReadMotionConfigFile(MUSHER_SOURCE_DIR "/config/motion/motion_manager.toml");
+      ReadMotionConfigFile(SourceDir() + "/config/motion/motion_manager.toml");
   ASSERT_TRUE(reading.config);
   MotionConfig defaults;
-  defaults.motions = MUSHER_SOURCE_DIR "/config/motion/motions.toml";
+  defaults.motions = SourceDir() + "/config/motion/motions.toml";
   EXPECT_EQ(*reading.config, defaults);
 }
 

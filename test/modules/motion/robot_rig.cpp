@@ -15,6 +15,7 @@
 
 #include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::motion::testing {
 namespace {
@@ -32,7 +33,7 @@ void Write(const std::string& file, const std::string& text) {
 }  // namespace
 
 Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments) {
-  std::string line = std::string(MUSHER_BIN_DIR) + "/" + name;
+  std::string line = BinDir() + "/" + name;
   for (const std::string& argument : arguments) line += " '" + argument + "'";
   FILE* pipe = popen((line + " 2>&1").c_str(), "r");  // NOLINT(cert-env33-c)
   Ran ran;
@@ -45,7 +46,7 @@ Ran RunProgram(const std::string& name, const std::vector<std::string>& argument
 }
 
 pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments) {
-  std::string path = std::string(MUSHER_BIN_DIR) + "/" + name;
+  std::string path = BinDir() + "/" + name;
   std::vector<std::string> words = arguments;
   std::vector<char*> argv = {path.data()};
   for (std::string& word : words) argv.push_back(word.data());
@@ -64,8 +65,7 @@ int End(pid_t pid, int signal) {
 
 RobotRig::RobotRig() {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-  Write(folder_ / "motion.toml", "motions = \"" MUSHER_SOURCE_DIR
-                                 "/config/motion/motions.toml\"\n" +
+  Write(folder_ / "motion.toml", "motions = \"" + SourceDir() + "/config/motion/motions.toml\"\n" +
                                      std::string(kLongTimeouts));
   const std::string states(kStates);
   Write(folder_ / "robot.toml",
@@ -74,7 +74,8 @@ RobotRig::RobotRig() {
             "state_dir = \"state\"\n[actuator.motion_manager]\nstates = " +
             states +
             "\ntimes = [20000, 20000, 20000, 20000, 20000, 20000, 20000, "
-            "20000, 20000]\ncritical = true\ncommand = [\"" MUSHER_BIN_DIR
+            "20000, 20000]\ncritical = true\ncommand = [\"" +
+            BinDir() +
             "/musher-motion-manager\", \"motion.toml\"]\ncwd = \".\"\n"
             "[capability.walk]\nactuators = [\"motion_manager\"]\nstates = "
             "[\"Active\", \"Protected\"]\n");

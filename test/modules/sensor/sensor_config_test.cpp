@@ -1,4 +1,5 @@
 #include "musher/modules/sensor/sensor_config.hpp"
+#include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
 
@@ -21,7 +22,7 @@ std::vector<std::string> Said(const std::string& text) {
 
 TEST(SensorManagerConfig, OfTheRepositoryIsGood) {
   const ManagerReading reading =
-      ReadManagerFile(MUSHER_SOURCE_DIR "/config/sensor/sensor_manager.toml");
+      ReadManagerFile(SourceDir() + "/config/sensor/sensor_manager.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(reading.config->skip, ElementsAre(SensorKind::kGps, SensorKind::kUltrasonic));

@@ -15,6 +15,7 @@
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::sensor::sensor_process_test {
 
@@ -79,7 +80,7 @@ class SensorManagerProcess : public ::testing::Test {
   void StartWorld() {
     std::ofstream(peer_.folder() / "scene.toml") << kScene;
     exec::ChildSpec spec;
-    spec.argv = {MUSHER_BIN_DIR "/musher-world", peer_.folder() / "scene.toml", "--alone"};
+    spec.argv = {BinDir() + "/musher-world", peer_.folder() / "scene.toml", "--alone"};
     spec.cwd = peer_.folder().path();
     world_.emplace(exec::Child::Start(spec, reaper_).value());
   }

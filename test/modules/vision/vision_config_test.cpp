@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "musher/actuator/program/states.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::vision::vision_config_test {
 
@@ -21,7 +22,7 @@ std::vector<std::string> Said(const std::string& text) {
 }
 
 TEST(VisionConfig, OfTheRepositoryIsGood) {
-  const VisionReading reading = ReadVisionFile(MUSHER_SOURCE_DIR "/config/vision/faces.toml");
+  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/faces.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   ASSERT_TRUE(reading.config);
   EXPECT_TRUE(reading.config->LooksIn("Active"));

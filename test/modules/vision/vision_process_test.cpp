@@ -18,6 +18,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::vision::vision_process_test {
@@ -68,7 +69,7 @@ class VisionProcess : public ::testing::Test {
   void StartWorld() {
     std::ofstream(peer_.folder() / "scene.toml") << kScene;
     exec::ChildSpec spec;
-    spec.argv = {MUSHER_BIN_DIR "/musher-world", peer_.folder() / "scene.toml", "--alone"};
+    spec.argv = {BinDir() + "/musher-world", peer_.folder() / "scene.toml", "--alone"};
     spec.cwd = peer_.folder().path();
     world_.emplace(exec::Child::Start(spec, reaper_).value());
   }

@@ -8,6 +8,7 @@
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::vision::wedding_scene_test {
 
@@ -34,9 +35,8 @@ class WeddingScene : public ::testing::Test {
   double Seconds() const { return std::chrono::duration<double>(world_.now()).count(); }
 
   const world::SceneReading reading_ =
-      world::ReadSceneFile(MUSHER_SOURCE_DIR "/config/scenes/wedding.toml");
-  const VisionConfig config_ =
-      *ReadVisionFile(MUSHER_SOURCE_DIR "/config/vision/faces.toml").config;
+      world::ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml");
+  const VisionConfig config_ = *ReadVisionFile(SourceDir() + "/config/vision/faces.toml").config;
   world::World world_{*reading_.scene};
   const Result<std::unique_ptr<world::Scenery>> scenery_ = world::Scenery::Make(*reading_.scene);
   const world::Camera camera_{reading_.scene->cameras.cameras[0]};

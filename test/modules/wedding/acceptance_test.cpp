@@ -9,6 +9,7 @@
 #include "musher/behavior/fsm/graph.hpp"
 #include "musher/modules/wedding/show_states.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::wedding::acceptance_test {
 
@@ -36,7 +37,7 @@ TEST_F(WeddingShow, DoesNotStartInInvalidNorWithoutAnyState) {
 }
 
 TEST_F(WeddingShow, MatchesTheGraphInItsManual) {
-  std::ifstream file(MUSHER_SOURCE_DIR "/modules/wedding/README.md");
+  std::ifstream file(SourceDir() + "/modules/wedding/README.md");
   const std::string manual((std::istreambuf_iterator<char>(file)), {});
   EXPECT_THAT(manual, HasSubstr("```mermaid\n" + fsm::ToMermaid(machine_->chart()) + "```\n"));
 }

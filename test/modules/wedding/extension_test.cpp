@@ -8,6 +8,7 @@
 
 #include "musher/base/toml/file.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::wedding::extension_test {
 
@@ -23,7 +24,7 @@ ShowConfig With(std::optional<SearchRules> search, std::optional<InterviewRules>
 }
 
 TEST(Extension, IsKnownNeitherToTheEngineNorToTheFiveStates) {
-  const std::filesystem::path source = MUSHER_SOURCE_DIR;
+  const std::filesystem::path source = SourceDir();
   int files = 0;
   for (const char* folder : {"behavior/fsm", "modules/wedding/states"}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(source / folder)) {
@@ -162,7 +163,7 @@ TEST_F(InterviewShow, AsksThreeQuestionsAndThanks) {
 }
 
 TEST_F(InterviewShow, OfTheShippedConfigAsksTheSentencesOfTheVoiceAndTakesAsLongAsInItsManual) {
-  const std::string source = MUSHER_SOURCE_DIR;
+  const std::string source = SourceDir();
   const std::string file = source + "/config/wedding/second_generation.toml";
   const std::string config = config_toml::ReadTextFile(file, 1 << 20).value();
   const std::string cues =

@@ -1,6 +1,7 @@
 // The wedding robot's config file, read and checked.
 
 #include "musher/modules/wedding/show_config.hpp"
+#include "musher/test/support/paths.hpp"
 
 #include <gmock/gmock.h>
 
@@ -19,8 +20,7 @@ std::vector<std::string> Faults(const std::string& text) {
 }
 
 WeddingConfig Shipped(const char* file) {
-  const WeddingReading reading =
-      ReadWeddingFile(std::string(MUSHER_SOURCE_DIR) + "/config/wedding/" + file);
+  const WeddingReading reading = ReadWeddingFile(SourceDir() + "/config/wedding/" + file);
   for (const Diagnostic& diagnostic : reading.diagnostics) {
     ADD_FAILURE() << FormatDiagnostic(diagnostic);
   }

@@ -17,6 +17,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::wedding {
 
@@ -139,7 +140,7 @@ class WeddingProcess : public ::testing::Test {
   // Runs the program as a person does; its output is in output_.
   int Run(const std::vector<std::string>& words) {
     exec::ChildSpec spec;
-    spec.argv = {MUSHER_BIN_DIR "/musher-wedding"};
+    spec.argv = {BinDir() + "/musher-wedding"};
     spec.argv.insert(spec.argv.end(), words.begin(), words.end());
     spec.cwd = peer_.folder().path();
     const std::string output = peer_.folder() / "said";

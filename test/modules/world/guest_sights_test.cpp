@@ -12,6 +12,7 @@
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::world::guest_sights_test {
 
@@ -20,7 +21,7 @@ using ::testing::SizeIs;
 
 const Scene& Wedding() {
   static const Scene scene =
-      ReadSceneFile(MUSHER_SOURCE_DIR "/config/scenes/wedding.toml").scene.value();
+      ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml").scene.value();
   return scene;
 }
 

@@ -12,6 +12,7 @@
 #include "musher/modules/world/body/humanoid.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::world::humanoid_kinematics_test {
 
@@ -26,7 +27,7 @@ const Vector3d kShoulderLeft(0, 0.21, 0.4);
 
 const Scene& Wedding() {
   static const Scene scene =
-      ReadSceneFile(MUSHER_SOURCE_DIR "/config/scenes/wedding.toml").scene.value();
+      ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml").scene.value();
   return scene;
 }
 

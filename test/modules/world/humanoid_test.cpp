@@ -10,6 +10,7 @@
 
 #include "musher/modules/world/scene_file/scene_humanoid.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::world::humanoid_test {
 
@@ -24,7 +25,7 @@ constexpr std::size_t kRightElbow = 21;
 
 HumanoidSpec Spec() {
   HumanoidSpec spec;
-  PosesReading reading = ReadPosesFile(MUSHER_SOURCE_DIR "/config/motion/humanoid_poses.toml");
+  PosesReading reading = ReadPosesFile(SourceDir() + "/config/motion/humanoid_poses.toml");
   EXPECT_TRUE(reading.poses);
   spec.poses = reading.poses.value();
   return spec;

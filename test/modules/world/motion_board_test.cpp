@@ -13,6 +13,7 @@
 #include "musher/modules/motion/topic_backend.hpp"
 #include "musher/modules/world/process/world_host.hpp"
 #include "musher/test/modules/world/scenes.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
@@ -22,7 +23,7 @@ using std::chrono::seconds;
 
 const motion::MotionTable& Table() {
   static const motion::MotionTable table =
-      motion::ReadTableFile(MUSHER_SOURCE_DIR "/config/motion/motions.toml").table.value();
+      motion::ReadTableFile(SourceDir() + "/config/motion/motions.toml").table.value();
   return table;
 }
 

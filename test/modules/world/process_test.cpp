@@ -24,6 +24,7 @@
 #include "musher/modules/world/process/world_control.hpp"
 #include "musher/modules/world/scene/humanoid_specs.hpp"
 #include "musher/test/support/domain.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -62,7 +63,7 @@ class MusherWorld : public ::testing::Test {
  protected:
   MusherWorld() {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-    setenv("PATH", (MUSHER_BIN_DIR ":" + std::string(std::getenv("PATH"))).c_str(), 1);
+    setenv("PATH", (BinDir() + ":" + std::string(std::getenv("PATH"))).c_str(), 1);
     std::ofstream(folder_ / "robot.toml") << kRobot;
     std::ofstream(folder_ / "scene.toml") << kScene;
     node_ = transport::MakeDdsNode(loop_).value();
@@ -132,7 +133,7 @@ TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
-  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
+  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
                "dog1"};
   spec.cwd = folder_.path();
   auto child = exec::Child::Start(spec, reaper.value());
@@ -148,7 +149,7 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
-  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
+  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
                "dog1"};
   spec.cwd = folder_.path();
   auto child = exec::Child::Start(spec, reaper.value());
@@ -197,7 +198,7 @@ TEST_F(MusherWorld, PublishesWhatItsCamerasSeeToSubscribers) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
-  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
+  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
                "dog1"};
   spec.cwd = folder_.path();
   auto child = exec::Child::Start(spec, reaper.value());
@@ -228,8 +229,8 @@ TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
-  spec.argv = {MUSHER_BIN_DIR "/musher-world", MUSHER_SOURCE_DIR "/config/scenes/wedding.toml",
-               "--alone", "--namespace", "dog1"};
+  spec.argv = {BinDir() + "/musher-world", SourceDir() + "/config/scenes/wedding.toml", "--alone",
+               "--namespace", "dog1"};
   spec.cwd = folder_.path();
   auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
@@ -264,7 +265,7 @@ TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
   ASSERT_TRUE(reaper);
   const auto shoot = [&](const std::string& camera) {
     exec::ChildSpec spec;
-    spec.argv = {MUSHER_BIN_DIR "/musher-world",
+    spec.argv = {BinDir() + "/musher-world",
                  folder_ / "scene.toml",
                  "--shot",
                  camera,
@@ -284,7 +285,7 @@ TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {
   ASSERT_TRUE(reaper);
   std::ofstream(folder_ / "scene.toml") << "speed = -1\n";
   exec::ChildSpec spec;
-  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone"};
+  spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--alone"};
   auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   EXPECT_EQ(child.value().Reap().number, 2);

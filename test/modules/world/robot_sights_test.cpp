@@ -10,6 +10,7 @@
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::world::robot_sights_test {
 
@@ -20,7 +21,7 @@ constexpr std::size_t kFront = 0, kHall = 1;
 
 Scene Wedding() {
   static const Scene scene =
-      ReadSceneFile(MUSHER_SOURCE_DIR "/config/scenes/wedding.toml").scene.value();
+      ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml").scene.value();
   Scene quiet = scene;
   for (CameraSpec& camera : quiet.cameras.cameras) camera.noise = 0;
   quiet.ground.finest_per_m = 20;

@@ -12,6 +12,7 @@
 
 #include "musher/modules/world/scene/place.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::world::scene_test {
 
@@ -25,7 +26,7 @@ std::string ReadText(const fs::path& path) {
 }
 
 TEST(Scene, OfTheRepositoryIsGood) {
-  for (const auto& entry : fs::directory_iterator(MUSHER_SOURCE_DIR "/config/scenes")) {
+  for (const auto& entry : fs::directory_iterator(SourceDir() + "/config/scenes")) {
     if (entry.path().extension() != ".toml") continue;  // a picture of one
     const SceneReading reading = ReadSceneFile(entry.path());
     EXPECT_THAT(reading.diagnostics, IsEmpty()) << entry.path();
@@ -63,15 +64,14 @@ TEST(Scene, ThatCannotBeReadReportsWhy) {
   ASSERT_EQ(missing.diagnostics.size(), 1u);
   EXPECT_EQ(FormatDiagnostic(missing.diagnostics[0]),
             "/nowhere/yard.toml: error: the file cannot be read: No such file or directory");
-  const SceneReading folder = ReadSceneFile(MUSHER_SOURCE_DIR);
+  const SceneReading folder = ReadSceneFile(SourceDir());
   ASSERT_EQ(folder.diagnostics.size(), 1u);
   EXPECT_FALSE(folder.scene);
 }
 
 TEST(Scene, ThatIsInvalidReportsEveryErrorWithItsPlace) {
   int cases = 0;
-  for (const auto& entry :
-       fs::directory_iterator(MUSHER_SOURCE_DIR "/test/modules/world/scenes/bad")) {
+  for (const auto& entry : fs::directory_iterator(SourceDir() + "/test/modules/world/scenes/bad")) {
     if (entry.path().extension() != ".toml") continue;
     ++cases;
     SCOPED_TRACE(entry.path().filename());
