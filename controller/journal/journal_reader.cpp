@@ -82,7 +82,11 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
   entry.message = row.getColumn(8).getString();
   entry.data = row.getColumn(9).getString();
   // SQLite reads the missing end of a page as zeros; every written entry has a kind.
-  const bool of_zeros = entry.kind.empty() || entry.kind.find('\0') != std::string::npos;
+  const auto has_zeros = [](const std::string& text) {
+    return text.find('\0') != std::string::npos;
+  };
+  const bool of_zeros = entry.kind.empty() || has_zeros(entry.kind) || has_zeros(entry.actuator) ||
+                        has_zeros(entry.message) || has_zeros(entry.data);
   const bool of_version_1 = id > 0 && !of_zeros && HasTypesOfVersion1(row);
   if (row.getColumnCount() == 10) return of_version_1 ? Result<JournalEntry>(entry) : damaged;
   entry.id = Unsigned(row, 10);
