@@ -65,8 +65,9 @@ void Joining::Hold(std::size_t i) {
   record.due = false;
   if (record.fault) return;
   Degrade(i, kCodeProtectedError,
-          "stays in " + record.state() + " since an emergency stop, until the next switch; the " +
-              "machine is in " + machine_.state,
+          "is in " + record.state() + ", the machine in " + machine_.state +
+              ": held by an emergency stop; after its release run `musher set " + machine_.state +
+              "`",
           machine_.stop_cause);
 }
 

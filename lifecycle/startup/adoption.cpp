@@ -47,8 +47,8 @@ std::optional<State> Adoption::LowestFound() const {
   return Lowest(found);
 }
 
-// The least active of `found`. Of several on the same level that of the most actuators, of those
-// that could be in each of them, and then the first one of the config.
+// The least active of `found`. Of several on the same level the one in which most of the actuators
+// are that could be in each of them; then in which most actuators are; then the config's first.
 State Adoption::Lowest(const std::vector<Found>& found) const {
   const auto votes = [&](const State& state) {
     const auto rank = config_.RankOf(state);
@@ -61,6 +61,7 @@ State Adoption::Lowest(const std::vector<Found>& found) const {
   };
   const auto key = [&](const Found& one) {
     return std::tuple(*config_.RankOf(one.state), -votes(one.state),
+                      -std::ranges::count(found, one.state, &Found::state),
                       std::ranges::find(config_.states, one.state));
   };
   return std::ranges::min_element(found, {}, key)->state;

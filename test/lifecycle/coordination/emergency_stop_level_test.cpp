@@ -21,7 +21,8 @@ MachineConfig Dancers() {
 }
 
 constexpr const char* kStays =
-    "stays in Dancing since an emergency stop, until the next switch; the machine is in Active";
+    "is in Dancing, the machine in Active: held by an emergency stop; after its release run "
+    "`musher set Active`";
 
 class StoppedDancers : public Switching {
  protected:
