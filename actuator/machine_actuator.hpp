@@ -65,8 +65,8 @@ class MachineActuator {
   Result<> Init(const std::string& config_file = "",
                 std::shared_ptr<transport::NodeThread> node = nullptr);
 
-  // Registers the callback of `state`; before Start(). The callback returns CyberDog's
-  // code, 0 = done.
+  // Registers the callback of `state`; before Start(). The callback returns CyberDog's code, 0 =
+  // done.
   void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
   // The same with a reason for people; an Error's code must not be 0. An exception counts as
   // Failed.
@@ -87,10 +87,10 @@ class MachineActuator {
   // each leaves the machine by its own Wait().
   int Wait();
 
-  // Init(), Start() and Wait(): the main function of a program that is this
-  // actuator. Returns its exit code: kConfigurationError if the config is invalid or does not fit
-  // the callbacks (the controller does not restart such an actuator automatically), 1 if SetUp
-  // fails or it cannot start now, else that of Wait().
+  // Init(), Start() and Wait(): the main function of a program that is this actuator. Returns its
+  // exit code: kConfigurationError if the config is invalid or does not fit the callbacks (the
+  // controller does not restart such an actuator automatically), 1 if SetUp fails or it cannot
+  // start now, else that of Wait().
   static constexpr int kConfigurationError = 2;
   int Run(const std::string& config_file = "");
   // Only checks the config: 0 if Run() would continue with SetUp, else kConfigurationError.
@@ -201,6 +201,7 @@ class MachineActuator {
 //   ActuatorRunner<Gripper> gripper(...);  // the arguments of Gripper's constructor
 //   const auto begun = gripper.Init(config, node);
 //   const auto started = begun ? gripper.Start() : begun;
+//   if (!started) gripper.Log(started.error());
 //
 // It is a Gripper; when it is destroyed, its callbacks end before its members do.
 template <typename Actuator>

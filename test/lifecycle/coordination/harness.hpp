@@ -111,7 +111,7 @@ class Harness {
   std::set<std::string> shared;      // actuators whose process still runs after their TearDown
   std::function<void()> after_step;  // called after every step of the controller
   Time now() const { return now_; }
-  // An error of the actuator: it is in another state, which nobody has commanded.
+  // An error of the actuator: it is in another state without a command.
   void GoByItself(const std::string& actuator, const State& state) {
     fakes_[Index(actuator)].core.report.state = state;
     Feed(event::StatusSeen{Index(actuator), ReportOf(Index(actuator))});
