@@ -300,7 +300,9 @@ Result<> Controller::OpenExtensions() {
     if (!services) return services.error();
     if (services.value()) extensions_.push_back(std::move(services).value());
   }
-  if (config_.policy && config_.policy->manager && extensions_.empty()) {
+  const bool served =
+      std::ranges::any_of(options_.extensions, &ControllerExtension::serves_manager);
+  if (config_.policy && config_.policy->manager && !served) {
     Trouble(
         "[policy] manager has no effect: give the controller the extension that serves it, such "
         "as MachineController({cyberdog::Extension()})");

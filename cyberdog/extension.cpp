@@ -17,6 +17,7 @@ ControllerExtension Extension(std::string serial_number) {
     if (!manager) return manager.error();
     return std::unique_ptr<ExtensionServices>(std::move(manager).value());
   };
+  extension.serves_manager = true;
   return extension;
 }
 

@@ -32,6 +32,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"claim_again", &ActuatorRecord::take_control_again},
     Field{"checked", &ActuatorRecord::checked},
     Field{"join_tried", &ActuatorRecord::join_tried},
+    Field{"set_again", &ActuatorRecord::set_again},
     Field{"held", &ActuatorRecord::held},
     Field{"due", &ActuatorRecord::due},
     Field{"fault", &ActuatorRecord::fault},

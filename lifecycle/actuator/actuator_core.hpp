@@ -16,16 +16,17 @@
 //
 // Rules:
 //   - One controller has control, and it must have announced itself. The epoch never falls.
-//   - A number is accepted once and never below a number accepted or fenced.
+//   - A command begins at most once, and not after a command or query of a higher number has been
+//     received. The number of a refused command is used up.
 //   - A command older than its budget by this actuator's clock cannot begin.
 //   - A running callback is never interrupted, only requested to stop.
 //   - While an emergency stop is latched, no command goes up, not even to the present state after
 //     a downward callback has failed, nor to another state of the same rank above DeActive. An
 //     upward callback that ends meanwhile has failed, whatever it returns: its state is not taken,
 //     and the stop action runs again.
-//   - What a stop has switched off stays off after the release, until a callback to the present
-//     state or a higher one succeeds without a stop: until then the actuator is held by the stop,
-//     and a command to its present state runs the callback.
+//   - What a stop has switched off stays off after the release, until a callback that does not
+//     lead down succeeds without a stop: until then the actuator is held by the stop, and a
+//     command to its present state runs the callback.
 //   - A manager without epochs may command until a controller has sent a command or query, and its
 //     command never waits.
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/config/ros2_states.hpp"
+
 namespace musher {
 
 bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to) {
@@ -31,6 +33,11 @@ bool SwitchesOnAgain(const MachineConfig& config, std::string_view from, std::st
 
 bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string_view to) {
   return Rises(config, from, to) || (from != to && SwitchesOnAgain(config, from, to));
+}
+
+bool RunsCallback(const ActuatorConfig& actuator, std::string_view from, std::string_view to) {
+  return actuator.protocol != Protocol::kRos2Lifecycle ||
+         Ros2GoalOf(actuator.ros2_states, from) != Ros2GoalOf(actuator.ros2_states, to);
 }
 
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from) {

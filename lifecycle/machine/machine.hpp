@@ -78,8 +78,11 @@ struct ActuatorRecord {
   bool checked = false;                    // passed its self-check since its process started
   bool join_tried = false;                 // the self-check of a late actuator was commanded
   bool held = false;                       // detached by SetState(actuator, state)
-  bool due = false;            // to be driven to the state of the machine, as soon as it is free
-  std::optional<Error> fault;  // why it is degraded
+  bool due = false;  // to be driven to the state of the machine, as soon as it is free
+  // A switch has been requested for it since the last emergency stop: it may switch on again what
+  // the stop has switched off.
+  bool set_again = false;
+  std::optional<Error> fault;             // why it is degraded
   std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
   std::optional<PendingCommand> command;  // the command under way
   std::uint64_t cause = 0;  // the record with the reason why it is degraded, lost or back

@@ -25,10 +25,10 @@ struct EmergencyStop {
 
 struct ActuatorReport {
   State state{kUninitialized};
-  State target;                      // its callback runs for this state; empty when it is free
-  std::uint64_t busy_number = 0;     // the command that runs; 0 when free or in its own SetUp
-  std::uint64_t epoch = 0;           // highest controller epoch seen
-  std::uint64_t number = 0;          // highest command number accepted or fenced
+  State target;                   // its callback runs for this state; empty when it is free
+  std::uint64_t busy_number = 0;  // the command that runs; 0 when free or in its own SetUp
+  std::uint64_t epoch = 0;        // highest controller epoch seen
+  std::uint64_t number = 0;       // highest of a command received, also a refused one, or a query
   std::uint64_t outcome_number = 0;  // the last command that ended, its code and message
   std::int32_t outcome_code = 0;
   std::string outcome_message;

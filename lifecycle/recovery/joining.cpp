@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
-#include "musher/lifecycle/config/ros2_states.hpp"
 
 namespace musher {
 
@@ -42,17 +41,16 @@ bool Joining::DriveLateOnes() {
 }
 
 // Whether an emergency stop is between the actuator and the state of the machine, another one that
-// is as active. The release starts no callback on the same level: only a requested switch does. A
-// ROS 2 node that is in the same ROS 2 state in both runs none.
+// is as active. The release starts no callback on the same level: only a requested switch does.
 bool Joining::StoppedOnTheLevel(std::size_t i) const {
-  const State& own = Of(i).state();
+  const ActuatorRecord& record = Of(i);
   const State place = PlaceOf(i);
-  const bool level = own != place && config_.RankOf(own) == config_.RankOf(place);
-  const auto& goals = ConfigOf(i).ros2_states;
-  const bool runs = ConfigOf(i).protocol != Protocol::kRos2Lifecycle ||
-                    Ros2GoalOf(goals, own) != Ros2GoalOf(goals, place);
-  const bool held = IsStopped(i) || Of(i).report.held_by_stop;
-  return level && runs && held && ConfigOf(i).Lists(place) && SwitchesOnAgain(config_, own, place);
+  const bool level =
+      record.state() != place && config_.RankOf(record.state()) == config_.RankOf(place);
+  const bool held = IsStopped(i) || (record.report.held_by_stop && !record.set_again);
+  return level && held && ConfigOf(i).Lists(place) &&
+         RunsCallback(ConfigOf(i), record.state(), place) &&
+         SwitchesOnAgain(config_, record.state(), place);
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.
@@ -63,7 +61,9 @@ bool Joining::IsStopped(std::size_t i) const {
 void Joining::Hold(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.due = false;
-  if (record.fault) return;
+  // What its own callback has reported says more.
+  const std::int32_t own = record.report.outcome_code;
+  if (record.fault && (record.suspended || (own != kCodeOk && own == record.fault->code))) return;
   Degrade(i, kCodeProtectedError,
           "is in " + record.state() + ", the machine in " + machine_.state +
               ": held by an emergency stop; after its release run `musher set " + machine_.state +

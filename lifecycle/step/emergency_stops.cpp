@@ -135,6 +135,7 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
                     machine_.other_stops.empty() ? 0 : machine_.stop_cause);
   if (machine_.other_stops.empty()) machine_.stop_cause = recorded;
   if (machine_.current) machine_.current->stopped = true;
+  for (ActuatorRecord& record : machine_.actuators) record.set_again = false;
 }
 
 void EmergencyStops::Release(std::uint64_t id) {

@@ -26,7 +26,12 @@ std::uint64_t Switching::Begin(const Plan& plan, Purpose purpose, std::vector<Re
   EndWaiting({kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
                                    Describe(config_, s.target, s.only) + ") started before it"},
              cause);
-  for (const PlanStep& step : plan.steps) AddLeg(s, step);
+  for (const PlanStep& step : plan.steps) {
+    AddLeg(s, step);
+    if (purpose == Purpose::kRequested && s.direction != Direction::kCheck) {
+      Of(step.actuator).set_again = true;
+    }
+  }
   action::Record begins{"switch",
                         s.only,
                         s.number,
@@ -139,7 +144,8 @@ std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
   // Modules of other protocols do not receive the stop. A switch up is undone as a whole.
   const Switch& s = *machine_.current;
   const bool level = !s.rolling_back && s.direction != Direction::kUp;
-  if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target)) {
+  if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target) &&
+      RunsCallback(ConfigOf(leg.actuator), leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          "is held by an emergency stop", false};
   }
@@ -220,7 +226,8 @@ void Switching::BeginRollback(Switch& s) {
       back.outcome = ActuatorOutcome::kUnsupported;
       back.code = kCodeUnSupport;
       back.message = "has no state to go back to";
-    } else if (StoppedOnTheLevel(s) && SwitchesOnAgain(config_, back.from, back.target)) {
+    } else if (StoppedOnTheLevel(s) && SwitchesOnAgain(config_, back.from, back.target) &&
+               RunsCallback(ConfigOf(back.actuator), back.from, back.target)) {
       back.progress = Leg::Progress::kEnded;  // the way back may switch on, too
       back.outcome = ActuatorOutcome::kSkipped;
       back.code = kCodeProtectedError;

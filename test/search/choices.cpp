@@ -61,8 +61,10 @@ class Listing {
   }
 
   void ListRelease() {
-    const bool engaged = model_.releases && !world_.released && world_.machine.emergency_stop;
-    if (engaged && IsQuiet(world_, choices_)) Free(ChoiceKind::kRelease);
+    if (!model_.releases || !IsQuiet(world_, choices_)) return;
+    if (!world_.released && world_.machine.emergency_stop) Free(ChoiceKind::kRelease);
+    const bool runs = world_.machine.phase == Phase::kRunning;
+    if (world_.released && !world_.repeated && runs) Free(ChoiceKind::kRepeat);
   }
 
   void ListSending() {
@@ -142,7 +144,8 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
     const bool lost = choice.kind == ChoiceKind::kLate &&
                       (std::holds_alternative<Message>(late[choice.index]) ||
                        std::holds_alternative<event::Replied>(late[choice.index]));
-    return choice.cost > 0 || lost || overdue || choice.kind == ChoiceKind::kRelease;
+    const bool by_hand = choice.kind == ChoiceKind::kRelease || choice.kind == ChoiceKind::kRepeat;
+    return choice.cost > 0 || lost || overdue || by_hand;
   });
 }
 

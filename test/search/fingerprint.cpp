@@ -54,7 +54,8 @@ class Mixer {
     for (const T& x : all) One(x);
   }
 
-  // Without the emergency stop: it matters when the report arrives only, and is not stored.
+  // Without the emergency stop: it matters when the report arrives, and then only where it is
+  // released.
   void One(const ActuatorReport& r) {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
     Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
@@ -119,7 +120,7 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
-            r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due,
+            r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due, r.set_again,
             r.fault.has_value(), r.tolerated.has_value(), r.command, r.health, r.restarts,
             r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.terminating,
             r.terminate_at, r.kill_at, r.killed, r.suspended, r.outbid_at, r.blocked, r.free_by,
@@ -139,6 +140,7 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
   const Machine& machine = world.machine;
   const ActuatorRecord& record = machine.actuators[i];
   AddRecord(mixer, record);
+  if (model.releases) mixer.Add(record.report.emergency_stop);
   if (machine.current) {
     AddLegs(mixer, machine.current->legs, i);
     AddLegs(mixer, machine.current->back, i);
@@ -177,7 +179,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   }
   std::sort(actuators.begin(), actuators.end());
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
-            w.stopped, w.stop_seen_due, w.released);
+            w.stopped, w.stop_seen_due, w.released, w.repeated);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
             m.emergency_stop.has_value(), m.other_stops.size(), m.released_stops, m.set_up_requests,
             m.policy);

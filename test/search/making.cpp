@@ -10,22 +10,24 @@ namespace {
 
 constexpr std::int32_t kFailure = 3001;
 
-// Compares all but the emergency stop.
+// Compares all but the id of the emergency stop.
 bool HasSameContent(const ActuatorReport& a, const ActuatorReport& b) {
   return a.incarnation == b.incarnation && a.state == b.state && a.target == b.target &&
          a.busy_number == b.busy_number && a.epoch == b.epoch && a.number == b.number &&
          a.outcome_number == b.outcome_number && a.outcome_code == b.outcome_code &&
-         a.apart == b.apart;
+         a.apart == b.apart && a.held_by_stop == b.held_by_stop;
 }
 
-// Once the controller has received the stop, an actuator's latch of it is no news.
-bool StopIsKnown(const World& world, const ActuatorReport& report) {
+// Once the controller has received the stop, an actuator's latch of it is no news, until a person
+// releases it.
+bool StopIsKnown(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
+  if (world.released) return report.emergency_stop == record.report.emergency_stop;
   return report.emergency_stop == 0 || world.machine.emergency_stop;
 }
 
 // Whether the controller knows the content of the latched status already.
 bool IsKnown(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  return StopIsKnown(world, report) && record.presence == Presence::kPresent &&
+  return StopIsKnown(world, record, report) && record.presence == Presence::kPresent &&
          HasSameContent(record.report, report);
 }
 
@@ -36,7 +38,7 @@ bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorR
          record.command->number == report.number &&
          record.command->number != report.outcome_number &&
          record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
-         StopIsKnown(world, report);
+         StopIsKnown(world, record, report);
 }
 
 // Whether this reply is not awaited any more, and the latched status has the same content.
@@ -126,6 +128,9 @@ class Making {
         harness_.Log("a person releases the emergency stop");
         world_.released = true;
         return harness_.Feed(event::ReleaseRequested{0, "a person"});
+      case ChoiceKind::kRepeat:
+        world_.repeated = true;
+        return harness_.RequestSwitch(harness_.Target());
       case ChoiceKind::kCrash:
         harness_.Log("FAULT: " + name() + " crashes");
         return harness_.Crash(i_);

@@ -167,7 +167,7 @@ void CheckUp(const Model& model, const World& world, const action::AnswerSetStat
 }
 
 // Without an order among the actuators each fault makes at most one degraded; an emergency stop all
-// whose switch on the level it has ended.
+// whose switch on the level it has ended, until the switch is requested again.
 void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto& actuators = model.config.actuators;
   const bool in_order = std::any_of(actuators.begin(), actuators.end(),
@@ -176,7 +176,8 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto degraded = std::ranges::count_if(names, [&](const std::string& name) {
     const ActuatorReport& report = world.actuators[*model.config.IndexOf(name)].core.report;
     const bool level = model.config.RankOf(report.state) == model.config.RankOf(world.from);
-    return !report.held_by_stop || !level || world.machine.state != world.from;
+    const bool ended = report.held_by_stop && level && world.machine.state == world.from;
+    return !ended || world.repeated;
   });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
   if (in_order || degraded <= world.faults - world.faults_left) return;
@@ -230,7 +231,8 @@ void CheckBegin(const Model& model, const World& world, std::size_t i, const Sta
     notes.violations.push_back(what + " while an emergency stop is latched");
   }
   const bool level = report.state != target && !Rises(model.config, report.state, target);
-  if (world.released && report.held_by_stop && level &&
+  const bool requested = world.repeated && target == model.target;
+  if (world.released && report.held_by_stop && level && !requested &&
       SwitchesOnAgain(model.config, report.state, target)) {
     notes.violations.push_back(what + " by the release of the emergency stop");
   }

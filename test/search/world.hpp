@@ -101,6 +101,7 @@ struct World {
   bool stopped = false;        // an emergency stop has been engaged
   bool stop_seen_due = false;  // the controller has not received it
   bool released = false;       // by a person
+  bool repeated = false;       // after the release the switch has been requested again
 };
 
 enum class ChoiceKind : std::uint8_t {
@@ -115,6 +116,7 @@ enum class ChoiceKind : std::uint8_t {
   kEndFirst,      // a torn down actuator's process ends, and that is detected before its reply
   kSeeStop,       // the controller receives the emergency stop
   kRelease,       // a person releases it, when nothing else is left to happen
+  kRepeat,        // and then requests the same switch again
   kTime,          // to the next deadline
   kLate,          // a delayed message arrives
   // Each of these is a fault.
@@ -168,7 +170,7 @@ struct Model {
   State target;  // of the first request
   Rules rules;
   std::array<std::size_t, kActuators> kinds{};  // equal for interchangeable actuators
-  bool releases = false;                        // whether kRelease is a choice
+  bool releases = false;                        // whether kRelease and kRepeat are choices
 };
 
 // The results of one choice.

@@ -98,6 +98,37 @@ TEST_F(StoppedDancers, StayWhereTheStopHasEndedTheirSwitchUntilTheNextOne) {
   EXPECT_FALSE(t.RecordOf("a").fault);
 }
 
+// Such an actuator stayed in the state before: the controller took its hold for that of a stop that
+// nothing has been requested after.
+TEST_F(StoppedDancers, AreDrivenAgainByASwitchRequestedAfterTheReleaseThatWasOverdue) {
+  Harness& t = In("Active", Dancers());
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.On("b", "Dancing").takes = Milliseconds(900);
+  t.On("b", "Dancing").code = kCodeFailed;
+  EXPECT_EQ(t.Set("Dancing").outcome, SwitchOutcome::kDoneDegraded);
+  t.On("b", "Dancing") = {};
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Dancing");
+  EXPECT_FALSE(t.RecordOf("b").fault);
+}
+
+TEST_F(StoppedDancers, AreHeldByTheNextStopAlthoughASwitchWasRequestedBeforeIt) {
+  Harness& t = In("Active", Dancers());
+  Stop(t);
+  t.Release();
+  ASSERT_TRUE(t.Set("Dancing").done());
+  t.StopAll(6);
+  t.RunFor(Milliseconds(1));
+  t.GoByItself("b", "Active");
+  t.Release();
+  t.ClearLog();
+  t.Rest();
+  EXPECT_THAT(t.log(), IsEmpty());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
 // The state in which such a machine was adopted was that of the first actuator in the config, and
 // the release drove the others there.
 TEST_F(StoppedDancers, AreAdoptedInTheStateOfMostOfThemAndNotDrivenThereByTheRelease) {
@@ -236,13 +267,35 @@ TEST_F(DancersOfAnyProtocol, AreCommandedWhereTheirRos2StateIsTheSame) {
   EXPECT_EQ(Of(1).command->target, "Active");
 }
 
-TEST_F(DancersOfAnyProtocol, KeepAnEarlierFaultWhereAStopHoldsThem) {
+// Such a node ran no callback on the way, and was left in the state whose switch had been undone.
+TEST_F(DancersOfAnyProtocol, AreDrivenBackWhereTheirRos2StateIsTheSame) {
+  StartUp();
+  config_.actuators[0].protocol = Protocol::kRos2Lifecycle;
+  config_.actuators[0].ros2_states = {{"Dancing", Ros2State::kActive}};
+  Do(event::SetStateRequested{1, "Dancing", {}});
+  Stop();
+  Obey(0);
+  ASSERT_TRUE(Of(0).command);
+  EXPECT_EQ(Of(0).command->target, "Active");
+}
+
+TEST_F(DancersOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {
   StartUp();
   Of(1).fault = Error{5001, "the motor stalls"};
   Stop();
-  Say(1, Report(1, "Dancing"));
+  ActuatorReport report = Report(1, "Dancing");
+  report.outcome_code = 5001;
+  Say(1, report);
   EXPECT_FALSE(Of(1).due);
   EXPECT_EQ(Of(1).fault->message, "the motor stalls");
+}
+
+TEST_F(DancersOfAnyProtocol, AreNotSaidToBeBusyAnyMoreWhereAStopHoldsThem) {
+  StartUp();
+  Of(1).fault = Error{kCodeTimeout, "still busy with Dancing after 100 ms"};
+  Stop();
+  Say(1, Report(1, "Dancing"));
+  EXPECT_EQ(Of(1).fault->message, kStays);
 }
 
 // The command could overtake the release on the way to the actuator, which would refuse it.
