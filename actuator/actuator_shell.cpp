@@ -159,7 +159,7 @@ void ActuatorShell::OfferManagedNode() {
     if (core_.report.epoch == 0) return std::nullopt;
     // It may have exited: the next controller continues, and this actuator waits for it.
     return Error{kCodePermissionDenied, "under control of the controller of epoch " +
-                                            std::to_string(core_.report.epoch) +
+                                            ToString(core_.report.epoch) +
                                             "; switch the machine instead (ros2 lifecycle set /" +
                                             transport::ResolveName(config_.name_space, "musher") +
                                             "), or start the actuator without a controller"};
@@ -168,7 +168,7 @@ void ActuatorShell::OfferManagedNode() {
     ChangeManagedNode(transition, std::move(done));
   };
   hooks.log = hooks_.on_remark;
-  const std::string instance = actuator_.name + "-" + std::to_string(core_.report.incarnation);
+  const std::string instance = actuator_.name + "-" + ToString(core_.report.incarnation);
   auto made = transport::ManagedNodeEndpoints::Make(node_, config_.name_space, actuator_.name,
                                                     instance, std::move(hooks));
   if (!made) {  // a controller can still drive it
@@ -234,7 +234,7 @@ void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
   sent_work_ = look.work;
   msg::ActuatorBeat heartbeat;
   heartbeat.name = actuator_.name;
-  heartbeat.incarnation = core_.report.incarnation;
+  heartbeat.incarnation = core_.report.incarnation.value();
   heartbeat.period_ns = HeartbeatPeriod(config_, index_).count();
   heartbeat.work = transport::ToMessage(look.work);
   if (look.work != Health::kWell) {

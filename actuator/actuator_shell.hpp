@@ -25,7 +25,7 @@
 namespace musher {
 
 struct ActuatorIdentity {
-  std::uint64_t incarnation = 0;  // not 0; higher with every start on a host
+  Incarnation incarnation = 0;  // not 0; higher with every start on a host
   std::int32_t pid = 0;
   std::string host;
 };

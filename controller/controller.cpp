@@ -206,7 +206,7 @@ Result<> Controller::OpenShell() {
         std::string(StoredName(what)),
         [store = store_, write = std::move(write)] { return write(*store); }, std::move(done));
   };
-  dependencies.save_epoch = [save](std::uint64_t epoch, OnSaved done) {
+  dependencies.save_epoch = [save](Epoch epoch, OnSaved done) {
     save(
         Stored::kEpoch, [epoch](StateStore& store) { return store.SaveEpoch(epoch); },
         std::move(done));
@@ -294,14 +294,15 @@ Result<> Controller::OpenExtensions() {
     if (!store_) return;
     disk_.Do(name, [store = store_, name, text] { return store->SaveText(name, text); });
   };
+  bool served = false;
   for (const ControllerExtension& extension : options_.extensions) {
     if (!extension.open_services) continue;
     auto services = extension.open_services({node_, *shell_, save_text});
     if (!services) return services.error();
-    if (services.value()) extensions_.push_back(std::move(services).value());
+    if (!services.value()) continue;
+    served |= extension.serves_manager;
+    extensions_.push_back(std::move(services).value());
   }
-  const bool served =
-      std::ranges::any_of(options_.extensions, &ControllerExtension::serves_manager);
   if (config_.policy && config_.policy->manager && !served) {
     Trouble(
         "[policy] manager has no effect: give the controller the extension that serves it, such "
@@ -349,7 +350,7 @@ void Controller::Begin() {
   shell_->Begin(std::move(begin), children);
 }
 
-std::uint64_t Controller::LoadEpoch() {
+Epoch Controller::LoadEpoch() {
   if (!store_) return 0;
   const auto epoch = store_->LoadEpoch();
   if (epoch) return epoch.value();

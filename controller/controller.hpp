@@ -83,7 +83,7 @@ class Controller {
   std::vector<ChildProcess> FindRunning(event::Begin& begin);
   pid_t HolderOf(std::size_t i);
   void EndUnlisted(const ChildProcess& child);
-  std::uint64_t LoadEpoch();
+  Epoch LoadEpoch();
   void OpenLogs();
   void Trouble(const std::string& message);
 

@@ -27,7 +27,7 @@ class Announcements {
 
  private:
   struct Pending {  // a switch under way
-    std::uint64_t number = 0;
+    CommandNumber number = 0;
     State target;
     bool published = false;
   };

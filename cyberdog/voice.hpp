@@ -140,7 +140,7 @@ struct VoiceState {
   bool greeted = false;       // the app
   int battery_announced = 0;  // urgency of the last announcement
   std::vector<MachineView::Fault> faults_announced;
-  std::uint64_t switch_number = 0;  // of the last switch that began …
+  CommandNumber switch_number = 0;  // of the last switch that began …
   std::vector<std::int32_t> known;  // … and the codes of the actuators degraded then
   std::optional<Time> tapped;
   std::vector<Sentence> sentences;  // of the last 30 s

@@ -14,10 +14,10 @@ void Authority::On(const event::RivalSeen& rival) {
                        machine_.phase != Phase::kFenced;
   if (!leads || !at_work) return;
   const std::string why = "another controller, " + rival.who + ", leads this machine with epoch " +
-                          std::to_string(rival.epoch);
+                          ToString(rival.epoch);
   const Error fenced{kCodePermissionDenied, why};
-  const std::uint64_t recorded =
-      RecordMachine(fenced.code, "this controller (epoch " + std::to_string(machine_.epoch) +
+  const RecordId recorded =
+      RecordMachine(fenced.code, "this controller (epoch " + ToString(machine_.epoch) +
                                      ") releases control: " + why);
   switching_.EndWaiting(fenced, recorded);
   if (machine_.current) {
@@ -26,7 +26,7 @@ void Authority::On(const event::RivalSeen& rival) {
     result.code = fenced.code;
     result.reason = fenced.message;
     RecordEnd(*machine_.current, result,
-              "switch " + std::to_string(result.number) + " is superseded: " + why, recorded);
+              "switch " + ToString(result.number) + " is superseded: " + why, recorded);
     switching_.Answer(machine_.current->requests, result);
     if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();

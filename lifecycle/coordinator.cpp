@@ -174,9 +174,11 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   if (record.command) consider(record.command->deadline);
   if (record.take_control_again) consider(*record.take_control_again);
   if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
-  for (const auto& when : {record.restart_at, record.healthy_at, record.terminate_at,
-                           record.kill_at, record.free_by}) {
+  for (const auto& when : {record.restart_at, record.healthy_at, record.free_by}) {
     if (when) consider(*when);
+  }
+  if (const auto& termination = record.termination) {
+    consider(std::min(termination->kill_at, termination->terminate_at.value_or(Time::max())));
   }
   return next;
 }

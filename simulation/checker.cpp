@@ -60,8 +60,8 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   if (before.incarnation != report.incarnation) before = ActuatorReport{};
   if (report.epoch < before.epoch || report.number < before.number) {
     ReportViolation(Invariant::kNoStaleCommand, name + " goes back to epoch " +
-                                                    std::to_string(report.epoch) + ", command " +
-                                                    std::to_string(report.number));
+                                                    ToString(report.epoch) + ", command " +
+                                                    ToString(report.number));
   }
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
@@ -161,7 +161,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
   }
   CheckDeadline(controller, seen);
   NoteReceived(controller, seen);
-  const std::uint64_t epoch = std::exchange(seen.epoch, machine.epoch);
+  const Epoch epoch = std::exchange(seen.epoch, machine.epoch);
   if (epoch != 0 && epoch != machine.epoch) {
     CarryCommandsOver(controller.serial(), epoch, machine.epoch);
   }
@@ -192,7 +192,7 @@ std::uint64_t Checker::SerialOf(const Machine& machine) const {
 
 // A controller has raised its epoch: what it has sent and what waits at the actuators keeps
 // waiting, under the new one.
-void Checker::CarryCommandsOver(std::uint64_t controller, std::uint64_t from, std::uint64_t to) {
+void Checker::CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to) {
   const std::vector<std::pair<CommandKey, SentCommand>> sent(
       sent_commands_.lower_bound({from, 0, 0}), sent_commands_.lower_bound({from + 1, 0, 0}));
   for (const auto& [key, command] : sent) {
@@ -283,11 +283,10 @@ std::string Checker::PendingActivity(const Machine& machine, std::size_t i) cons
   const ActuatorRecord& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
-  if (r.fault && !r.command && !r.restart_at && r.terminating == 0 && !r.restart_requested)
-    return {};
+  if (r.fault && !r.command && !r.restart_at && !r.termination && !r.restart_requested) return {};
   if (r.command) return "has a command to " + r.command->target;
   if (r.restart_at || r.restart_requested) return "is to be restarted";
-  if (r.terminating != 0 || r.kill_at) return "is to be killed";
+  if (r.termination) return "is to be killed";
   if (r.free_by) return "is busy with the callback that it was found in";
   if (r.take_control_again && r.presence == Presence::kStarting && alive)
     return "is being attached";

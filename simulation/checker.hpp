@@ -55,7 +55,7 @@ class Checker {
   // An operator requests a restart.
   void OnRestartRequest(const std::string& name) { config_errors_.erase(name); }
   // An emergency stop is engaged at a panel.
-  void OnStopEngaged(std::size_t panel, std::uint64_t id);
+  void OnStopEngaged(std::size_t panel, StopId id);
   // A client requests a switch.
   void OnClientRequest(const State& target) {
     urgent_requested_ |= target == kError || target == kTearDown;
@@ -87,11 +87,11 @@ class Checker {
                                            // requested or is a part of the start
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
-    std::vector<std::uint64_t> received;  // of each actuator, the incarnation reported last
-    std::uint64_t epoch = 0;
+    std::vector<Incarnation> received;  // of each actuator, the incarnation reported last
+    Epoch epoch = 0;
   };
   using CommandKey =
-      std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
+      std::tuple<Epoch, std::size_t, CommandNumber>;  // of the actuator with this index
 
   void OnReport(const std::string& name, std::size_t host, const ActuatorReport& report);
   void OnWrite(const ControllerProcess& controller, const std::string& topic,
@@ -100,7 +100,7 @@ class Checker {
   void CheckController(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
   std::uint64_t SerialOf(const Machine& machine) const;
-  void CarryCommandsOver(std::uint64_t controller, std::uint64_t from, std::uint64_t to);
+  void CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to);
   void OnStart(const ControllerProcess& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
   void CheckDeadline(const ControllerProcess& controller, Seen& seen);
@@ -127,7 +127,7 @@ class Checker {
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
-  void NoteGivenUp(std::uint64_t epoch, std::size_t i);
+  void NoteGivenUp(Epoch epoch, std::size_t i);
   bool IsGivenUp(const CommandKey& command) const;
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
@@ -155,7 +155,7 @@ class Checker {
   std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
   std::map<CommandKey, SentCommand> sent_commands_;
   // The last that was given up, by epoch and actuator.
-  std::map<std::pair<std::uint64_t, std::size_t>, CommandKey> given_up_;
+  std::map<std::pair<Epoch, std::size_t>, CommandKey> given_up_;
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   struct Request {
     State target;
@@ -182,10 +182,10 @@ class Checker {
   std::map<std::string, State> false_reporters_;  // the false state published last
   std::set<std::string> self_switched_;           // entered their state without a command
   std::set<std::string> duplicated_;  // started while the link to another process of it was cut
-  std::map<std::uint64_t, std::size_t> engaged_;  // emergency stops: the panel
-  std::map<std::size_t, std::uint64_t> last_of_panel_;
-  std::map<std::uint64_t, std::set<std::size_t>> accepted_stops_;  // by controllers of these hosts
-  std::map<std::uint64_t, std::set<std::size_t>> released_;  // stop: hosts that stored the release
+  std::map<StopId, std::size_t> engaged_;  // emergency stops: the panel
+  std::map<std::size_t, StopId> last_of_panel_;
+  std::map<StopId, std::set<std::size_t>> accepted_stops_;  // by controllers of these hosts
+  std::map<StopId, std::set<std::size_t>> released_;        // stop: hosts that stored the release
   std::vector<std::pair<std::string, std::size_t>> idle_and_stopped_;  // actuator, host
   struct AcceptedTearDown {
     std::uint64_t controller = 0;  // its serial
@@ -194,10 +194,10 @@ class Checker {
   std::optional<AcceptedTearDown> accepted_tear_down_;  // a TearDown was accepted
   // The processes of which controllers have received a report: the controller's host, actuator, the
   // host's id, incarnation.
-  std::set<std::tuple<std::size_t, std::size_t, std::string, std::uint64_t>> received_;
+  std::set<std::tuple<std::size_t, std::size_t, std::string, Incarnation>> received_;
   struct Waiting {
-    std::uint64_t incarnation = 0;
-    std::uint64_t epoch = 0;
+    Incarnation incarnation = 0;
+    Epoch epoch = 0;
     SwitchCommand command;
   };
   std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;

@@ -25,7 +25,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   dependencies.processes = this;
   dependencies.process_probe = this;
   dependencies.journal = this;
-  dependencies.save_epoch = [this](std::uint64_t epoch, const auto& done) {
+  dependencies.save_epoch = [this](Epoch epoch, const auto& done) {
     Save(disk_.epoch, epoch, done);
   };
   dependencies.save_emergency_stops = [this](const StoredStops& stops, const auto& done) {

@@ -23,7 +23,7 @@ namespace musher::simulation {
 
 // What a controller stores, and reads when it is started again.
 struct Disk {
-  std::uint64_t epoch = 0;
+  Epoch epoch = 0;
   StoredStops stops;
   bool stop_intent = false;
   std::vector<RemoteActuator> remote;

@@ -48,10 +48,11 @@ std::string Hosts::Id(std::size_t host) const {
   return hosts_[host].name + "/" + std::to_string(hosts_[host].boot);
 }
 
-std::uint64_t Hosts::NewIncarnation(std::size_t host) {
+Incarnation Hosts::NewIncarnation(std::size_t host) {
   Host& h = hosts_[host];
   const auto since_boot = (network_.now().time_since_epoch() + h.clock_offset).count();
-  h.last_incarnation = std::max(h.last_incarnation + 1, static_cast<std::uint64_t>(since_boot));
+  h.last_incarnation =
+      std::max(h.last_incarnation + 1, Incarnation(static_cast<std::uint64_t>(since_boot)));
   return h.last_incarnation;
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::simulation {
@@ -54,7 +55,7 @@ class Hosts {
   std::string Id(std::size_t host) const;
   // What NewIncarnation() returns there: the time since its boot, in ns; never the same
   // value twice.
-  std::uint64_t NewIncarnation(std::size_t host);
+  Incarnation NewIncarnation(std::size_t host);
   std::int32_t NewPid(std::size_t host) { return hosts_[host].next_pid++; }
 
   // For a process that starts; unique among all hosts.
@@ -79,7 +80,7 @@ class Hosts {
     std::string name;
     int boot = 1;
     std::int32_t next_pid = 1000;
-    std::uint64_t last_incarnation = 0;
+    Incarnation last_incarnation = 0;
     Duration clock_offset{};  // against the network's time
     std::vector<std::string> endpoints;
   };

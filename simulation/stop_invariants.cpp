@@ -7,7 +7,7 @@
 
 namespace musher::simulation {
 
-void Checker::OnStopEngaged(std::size_t panel, std::uint64_t id) {
+void Checker::OnStopEngaged(std::size_t panel, StopId id) {
   engaged_[id] = panel;
   last_of_panel_[panel] = id;
 }

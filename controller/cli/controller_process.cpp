@@ -175,7 +175,7 @@ void ControllerProcess::OnRecord(const action::Record& record) {
   progress.wall_ns = WallNow();
   progress.kind = record.kind;
   if (record.actuator) progress.actuator = config_.actuators[*record.actuator].name;
-  progress.switch_number = record.switch_number;
+  progress.switch_number = record.switch_number.value();
   progress.code = record.code;
   progress.message = record.message;
   progress_.Send(progress);

@@ -42,6 +42,10 @@ class Writer {
   Json Of(T value) const {
     return value;
   }
+  template <typename Kind>
+  Json Of(StrongNumber<Kind> number) const {
+    return number.value();
+  }
   Json Of(const std::string& text) const {
     if (!texts_as_hex_) return text;
     std::string hex;
@@ -140,6 +144,12 @@ class Reader {
                           : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
     if (!fits) Fail("a whole number that fits", json);
     value = json.get<T>();
+  }
+  template <typename Kind>
+  void Read(const Json& json, StrongNumber<Kind>& number) const {
+    std::uint64_t value = 0;
+    Read(json, value);
+    number = value;
   }
   void Read(const Json& json, std::string& text) const {
     if (json.is_string()) {

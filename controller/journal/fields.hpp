@@ -17,6 +17,14 @@ inline constexpr std::tuple kFields<PendingCommand> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<Termination> = {
+    Field{"pid", &Termination::pid},
+    Field{"terminate_at", &Termination::terminate_at},
+    Field{"kill_at", &Termination::kill_at},
+    Field{"killed", &Termination::killed},
+};
+
+template <>
 inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"presence", &ActuatorRecord::presence},
     Field{"report", &ActuatorRecord::report},
@@ -46,10 +54,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"given_up", &ActuatorRecord::given_up},
     Field{"restart_asked", &ActuatorRecord::restart_requested},
     Field{"restart_requests", &ActuatorRecord::restart_requests},
-    Field{"doomed", &ActuatorRecord::terminating},
-    Field{"kill_at", &ActuatorRecord::kill_at},
-    Field{"terminate_at", &ActuatorRecord::terminate_at},
-    Field{"killed", &ActuatorRecord::killed},
+    Field{"termination", &ActuatorRecord::termination},
     Field{"parked", &ActuatorRecord::suspended},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},

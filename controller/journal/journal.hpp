@@ -26,16 +26,16 @@ namespace musher {
 struct JournalEntry {
   std::int64_t wall_ns = 0;         // since 1970, UTC
   std::int64_t steady_ns = 0;       // of the controller's steady clock; orders entries of one boot
-  std::uint64_t epoch = 0;          // of the controller
-  std::uint64_t switch_number = 0;  // 0 = not part of a switch
+  Epoch epoch = 0;                  // of the controller
+  CommandNumber switch_number = 0;  // 0 = not part of a switch
   std::string kind;      // "switch", "command", "exit", ...; "journal" is the journal's own
   std::string actuator;  // empty = the machine
   std::int32_t code = 0;
-  std::string message;      // a sentence
-  std::string data;         // more, as JSON; may be empty
-  std::uint64_t id = 0;     // of the decision's record, grows from 1 in a controller; 0: none
-  std::uint64_t cause = 0;  // id of the record that it follows from; 0: none
-  State state{};            // the machine's new state, if this entry records its change
+  std::string message;  // a sentence
+  std::string data;     // more, as JSON; may be empty
+  RecordId id = 0;      // of the decision's record, grows from 1 in a controller; 0: none
+  RecordId cause = 0;   // id of the record that it follows from; 0: none
+  State state{};        // the machine's new state, if this entry records its change
 
   friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
 };

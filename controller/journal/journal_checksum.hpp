@@ -12,9 +12,9 @@ namespace musher {
 inline std::int64_t ChecksumOf(std::int64_t id, const JournalEntry& e) {
   constexpr char kEnd = '\0';  // separates the texts
   std::string all;
-  for (const std::int64_t number :
-       {id, e.wall_ns, e.steady_ns, std::int64_t(e.epoch), std::int64_t(e.switch_number),
-        std::int64_t(e.code), std::int64_t(e.id), std::int64_t(e.cause)}) {
+  for (const std::int64_t number : {id, e.wall_ns, e.steady_ns, std::int64_t(e.epoch.value()),
+                                    std::int64_t(e.switch_number.value()), std::int64_t(e.code),
+                                    std::int64_t(e.id.value()), std::int64_t(e.cause.value())}) {
     all += std::to_string(number) + kEnd;
   }
   for (const auto* text : {&e.kind, &e.actuator, &e.message, &e.data, &e.state}) {

@@ -70,10 +70,10 @@ class Inserter {
         input_(database, journal_schema::kInsertInput) {}
 
   void Insert(std::int64_t id, const JournalEntry& e) {
-    SQLite::bind(entry_, id, e.wall_ns, e.steady_ns, static_cast<std::int64_t>(e.epoch),
-                 static_cast<std::int64_t>(e.switch_number), e.kind, e.actuator, e.code, e.message,
-                 e.data, static_cast<std::int64_t>(e.id), static_cast<std::int64_t>(e.cause),
-                 e.state, ChecksumOf(id, e));
+    SQLite::bind(entry_, id, e.wall_ns, e.steady_ns, static_cast<std::int64_t>(e.epoch.value()),
+                 static_cast<std::int64_t>(e.switch_number.value()), e.kind, e.actuator, e.code,
+                 e.message, e.data, static_cast<std::int64_t>(e.id.value()),
+                 static_cast<std::int64_t>(e.cause.value()), e.state, ChecksumOf(id, e));
     entry_.exec();
     entry_.reset();
   }

@@ -24,7 +24,7 @@ struct ReplayOptions {
   std::optional<MachineConfig> config;
   // Report only decisions of this time or epoch; earlier inputs are replayed but not reported.
   std::int64_t since_wall_ns = INT64_MIN;
-  std::optional<std::uint64_t> epoch;
+  std::optional<Epoch> epoch;
 };
 
 // A decision as a journal entry.

@@ -71,8 +71,8 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
 void ForeignLink::Appear(transport::PeerId server) {
   if (available()) Forget();
   server_ = server;
-  const auto now = static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count());
-  const std::uint64_t incarnation = std::max(report_.incarnation + 1, now);
+  const Incarnation now = static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count());
+  const Incarnation incarnation = std::max(report_.incarnation + 1, now);
   report_ = {};
   report_.state = config_.default_state;
   report_.incarnation = incarnation;
@@ -98,7 +98,7 @@ void ForeignLink::Take(const SwitchCommand& command) {
   if (!pending_) return Begin(command);
   if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
     Refuse(older->command.number, kCodeTargetBusy,
-           "replaced by command " + std::to_string(command.number));
+           "replaced by command " + ToString(command.number));
   }
 }
 
@@ -172,7 +172,7 @@ void ForeignLink::Arrive(const State& target) {
   report_.state = target;
 }
 
-void ForeignLink::Reply(std::uint64_t number, bool query, Verdict verdict, std::int32_t code,
+void ForeignLink::Reply(CommandNumber number, bool query, Verdict verdict, std::int32_t code,
                         const std::string& message) {
   emit_(event::Replied{actuator_, number, query, verdict, code, message, Stamped()});
 }

@@ -36,7 +36,7 @@ class ForeignLink : public ActuatorLink {
  protected:
   // The command that is under way.
   struct PendingCommand {
-    std::uint64_t number = 0;  // 0: SetUp, which is not commanded
+    CommandNumber number = 0;  // 0: SetUp, which is not commanded
     State target;
     Time deadline{};
     bool queried = false;  // its deadline has passed and the coordinator has queried it
@@ -64,7 +64,7 @@ class ForeignLink : public ActuatorLink {
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   // The command had not begun, and the coordinator does not wait for it any more.
   void DropPending();
-  void AnswerQuery(std::uint64_t number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
+  void AnswerQuery(CommandNumber number) { Reply(number, true, Verdict::kDone, kCodeOk, ""); }
   void ReportStatus();
   void ReportVanished(const std::string& how);
 
@@ -95,9 +95,9 @@ class ForeignLink : public ActuatorLink {
   void Appear(transport::PeerId server);
   void Forget();
   void Arrive(const State& target);
-  void Reply(std::uint64_t number, bool query, Verdict verdict, std::int32_t code,
+  void Reply(CommandNumber number, bool query, Verdict verdict, std::int32_t code,
              const std::string& message);
-  void Refuse(std::uint64_t number, std::int32_t code, const std::string& message) {
+  void Refuse(CommandNumber number, std::int32_t code, const std::string& message) {
     Reply(number, false, Verdict::kRefused, code, message);
   }
   ActuatorReport Stamped();

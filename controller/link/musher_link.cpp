@@ -23,13 +23,13 @@ Result<std::unique_ptr<ActuatorLink>> MusherLink::Make(transport::Node& node,
 void MusherLink::Switch(const SwitchCommand& command) {
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindSwitch;
-  request.epoch = command.epoch;
-  request.number = command.number;
+  request.epoch = command.epoch.value();
+  request.number = command.number.value();
   request.target = command.target;
   request.budget_ns = command.budget.count();
   request.status_stamp_ns = transport::ToNanoseconds(command.status_stamp);
   request.since_status_ns = command.since_status.count();
-  request.incarnation = command.incarnation;
+  request.incarnation = command.incarnation.value();
   request.apart = command.apart;
   SendOrHold(request);
 }
@@ -37,8 +37,8 @@ void MusherLink::Switch(const SwitchCommand& command) {
 void MusherLink::Query(const QueryCommand& command) {
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindAsk;
-  request.epoch = command.epoch;
-  request.number = command.number;
+  request.epoch = command.epoch.value();
+  request.number = command.number.value();
   request.stop = command.stop;
   SendOrHold(request);
 }

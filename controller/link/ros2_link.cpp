@@ -107,7 +107,7 @@ void Ros2Link::OnQueryUnanswered(std::uint64_t serial) {
     query->timeout = QueryTimer(serial, query->until);
     return;
   }
-  const std::uint64_t number = query->number;
+  const CommandNumber number = query->number;
   queries_.erase(query);
   if (MayBeInCallback()) return AnswerQuery(number);
   mute_ = true;

@@ -74,7 +74,7 @@ class Ros2Link : public ForeignLink {
   Ros2State GoalOf(const State& state) const { return Ros2GoalOf(actuator().ros2_states, state); }
 
   struct PendingQuery {
-    std::uint64_t number = 0;
+    CommandNumber number = 0;
     std::uint64_t serial = 0;  // several may have the same number
     Time until{};              // without an answer the node is mute then
     transport::LoopHandlePtr timeout;

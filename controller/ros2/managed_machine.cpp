@@ -49,7 +49,7 @@ void ManagedMachine::OnRecord() {
 std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) const {
   const Machine& machine = shell_.machine();
   if (machine.current) {
-    return Error{kCodeTargetBusy, "switch " + std::to_string(machine.current->number) + " to " +
+    return Error{kCodeTargetBusy, "switch " + ToString(machine.current->number) + " to " +
                                       machine.current->target + " is under way"};
   }
   if (machine.phase == Phase::kStarting && !machine.by_hand) {

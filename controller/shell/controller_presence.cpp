@@ -68,7 +68,7 @@ Result<> ControllerPresence::Open() {
   return Ok();
 }
 
-void ControllerPresence::Announce(std::uint64_t epoch) {
+void ControllerPresence::Announce(Epoch epoch) {
   epoch_ = epoch;
   Repeat();
   timer_ = node_.loop().Every(ControllerBeatPeriod(config_), [this] { Repeat(); });
@@ -80,8 +80,8 @@ void ControllerPresence::Repeat() {
   NoteSilence();
   last_heartbeat_ = node_.loop().Now();
   static_cast<void>(
-      heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
-                            identity_.pid, ControllerBeatPeriod(config_).count()}));
+      heartbeats_->Publish({config_.name, epoch_.value(), identity_.incarnation.value(),
+                            identity_.host, identity_.pid, ControllerBeatPeriod(config_).count()}));
 }
 
 void ControllerPresence::NoteSilence() {
@@ -128,7 +128,7 @@ void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {
         node_, transport::EmergencyStopTopic(config_.name_space), kStopsQos);
     if (made) stops = std::move(made).value();
   }
-  if (stops) static_cast<void>(stops->Publish({stop.id, engaged, stop.by, stop.reason}));
+  if (stops) static_cast<void>(stops->Publish({stop.id.value(), engaged, stop.by, stop.reason}));
 }
 
 }  // namespace musher

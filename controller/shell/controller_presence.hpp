@@ -22,7 +22,7 @@ class ControllerPresence {
  public:
   using Emit = std::function<void(Event)>;
   struct Identity {
-    std::uint64_t incarnation = 0;
+    Incarnation incarnation = 0;
     std::int32_t pid = 0;
     std::string host;
   };
@@ -33,7 +33,7 @@ class ControllerPresence {
                                                           Identity identity, Emit emit);
 
   // Publishes the heartbeat at once and periodically from now on.
-  void Announce(std::uint64_t epoch);
+  void Announce(Epoch epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.
   void Repeat();
   // From when on this controller may start processes. One that was silent for some time, because
@@ -43,7 +43,7 @@ class ControllerPresence {
   // Another controller whose heartbeat was received, if any.
   struct Rival {
     std::string who;  // "process 4711 of this host"
-    std::uint64_t epoch = 0;
+    Epoch epoch = 0;
     std::string machine;  // its name
   };
   const std::optional<Rival>& rival() const { return rival_; }
@@ -65,7 +65,7 @@ class ControllerPresence {
   const MachineConfig& config_;
   const Identity identity_;
   const Emit emit_;
-  std::uint64_t epoch_ = 0;
+  Epoch epoch_ = 0;
   std::optional<Rival> rival_;
   Time last_heartbeat_{};
   Time listens_until_{};

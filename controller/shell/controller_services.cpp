@@ -174,7 +174,7 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
 // Own switches are in memory, those of an earlier controller in the journal, if it is the same one.
 void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
                                      const SwitchReply& reply) {
-  const std::uint64_t own = shell_.machine().epoch;
+  const Epoch own = shell_.machine().epoch;
   msg::GetSwitch::Response known =
       FindSwitch(shell_.switches(), request.epoch, request.switch_number);
   if (known.found) {
@@ -182,7 +182,7 @@ void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
     return reply(known);
   }
   if (request.epoch >= own) {
-    known.reason = "the controller of epoch " + std::to_string(own) + " has no such switch";
+    known.reason = "the controller of epoch " + ToString(own) + " has no such switch";
     known.state = shell_.machine().state;
     return reply(known);
   }
@@ -211,7 +211,7 @@ void ControllerServices::ReplyInterrupted(msg::GetSwitch::Response response,
         response.outcome = begun ? msg::GetSwitch::kInterrupted : "";
         response.reason = (begun ? before + " ended during it"
                                  : "no such switch of " + before + " is recorded here") +
-                          "; the controller of epoch " + std::to_string(shell_.machine().epoch) +
+                          "; the controller of epoch " + ToString(shell_.machine().epoch) +
                           " continues with the machine in " + response.state;
         reply(response);
       });

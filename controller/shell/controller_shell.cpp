@@ -268,7 +268,7 @@ void ControllerShell::Do(const action::PublishEmergencyStop& a) {
   if (!machine_.emergency_stop) presence_->ForgetEngaged();
 }
 
-ControllerShell::Dependencies::OnSaved ControllerShell::OnSaved(Stored what, std::uint64_t save) {
+ControllerShell::Dependencies::OnSaved ControllerShell::OnSaved(Stored what, SaveNumber save) {
   return [this, what, save](const Result<>& saved) {
     Handle(event::SaveEnded{what, save, saved.ok(), saved ? "" : saved.error().message});
   };

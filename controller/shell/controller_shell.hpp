@@ -45,7 +45,7 @@ class ControllerShell {
     // once more when a failed save succeeds later. Each may be called again before that; then the
     // last value counts.
     using OnSaved = std::function<void(const Result<>&)>;
-    std::function<void(std::uint64_t, OnSaved done)> save_epoch;
+    std::function<void(Epoch, OnSaved done)> save_epoch;
     std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
     std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
     std::function<void(bool, OnSaved done)> save_stop_intent;
@@ -61,7 +61,7 @@ class ControllerShell {
     std::string config_text;                // text of the config, for the journal; may be empty
     std::string host;                       // HostId()
     std::int32_t pid = 0;
-    std::uint64_t incarnation = 0;  // of this controller
+    Incarnation incarnation = 0;  // of this controller
   };
   // Callbacks; each may be empty.
   struct Hooks {
@@ -140,7 +140,7 @@ class ControllerShell {
   // boots of one host, cannot be compared.
   struct Process {
     std::string host;
-    std::uint64_t incarnation = 0;
+    Incarnation incarnation = 0;
     transport::PeerId participant = 0;  // 0: not known yet
     std::int32_t pid = 0;               // as in its status
     bool proven = false;                // this pid is its own
@@ -168,7 +168,7 @@ class ControllerShell {
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
-  void CountAsHeartbeat(std::size_t actuator, std::uint64_t incarnation);
+  void CountAsHeartbeat(std::size_t actuator, Incarnation incarnation);
   void OnWriterLost(transport::PeerId writer);
   Process& ProcessOf(std::size_t actuator, const ActuatorReport& report);
   ActuatorReport WithProvenPid(std::size_t actuator, ActuatorReport report);
@@ -198,7 +198,7 @@ class ControllerShell {
   void Do(const action::AnswerCall& a);
   void Do(const action::TakeBacktrace& a);
   void Do(const action::PublishEmergencyStop& a);
-  Dependencies::OnSaved OnSaved(Stored what, std::uint64_t save);
+  Dependencies::OnSaved OnSaved(Stored what, SaveNumber save);
   void Do(const action::SaveEmergencyStops& a);
   void Do(const action::Fenced& a);
   void Do(const action::SaveEpoch& a);
@@ -218,7 +218,7 @@ class ControllerShell {
   std::unordered_map<std::string, std::size_t> index_;
   struct StatusWriter {
     std::size_t actuator = 0;
-    std::uint64_t incarnation = 0;
+    Incarnation incarnation = 0;
   };
   std::unordered_map<transport::PeerId, StatusWriter> status_writers_;
   std::vector<Peer> peers_;
@@ -228,9 +228,9 @@ class ControllerShell {
   StoredStops stops_before_begin_;
   std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
   std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs
-  std::map<std::string, std::uint64_t> unlisted_;  // incarnations of actuators not in the config
-  std::optional<Time> first_status_at_;            // of before_begin_
-  std::deque<Event> queue_;                        // events that arrived while one was handled
+  std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
+  std::optional<Time> first_status_at_;          // of before_begin_
+  std::deque<Event> queue_;                      // events that arrived while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;

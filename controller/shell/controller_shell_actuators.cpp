@@ -70,7 +70,7 @@ void ControllerShell::OnLinkEvent(const Event& from_link) {
 // A program of another protocol does not report its pid; the controller knows the pid of a program
 // that it has started or found. Until the program is set up it need not answer: its constructor may
 // block its only thread.
-void ControllerShell::CountAsHeartbeat(std::size_t actuator, std::uint64_t incarnation) {
+void ControllerShell::CountAsHeartbeat(std::size_t actuator, Incarnation incarnation) {
   const ActuatorRecord& record = machine_.actuators[actuator];
   if (record.report.incarnation != incarnation) return;
   const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;

@@ -21,11 +21,11 @@ std::string EncodeSwitchNote(const action::SwitchNote& note) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, std::uint64_t epoch,
-                                    std::uint64_t number) {
+msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, Epoch epoch,
+                                    CommandNumber number) {
   msg::GetSwitch::Response response;
-  response.epoch = epoch;
-  response.switch_number = number;
+  response.epoch = epoch.value();
+  response.switch_number = number.value();
   bool begun = false;          // a switch of that number, by the controller that is looked at
   bool of_that_epoch = false;  // it began, or ended, in that epoch, which may rise meanwhile
   for (const JournalEntry& entry : entries) {
@@ -41,7 +41,7 @@ msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, st
       if (entry.epoch != epoch && number == 0) continue;
       begun = true;
       of_that_epoch = entry.epoch == epoch;
-      response.switch_number = entry.switch_number;
+      response.switch_number = entry.switch_number.value();
       response.outcome.clear();
       response.reason.clear();
     } else if (begun ? entry.switch_number != response.switch_number

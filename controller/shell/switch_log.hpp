@@ -21,7 +21,7 @@ std::string EncodeSwitchNote(const action::SwitchNote& note);
 // first, contain only its begin; `found` is false if they do not contain even that. Number 0 is the
 // last switch of the epoch; if there was none and the entries cover that epoch, `found` is true
 // with number 0.
-msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, std::uint64_t epoch,
-                                    std::uint64_t number);
+msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, Epoch epoch,
+                                    CommandNumber number);
 
 }  // namespace musher

@@ -31,7 +31,7 @@ msg::PolicyInfo PolicyOf(const MachineConfig& config, const PolicyState& policy)
 
 msg::SetState::Response ToMessage(const SwitchResult& result) {
   msg::SetState::Response response;
-  response.switch_number = result.number;
+  response.switch_number = result.number.value();
   response.target = result.target;
   response.actuator = result.actuator;
   response.outcome = OutcomeName(result.outcome);
@@ -72,9 +72,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   status.name_space = config.name_space;
   status.phase = PhaseName(machine.phase);
   status.state = machine.state;
-  status.epoch = machine.epoch;
+  status.epoch = machine.epoch.value();
   if (machine.current) status.target = machine.current->target;
-  status.switch_number = machine.last_switch;
+  status.switch_number = machine.last_switch.value();
   status.config_file = config.file;
   status.config_hash = config.hash;
   status.emergency_stop = machine.emergency_stop.has_value();
@@ -118,8 +118,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
 }
 
 msg::HistoryEntry ToMessage(const JournalEntry& entry) {
-  return {entry.id,   entry.wall_ns, entry.epoch, entry.switch_number, entry.kind, entry.actuator,
-          entry.code, entry.message, entry.cause, entry.state,         entry.data};
+  return {entry.id.value(),    entry.wall_ns,  entry.epoch.value(), entry.switch_number.value(),
+          entry.kind,          entry.actuator, entry.code,          entry.message,
+          entry.cause.value(), entry.state,    entry.data};
 }
 
 }  // namespace musher

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files here
 constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why, of a host
 // The stop that a damaged file counts as.
-constexpr std::uint64_t kUnknownStop = 1;
+constexpr StopId kUnknownStop = 1;
 
 std::string ReadSmall(int fd) {
   std::string text(kMaxFileSize, '\0');
@@ -86,10 +86,10 @@ Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin&
   return StateStore(dir, std::move(lock));
 }
 
-Result<std::uint64_t> StateStore::LoadEpoch() const {
+Result<Epoch> StateStore::LoadEpoch() const {
   const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.valid()) {
-    if (errno == ENOENT) return std::uint64_t{0};
+    if (errno == ENOENT) return Epoch();
     return SystemError("can't read " + EpochFile());
   }
   const std::string text = ReadSmall(file.get());
@@ -98,11 +98,11 @@ Result<std::uint64_t> StateStore::LoadEpoch() const {
   if (error != std::errc() || std::string_view(end, text.data() + text.size()) != "\n") {
     return Error{kCodeFailed, EpochFile() + " is damaged: it does not hold one number"};
   }
-  return epoch;
+  return Epoch(epoch);
 }
 
-Result<> StateStore::SaveEpoch(std::uint64_t epoch) {
-  return Replace(EpochFile(), std::to_string(epoch) + "\n");
+Result<> StateStore::SaveEpoch(Epoch epoch) {
+  return Replace(EpochFile(), ToString(epoch) + "\n");
 }
 
 Result<> StateStore::Replace(const std::string& path, const std::string& content) {
@@ -117,10 +117,10 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
   };
   std::string text;
   for (const EmergencyStop& stop : stops.engaged) {
-    text += line("engaged", std::to_string(stop.id));
+    text += line("engaged", ToString(stop.id));
     text += line("by", stop.by) + line("reason", stop.reason);
   }
-  for (const std::uint64_t id : stops.released) text += line("released", std::to_string(id));
+  for (const StopId id : stops.released) text += line("released", ToString(id));
   return Replace(EmergencyStopFile(), text + "end\n");
 }
 
@@ -203,7 +203,7 @@ Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
     text += std::string("low_power ") + (*policy.low_power ? "on" : "off") + "\n";
   if (policy.lowering) {
     text += "lowered " + policy.lowering->from + " " + policy.lowering->to + " " +
-            std::to_string(policy.lowering->epoch) + "\n";
+            ToString(policy.lowering->epoch) + "\n";
   }
   return Replace(PolicyFile(), text);
 }
@@ -214,9 +214,11 @@ StoredPolicy StateStore::LoadPolicy() const {
   std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
   for (std::string word; text >> word;) {
     Lowering lowering;
+    std::uint64_t epoch = 0;
     if (word == "low_power" && text >> word) {
       if (word == "on" || word == "off") policy.low_power = word == "on";
-    } else if (word == "lowered" && text >> lowering.from >> lowering.to >> lowering.epoch) {
+    } else if (word == "lowered" && text >> lowering.from >> lowering.to >> epoch) {
+      lowering.epoch = epoch;
       policy.lowering = lowering;
     }
   }

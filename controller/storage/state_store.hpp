@@ -52,12 +52,12 @@ class StateStore {
 
   // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error: report it
   // and continue as with 0, because the epochs that the actuators report count as well.
-  Result<std::uint64_t> LoadEpoch() const;
+  Result<Epoch> LoadEpoch() const;
 
   // Replaces the saved epoch: after a power cut the file has the old one or the new one, never a
   // part. After an Error report it and continue: the epoch is then only in memory and in the
   // actuators.
-  Result<> SaveEpoch(std::uint64_t epoch);
+  Result<> SaveEpoch(Epoch epoch);
 
   // The emergency stops that are engaged, and the last ones that were released. A file that cannot
   // be read counts as one that is engaged.

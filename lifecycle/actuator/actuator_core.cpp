@@ -57,7 +57,7 @@ class Deciding {
     if (command.incarnation == report_.incarnation) UseUp(command.number);
     if (refusal) return Refuse({arrived.token}, *refusal);
     if (report_.busy()) {
-      DropWaiting({kCodeTargetBusy, "replaced by command " + std::to_string(command.number)});
+      DropWaiting({kCodeTargetBusy, "replaced by command " + ToString(command.number)});
       core_.waiting = {command, {arrived.token}};
       return Do(PublishStatus{});
     }
@@ -67,7 +67,7 @@ class Deciding {
   void On(const event::QueryArrived& arrived) {
     if (auto refusal = Authority(arrived.sender, arrived.command.epoch))
       return Refuse({arrived.token}, *refusal);
-    const std::uint64_t number = arrived.command.number;
+    const CommandNumber number = arrived.command.number;
     UseUp(number);
     if (core_.waiting && core_.waiting->command.number <= number) {
       DropWaiting({kCodeTimeout, "not started by its deadline; cancelled"});
@@ -163,7 +163,7 @@ class Deciding {
     Do(PublishStatus{});
   }
 
-  void UseUp(std::uint64_t number) { report_.number = std::max(report_.number, number); }
+  void UseUp(CommandNumber number) { report_.number = std::max(report_.number, number); }
 
   void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
     for (const RequestToken token : tokens)
@@ -175,8 +175,8 @@ class Deciding {
   }
 
   // One controller has control: the one with the highest epoch, once it has announced itself.
-  std::optional<Refusal> Authority(Sender sender, std::uint64_t epoch) {
-    const std::string number = std::to_string(epoch);
+  std::optional<Refusal> Authority(Sender sender, Epoch epoch) {
+    const std::string number = ToString(epoch);
     if (sender == 0) {
       return Refusal{kCodePermissionDenied, "the participant that sent the command is unknown"};
     }
@@ -186,7 +186,7 @@ class Deciding {
     if (epoch < report_.epoch) {
       return Refusal{kCodePermissionDenied,
                      "epoch " + number + " is outdated; this actuator is controlled by epoch " +
-                         std::to_string(report_.epoch)};
+                         ToString(report_.epoch)};
     }
     if (sender != core_.controller) {
       if (epoch == report_.epoch) {
@@ -262,7 +262,7 @@ class Deciding {
 
   // A repeated command gets the same answer again, or the answer of its run.
   bool Repeated(const event::SwitchArrived& arrived) {
-    const std::uint64_t number = arrived.command.number;
+    const CommandNumber number = arrived.command.number;
     if (number == 0) return false;
     if (report_.busy() && number == report_.busy_number) {
       core_.running_for.push_back(arrived.token);
@@ -284,9 +284,9 @@ class Deciding {
                      "the command is meant for another process of this name"};
     }
     if (command.number <= report_.number) {
-      return Refusal{kCodeStatusError,
-                     "command " + std::to_string(command.number) + " is outdated; command " +
-                         std::to_string(report_.number) + " was received already"};
+      return Refusal{kCodeStatusError, "command " + ToString(command.number) +
+                                           " is outdated; command " + ToString(report_.number) +
+                                           " was received already"};
     }
     if (auto refusal = CheckTarget(command.target)) return refusal;
     return MayBegin(command);
@@ -295,7 +295,7 @@ class Deciding {
   std::optional<Refusal> EvaluateManager(const State& target) const {
     if (report_.epoch != 0) {
       return Refusal{kCodePermissionDenied,
-                     "a controller has control, epoch " + std::to_string(report_.epoch)};
+                     "a controller has control, epoch " + ToString(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
     if (report_.emergency_stop != 0 && SwitchesOn(target)) return Stopped();
@@ -349,7 +349,7 @@ class Deciding {
     Do(Finish{ended.code, ended.message});
   }
 
-  void EndCommand(std::uint64_t number, const State& target, std::int32_t code,
+  void EndCommand(CommandNumber number, const State& target, std::int32_t code,
                   const std::string& message) {
     if (number != 0) {  // what it did by itself is not the outcome of a command
       report_.outcome_number = number;

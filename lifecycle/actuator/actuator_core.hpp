@@ -16,8 +16,8 @@
 //
 // Rules:
 //   - One controller has control, and it must have announced itself. The epoch never falls.
-//   - A command begins at most once, and not after a command or query of a higher number has been
-//     received. The number of a refused command is used up.
+//   - A command begins at most once, not after a query of its number, and not after a command or
+//     query of a higher one. The number of a command that was refused is used up, too.
 //   - A command older than its budget by this actuator's clock cannot begin.
 //   - A running callback is never interrupted, only requested to stop.
 //   - While an emergency stop is latched, no command goes up, not even to the present state after
@@ -41,23 +41,16 @@
 
 namespace musher {
 
-// A request from the wire, which gets exactly one reply; the shell has its client.
-using RequestToken = std::uint64_t;
-
-// The participant that sent a sample, as the transport reports it. 0: unknown; such a command is
-// refused.
-using Sender = std::uint64_t;
-
 // "Run the callback of `target`."
 struct SwitchCommand {
-  std::uint64_t epoch = 0;
-  std::uint64_t number = 0;
+  Epoch epoch = 0;
+  CommandNumber number = 0;
   State target;
   Duration budget{};        // may not begin once it is older than this
   Time status_stamp{};      // the stamp of the last status that its sender had of this actuator,
   Duration since_status{};  // and the time since the sender received it: the command's age
-  std::uint64_t incarnation = 0;  // of the process it is meant for
-  bool apart = false;             // for this actuator alone, detached from the machine
+  Incarnation incarnation = 0;  // of the process it is meant for
+  bool apart = false;           // for this actuator alone, detached from the machine
 
   friend bool operator==(const SwitchCommand&, const SwitchCommand&) = default;
 };
@@ -66,8 +59,8 @@ struct SwitchCommand {
 // not begun never will. With `stop` a running callback is requested to stop. Number 0 fences
 // nothing: a health probe.
 struct QueryCommand {
-  std::uint64_t epoch = 0;
-  std::uint64_t number = 0;
+  Epoch epoch = 0;
+  CommandNumber number = 0;
   bool stop = false;
 
   friend bool operator==(const QueryCommand&, const QueryCommand&) = default;
@@ -100,13 +93,13 @@ struct CallbackEnded {
 // A heartbeat of a controller.
 struct ControllerHeartbeatReceived {
   Sender sender = 0;
-  std::uint64_t epoch = 0;
+  Epoch epoch = 0;
   friend bool operator==(const ControllerHeartbeatReceived&,
                          const ControllerHeartbeatReceived&) = default;
 };
 // A participant engages an emergency stop, or the controller releases it.
 struct EmergencyStopReceived {
-  std::uint64_t id = 0;
+  StopId id = 0;
   bool engaged = false;
   Sender sender = 0;
   std::string by = {};
@@ -182,11 +175,11 @@ struct ActuatorCore {
   Sender controller = 0;           // the controller that has control
   Time controller_last_heartbeat{};  // its last heartbeat
   std::vector<actuator_event::ControllerHeartbeatReceived>
-      announced;                        // the participants that announced themselves as controllers
-  std::vector<EmergencyStop> stops;     // the engaged stops, oldest first
-  std::vector<std::uint64_t> released;  // released stops: later samples of them are ignored
-  bool stopped_meanwhile = false;       // an emergency stop was engaged while the callback ran
-  bool under_stop = false;              // the same, or the callback began under one
+      announced;                     // the participants that announced themselves as controllers
+  std::vector<EmergencyStop> stops;  // the engaged stops, oldest first
+  std::vector<StopId> released;      // released stops: later samples of them are ignored
+  bool stopped_meanwhile = false;    // an emergency stop was engaged while the callback ran
+  bool under_stop = false;           // the same, or the callback began under one
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
 };

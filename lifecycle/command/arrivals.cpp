@@ -17,7 +17,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
     }
     return;
   }
-  if (same && record.terminating != 0) return;  // its termination was decided
+  if (same && record.termination) return;  // its termination was decided
   // The status of an exited process can arrive after the status of its successor.
   // Incarnations are compared within a boot of a host only, which an empty host does not name.
   const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
@@ -60,7 +60,7 @@ void Arrivals::FoundTornDown(std::size_t i, const ActuatorReport& report) {
   }
   const bool same = report.incarnation == record.report.incarnation;
   const bool awaited = record.presence == Presence::kAbsent ||
-                       (record.presence == Presence::kStarting && same && record.terminating == 0);
+                       (record.presence == Presence::kStarting && same && !record.termination);
   if (!record.found_running || !record.set_up_by || !awaited || machine_.finishing ||
       report.incarnation == record.dead) {
     return;
@@ -119,6 +119,8 @@ void Arrivals::TakeUpOthers() {
 void Arrivals::On(const event::Replied& replied) {
   ActuatorRecord& record = Of(replied.actuator);
   if (replied.report.incarnation != record.report.incarnation) return;
+  // A delayed reply of a process whose exit is known already.
+  if (record.dead == replied.report.incarnation) return;
   if (replied.report.stamp >= record.report.stamp)
     commands_.Accept(replied.actuator, replied.report);
   // A lost one publishes its status again when it can be reached.

@@ -19,10 +19,10 @@ void Commands::End(std::size_t i, const CommandResult& given) {
   const PendingCommand command = *Of(i).command;
   const CommandResult end = Tolerate(i, command, given);
   const std::string took = std::to_string(ToMilliseconds(now_ - command.sent)) + " ms";
-  const std::uint64_t cause = end.cause != 0                             ? end.cause
-                              : machine_.current && command.queries == 0 ? machine_.current->cause
-                                                                         : Of(i).cause;
-  const std::uint64_t recorded = RecordActuator(
+  const RecordId cause = end.cause != 0                             ? end.cause
+                         : machine_.current && command.queries == 0 ? machine_.current->cause
+                                                                    : Of(i).cause;
+  const RecordId recorded = RecordActuator(
       i, end.code,
       ConfigOf(i).name + ": " + command.target + " " + std::string(OutcomeName(end.outcome)) +
           " after " + took + (end.message.empty() ? "" : ": " + end.message),
@@ -111,9 +111,9 @@ void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
   const Duration grace = ends_itself ? kExitGrace : Duration::zero();
   processes_.Terminate(i, pid, grace + kEndTime);
   if (ends_itself) {
-    record.terminate_at = now_ + grace;
+    record.termination->terminate_at = now_ + grace;
   } else {
-    Do(action::SignalProcess{i, record.terminating, false});
+    Do(action::SignalProcess{i, pid, false});
   }
 }
 
@@ -124,7 +124,7 @@ void Commands::AssumeTornDown(std::size_t i) {
   End(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
 }
 
-void Commands::Lose(std::size_t i, const std::string& how, std::uint64_t cause, std::int32_t code) {
+void Commands::Lose(std::size_t i, const std::string& how, RecordId cause, std::int32_t code) {
   ActuatorRecord& record = Of(i);
   const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
@@ -147,7 +147,7 @@ void Commands::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
-void Commands::LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause) {
+void Commands::LoseConnection(std::size_t i, const std::string& how, RecordId cause) {
   Lose(i, how, cause);
   if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
 }

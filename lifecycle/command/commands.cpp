@@ -10,7 +10,7 @@ constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
 }  // namespace
 
-void Commands::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
+void Commands::Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
                      bool apart) {
   machine_.number = std::max(machine_.number, number);
   Of(i).command = PendingCommand{number, target, now_, now_ + budget, 0};

@@ -21,8 +21,8 @@ struct CommandResult {
   ActuatorOutcome outcome = ActuatorOutcome::kDone;
   std::int32_t code = kCodeOk;
   std::string message;
-  bool ran = false;         // the callback ran, or may have run
-  std::uint64_t cause = 0;  // the record with the reason; 0: the switch it was part of
+  bool ran = false;    // the callback ran, or may have run
+  RecordId cause = 0;  // the record with the reason; 0: the switch it was part of
 };
 
 class Commands : StepPart {
@@ -30,7 +30,7 @@ class Commands : StepPart {
   Commands(StepContext& step, EmergencyStops& stops, Processes& processes)
       : StepPart(step), stops_(stops), processes_(processes) {}
 
-  void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
+  void Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
              bool apart = false);
   // Stores a newer report.
   void Accept(std::size_t i, const ActuatorReport& report);
@@ -44,11 +44,11 @@ class Commands : StepPart {
   // waits for it.
   void End(std::size_t i, const CommandResult& given);
 
-  void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,
+  void Lose(std::size_t i, const std::string& how, RecordId cause = 0,
             std::int32_t code = kCodeNetError);
   // The connection to it is lost. The state of a process that this controller has started is
   // determined: if it has exited or hangs, it is restarted.
-  void LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause = 0);
+  void LoseConnection(std::size_t i, const std::string& how, RecordId cause = 0);
   // A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator
   // that the controller may not restart is left as it is: it may recover.
   void Hang(std::size_t i, bool silent, const std::string& how);

@@ -6,12 +6,12 @@ namespace musher {
 
 void Control::Take(std::size_t i) {
   ActuatorRecord& record = Of(i);
-  const std::uint64_t seen = record.report.epoch;
+  const Epoch seen = record.report.epoch;
   const bool ours = record.controlled == record.report.incarnation;
   if (seen >= kLastEpoch) {
     record.take_control_again.reset();
     return Degrade(i, kCodePermissionDenied,
-                   "it reports epoch " + std::to_string(seen) + ", which is out of range");
+                   "it reports epoch " + ToString(seen) + ", which is out of range");
   }
   if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
     // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
@@ -33,12 +33,12 @@ void Control::Take(std::size_t i) {
 }
 
 // An earlier controller was here. The attached actuators get the new epoch at once.
-void Control::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
+void Control::RaiseEpoch(Epoch epoch, std::size_t because_of) {
   machine_.epoch = epoch;
   saving_.Save(Stored::kEpoch);
   memory_.Lower(std::nullopt);  // that controller may have changed the state of the machine
-  RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
-                             " was controlled by epoch " + std::to_string(epoch - 1));
+  RecordMachine(kCodeOk, "epoch " + ToString(epoch) + ": " + ConfigOf(because_of).name +
+                             " was controlled by epoch " + std::to_string(epoch.value() - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
     Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting

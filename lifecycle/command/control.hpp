@@ -32,7 +32,7 @@ class Control : StepPart {
   void Attach(std::size_t i);
 
  private:
-  void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
+  void RaiseEpoch(Epoch epoch, std::size_t because_of);
 
   Saving& saving_;
   PolicyMemory& memory_;

@@ -35,9 +35,12 @@ bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string
   return Rises(config, from, to) || (from != to && SwitchesOnAgain(config, from, to));
 }
 
-bool RunsCallback(const ActuatorConfig& actuator, std::string_view from, std::string_view to) {
-  return actuator.protocol != Protocol::kRos2Lifecycle ||
-         Ros2GoalOf(actuator.ros2_states, from) != Ros2GoalOf(actuator.ros2_states, to);
+bool RunsCallback(const MachineConfig& config, std::size_t actuator, std::string_view from,
+                  std::string_view to) {
+  const ActuatorConfig& own = config.actuators[actuator];
+  const bool configures = from == config.default_state;
+  return own.protocol != Protocol::kRos2Lifecycle || configures ||
+         Ros2GoalOf(own.ros2_states, from) != Ros2GoalOf(own.ros2_states, to);
 }
 
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from) {

@@ -38,7 +38,7 @@ Duration ControllerBeatPeriod(const MachineConfig& config) {
 HealthMonitor::HealthMonitor(const MachineConfig& config)
     : config_(&config), monitored_(config.actuators.size()) {}
 
-void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const std::string& host,
+void HealthMonitor::Watch(std::size_t actuator, Incarnation incarnation, const std::string& host,
                           bool local, Time now) {
   MonitoredProcess& process = monitored_[actuator];
   if (process.incarnation == incarnation) return;
@@ -71,7 +71,7 @@ void HealthMonitor::Forget(std::size_t actuator) {
   monitored_[actuator] = MonitoredProcess{};
 }
 
-std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, std::uint64_t incarnation,
+std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, Incarnation incarnation,
                                                  Time now) {
   std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
@@ -80,7 +80,7 @@ std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, std::uint
   return events;
 }
 
-std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, std::uint64_t incarnation,
+std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, Incarnation incarnation,
                                                  const Heartbeat& heartbeat, Time now) {
   std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];

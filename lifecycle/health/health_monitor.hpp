@@ -23,6 +23,7 @@
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/ids.hpp"
 
 namespace musher {
 
@@ -62,7 +63,7 @@ struct Examine {
 };
 struct Changed {
   std::size_t actuator = 0;
-  std::uint64_t incarnation = 0;
+  Incarnation incarnation = 0;
   Health health = Health::kWell;
   bool silent = false;  // it does not answer either
   std::string how;      // "no heartbeat for 512 ms"
@@ -76,14 +77,14 @@ class HealthMonitor {
   explicit HealthMonitor(const MachineConfig& config);
 
   // Monitors an actuator from now on. `local`: the kernel can be queried about its process.
-  void Watch(std::size_t actuator, std::uint64_t incarnation, const std::string& host, bool local,
+  void Watch(std::size_t actuator, Incarnation incarnation, const std::string& host, bool local,
              Time now);
   // Its process has exited.
   void Forget(std::size_t actuator);
 
   // A sample came from it: a status, an answer.
-  std::vector<HealthEvent> OnSample(std::size_t actuator, std::uint64_t incarnation, Time now);
-  std::vector<HealthEvent> OnSample(std::size_t actuator, std::uint64_t incarnation,
+  std::vector<HealthEvent> OnSample(std::size_t actuator, Incarnation incarnation, Time now);
+  std::vector<HealthEvent> OnSample(std::size_t actuator, Incarnation incarnation,
                                     const Heartbeat& heartbeat, Time now);
   std::vector<HealthEvent> Examined(std::size_t actuator, const Examination& examination, Time now);
   std::vector<HealthEvent> TimePassed(Time now);
@@ -92,7 +93,7 @@ class HealthMonitor {
 
  private:
   struct MonitoredProcess {
-    std::uint64_t incarnation = 0;  // 0: not monitored
+    Incarnation incarnation = 0;  // 0: not monitored
     std::string host;
     bool local = false;
     Duration limit{};  // of its silence; 0: no heartbeat is expected

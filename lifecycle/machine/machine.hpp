@@ -46,13 +46,23 @@ std::string_view PresenceName(Presence presence);
 // One command under way to one actuator. It ends with a definite outcome: a reply, or, past the
 // deadline, the answer to the query for its outcome, or no answer at all (lost).
 struct PendingCommand {
-  std::uint64_t number = 0;
+  CommandNumber number = 0;
   State target;
   Time sent{};
   Time deadline{};  // of the reply; once queried, of the answer
   int queries = 0;  // how often the outcome was queried
 
   friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
+};
+
+// A process that is to end: decided, and not reported as exited yet.
+struct Termination {
+  std::int32_t pid = 0;
+  std::optional<Time> terminate_at;  // SIGTERM; none: not, or sent already
+  Time kill_at{};                    // SIGKILL; once sent, its exit is due by then
+  bool killed = false;               // SIGKILL was sent
+
+  friend bool operator==(const Termination&, const Termination&) = default;
 };
 
 struct ActuatorRecord {
@@ -68,24 +78,24 @@ struct ActuatorRecord {
   Time clock_ours{};
   std::int32_t process = 0;    // pid of the process we started, while it runs; 0: none
   bool launching = false;      // its process is being started, the pid is not known yet
-  std::uint64_t dead = 0;      // the incarnation whose process is known to have exited
+  Incarnation dead = 0;        // the incarnation whose process is known to have exited
   bool blocked = false;        // not started, since an actuator that it needs is degraded
   bool found_running = false;  // a process of this name runs already: wait for it, do not start one
   std::optional<Time> set_up_by;           // not present by then: given up for now
   std::optional<Time> free_by;             // it is busy with a command that no switch waits for
-  std::uint64_t controlled = 0;            // the incarnation that TakeControl() was sent to
+  Incarnation controlled = 0;              // the incarnation that TakeControl() was sent to
   std::optional<Time> take_control_again;  // it has not answered yet; retry at this time
   bool checked = false;                    // passed its self-check since its process started
   bool join_tried = false;                 // the self-check of a late actuator was commanded
   bool held = false;                       // detached by SetState(actuator, state)
   bool due = false;  // to be driven to the state of the machine, as soon as it is free
-  // A switch has been requested for it since the last emergency stop: it may switch on again what
-  // the stop has switched off.
+  // Since the release of the last emergency stop a switch has been requested that leads it up or to
+  // a state of the same rank: it may switch on again.
   bool set_again = false;
   std::optional<Error> fault;             // why it is degraded
   std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
   std::optional<PendingCommand> command;  // the command under way
-  std::uint64_t cause = 0;  // the record with the reason why it is degraded, lost or back
+  RecordId cause = 0;  // the record with the reason why it is degraded, lost or back
 
   Health health = Health::kWell;
   int restarts = 0;                // of its process, in a row
@@ -93,12 +103,9 @@ struct ActuatorRecord {
   std::optional<Time> healthy_at;  // present until then: the count is reset
   bool given_up = false;           // restarted too often, or not to be restarted
   bool restart_requested = false;  // by a person: its process has to exit, then it is restarted
-  std::vector<std::uint64_t> restart_requests;  // answered when it is back
-  std::int32_t terminating = 0;                 // the process that is about to be killed …
-  std::optional<Time> terminate_at;             // … after SIGTERM at this time …
-  std::optional<Time> kill_at;                  // … at the latest then
-  bool killed = false;                          // SIGKILL was sent; its exit is due by kill_at
-  bool suspended = false;                       // an actuator that it is bound to is not up
+  std::vector<RequestId> restart_requests;  // answered when it is back
+  std::optional<Termination> termination;   // of its process; none: it may run
+  bool suspended = false;                   // an actuator that it is bound to is not up
   // It has a higher epoch: take control at this time, if no controller leads with that epoch.
   std::optional<Time> outbid_at;
   // The other host on which it ran by its last status, also when an earlier controller received
@@ -143,20 +150,20 @@ enum class Purpose {
 };
 
 struct Switch {
-  std::uint64_t number = 0;
+  CommandNumber number = 0;
   State from;
   State target;
   std::optional<std::size_t> only;  // one actuator instead of the machine
   Direction direction = Direction::kLevel;
   Purpose purpose = Purpose::kRequested;
-  std::vector<std::uint64_t> requests;  // answered at its end
+  std::vector<RequestId> requests;  // answered at its end
   std::vector<Leg> legs;
   std::vector<ActuatorResult> others;  // the actuators not driven, and why
   bool stopped = false;                // by an emergency stop
   bool rolling_back = false;
-  std::uint64_t back_number = 0;  // of the commands of the rollback
+  CommandNumber back_number = 0;  // of the commands of the rollback
   std::vector<Leg> back;          // the legs of the rollback
-  std::uint64_t cause = 0;        // the record with the reason for this switch
+  RecordId cause = 0;             // the record with the reason for this switch
 
   friend bool operator==(const Switch&, const Switch&) = default;
 };
@@ -173,9 +180,9 @@ enum class AfterTearDown {
 struct WaitingSwitch {
   State target;
   std::optional<std::size_t> only;
-  Time until{};                         // then it begins or is refused
-  std::vector<std::uint64_t> requests;  // answered at its end
-  std::uint64_t cause = 0;              // the record of the request
+  Time until{};                     // then it begins or is refused
+  std::vector<RequestId> requests;  // answered at its end
+  RecordId cause = 0;               // the record of the request
 
   friend bool operator==(const WaitingSwitch&, const WaitingSwitch&) = default;
 };
@@ -194,7 +201,7 @@ struct Stopping {
   AfterTearDown after = AfterTearDown::kStaysDown;
   std::optional<Time> intent_by;  // TearDown waits until its intent is on disk, at most until then
   std::optional<SwitchResult> result;  // of TearDown, answered when the processes have exited
-  std::vector<std::uint64_t> requests;
+  std::vector<RequestId> requests;
 
   friend bool operator==(const Stopping&, const Stopping&) = default;
 };
@@ -203,8 +210,8 @@ struct Machine;
 
 // The emergency stops that are stored for the next controller.
 struct StoredStops {
-  std::vector<EmergencyStop> engaged;   // oldest first
-  std::vector<std::uint64_t> released;  // ids, the last one at the end
+  std::vector<EmergencyStop> engaged;  // oldest first
+  std::vector<StopId> released;        // ids, the last one at the end
 
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
@@ -235,9 +242,9 @@ std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
 // Data that was handed to the disk thread and is not known to be saved.
 struct Unsaved {
   Stored what = Stored::kEpoch;
-  std::uint64_t save = 0;  // the last save of it
-  Time since{};            // of the first save that is not on disk
-  std::string why;         // of a failure; empty: not ended yet
+  SaveNumber save = 0;  // the last save of it
+  Time since{};         // of the first save that is not on disk
+  std::string why;      // of a failure; empty: not ended yet
 
   friend bool operator==(const Unsaved&, const Unsaved&) = default;
 };
@@ -248,26 +255,26 @@ struct Machine {
   bool finishing = false;  // a supervisor's start, which finishes the TearDown before it
   State state{kUninitialized};
   std::string host;  // of the controller: processes of this host can be watched and signalled
-  std::uint64_t epoch = 0;
-  std::uint64_t number = 0;       // of the last switch or command
-  std::uint64_t last_switch = 0;  // of the last switch alone
+  Epoch epoch = 0;
+  CommandNumber number = 0;       // of the last switch or command
+  CommandNumber last_switch = 0;  // of the last switch alone
   bool set_up = false;            // the actuators of the first stage are present, or given up
   int stage = 0;                  // up to which actuators are started
   std::vector<ActuatorRecord> actuators;  // in the order of the config
   std::optional<Switch> current;
   std::optional<WaitingSwitch> waiting;  // never together with a current one
-  std::optional<State> fallback;     // on_lost of a critical actuator, when there is time for it
-  std::uint64_t fallback_cause = 0;  // the record with the reason
+  std::optional<State> fallback;  // on_lost of a critical actuator, when there is time for it
+  RecordId fallback_cause = 0;    // the record with the reason
   std::optional<Stopping> stopping;
   std::optional<EmergencyStop> emergency_stop;
-  std::uint64_t stop_cause = 0;                // the record of it
-  std::vector<EmergencyStop> other_stops;      // engaged beside it, released with it
-  std::vector<std::uint64_t> released_stops;   // the stops released last
-  std::vector<std::uint64_t> set_up_requests;  // answered when all actuators are set up
-  std::uint64_t last_record = 0;               // id of the last record
-  State recorded_state;                        // the last one that was recorded
-  std::uint64_t last_save = 0;                 // number of the last save
-  std::vector<Unsaved> unsaved;                // what is not on disk yet
+  RecordId stop_cause = 0;                 // the record of it
+  std::vector<EmergencyStop> other_stops;  // engaged beside it, released with it
+  std::vector<StopId> released_stops;      // the stops released last
+  std::vector<RequestId> set_up_requests;  // answered when all actuators are set up
+  RecordId last_record = 0;                // id of the last record
+  State recorded_state;                    // the last one that was recorded
+  SaveNumber last_save = 0;                // number of the last save
+  std::vector<Unsaved> unsaved;            // what is not on disk yet
   PolicyState policy;
 
   friend bool operator==(const Machine&, const Machine&) = default;

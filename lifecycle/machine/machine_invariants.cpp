@@ -19,10 +19,7 @@ const char* BrokenOf(const Machine& machine, const ActuatorRecord& record) {
   }
   if (record.healthy_at && !present)
     return "the restart count of an actuator that is not present is about to be reset";
-  if ((record.terminating != 0) != record.kill_at.has_value()) {
-    return "a process to be terminated has no time at which it is killed, or the reverse";
-  }
-  if (record.terminating == 0 && (record.killed || record.terminate_at)) {
+  if (record.termination && record.termination->pid == 0) {
     return "the termination of a process has no pid";
   }
   if (record.restart_at && present) return "an actuator that is present is to be started again";
@@ -31,7 +28,7 @@ const char* BrokenOf(const Machine& machine, const ActuatorRecord& record) {
 
 // Whether each leg that is under way has its command, and each command of the switch its leg.
 bool LegsHaveCommands(const Machine& machine, const Switch& s) {
-  const std::uint64_t number = s.rolling_back ? s.back_number : s.number;
+  const CommandNumber number = s.rolling_back ? s.back_number : s.number;
   const std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
   return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
     if (leg.actuator >= machine.actuators.size()) return false;

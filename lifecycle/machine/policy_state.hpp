@@ -10,6 +10,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {
@@ -45,7 +46,7 @@ enum class PolicyInput { kBattery, kMotion };
 struct Lowering {
   State from;
   State to;
-  std::uint64_t epoch = 0;  // of the controller that stored it
+  Epoch epoch = 0;  // of the controller that stored it
 
   friend bool operator==(const Lowering&, const Lowering&) = default;
 };
@@ -63,7 +64,7 @@ struct Keep {
   State state;
   std::int64_t seconds = 0;
   Time until{};                     // by the policy's clock
-  std::uint64_t switch_number = 0;  // of the switch to it; if that is undone, the keep ends
+  CommandNumber switch_number = 0;  // of the switch to it; if that is undone, the keep ends
 
   friend bool operator==(const Keep&, const Keep&) = default;
 };
@@ -73,8 +74,8 @@ struct PowerDown {
   bool reboot = false;
   Time tear_down_at{};
   Time force_at{};
-  bool commanded = false;   // the command has been given
-  std::uint64_t cause = 0;  // the record with the reason
+  bool commanded = false;  // the command has been given
+  RecordId cause = 0;      // the record with the reason
 
   friend bool operator==(const PowerDown&, const PowerDown&) = default;
 };
@@ -88,7 +89,7 @@ struct PolicyState {
   bool battery_silent = false;
   bool invalid_recorded = false;  // an out-of-range value was recorded
   BatteryLevel level = BatteryLevel::kFree;
-  std::uint64_t level_cause = 0;  // the record of the level
+  RecordId level_cause = 0;  // the record of the level
 
   StoredPolicy stored;
   std::optional<Lowering> withheld;  // the higher state that the battery does not allow yet
@@ -98,9 +99,9 @@ struct PolicyState {
   std::optional<Keep> keep;
   std::optional<PowerDown> power;
 
-  int failures = 0;                  // of switches of the policy in a row
-  std::optional<Time> retry_at;      // by the steady clock
-  std::vector<std::uint64_t> calls;  // requests that wait for the end of a switch
+  int failures = 0;              // of switches of the policy in a row
+  std::optional<Time> retry_at;  // by the steady clock
+  std::vector<RequestId> calls;  // requests that wait for the end of a switch
 
   friend bool operator==(const PolicyState&, const PolicyState&) = default;
 };

@@ -5,18 +5,19 @@
 #include <string>
 
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {
 
 // Epochs grow by one with every controller, numbers with every command; values from these on are
 // not taken over from a report. A controller's own commands may continue the number beyond.
-inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
-inline constexpr std::uint64_t kLastNumber = std::uint64_t{1} << 62;
+inline constexpr Epoch kLastEpoch = std::uint64_t{1} << 62;
+inline constexpr CommandNumber kLastNumber = std::uint64_t{1} << 62;
 
 // Stops the robot until a person releases it. Several engaged at once count as one.
 struct EmergencyStop {
-  std::uint64_t id = 0;  // random, from the participant that engaged it
+  StopId id = 0;  // random, from the participant that engaged it
   std::string by;
   std::string reason;
 
@@ -26,22 +27,22 @@ struct EmergencyStop {
 struct ActuatorReport {
   State state{kUninitialized};
   State target;                   // its callback runs for this state; empty when it is free
-  std::uint64_t busy_number = 0;  // the command that runs; 0 when free or in its own SetUp
-  std::uint64_t epoch = 0;        // highest controller epoch seen
-  std::uint64_t number = 0;       // highest of a command received, also a refused one, or a query
-  std::uint64_t outcome_number = 0;  // the last command that ended, its code and message
+  CommandNumber busy_number = 0;  // the command that runs; 0 when free or in its own SetUp
+  Epoch epoch = 0;                // highest controller epoch seen
+  CommandNumber number = 0;       // highest of a command received, also a refused one, or a query
+  CommandNumber outcome_number = 0;  // the last command that ended, its code and message
   std::int32_t outcome_code = 0;
   std::string outcome_message;
-  std::uint64_t incarnation = 0;  // of its process: grows with every start on a host
+  Incarnation incarnation = 0;  // of its process: grows with every start on a host
   std::int32_t pid = 0;
   std::string host;
   std::string config_hash;
   // Detached: its state, or the one it is switching to, was set for it alone and is independent of
   // the machine's state.
   bool apart = false;
-  std::uint64_t emergency_stop = 0;  // the one that it has latched; 0: none
-  // A stop has switched off what its state had switched on, and since then no callback up, or to
-  // its present state, has succeeded without a stop. It outlasts the release.
+  StopId emergency_stop = 0;  // the one that it has latched; 0: none
+  // A stop has switched off what its state had switched on, and since then no callback has
+  // succeeded without a stop, except one that leads down. It outlasts the release.
   bool held_by_stop = false;
   // Its last self-check passed as degraded: part of it does not work. The code and the reason; 0:
   // all works.

@@ -8,6 +8,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {
@@ -56,7 +57,7 @@ struct ActuatorResult {
 };
 
 struct SwitchResult {
-  std::uint64_t number = 0;  // 0: refused before it got a number
+  CommandNumber number = 0;  // 0: refused before it got a number
   State target;
   std::string actuator;  // empty: the whole machine
   SwitchOutcome outcome = SwitchOutcome::kDone;

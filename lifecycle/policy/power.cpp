@@ -5,7 +5,7 @@
 
 namespace musher {
 
-void Power::Begin(bool reboot, Time tear_down_at, std::uint64_t cause) {
+void Power::Begin(bool reboot, Time tear_down_at, RecordId cause) {
   PowerDown power;
   power.reboot = reboot;
   power.tear_down_at = tear_down_at;

@@ -21,10 +21,7 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 void Processes::Recover(std::size_t i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
-  record.terminating = 0;
-  record.terminate_at.reset();
-  record.kill_at.reset();
-  record.killed = false;
+  record.termination.reset();
   record.healthy_at.reset();
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
@@ -86,25 +83,20 @@ void Processes::StartAgain(std::size_t i) {
 
 void Processes::Terminate(std::size_t i, std::int32_t pid, Duration grace) {
   ActuatorRecord& record = Of(i);
-  record.terminating = pid;
-  record.killed = false;
-  record.terminate_at.reset();
-  record.kill_at = now_ + grace;
+  record.termination = {pid, std::nullopt, now_ + grace, false};
   if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
 
 void Processes::Kill(std::size_t i) {
-  Of(i).killed = true;
-  Of(i).kill_at = now_ + kEndTime;
-  Do(action::SignalProcess{i, Of(i).terminating, true});
+  Termination& termination = *Of(i).termination;
+  termination.killed = true;
+  termination.kill_at = now_ + kEndTime;
+  Do(action::SignalProcess{i, termination.pid, true});
 }
 
 void Processes::ForgetEnd(std::size_t i) {
   ActuatorRecord& record = Of(i);
-  record.terminating = 0;
-  record.killed = false;
-  record.terminate_at.reset();
-  record.kill_at.reset();
+  record.termination.reset();
   record.restart_requested = false;
 }
 

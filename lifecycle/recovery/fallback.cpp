@@ -19,8 +19,8 @@ bool Fallback::Begin() {
                   machine_.fallback_cause);
     return false;
   }
-  const std::uint64_t recorded = RecordMachine(
-      kCodeOk, "an actuator is lost; falling back to " + target, machine_.fallback_cause);
+  const RecordId recorded = RecordMachine(kCodeOk, "an actuator is lost; falling back to " + target,
+                                          machine_.fallback_cause);
   switching_.Begin(plan, Purpose::kFallback, {}, recorded);
   return true;
 }

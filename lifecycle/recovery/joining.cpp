@@ -49,7 +49,7 @@ bool Joining::StoppedOnTheLevel(std::size_t i) const {
       record.state() != place && config_.RankOf(record.state()) == config_.RankOf(place);
   const bool held = IsStopped(i) || (record.report.held_by_stop && !record.set_again);
   return level && held && ConfigOf(i).Lists(place) &&
-         RunsCallback(ConfigOf(i), record.state(), place) &&
+         RunsCallback(config_, i, record.state(), place) &&
          SwitchesOnAgain(config_, record.state(), place);
 }
 
@@ -61,9 +61,10 @@ bool Joining::IsStopped(std::size_t i) const {
 void Joining::Hold(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.due = false;
-  // What its own callback has reported says more.
+  // A failure that its own callback has reported is kept.
   const std::int32_t own = record.report.outcome_code;
-  if (record.fault && (record.suspended || (own != kCodeOk && own == record.fault->code))) return;
+  const bool kept = record.suspended || !record.checked || own != kCodeOk;
+  if (record.fault && kept && (own == kCodeOk || own == record.fault->code)) return;
   Degrade(i, kCodeProtectedError,
           "is in " + record.state() + ", the machine in " + machine_.state +
               ": held by an emergency stop; after its release run `musher set " + machine_.state +

@@ -35,12 +35,7 @@ void Recovery::Recovered(std::size_t i, const std::string& how) {
   record.health = Health::kWell;
   record.cause =
       RecordActuator(i, kCodeOk, ConfigOf(i).name + " has recovered: " + how, record.cause);
-  if (!record.restart_requested) {  // else it is terminated anyway
-    record.terminating = 0;
-    record.killed = false;
-    record.terminate_at.reset();
-    record.kill_at.reset();
-  }
+  if (!record.restart_requested) record.termination.reset();  // else it is terminated anyway
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
     return control_.Take(i);
@@ -52,7 +47,8 @@ void Recovery::Recovered(std::size_t i, const std::string& how) {
 
 void Recovery::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
-  if (record.terminating != taken.pid || record.killed) return;  // it has recovered, or has exited
+  const auto& termination = record.termination;  // none: it has recovered, or has exited
+  if (!termination || termination->pid != taken.pid || termination->killed) return;
   action::Record backtrace;
   backtrace.kind = "process";
   backtrace.actuator = taken.actuator;
@@ -66,10 +62,11 @@ void Recovery::On(const event::BacktraceTaken& taken) {
 // Its exit was not seen, or the kernel delays it. If it still runs, its successor will report that.
 void Recovery::AssumeExited(std::size_t i) {
   ActuatorRecord& record = Of(i);
+  const std::int32_t pid = record.termination->pid;
   RecordProcess(i, kCodeTimeout,
-                "no exit reported for process " + std::to_string(record.terminating) +
+                "no exit reported for process " + std::to_string(pid) +
                     " after SIGKILL; it is assumed to have exited");
-  if (record.process == record.terminating) record.process = 0;
+  if (record.process == pid) record.process = 0;
   record.dead = record.report.incarnation;
   if (record.presence == Presence::kPresent) commands_.Lose(i, "it was killed");
   processes_.Recover(i);
@@ -78,12 +75,13 @@ void Recovery::AssumeExited(std::size_t i) {
 void Recovery::CheckDeadlines() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    if (record.terminate_at && *record.terminate_at <= now_) {
-      record.terminate_at.reset();
-      Do(action::SignalProcess{i, record.terminating, false});
+    if (auto& termination = record.termination) {
+      if (termination->terminate_at && *termination->terminate_at <= now_) {
+        termination->terminate_at.reset();
+        Do(action::SignalProcess{i, termination->pid, false});
+      }
+      if (termination->kill_at <= now_) termination->killed ? AssumeExited(i) : processes_.Kill(i);
     }
-    if (record.kill_at && *record.kill_at <= now_)
-      record.killed ? AssumeExited(i) : processes_.Kill(i);
     if (record.healthy_at && *record.healthy_at <= now_) {
       record.healthy_at.reset();
       record.restarts = 0;

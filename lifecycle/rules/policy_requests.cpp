@@ -40,7 +40,7 @@ std::string Describe(const event::PolicyRequested& requested) {
 }  // namespace
 
 void PolicyRequests::On(const event::PolicyRequested& requested) {
-  const auto refuse = [&](const Error& why, std::uint64_t request_record) {
+  const auto refuse = [&](const Error& why, RecordId request_record) {
     if (request_record != 0) {
       RecordPolicy(why.code, Describe(requested) + " refused: " + why.message, request_record);
     }
@@ -50,12 +50,11 @@ void PolicyRequests::On(const event::PolicyRequested& requested) {
   if (machine_.phase == Phase::kIdle) {
     return refuse({kCodeStatusError, "the machine is not set up yet"}, 0);
   }
-  const std::uint64_t request_record = RecordPolicy(kCodeOk, Describe(requested) + " requested");
+  const RecordId request_record = RecordPolicy(kCodeOk, Describe(requested) + " requested");
   if (const auto refusal = Handle(requested, request_record)) refuse(*refusal, request_record);
 }
 
-std::optional<Error> PolicyRequests::Handle(const Requested& requested,
-                                            std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::Handle(const Requested& requested, RecordId request_record) {
   if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
     return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
   }
@@ -81,7 +80,7 @@ std::optional<Error> PolicyRequests::Handle(const Requested& requested,
 }
 
 std::optional<Error> PolicyRequests::HandleKeep(const Requested& requested,
-                                                std::uint64_t request_record) {
+                                                RecordId request_record) {
   PolicyState& policy = machine_.policy;
   if (requested.ticks < 0 || requested.ticks > kLongestKeep) {
     return Error{kCodeParametersInvalid, "a keep lasts 0 to " + std::to_string(kLongestKeep) +
@@ -119,7 +118,7 @@ std::optional<Error> PolicyRequests::HandleKeep(const Requested& requested,
 }
 
 std::optional<Error> PolicyRequests::HandleOta(const Requested& requested,
-                                               std::uint64_t request_record) {
+                                               RecordId request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   const bool inside = machine_.state == kOta;
   if (requested.enable && inside) {
@@ -132,7 +131,7 @@ std::optional<Error> PolicyRequests::HandleOta(const Requested& requested,
 }
 
 std::optional<Error> PolicyRequests::HandleLowPowerSwitch(const Requested& requested,
-                                                          std::uint64_t request_record) {
+                                                          RecordId request_record) {
   PolicyState& policy = machine_.policy;
   if (!config_.policy->low_power) {
     return Error{kCodeUnSupport, "the config has no [policy.low_power]"};
@@ -154,7 +153,7 @@ std::optional<Error> PolicyRequests::HandleLowPowerSwitch(const Requested& reque
 }
 
 std::optional<Error> PolicyRequests::HandleWakeUp(const Requested& requested,
-                                                  std::uint64_t request_record) {
+                                                  RecordId request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   if (!InLowPower()) {
     return Error{kCodeStateInvalid, "the machine is not in LowPower, it is in " + machine_.state};
@@ -168,7 +167,7 @@ std::optional<Error> PolicyRequests::HandleWakeUp(const Requested& requested,
 // Answered at once: later the robot is off. If the command was given already and the robot still
 // runs, the command has failed, or takes long: it is given again.
 std::optional<Error> PolicyRequests::HandlePower(const Requested& requested,
-                                                 std::uint64_t request_record) {
+                                                 RecordId request_record) {
   const bool reboot = requested.what == PolicyRequest::kReboot;
   auto& power = machine_.policy.power;
   if (power && power->reboot != reboot && !power->commanded) {
@@ -197,12 +196,12 @@ std::optional<Error> PolicyRequests::KeptOrBusy() const {
                                         " s; end it with `musher keep --end`"};
   }
   if (!machine_.current) return std::nullopt;
-  return Error{kCodeTargetBusy, "switch " + std::to_string(machine_.current->number) + " (to " +
+  return Error{kCodeTargetBusy, "switch " + ToString(machine_.current->number) + " (to " +
                                     machine_.current->target + ") is under way"};
 }
 
 std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, const State& target,
-                                                    std::uint64_t request_record) {
+                                                    RecordId request_record) {
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return plan.refusal;
   machine_.policy.calls.push_back(requested.request);
@@ -215,8 +214,7 @@ std::optional<Error> PolicyRequests::BeginRequested(const Requested& requested, 
 }
 
 // To Active, or as far as the battery allows; the rest follows when the battery allows it.
-std::optional<Error> PolicyRequests::BeginUp(const Requested& requested,
-                                             std::uint64_t request_record) {
+std::optional<Error> PolicyRequests::BeginUp(const Requested& requested, RecordId request_record) {
   const State most = CeilingState(config_, BatteryLevel::kFree);
   const State target = rules_.UpTo(most);
   if (auto refusal = BeginRequested(requested, target, request_record)) return refusal;

@@ -29,16 +29,15 @@ class PolicyRequests : StepPart {
 
  private:
   // Each returns why it refuses, or arranges the answer.
-  std::optional<Error> Handle(const Requested& requested, std::uint64_t request_record);
-  std::optional<Error> HandleKeep(const Requested& requested, std::uint64_t request_record);
-  std::optional<Error> HandleOta(const Requested& requested, std::uint64_t request_record);
-  std::optional<Error> HandleLowPowerSwitch(const Requested& requested,
-                                            std::uint64_t request_record);
-  std::optional<Error> HandleWakeUp(const Requested& requested, std::uint64_t request_record);
-  std::optional<Error> HandlePower(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> Handle(const Requested& requested, RecordId request_record);
+  std::optional<Error> HandleKeep(const Requested& requested, RecordId request_record);
+  std::optional<Error> HandleOta(const Requested& requested, RecordId request_record);
+  std::optional<Error> HandleLowPowerSwitch(const Requested& requested, RecordId request_record);
+  std::optional<Error> HandleWakeUp(const Requested& requested, RecordId request_record);
+  std::optional<Error> HandlePower(const Requested& requested, RecordId request_record);
   std::optional<Error> BeginRequested(const Requested& requested, const State& target,
-                                      std::uint64_t request_record);
-  std::optional<Error> BeginUp(const Requested& requested, std::uint64_t request_record);
+                                      RecordId request_record);
+  std::optional<Error> BeginUp(const Requested& requested, RecordId request_record);
   std::optional<Error> KeptOrBusy() const;
   bool InLowPower() const;
 

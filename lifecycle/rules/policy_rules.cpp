@@ -197,7 +197,7 @@ bool PolicyRules::LowPowerWhenStill() {
                        0);
 }
 
-bool PolicyRules::BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause) {
+bool PolicyRules::BeginByPolicy(const Plan& plan, const std::string& why, RecordId cause) {
   if (plan.refusal) {
     if (machine_.policy.failures == 0) {
       RecordPolicy(plan.refusal->code, why + " refused: " + plan.refusal->message, cause);

@@ -40,7 +40,7 @@ class PolicyRules : StepPart {
   bool BringBack();
   void CountStillness();
   bool LowPowerWhenStill();
-  bool BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause);
+  bool BeginByPolicy(const Plan& plan, const std::string& why, RecordId cause);
   bool TearDownForPower();
 
   PolicyMemory& memory_;

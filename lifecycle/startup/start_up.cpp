@@ -29,7 +29,7 @@ void StartUp::Begin(const event::Begin& begin) {
   for (const RemoteActuator& remote : begin.remote) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
-  RecordMachine(kCodeOk, "controller started: epoch " + std::to_string(machine_.epoch) + ", " +
+  RecordMachine(kCodeOk, "controller started: epoch " + ToString(machine_.epoch) + ", " +
                              std::to_string(machine_.actuators.size()) + " actuators");
   if (machine_.finishing) {
     RecordMachine(
@@ -43,7 +43,7 @@ void StartUp::Begin(const event::Begin& begin) {
   StartStage(machine_.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
 }
 
-void StartUp::StartStage(int stage, std::uint64_t cause) {
+void StartUp::StartStage(int stage, RecordId cause) {
   machine_.stage = stage;
   if (stage > 1 && !machine_.by_hand) {
     cause = RecordMachine(kCodeOk, "starting stage " + std::to_string(stage), cause);
@@ -116,7 +116,7 @@ void StartUp::EndFirstStage() {
     if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
   }
   AnswerSetUpRequests();
-  const std::uint64_t recorded =
+  const RecordId recorded =
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
   if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = Adoption(config_, machine_).LowestFound())
@@ -138,7 +138,7 @@ void StartUp::EndFirstStage() {
 }
 
 void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>& missing,
-                             std::uint64_t cause) {
+                             RecordId cause) {
   if (FailOnCriticalFault()) return;
   if (present == 0) {
     return Fail(missing.empty() ? "the machine has no actuator" : missing.front(), cause);
@@ -177,7 +177,7 @@ void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
   }
 }
 
-void StartUp::Activate(std::uint64_t cause) {
+void StartUp::Activate(RecordId cause) {
   if (!config_.HasState(kActive)) {
     return BecomeRunning("self-check done; the machine has no Active", cause);
   }
@@ -186,7 +186,7 @@ void StartUp::Activate(std::uint64_t cause) {
   switching_.Begin(plan, Purpose::kStartUpActivate, {}, cause);
 }
 
-void StartUp::Fail(const std::string& why, std::uint64_t cause) {
+void StartUp::Fail(const std::string& why, RecordId cause) {
   machine_.phase = Phase::kFailed;
   const std::string message =
       "start-up failed, the machine stays in " + machine_.state + ": " + why;
@@ -196,11 +196,11 @@ void StartUp::Fail(const std::string& why, std::uint64_t cause) {
 
 // An earlier controller left actuators running: the machine continues from the least active state,
 // so that no actuator becomes more active by a restart; the others are driven there.
-void StartUp::AdoptFrom(const State& lowest, std::uint64_t cause) {
+void StartUp::AdoptFrom(const State& lowest, RecordId cause) {
   if (lowest == kTearDown) {
     const std::string message =
         "the previous controller ended during TearDown; this one finishes it";
-    const std::uint64_t recorded = RecordMachine(kCodeOk, message, cause);
+    const RecordId recorded = RecordMachine(kCodeOk, message, cause);
     Do(action::StartUpEnded{false, message});
     return tear_down_.Begin(MakePlan(config_, machine_, lowest), {}, recorded);
   }
@@ -218,7 +218,7 @@ void StartUp::AdoptFrom(const State& lowest, std::uint64_t cause) {
   BecomeRunning("the machine is adopted in " + lowest, cause);
 }
 
-void StartUp::BecomeRunning(const std::string& message, std::uint64_t cause) {
+void StartUp::BecomeRunning(const std::string& message, RecordId cause) {
   machine_.phase = Phase::kRunning;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);

@@ -26,15 +26,14 @@ class StartUp : StepPart {
   void CheckDeadlines();
 
  private:
-  void StartStage(int stage, std::uint64_t cause);
+  void StartStage(int stage, RecordId cause);
   void EndFirstStage();
-  void WaitForManager(std::size_t present, const std::vector<std::string>& missing,
-                      std::uint64_t cause);
-  void AdoptFrom(const State& lowest, std::uint64_t cause);
+  void WaitForManager(std::size_t present, const std::vector<std::string>& missing, RecordId cause);
+  void AdoptFrom(const State& lowest, RecordId cause);
   bool FailOnCriticalFault();
-  void Activate(std::uint64_t cause);
-  void Fail(const std::string& why, std::uint64_t cause);
-  void BecomeRunning(const std::string& message, std::uint64_t cause);
+  void Activate(RecordId cause);
+  void Fail(const std::string& why, RecordId cause);
+  void BecomeRunning(const std::string& message, RecordId cause);
   void AnswerSetUpRequests();
   std::string FirstTrouble() const;
   std::string NotSetUp(std::size_t i) const;

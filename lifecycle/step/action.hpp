@@ -15,7 +15,7 @@ namespace action {
 
 struct SendSwitch {
   std::size_t actuator = 0;
-  std::uint64_t number = 0;
+  CommandNumber number = 0;
   State target;
   Duration budget{};
   bool apart = false;  // for this actuator alone, detached from the machine
@@ -23,7 +23,7 @@ struct SendSwitch {
 };
 struct SendQuery {
   std::size_t actuator = 0;
-  std::uint64_t number = 0;
+  CommandNumber number = 0;
   bool stop = false;
   friend bool operator==(const SendQuery&, const SendQuery&) = default;
 };
@@ -66,28 +66,28 @@ struct PublishEmergencyStop {
 // What has to survive this controller. A save is requested and not waited for; its end comes back
 // as SaveEnded with its number. Of each kind only the last save counts.
 struct SaveEpoch {
-  std::uint64_t epoch = 0;
-  std::uint64_t save = 0;
+  Epoch epoch = 0;
+  SaveNumber save = 0;
   friend bool operator==(const SaveEpoch&, const SaveEpoch&) = default;
 };
 struct SaveEmergencyStops {
   StoredStops stops;
-  std::uint64_t save = 0;
+  SaveNumber save = 0;
   friend bool operator==(const SaveEmergencyStops&, const SaveEmergencyStops&) = default;
 };
 struct SavePolicy {
   StoredPolicy policy;
-  std::uint64_t save = 0;
+  SaveNumber save = 0;
   friend bool operator==(const SavePolicy&, const SavePolicy&) = default;
 };
 struct SaveStopIntent {
   bool intended = false;  // false: clears the intent
-  std::uint64_t save = 0;
+  SaveNumber save = 0;
   friend bool operator==(const SaveStopIntent&, const SaveStopIntent&) = default;
 };
 struct SaveRemoteActuators {
   std::vector<RemoteActuator> actuators;
-  std::uint64_t save = 0;
+  SaveNumber save = 0;
   friend bool operator==(const SaveRemoteActuators&, const SaveRemoteActuators&) = default;
 };
 // Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
@@ -108,13 +108,13 @@ struct SwitchNote {
 struct Record {
   std::string kind;  // "machine", "switch", "actuator", "process", "policy"
   std::optional<std::size_t> actuator;
-  std::uint64_t switch_number = 0;
+  CommandNumber switch_number = 0;
   std::int32_t code = kCodeOk;
   std::string message;
-  std::uint64_t id = 0;     // grows from 1 within a Machine; 0: not by the decision code
-  std::uint64_t cause = 0;  // id of the record it follows from; 0: none
-  State state{};            // the machine's, where this record reports its change
-  std::string data = {};    // what does not fit in a line: a backtrace
+  RecordId id = 0;        // grows from 1 within a Machine; 0: not by the decision code
+  RecordId cause = 0;     // id of the record it follows from; 0: none
+  State state{};          // the machine's, where this record reports its change
+  std::string data = {};  // what does not fit in a line: a backtrace
   std::optional<SwitchNote> of_switch = {};
   friend bool operator==(const Record&, const Record&) = default;
 };

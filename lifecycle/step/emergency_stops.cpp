@@ -15,7 +15,7 @@ constexpr std::size_t kMostStopsKnown = 64;
 StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   StoredStops stops;
   for (const auto* from : {&stored, &received}) {
-    for (const std::uint64_t id : from->released) {
+    for (const StopId id : from->released) {
       std::erase(stops.released, id);
       stops.released.push_back(id);
     }
@@ -43,8 +43,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 // stop.
 void EmergencyStops::Begin(const StoredStops& stops) {
   machine_.released_stops = stops.released;
-  for (const std::uint64_t id : stops.released)
-    Do(action::PublishEmergencyStop{{id, "", ""}, false});
+  for (const StopId id : stops.released) Do(action::PublishEmergencyStop{{id, "", ""}, false});
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
   }
@@ -84,7 +83,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
 // An actuator may have latched a stop that this controller missed: then it is engaged for the
 // machine. It may have missed a release: then the release is published again.
 void EmergencyStops::Compare(const ActuatorReport& report, std::size_t i) {
-  const std::uint64_t id = report.emergency_stop;
+  const StopId id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
   if (IsReleased(id)) return Do(action::PublishEmergencyStop{{id, "", ""}, false});
   const bool origin_known =
@@ -118,7 +117,7 @@ bool EmergencyStops::Add(const EmergencyStop& stop) {
   return true;
 }
 
-bool EmergencyStops::IsReleased(std::uint64_t id) const {
+bool EmergencyStops::IsReleased(StopId id) const {
   const auto& released = machine_.released_stops;
   return std::find(released.begin(), released.end(), id) != released.end();
 }
@@ -130,7 +129,7 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
   saving_.Save(Stored::kEmergencyStops);
   const std::string origin = (stop.by.empty() ? "an unknown source" : stop.by) +
                              (stop.reason.empty() ? "" : ": " + stop.reason);
-  const std::uint64_t recorded =
+  const RecordId recorded =
       RecordMachine(kCodeProtectedError, "emergency stop engaged by " + origin,
                     machine_.other_stops.empty() ? 0 : machine_.stop_cause);
   if (machine_.other_stops.empty()) machine_.stop_cause = recorded;
@@ -138,7 +137,7 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
   for (ActuatorRecord& record : machine_.actuators) record.set_again = false;
 }
 
-void EmergencyStops::Release(std::uint64_t id) {
+void EmergencyStops::Release(StopId id) {
   auto& released = machine_.released_stops;
   released.push_back(id);
   if (released.size() > kMostReleasedKept) released.erase(released.begin());

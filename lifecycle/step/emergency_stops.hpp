@@ -18,10 +18,10 @@ class EmergencyStops : StepPart {
   void Compare(const ActuatorReport& report, std::size_t i);
 
  private:
-  bool IsReleased(std::uint64_t id) const;
+  bool IsReleased(StopId id) const;
   bool Add(const EmergencyStop& stop);
   void Engage(const EmergencyStop& stop);
-  void Release(std::uint64_t id);
+  void Release(StopId id);
 
   Saving& saving_;
 };

@@ -11,10 +11,9 @@
 
 namespace musher {
 
-// Identifies a caller that waits for an answer; chosen by the shell.
-using RequestId = std::uint64_t;
-
-// The fault of an actuator that sends nothing any more, until more is known about it.
+// The fault of an actuator that sends nothing any more, until more is known about it. Its process
+// may have exited, or may only be out of reach: of another host, behind a cable that is cut, or
+// stopped.
 inline constexpr const char* kOutOfReach = "connection lost";
 
 namespace event {
@@ -27,7 +26,7 @@ namespace event {
 // clears the intent.
 struct Begin {
   bool by_hand = false;
-  std::uint64_t epoch = 0;
+  Epoch epoch = 0;
   std::vector<bool> running;
   std::string host = {};  // of the controller
   StoredStops stops = {};
@@ -47,7 +46,7 @@ struct StatusSeen {
 // An actuator replied to command `number`, or to the query about it (`query`).
 struct Replied {
   std::size_t actuator = 0;
-  std::uint64_t number = 0;
+  CommandNumber number = 0;
   bool query = false;
   Verdict verdict = Verdict::kDone;
   std::int32_t code = kCodeOk;
@@ -58,7 +57,7 @@ struct Replied {
 // The actuator of this incarnation was lost: its process exited or its writer was lost.
 struct Vanished {
   std::size_t actuator = 0;
-  std::uint64_t incarnation = 0;
+  Incarnation incarnation = 0;
   bool for_good = false;  // its process has exited; otherwise it may connect again
   std::string how;        // "its process 4711 ended", kOutOfReach
   friend bool operator==(const Vanished&, const Vanished&) = default;
@@ -91,7 +90,7 @@ struct ProcessEnded {
 // The health monitor's verdict on a running process.
 struct HealthChanged {
   std::size_t actuator = 0;
-  std::uint64_t incarnation = 0;
+  Incarnation incarnation = 0;
   Health health = Health::kWell;
   bool silent = false;  // it does not answer either
   std::string how;
@@ -112,7 +111,7 @@ struct RestartRequested {
 };
 // A heartbeat of another controller of this machine was received.
 struct RivalSeen {
-  std::uint64_t epoch = 0;
+  Epoch epoch = 0;
   std::string who;              // "process 4711 on this host"
   bool has_precedence = false;  // where both have the same epoch
   friend bool operator==(const RivalSeen&, const RivalSeen&) = default;
@@ -174,7 +173,7 @@ struct PolicyRequested {
 // again.
 struct SaveEnded {
   Stored what = Stored::kEpoch;
-  std::uint64_t save = 0;
+  SaveNumber save = 0;
   bool ok = false;
   std::string why;  // of a failure
   friend bool operator==(const SaveEnded&, const SaveEnded&) = default;

@@ -6,7 +6,7 @@ namespace musher {
 
 bool MachineView::IsComing(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  const bool about_to_end = record.terminating != 0;  // and is restarted after that
+  const bool about_to_end = record.termination.has_value();  // and is restarted after that
   return record.restart_at || record.restart_requested ||
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
@@ -66,7 +66,7 @@ bool MachineView::NeedsMet(std::size_t i, std::string& blocker) const {
   return met;
 }
 
-std::uint64_t MachineView::CauseOfBlocker(std::size_t i) const {
+RecordId MachineView::CauseOfBlocker(std::size_t i) const {
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
     if (needed.fault) return needed.cause;

@@ -43,7 +43,7 @@ class MachineView {
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
   bool NeedsMet(std::size_t i, std::string& blocker) const;
   // The record of the fault that blocks it; 0: none.
-  std::uint64_t CauseOfBlocker(std::size_t i) const;
+  RecordId CauseOfBlocker(std::size_t i) const;
   // The suspended actuator in its `after` that it waits for; empty: none.
   std::string WaitsForSuspended(std::size_t i) const;
 

@@ -5,7 +5,7 @@
 namespace musher {
 
 void Saving::Save(Stored what) {
-  const std::uint64_t save = ++machine_.last_save;
+  const SaveNumber save = ++machine_.last_save;
   auto& unsaved = machine_.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(),
                                   [what](const Unsaved& one) { return one.what == what; });

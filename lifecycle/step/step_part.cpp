@@ -3,7 +3,7 @@
 namespace musher {
 
 // Numbers the record. A record about the machine also reports a change of its state.
-std::uint64_t StepPart::Record(action::Record record) {
+RecordId StepPart::Record(action::Record record) {
   record.id = ++machine_.last_record;
   const bool of_machine = record.kind == "machine" || (record.kind == "switch" && !record.actuator);
   if (of_machine && machine_.state != machine_.recorded_state) {
@@ -13,36 +13,34 @@ std::uint64_t StepPart::Record(action::Record record) {
   return record.id;
 }
 
-std::uint64_t StepPart::RecordMachine(std::int32_t code, const std::string& message,
-                                      std::uint64_t cause) {
+RecordId StepPart::RecordMachine(std::int32_t code, const std::string& message, RecordId cause) {
   return Record({"machine", std::nullopt, 0, code, message, 0, cause, {}});
 }
 
-std::uint64_t StepPart::RecordEnd(const Switch& s, const SwitchResult& result,
-                                  const std::string& message, std::uint64_t cause) {
+RecordId StepPart::RecordEnd(const Switch& s, const SwitchResult& result,
+                             const std::string& message, RecordId cause) {
   action::Record record{"switch", s.only, s.number, result.code, message, 0, cause, {}};
   record.of_switch = {s.target, result.outcome, result.state};
   return Record(record);
 }
 
-std::uint64_t StepPart::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
-                                       std::uint64_t cause) {
-  const std::uint64_t number = Of(i).command ? Of(i).command->number : 0;
+RecordId StepPart::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+                                  RecordId cause) {
+  const CommandNumber number = Of(i).command ? Of(i).command->number : 0;
   return Record({"actuator", i, number, code, message, 0, cause, {}});
 }
 
-std::uint64_t StepPart::RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
-                                      std::uint64_t cause) {
+RecordId StepPart::RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+                                 RecordId cause) {
   return Record({"process", i, 0, code, message, 0, cause, {}});
 }
 
-std::uint64_t StepPart::RecordPolicy(std::int32_t code, const std::string& message,
-                                     std::uint64_t cause) {
+RecordId StepPart::RecordPolicy(std::int32_t code, const std::string& message, RecordId cause) {
   return Record({"policy", std::nullopt, 0, code, message, 0, cause, {}});
 }
 
 void StepPart::Degrade(std::size_t i, std::int32_t code, const std::string& message,
-                       std::uint64_t cause) {
+                       RecordId cause) {
   const Error fault{code, message};
   if (Of(i).fault == fault) return;
   Of(i).fault = fault;

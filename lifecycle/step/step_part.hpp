@@ -45,21 +45,18 @@ class StepPart : protected MachineView {
   // Each returns the id of its record. `cause`: the id of the record that it follows from, where
   // one is known. A decision with later effects stores the id for them in ActuatorRecord, Switch or
   // Machine.
-  std::uint64_t Record(action::Record record);
-  std::uint64_t RecordMachine(std::int32_t code, const std::string& message,
-                              std::uint64_t cause = 0);
-  std::uint64_t RecordEnd(const Switch& s, const SwitchResult& result, const std::string& message,
-                          std::uint64_t cause);
-  std::uint64_t RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
-                               std::uint64_t cause = 0);
-  std::uint64_t RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
-                              std::uint64_t cause = 0);
-  std::uint64_t RecordPolicy(std::int32_t code, const std::string& message,
-                             std::uint64_t cause = 0);
+  RecordId Record(action::Record record);
+  RecordId RecordMachine(std::int32_t code, const std::string& message, RecordId cause = 0);
+  RecordId RecordEnd(const Switch& s, const SwitchResult& result, const std::string& message,
+                     RecordId cause);
+  RecordId RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+                          RecordId cause = 0);
+  RecordId RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+                         RecordId cause = 0);
+  RecordId RecordPolicy(std::int32_t code, const std::string& message, RecordId cause = 0);
 
   // Records the fault, once; the record becomes the cause of what follows from the fault.
-  void Degrade(std::size_t i, std::int32_t code, const std::string& message,
-               std::uint64_t cause = 0);
+  void Degrade(std::size_t i, std::int32_t code, const std::string& message, RecordId cause = 0);
   // An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no
   // switch is under way. Of several the least active counts.
   void FallBack(std::size_t i);

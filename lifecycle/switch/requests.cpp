@@ -29,7 +29,7 @@ void Requests::On(const event::SetStateRequested& requested) {
                                Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
-  const std::uint64_t request_record =
+  const RecordId request_record =
       Record({"switch", only, 0, kCodeOk,
               "switch " + Describe(config_, requested.target.substr(0, 64), only) + " requested"});
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
@@ -51,7 +51,7 @@ void Requests::On(const event::SetStateRequested& requested) {
 // over, unless it is of one actuator and would leave the others unfinished. Any other is refused.
 // Returns whether the request is handled.
 bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
-                            std::optional<std::size_t> only, std::uint64_t request_record) {
+                            std::optional<std::size_t> only, RecordId request_record) {
   if (!machine_.current) {
     if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
     tear_down_.Join(requested);
@@ -63,12 +63,13 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
       tear_down_.Join(requested);
     } else {
       s.requests.push_back(requested.request);
+      switching_.PermitSwitchingOn(s);
     }
     return true;
   }
   const bool concerns_all = !only || s.only;
   if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
-  const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
+  const Error busy{kCodeTargetBusy, "switch " + ToString(s.number) + " (" +
                                         Describe(config_, s.target, s.only) + ") is under way"};
   switching_.Refuse(requested.target, only, {requested.request}, machine_.state, busy,
                     request_record);
@@ -78,7 +79,7 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
 // As with a switch under way: the same request joins the waiting one, a more urgent one goes on to
 // take over, any other is refused. Returns whether the request is handled.
 bool Requests::JoinWaiting(const event::SetStateRequested& requested,
-                           std::optional<std::size_t> only, std::uint64_t request_record) {
+                           std::optional<std::size_t> only, RecordId request_record) {
   if (!machine_.waiting) return false;
   WaitingSwitch& waiting = *machine_.waiting;
   if (waiting.target == requested.target && waiting.only == only) {
@@ -94,7 +95,7 @@ bool Requests::JoinWaiting(const event::SetStateRequested& requested,
   return true;
 }
 
-void Requests::Await(const Plan& plan, RequestId request, std::uint64_t request_record) {
+void Requests::Await(const Plan& plan, RequestId request, RecordId request_record) {
   const Time until = *plan.free_by + kAnswered;
   machine_.waiting = WaitingSwitch{plan.target, plan.only, until, {request}, request_record};
   machine_.waiting->cause =

@@ -24,10 +24,10 @@ class Requests : StepPart {
 
  private:
   bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
-                    std::uint64_t request_record);
+                    RecordId request_record);
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<std::size_t> only,
-                   std::uint64_t request_record);
-  void Await(const Plan& plan, RequestId request, std::uint64_t request_record);
+                   RecordId request_record);
+  void Await(const Plan& plan, RequestId request, RecordId request_record);
 
   Switching& switching_;
   TearDown& tear_down_;

@@ -34,13 +34,13 @@ EndedSwitch Switching::End() {
   const SwitchResult result = conclusion().Conclude(s, undone);
   const Leg* worst = undone ? conclusion().WorstLeg(s) : nullptr;
   const bool stopped = undone && s.stopped;
-  const std::uint64_t recorded = RecordEnd(s, result,
-                                           "switch " + std::to_string(s.number) + " is " +
-                                               std::string(OutcomeName(result.outcome)) +
-                                               (result.reason.empty() ? "" : ": " + result.reason),
-                                           stopped ? machine_.stop_cause
-                                           : worst ? Of(worst->actuator).cause
-                                                   : s.cause);
+  const RecordId recorded =
+      RecordEnd(s, result,
+                "switch " + ToString(s.number) + " is " + std::string(OutcomeName(result.outcome)) +
+                    (result.reason.empty() ? "" : ": " + result.reason),
+                stopped ? machine_.stop_cause
+                : worst ? Of(worst->actuator).cause
+                        : s.cause);
   EndedSwitch ended{s.purpose, undone, !s.only, result, recorded};
   if (s.purpose == Purpose::kStop) return ended;  // answered when the processes have exited
   memory_.OnSwitchEnded(s, undone);
@@ -141,14 +141,13 @@ void Switching::SettleHeld(const Switch& s, const Leg& back) {
 
 // Ends the switch under way without rollback. Running callbacks finish; the newest command waits
 // behind them at the actuator.
-void Switching::Supersede(std::uint64_t by, const State& target, std::uint64_t cause) {
+void Switching::Supersede(CommandNumber by, const State& target, RecordId cause) {
   const Switch& s = *machine_.current;
   SwitchResult result = conclusion().Conclude(s, false);
   result.outcome = SwitchOutcome::kSuperseded;
   result.code = kCodeTargetBusy;
-  result.reason = "switch " + std::to_string(by) + " (to " + target + ") took over";
-  RecordEnd(s, result, "switch " + std::to_string(s.number) + " is superseded: " + result.reason,
-            cause);
+  result.reason = "switch " + ToString(by) + " (to " + target + ") took over";
+  RecordEnd(s, result, "switch " + ToString(s.number) + " is superseded: " + result.reason, cause);
   for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
     Of(leg.actuator).command.reset();
@@ -161,7 +160,7 @@ void Switching::Supersede(std::uint64_t by, const State& target, std::uint64_t c
 
 void Switching::Refuse(const State& target, std::optional<std::size_t> only,
                        const std::vector<RequestId>& requests, const State& state, const Error& why,
-                       std::uint64_t cause) {
+                       RecordId cause) {
   SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
   Record({"switch",
@@ -176,7 +175,7 @@ void Switching::Refuse(const State& target, std::optional<std::size_t> only,
 }
 
 // Ends it without beginning the switch: nothing was sent for it.
-void Switching::EndWaiting(const Error& why, std::uint64_t cause) {
+void Switching::EndWaiting(const Error& why, RecordId cause) {
   if (!machine_.waiting) return;
   const WaitingSwitch waiting = *std::exchange(machine_.waiting, std::nullopt);
   const State state = waiting.only ? Of(*waiting.only).state() : machine_.state;

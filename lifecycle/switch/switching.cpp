@@ -12,8 +12,8 @@ std::string Describe(const MachineConfig& config, const State& target,
   return (only ? "of " + config.actuators[*only].name + " to " : "to ") + target;
 }
 
-std::uint64_t Switching::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
-                               std::uint64_t cause) {
+CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
+                               RecordId cause) {
   Switch s;
   s.number = machine_.last_switch = ++machine_.number;
   s.from = plan.from;
@@ -23,20 +23,16 @@ std::uint64_t Switching::Begin(const Plan& plan, Purpose purpose, std::vector<Re
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
-  EndWaiting({kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
+  EndWaiting({kCodeTargetBusy, "switch " + ToString(s.number) + " (" +
                                    Describe(config_, s.target, s.only) + ") started before it"},
              cause);
-  for (const PlanStep& step : plan.steps) {
-    AddLeg(s, step);
-    if (purpose == Purpose::kRequested && s.direction != Direction::kCheck) {
-      Of(step.actuator).set_again = true;
-    }
-  }
+  for (const PlanStep& step : plan.steps) AddLeg(s, step);
+  if (purpose == Purpose::kRequested) PermitSwitchingOn(s);
   action::Record begins{"switch",
                         s.only,
                         s.number,
                         kCodeOk,
-                        "switch " + std::to_string(s.number) + ": " +
+                        "switch " + ToString(s.number) + ": " +
                             (s.only ? ConfigOf(*s.only).name + " " : "") + s.from + " → " +
                             s.target + ", " + std::to_string(s.legs.size()) +
                             (s.legs.size() == 1 ? " actuator" : " actuators"),
@@ -79,6 +75,13 @@ void Switching::AddLeg(Switch& s, const PlanStep& step) {
       break;
   }
   s.others.push_back(other);
+}
+
+void Switching::PermitSwitchingOn(const Switch& s) {
+  if (machine_.emergency_stop) return;
+  for (const Leg& leg : s.legs) {
+    if (SwitchesOnAgain(config_, leg.from, leg.target)) Of(leg.actuator).set_again = true;
+  }
 }
 
 Switching::Progress Switching::Advance() {
@@ -145,7 +148,7 @@ std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
   const Switch& s = *machine_.current;
   const bool level = !s.rolling_back && s.direction != Direction::kUp;
   if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target) &&
-      RunsCallback(ConfigOf(leg.actuator), leg.from, leg.target)) {
+      RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
                          "is held by an emergency stop", false};
   }
@@ -227,7 +230,7 @@ void Switching::BeginRollback(Switch& s) {
       back.code = kCodeUnSupport;
       back.message = "has no state to go back to";
     } else if (StoppedOnTheLevel(s) && SwitchesOnAgain(config_, back.from, back.target) &&
-               RunsCallback(ConfigOf(back.actuator), back.from, back.target)) {
+               RunsCallback(config_, back.actuator, back.from, back.target)) {
       back.progress = Leg::Progress::kEnded;  // the way back may switch on, too
       back.outcome = ActuatorOutcome::kSkipped;
       back.code = kCodeProtectedError;
@@ -246,8 +249,8 @@ void Switching::BeginRollback(Switch& s) {
           s.only,
           s.number,
           kCodeOk,
-          "switch " + std::to_string(s.number) + ": rolling back with command " +
-              std::to_string(s.back_number) + ", " + std::to_string(driven) +
+          "switch " + ToString(s.number) + ": rolling back with command " +
+              ToString(s.back_number) + ", " + std::to_string(driven) +
               (driven == 1 ? " actuator" : " actuators"),
           0,
           s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause,

@@ -20,7 +20,7 @@ struct EndedSwitch {
   bool undone = false;
   bool of_machine = false;  // not of one actuator
   SwitchResult result;
-  std::uint64_t record = 0;  // of its end
+  RecordId record = 0;  // of its end
 };
 
 class Switching : StepPart {
@@ -29,8 +29,8 @@ class Switching : StepPart {
       : StepPart(step), memory_(memory), commands_(commands) {}
 
   // Returns the number of the switch.
-  std::uint64_t Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
-                      std::uint64_t cause);
+  CommandNumber Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
+                      RecordId cause);
   // Sends what can be sent.
   struct Progress {
     bool changed = false;  // other actuators may be able to proceed
@@ -41,14 +41,17 @@ class Switching : StepPart {
   EndedSwitch End();
   // Ends the current switch without rollback. Running callbacks finish; the newest command waits
   // behind them at the actuator.
-  void Supersede(std::uint64_t by, const State& target, std::uint64_t cause);
+  void Supersede(CommandNumber by, const State& target, RecordId cause);
 
   // Refuses a request for a switch that was not begun.
   void Refuse(const State& target, std::optional<std::size_t> only,
               const std::vector<RequestId>& requests, const State& state, const Error& why,
-              std::uint64_t cause);
+              RecordId cause);
   // Ends a waiting switch without beginning it: nothing was sent for it.
-  void EndWaiting(const Error& why, std::uint64_t cause);
+  void EndWaiting(const Error& why, RecordId cause);
+  // A person has requested the switch: its actuators may switch on again what a stop that is
+  // released has switched off.
+  void PermitSwitchingOn(const Switch& s);
   void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
 
  private:

@@ -11,7 +11,7 @@ constexpr Duration kIntentTime = Milliseconds(500);
 
 }  // namespace
 
-void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
+void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
                      AfterTearDown after) {
   if (machine_.current) switching_.Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {

@@ -31,7 +31,7 @@ class TearDown : StepPart {
         commands_(commands),
         switching_(switching) {}
 
-  void Begin(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
+  void Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
              AfterTearDown after = AfterTearDown::kStaysDown);
   // Another request for the TearDown under way. Of several, the one counts that keeps the machine
   // down.

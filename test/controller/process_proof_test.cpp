@@ -97,7 +97,7 @@ class ProcessProof : public ::testing::Test {
   const ActuatorRecord& Arm() const { return controller_->shell().machine().actuators[0]; }
 
   // The peer publishes the status of the arm with `pid`.
-  void Say(pid_t pid, std::uint64_t incarnation = 77, const std::string& state = "SetUp") {
+  void Say(pid_t pid, Incarnation incarnation = 77, const std::string& state = "SetUp") {
     ActuatorReport report;
     report.state = state;
     report.incarnation = incarnation;
@@ -152,7 +152,7 @@ TEST_F(ProcessProof, NorIsItWatched) {
 
 TEST_F(ProcessProof, AnUnprovenPidIsReportedOnceHoweverOftenItIsPublished) {
   Bystander bystander;
-  for (std::uint64_t incarnation = 100; incarnation < 110; ++incarnation) {
+  for (Incarnation incarnation = 100; incarnation < 110; ++incarnation) {
     Say(bystander.pid(), incarnation);
   }
   EXPECT_EQ(std::count_if(records_.begin(), records_.end(),

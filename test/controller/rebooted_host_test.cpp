@@ -25,7 +25,7 @@ class DirectWorker : public Worker {
 class RemoteActuator {
  public:
   RemoteActuator(transport::sim::Network& network, const MachineConfig& config, std::string boot,
-                 std::uint64_t incarnation)
+                 Incarnation incarnation)
       : network_(network), node_(network.MakeNode("remote")) {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [](const State&) { return Ok(); };
@@ -66,7 +66,7 @@ class RebootedHost : public ::testing::Test {
   }
 
   // The process before ends and one of that boot begins; both are noticed.
-  void Start(const std::string& boot, std::uint64_t incarnation) {
+  void Start(const std::string& boot, Incarnation incarnation) {
     actuator_.reset();
     actuator_ = std::make_unique<RemoteActuator>(network_, config_, boot, incarnation);
   }

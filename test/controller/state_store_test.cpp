@@ -191,7 +191,7 @@ TEST_F(Store, HasEpochZeroAtFirst) {
 }
 
 TEST_F(Store, KeepsTheEpochForTheNextController) {
-  for (const std::uint64_t epoch : {std::uint64_t{41}, ~std::uint64_t{0}, std::uint64_t{7}}) {
+  for (const Epoch epoch : {std::uint64_t{41}, ~std::uint64_t{0}, std::uint64_t{7}}) {
     ASSERT_TRUE(MustOpen().SaveEpoch(epoch));
     EXPECT_EQ(MustOpen().LoadEpoch().value(), epoch);
   }

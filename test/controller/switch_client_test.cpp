@@ -74,7 +74,7 @@ class SwitchClients : public TwoControllers {
     ASSERT_TRUE(RunUntil([&] { return first_.machine().current.has_value(); }));
     network_.RunFor(Milliseconds(300));
     ASSERT_TRUE(first_.machine().current);
-    number_ = first_.machine().last_switch;
+    number_ = first_.machine().last_switch.value();
     callback_takes_ = Milliseconds(5);
   }
   void KillFirst() {

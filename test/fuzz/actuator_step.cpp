@@ -42,7 +42,7 @@ class Harness {
     switch (input_.Below(8)) {
       case 0: {
         const event::ControllerHeartbeatReceived heartbeat{
-            AnySender(), input_.Number(core_.report.epoch, kLastEpoch)};
+            AnySender(), input_.Number(core_.report.epoch.value(), kLastEpoch.value())};
         announced_.insert({heartbeat.sender, heartbeat.epoch});
         return StepWith(heartbeat);
       }
@@ -53,8 +53,9 @@ class Harness {
         return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
-        const QueryCommand query{input_.Number(core_.report.epoch, kLastEpoch),
-                                 input_.Number(core_.report.number, kLastNumber), input_.Bool()};
+        const QueryCommand query{input_.Number(core_.report.epoch.value(), kLastEpoch.value()),
+                                 input_.Number(core_.report.number.value(), kLastNumber.value()),
+                                 input_.Bool()};
         const event::QueryArrived arrived{++token_, query, AnySender()};
         return StepFrom(arrived.sender, query.epoch, arrived);
       }
@@ -65,8 +66,8 @@ class Harness {
         return StepWith(event::CallbackEnded{input_.Bool() ? input_.Take<std::int32_t>() : kCodeOk,
                                              std::string(input_.Text())});
       case 6:
-        return StepWith(event::EmergencyStopReceived{input_.Number(core_.report.emergency_stop, 1),
-                                                     input_.Bool(), AnySender()});
+        return StepWith(event::EmergencyStopReceived{
+            input_.Number(core_.report.emergency_stop.value(), 1), input_.Bool(), AnySender()});
       default:
         now_ += Milliseconds(input_.Take<std::uint16_t>());
         return StepWith(event::TimePassed{});
@@ -74,7 +75,7 @@ class Harness {
   }
 
   // A sender that has not announced itself with the epoch is refused.
-  void StepFrom(Sender sender, std::uint64_t epoch, const ActuatorEvent& what) {
+  void StepFrom(Sender sender, Epoch epoch, const ActuatorEvent& what) {
     const ActuatorCore before = core_;
     StepWith(what);
     const bool known = sender == before.controller || announced_.count({sender, epoch}) > 0;
@@ -118,7 +119,7 @@ class Harness {
   RequestToken token_ = 0;
   bool finished_ = false;
   std::set<RequestToken> replied_;
-  std::set<std::pair<Sender, std::uint64_t>> announced_;
+  std::set<std::pair<Sender, Epoch>> announced_;
 };
 
 }  // namespace

@@ -60,7 +60,7 @@ class Harness {
         return harness_.Feed(
             event::StatusSeen{i, AnyReport(input_, record.report, harness_.now())});
       case 3: {
-        const std::uint64_t number = record.command ? record.command->number : record.report.number;
+        const CommandNumber number = record.command ? record.command->number : record.report.number;
         const auto verdict = transport::VerdictFrom(input_.Byte());
         return harness_.Feed(
             event::Replied{i, input_.Bool() ? number : input_.Take<std::uint64_t>(), input_.Bool(),
@@ -83,7 +83,8 @@ class Harness {
       case 8:
         // A controller of the current epoch or a higher one leads from then on, which is correct.
         return harness_.Feed(event::RivalSeen{
-            input_.Number(harness_.machine().epoch - 1, kLastEpoch) | (input_.Bool() ? kBeyond : 0),
+            input_.Number(harness_.machine().epoch.value() - 1, kLastEpoch.value()) |
+                (input_.Bool() ? kBeyond : 0),
             "another", input_.Bool()});
       case 9:
         return harness_.Crash(kNames[i]);
@@ -130,7 +131,7 @@ class Harness {
     rank_ = rank;
   }
 
-  static constexpr std::uint64_t kBeyond = kLastEpoch << 1;  // of no controller
+  static constexpr std::uint64_t kBeyond = kLastEpoch.value() << 1;  // of no controller
 
   Input& input_;
   testing::Harness harness_;

@@ -139,7 +139,7 @@ class Harness {
       case 2: {
         msg::ActuatorBeat heartbeat;
         heartbeat.name = "a";
-        heartbeat.incarnation = robot_.ReportOf("a").value_or(ActuatorReport{}).incarnation;
+        heartbeat.incarnation = robot_.ReportOf("a").value_or(ActuatorReport{}).incarnation.value();
         heartbeat.work = input.Byte();
         heartbeat.period_ns = AnyTime(input, robot_.network().now());
         heartbeat.silent_ns = AnyTime(input, robot_.network().now());

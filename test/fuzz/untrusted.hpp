@@ -28,18 +28,21 @@ inline ActuatorReport AnyReport(Input& input, const ActuatorReport& truth, Time 
   const auto changes = input.Take<std::uint16_t>();
   if ((changes & 1) != 0) status.state = AnyState(input);
   if ((changes & 2) != 0) status.target = AnyState(input);
-  if ((changes & 4) != 0) status.busy_number = input.Number(truth.number, kLastNumber);
-  if ((changes & 8) != 0) status.epoch = input.Number(truth.epoch, kLastEpoch);
-  if ((changes & 16) != 0) status.number = input.Number(truth.number, kLastNumber);
-  if ((changes & 32) != 0) status.outcome_number = input.Number(truth.number, kLastNumber);
+  if ((changes & 4) != 0)
+    status.busy_number = input.Number(truth.number.value(), kLastNumber.value());
+  if ((changes & 8) != 0) status.epoch = input.Number(truth.epoch.value(), kLastEpoch.value());
+  if ((changes & 16) != 0) status.number = input.Number(truth.number.value(), kLastNumber.value());
+  if ((changes & 32) != 0)
+    status.outcome_number = input.Number(truth.number.value(), kLastNumber.value());
   if ((changes & 64) != 0) status.outcome_code = input.Take<std::int32_t>();
   if ((changes & 128) != 0) status.outcome_message = input.Text();
-  if ((changes & 256) != 0) status.incarnation = input.Number(truth.incarnation, UINT64_MAX - 1);
+  if ((changes & 256) != 0)
+    status.incarnation = input.Number(truth.incarnation.value(), UINT64_MAX - 1);
   if ((changes & 512) != 0) status.pid = input.Take<std::int32_t>();
   if ((changes & 1024) != 0) status.host = input.Text();
   if ((changes & 2048) != 0) status.config_hash = input.Text();
   if ((changes & 4096) != 0) status.apart = input.Bool();
-  if ((changes & 8192) != 0) status.emergency_stop = input.Number(truth.emergency_stop, 1);
+  if ((changes & 8192) != 0) status.emergency_stop = input.Number(truth.emergency_stop.value(), 1);
   if ((changes & 16384) != 0) status.stamp_ns = AnyTime(input, now);
   return transport::FromMessage(status);
 }
@@ -55,12 +58,12 @@ inline SwitchCommand AnyCommand(Input& input, const ActuatorReport& truth, Time 
   command.status_stamp = now;
   command.incarnation = truth.incarnation;
   const std::uint8_t changes = input.Byte();
-  if ((changes & 1) != 0) command.epoch = input.Number(truth.epoch, kLastEpoch);
-  if ((changes & 2) != 0) command.number = input.Number(truth.number, kLastNumber);
+  if ((changes & 1) != 0) command.epoch = input.Number(truth.epoch.value(), kLastEpoch.value());
+  if ((changes & 2) != 0) command.number = input.Number(truth.number.value(), kLastNumber.value());
   if ((changes & 4) != 0) command.budget = Duration(AnyTime(input, now));
   if ((changes & 8) != 0) command.status_stamp = transport::FromNanoseconds(AnyTime(input, now));
   if ((changes & 16) != 0) command.since_status = Duration(AnyTime(input, now));
-  if ((changes & 32) != 0) command.incarnation = input.Number(truth.incarnation, 1);
+  if ((changes & 32) != 0) command.incarnation = input.Number(truth.incarnation.value(), 1);
   if ((changes & 64) != 0) command.apart = input.Bool();
   return command;
 }

@@ -86,7 +86,7 @@ class NoControllerYet : public testing::OneActuator {
 TEST_F(NoControllerYet, ACommandOfAnUnknownSenderIsRefused) {
   Do(ControllerHeartbeatReceived{0, 0});
   Do(ControllerHeartbeatReceived{0, 3});
-  for (const std::uint64_t epoch : {0, 3}) {
+  for (const Epoch epoch : {0, 3}) {
     SwitchArrived command = Command(1, "Active", epoch);
     command.sender = 0;
     const Actions actions = Do(command);
@@ -106,7 +106,7 @@ TEST_F(ObeyedController, ASenderCannotUseTheEpochThatAnotherAnnounced) {
 }
 
 TEST_F(ObeyedController, AnEpochOutOfRangeIsRefusedEvenIfItIsAnnounced) {
-  for (const std::uint64_t epoch : {kLastEpoch + 1, std::numeric_limits<std::uint64_t>::max()}) {
+  for (const Epoch epoch : {kLastEpoch + 1, Epoch(std::numeric_limits<std::uint64_t>::max())}) {
     Do(ControllerHeartbeatReceived{kUnknownSender, epoch});
     SwitchArrived command = Command(1, "Active", epoch);
     command.sender = kUnknownSender;

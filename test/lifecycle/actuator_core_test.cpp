@@ -159,7 +159,7 @@ TEST_F(Actuator, DoesNotTakeAnOldStatusStampForAnOldCommand) {
 
 TEST_F(Actuator, RefusesACommandWithInvalidTimes) {
   SetUpIt();
-  std::uint64_t number = 0;
+  CommandNumber number = 0;
   for (const auto& [stamp, since] :
        {std::pair(Time::max(), Duration::zero()), std::pair(Time::min(), Duration::zero()),
         std::pair(now_, Duration::min()), std::pair(now_, Duration::max())}) {

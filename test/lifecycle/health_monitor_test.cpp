@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 using Process = Examination::Process;
 
 constexpr Duration kHeartbeat = Milliseconds(100);  // so the limit is 300 ms
-constexpr std::uint64_t kFirst = 7;                 // the incarnation of each
+constexpr Incarnation kFirst = 7;                   // the incarnation of each
 
 // The fixture of the monitor: the heartbeats, the kernel's answers, and all findings, as text.
 class Monitor : public ::testing::Test {

@@ -42,8 +42,7 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
     return Broken();
   };
   EXPECT_THAT(broken_by([&] { machine_.actuators.pop_back(); }), HasSubstr("1 actuators"));
-  EXPECT_THAT(broken_by([&] { first().terminating = 7; }), HasSubstr("no time"));
-  EXPECT_THAT(broken_by([&] { first().killed = true; }), HasSubstr("no pid"));
+  EXPECT_THAT(broken_by([&] { first().termination = Termination{}; }), HasSubstr("no pid"));
   EXPECT_THAT(broken_by([&] { first().restart_at = Time{}; }), HasSubstr("started again"));
   EXPECT_THAT(broken_by([&] {
                 first().command = PendingCommand{1'000'000, State("Active")};

@@ -30,8 +30,8 @@ class OneActuator : public ::testing::Test {
   Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
 
   // A heartbeat of the controller of an epoch, the sender of Command().
-  void Announce(std::uint64_t epoch) {
-    Do(actuator_event::ControllerHeartbeatReceived{epoch, epoch});
+  void Announce(Epoch epoch) {
+    Do(actuator_event::ControllerHeartbeatReceived{epoch.value(), epoch});
   }
 
   void SetUpIt() {
@@ -40,13 +40,12 @@ class OneActuator : public ::testing::Test {
   }
 
   // An up-to-date command, number n.
-  actuator_event::SwitchArrived Command(std::uint64_t n, const State& target,
-                                        std::uint64_t epoch = 1) {
-    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch};
+  actuator_event::SwitchArrived Command(CommandNumber n, const State& target, Epoch epoch = 1) {
+    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch.value()};
   }
 
   // Takes it to `state` by command n.
-  void Switch(std::uint64_t n, const State& target) {
+  void Switch(CommandNumber n, const State& target) {
     Do(Command(n, target));
     Do(actuator_event::CallbackEnded{});
     EXPECT_EQ(core_.report.state, target);

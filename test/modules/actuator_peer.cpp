@@ -100,7 +100,7 @@ msg::ActuatorCommand::Request ActuatorPeer::Request(std::uint8_t kind) const {
   request.epoch = 1;
   request.number = number_;
   request.budget_ns = Duration(std::chrono::seconds(20)).count();
-  request.incarnation = report_.incarnation;
+  request.incarnation = report_.incarnation.value();
   request.status_stamp_ns = transport::ToNanoseconds(report_.stamp);
   request.since_status_ns = Duration(std::chrono::steady_clock::now() - report_at_).count();
   return request;

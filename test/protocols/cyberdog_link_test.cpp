@@ -36,7 +36,7 @@ class DrivingACyberdogModule : public LinkStage {
 TEST_F(DrivingACyberdogModule, AServiceThatIsVisibleIsAModuleThatIsSetUp) {
   EndModule();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   StartModule("a", std::chrono::seconds(3));
   network_.RunFor(std::chrono::seconds(2));
   EXPECT_EQ(status_.incarnation, first);
@@ -107,7 +107,7 @@ TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgai
   network_.RunFor(std::chrono::minutes(1));
   ASSERT_TRUE(Query());
   EXPECT_EQ(answer_->report.busy_number, number_);
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   EndModule();
   StartModule("a");
   ASSERT_TRUE(Until([&] { return status_.incarnation != first; }));
@@ -115,7 +115,7 @@ TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAgai
 }
 
 TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExpires) {
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   network_.Crash(*process_);
   EndModule();
   StartModule("a");
@@ -167,7 +167,7 @@ TEST_F(CyberdogHeartbeats,
 
 TEST_F(CyberdogHeartbeats, AModuleWhoseHeartbeatsResumeIsTheSameIncarnation) {
   ReceiveHeartbeat();
-  const std::uint64_t incarnation = status_.incarnation;
+  const Incarnation incarnation = status_.incarnation;
   module_->sends_heartbeats = false;
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   const int before = statuses_;

@@ -101,7 +101,7 @@ TEST_P(ARealPeer, IsDriven) {
 TEST_P(ARealPeer, IsMissedWhenItIsKilledAndItsSuccessorIsDriven) {
   ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
   ASSERT_EQ(Do("Active"), Verdict::kDone);
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   peer_.reset();
   EXPECT_TRUE(Until([&] { return lost_; }));
   peer_.emplace(GetParam(), "a");
@@ -111,7 +111,7 @@ TEST_P(ARealPeer, IsMissedWhenItIsKilledAndItsSuccessorIsDriven) {
 
 TEST_P(ARealPeer, HasASuccessorThatIsDrivenBeforeThePreviousProcessIsLost) {
   ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   peer_.reset();
   peer_.emplace(GetParam(), "a");
   ASSERT_TRUE(Until([&] { return status_.state == "SetUp" && status_.incarnation != first; }));

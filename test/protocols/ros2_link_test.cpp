@@ -267,7 +267,7 @@ TEST_F(DrivingARos2Node, AQueryGetsNoAnswerAfterTheExitOfAProcessOfTheController
 }
 
 TEST_F(DrivingARos2Node, AnExitIsDetectedAndTheSuccessorIsSetUpAgain) {
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   EndNode();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   StartNode();
@@ -277,7 +277,7 @@ TEST_F(DrivingARos2Node, AnExitIsDetectedAndTheSuccessorIsSetUpAgain) {
 }
 
 TEST_F(DrivingARos2Node, ASuccessorIsDrivenBeforeTheLeaseOfThePreviousProcessExpires) {
-  const std::uint64_t first = status_.incarnation;
+  const Incarnation first = status_.incarnation;
   network_.Crash(*process_);
   EndNode();
   StartNode();
@@ -297,7 +297,7 @@ TEST_F(DrivingARos2Node, AnExitedPredecessorIsNotTakenForTheNodeWhenItsSuccessor
   StartNode();
   link_->OnProcess(4712);
   ASSERT_TRUE(Until([&] { return IsIn("SetUp") && status_.pid == 4712; }));
-  const std::uint64_t second = status_.incarnation;
+  const Incarnation second = status_.incarnation;
   EndNode();
   ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
   network_.RunFor(std::chrono::seconds(20));

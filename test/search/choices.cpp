@@ -10,8 +10,9 @@ namespace {
 
 bool Expects(const World& world, const SimActuator& actuator) {
   const auto& tokens = actuator.core.running_for;
-  return std::any_of(tokens.begin(), tokens.end(),
-                     [&](RequestToken token) { return (token & 127) == world.generation + 1; });
+  return std::any_of(tokens.begin(), tokens.end(), [&](RequestToken token) {
+    return (token.value() & 127) == world.generation + 1;
+  });
 }
 
 class Listing {
@@ -64,7 +65,7 @@ class Listing {
     if (!model_.releases || !IsQuiet(world_, choices_)) return;
     if (!world_.released && world_.machine.emergency_stop) Free(ChoiceKind::kRelease);
     const bool runs = world_.machine.phase == Phase::kRunning;
-    if (world_.released && !world_.repeated && runs) Free(ChoiceKind::kRepeat);
+    if (world_.released && world_.repeat == Repeat::kNotYet && runs) Free(ChoiceKind::kRepeat);
   }
 
   void ListSending() {

@@ -36,6 +36,10 @@ class Mixer {
   requires(std::is_integral_v<T> || std::is_enum_v<T>) void One(const T& x) {
     Word(static_cast<std::uint64_t>(x));
   }
+  template <typename Kind>
+  void One(StrongNumber<Kind> number) {
+    Word(number.value());
+  }
   void One(const State& text) { Word(std::hash<std::string_view>{}(text)); }
   void One(Duration d) { Word(static_cast<std::uint64_t>(d.count())); }
   void One(Time t) { Word(static_cast<std::uint64_t>((t - now_).count())); }
@@ -61,6 +65,7 @@ class Mixer {
     Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
   }
   void One(const EmergencyStop& stop) { Add(stop.id); }
+  void One(const Termination& t) { Add(t.pid, t.terminate_at, t.kill_at, t.killed); }
   void One(const PendingCommand& o) { Add(o.number, o.target, o.deadline, o.queries); }
   void One(const Leg& l) {
     Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);
@@ -121,10 +126,9 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
             r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due, r.set_again,
-            r.fault.has_value(), r.tolerated.has_value(), r.command, r.health, r.restarts,
-            r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.terminating,
-            r.terminate_at, r.kill_at, r.killed, r.suspended, r.outbid_at, r.blocked, r.free_by,
-            r.elsewhere);
+            r.fault ? r.fault->code : 0, r.tolerated.has_value(), r.command, r.health, r.restarts,
+            r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.termination, r.suspended,
+            r.outbid_at, r.blocked, r.free_by, r.elsewhere);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
@@ -179,7 +183,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   }
   std::sort(actuators.begin(), actuators.end());
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
-            w.stopped, w.stop_seen_due, w.released, w.repeated);
+            w.stopped, w.stop_seen_due, w.released, w.repeat);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
             m.emergency_stop.has_value(), m.other_stops.size(), m.released_stops, m.set_up_requests,
             m.policy);

@@ -11,14 +11,14 @@ namespace {
 
 // How far each actuator's clock is ahead of its stamps, which differ while time stands still.
 constexpr Duration kClockAhead = Milliseconds(1);
-constexpr std::uint64_t kStopId = 5;
+constexpr StopId kStopId = 5;
 
 // The token of a request holds its number, its kind and its sender.
-RequestToken TokenOf(std::uint64_t number, bool query, Sender sender) {
-  return number << 8 | static_cast<RequestToken>(query) << 7 | sender;
+RequestToken TokenOf(CommandNumber number, bool query, Sender sender) {
+  return number.value() << 8 | static_cast<std::uint64_t>(query) << 7 | sender.value();
 }
 Sender SenderOf(RequestToken token) {
-  return token & 127;
+  return token.value() & 127;
 }
 
 }  // namespace
@@ -75,6 +75,7 @@ void Harness::BeginController(bool by_hand) {
 void Harness::RestartController() {
   World& w = world_;
   ++w.generation;
+  if (w.repeat == Repeat::kDone) w.repeat = Repeat::kRequested;
   w.machine = MakeMachine(config_);
   w.outbox.clear();
   for (Request& request : w.requests) request.abandoned |= request.replies == 0;
@@ -186,7 +187,7 @@ void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_
   SimActuator& actuator = world_.actuators[i];
   if (!actuator.alive) return;
   // Of the command that this event may begin.
-  std::uint64_t epoch = actuator.core.waiting ? actuator.core.waiting->command.epoch : 0;
+  Epoch epoch = actuator.core.waiting ? actuator.core.waiting->command.epoch : 0;
   const auto* arrived = std::get_if<actuator_event::SwitchArrived>(&event);
   if (arrived != nullptr) epoch = arrived->command.epoch;
   const ActuatorReport before = actuator.core.report;
@@ -194,7 +195,7 @@ void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_
       model_.rules.actuator(config_, i, actuator.core, event, world_.now + kClockAhead);
   for (const ActuatorAction& action : actions) {
     if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
-      const std::uint64_t number = actuator.core.report.busy_number;
+      const CommandNumber number = actuator.core.report.busy_number;
       CheckBegin(model_, world_, i, run->target, epoch, number, notes_);
       actuator.begun = std::max(actuator.begun, number);
       actuator.work = held_back ? Work::kOverdue : Work::kRunning;
@@ -222,8 +223,9 @@ void Harness::Apply(std::size_t i, const ActuatorAction& action) {
     actuator.stop_requested = true;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
     if (SenderOf(answer->token) != Controller()) return;  // its caller has ended
-    actuator.replies.push_back({i, answer->token >> 8, (answer->token >> 7 & 1) != 0,
-                                answer->verdict, answer->code, answer->message, Report(i)});
+    actuator.replies.push_back({i, answer->token.value() >> 8,
+                                (answer->token.value() >> 7 & 1) != 0, answer->verdict,
+                                answer->code, answer->message, Report(i)});
   } else if (std::holds_alternative<actuator_action::PublishStatus>(action) ||
              std::holds_alternative<actuator_action::RunEmergencyStop>(action)) {
     actuator.status_due = true;
@@ -263,8 +265,12 @@ void Harness::Apply(const Action& action) {
       EndProcess(signal->actuator, false);
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     CheckAnswer(model_, w, *answer, notes_);
-    ++w.requests[answer->request - 1].replies;
-    Log("  request " + std::to_string(answer->request) + " gets: " +
+    const bool switched = answer->result.outcome == SwitchOutcome::kDone ||
+                          answer->result.outcome == SwitchOutcome::kDoneDegraded;
+    const bool repeat = w.repeat == Repeat::kRequested && answer->result.target == model_.target;
+    if (repeat && switched) w.repeat = Repeat::kDone;
+    ++w.requests[answer->request.value() - 1].replies;
+    Log("  request " + ToString(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
     for (std::size_t i = 0; i < kActuators && !publish->engaged; ++i) {

@@ -129,7 +129,7 @@ class Making {
         world_.released = true;
         return harness_.Feed(event::ReleaseRequested{0, "a person"});
       case ChoiceKind::kRepeat:
-        world_.repeated = true;
+        world_.repeat = Repeat::kRequested;
         return harness_.RequestSwitch(harness_.Target());
       case ChoiceKind::kCrash:
         harness_.Log("FAULT: " + name() + " crashes");
@@ -183,15 +183,15 @@ class Making {
   }
   std::string Text(const Message& message) const {
     if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
-      return "command " + std::to_string(command->number) + " to " + harness_.Name(message.to) +
-             ", " + command->target;
+      return "command " + ToString(command->number) + " to " + harness_.Name(message.to) + ", " +
+             command->target;
     }
     return "the query to " + harness_.Name(message.to) + " about " +
-           std::to_string(std::get<QueryCommand>(message.what).number);
+           ToString(std::get<QueryCommand>(message.what).number);
   }
   std::string Text(const event::Replied& reply) const {
     return name() + "'s reply to " + (reply.query ? "the query about " : "") +
-           std::to_string(reply.number);
+           ToString(reply.number);
   }
 
   void Sent() {

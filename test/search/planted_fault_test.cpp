@@ -114,7 +114,7 @@ TEST_F(PlantedFault, FindsAnActuatorThatLosesTheEmergencyStop) {
     if (!std::holds_alternative<actuator_event::SwitchArrived>(event)) {
       return Step(config, i, core, event, now);
     }
-    const std::uint64_t stop = std::exchange(core.report.emergency_stop, 0);
+    const StopId stop = std::exchange(core.report.emergency_stop, 0);
     auto actions = Step(config, i, core, event, now);
     core.report.emergency_stop = stop;
     return actions;
@@ -182,6 +182,19 @@ TEST_F(PlantedFault, FindsACallbackThatTheReleaseOfAnEmergencyStopStarts) {
   EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
   EXPECT_THAT(searched_.fault->violations,
               Contains(HasSubstr("by the release of the emergency stop")));
+}
+
+// The controller forgets that a person has requested a switch since the stop.
+TEST_F(PlantedFault, FindsAnActuatorThatAReleasedStopHoldsAlthoughItsSwitchWasRequestedAgain) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    for (ActuatorRecord& record : machine.actuators) record.set_again = false;
+    return Step(config, machine, event, now);
+  };
+  Search(rules, "Active", "Dancing", 2, Dancers());
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("is held by a released stop")));
 }
 
 TEST_F(PlantedFault, ReportsTheShortestScenario) {

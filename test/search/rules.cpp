@@ -100,6 +100,11 @@ void CheckPlace(const Model& model, const World& world, std::size_t i, Notes& no
                                (actuator.alive ? " is in " : " has exited in ") + state +
                                ", the machine in " + machine.state + ", without a recorded reason");
   }
+  const bool held = record.fault && record.fault->code == kCodeProtectedError;
+  if (world.repeat == Repeat::kDone && held && record.presence == Presence::kPresent) {
+    notes.violations.push_back("in a stable state " + own.name + " is held by a released stop, " +
+                               "although the switch has been requested again");
+  }
   const bool knows = record.state() == state && record.report.busy() == actuator.core.report.busy();
   if (actuator.alive && !record.fault && !knows) {
     notes.violations.push_back("in a stable state " + own.name + " is in " + state +
@@ -177,7 +182,7 @@ void CheckDegraded(const Model& model, const World& world, Notes& notes) {
     const ActuatorReport& report = world.actuators[*model.config.IndexOf(name)].core.report;
     const bool level = model.config.RankOf(report.state) == model.config.RankOf(world.from);
     const bool ended = report.held_by_stop && level && world.machine.state == world.from;
-    return !ended || world.repeated;
+    return !ended || world.repeat != Repeat::kNotYet;
   });
   if (IsRequested(world, State(kTearDown))) return;  // an actuator that has exited counts as absent
   if (in_order || degraded <= world.faults - world.faults_left) return;
@@ -223,7 +228,7 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
 }
 
 void CheckBegin(const Model& model, const World& world, std::size_t i, const State& target,
-                std::uint64_t epoch, std::uint64_t number, Notes& notes) {
+                Epoch epoch, CommandNumber number, Notes& notes) {
   const SimActuator& actuator = world.actuators[i];
   const ActuatorReport& report = actuator.core.report;
   const std::string what = model.config.actuators[i].name + " begins " + target;
@@ -231,19 +236,17 @@ void CheckBegin(const Model& model, const World& world, std::size_t i, const Sta
     notes.violations.push_back(what + " while an emergency stop is latched");
   }
   const bool level = report.state != target && !Rises(model.config, report.state, target);
-  const bool requested = world.repeated && target == model.target;
+  const bool requested = world.repeat != Repeat::kNotYet && target == model.target;
   if (world.released && report.held_by_stop && level && !requested &&
       SwitchesOnAgain(model.config, report.state, target)) {
     notes.violations.push_back(what + " by the release of the emergency stop");
   }
   if (number == 0) return;
   if (epoch < actuator.epoch) {
-    notes.violations.push_back(what + " by epoch " + std::to_string(epoch) +
-                               ", which is superseded");
+    notes.violations.push_back(what + " by epoch " + ToString(epoch) + ", which is superseded");
   }
   if (number <= actuator.begun || number <= actuator.queried) {
-    notes.violations.push_back(what + " by command " + std::to_string(number) +
-                               ", which is outdated");
+    notes.violations.push_back(what + " by command " + ToString(number) + ", which is outdated");
   }
   const bool wanted = IsRequested(world, target) || target == world.machine.state ||
                       target == world.from || IsStarting(world);
@@ -286,7 +289,7 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
 void CheckAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
                  Notes& notes) {
   const SwitchResult& result = answer.result;
-  const Request& request = world.requests[answer.request - 1];
+  const Request& request = world.requests[answer.request.value() - 1];
   if (request.abandoned)
     notes.violations.emplace_back("a reply to a request of another controller");
   if (request.replies > 0) notes.violations.emplace_back("a request gets two replies");

@@ -21,7 +21,7 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
 
 // An actuator begins a callback by command `number` of `epoch` (0: by itself).
 void CheckBegin(const Model& model, const World& world, std::size_t i, const State& target,
-                std::uint64_t epoch, std::uint64_t number, Notes& notes);
+                Epoch epoch, CommandNumber number, Notes& notes);
 
 // After each step of an actuator; `before`: its report before the step.
 void CheckStopped(const Model& model, const World& world, std::size_t i,

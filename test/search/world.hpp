@@ -50,7 +50,7 @@ inline constexpr std::size_t kActuators = 3;
 struct Message {
   std::size_t to = 0;
   Sender sender = 0;
-  std::uint64_t epoch = 0;
+  Epoch epoch = 0;
   std::variant<SwitchCommand, QueryCommand> what;
 };
 
@@ -74,15 +74,22 @@ struct SimActuator {
   std::optional<bool> end;  // of its process, cleanly or not, on its way to the controller
   std::vector<Late> late;
   // For the rules of commands: the highest epoch and numbers so far.
-  std::uint64_t epoch = 0;
-  std::uint64_t begun = 0;    // of a begun callback
-  std::uint64_t queried = 0;  // of an answered query
+  Epoch epoch = 0;
+  CommandNumber begun = 0;    // of a begun callback
+  CommandNumber queried = 0;  // of an answered query
 };
 
 struct Request {
   State target;
   int replies = 0;
   bool abandoned = false;  // its controller has ended, which the caller knows
+};
+
+// The same switch, requested again after the release of the stop.
+enum class Repeat : std::uint8_t {
+  kNotYet,
+  kRequested,
+  kDone,  // at least degraded; of the present controller
 };
 
 struct World {
@@ -95,13 +102,13 @@ struct World {
   std::vector<Request> requests;  // request n is the (n-1)th
   State from;                     // where the machine was before the first of them
   std::uint64_t generation = 0;   // of the controller
-  std::uint64_t epoch_on_disk = 0;
+  Epoch epoch_on_disk = 0;
   StoredStops stops_on_disk;
   bool at_start = false;       // nothing has been requested yet
   bool stopped = false;        // an emergency stop has been engaged
   bool stop_seen_due = false;  // the controller has not received it
   bool released = false;       // by a person
-  bool repeated = false;       // after the release the switch has been requested again
+  Repeat repeat = Repeat::kNotYet;
 };
 
 enum class ChoiceKind : std::uint8_t {

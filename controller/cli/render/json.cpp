@@ -5,6 +5,16 @@
 #include "musher/controller/cli/render/json_line.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 
+namespace musher {
+
+// The library finds it by its argument.
+template <typename Kind>
+void to_json(cli::Json& json, StrongNumber<Kind> number) {
+  json = number.value();
+}
+
+}  // namespace musher
+
 namespace musher::cli {
 namespace {
 

@@ -35,6 +35,10 @@ inline void MakeAny(Time& value) {
   MakeAny(since);
   value = Time(since);
 }
+template <typename Kind>
+void MakeAny(StrongNumber<Kind>& number) {
+  number = *rc::gen::arbitrary<std::uint64_t>();
+}
 template <Struct T>
 void MakeAny(T& value);
 template <class T>

@@ -234,8 +234,8 @@ TEST_F(Authority, AnAnswerOfAnotherProcessIsIgnored) {
 TEST_F(Authority, AnEpochOutOfRangeIsNotUsedForAllActuators) {
   Harness& t = In("Active");
   t.Find("b", Health::kPartitioned, true);
-  const std::uint64_t epoch = t.machine().epoch;
-  for (const std::uint64_t absurd : {kLastEpoch, std::numeric_limits<std::uint64_t>::max()}) {
+  const Epoch epoch = t.machine().epoch;
+  for (const Epoch absurd : {kLastEpoch, Epoch(std::numeric_limits<std::uint64_t>::max())}) {
     Say(t, "b", [&](ActuatorReport& report) { report.epoch = absurd; });
     t.RunFor(std::chrono::seconds(10));
     EXPECT_EQ(t.machine().epoch, epoch);

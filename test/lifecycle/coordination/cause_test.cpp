@@ -23,8 +23,8 @@ class Causes : public Switching {
     std::vector<std::string> chain;
     if (last == t.whole_records.rend()) return chain;
     chain.push_back(last->message);
-    for (std::uint64_t cause = last->cause; cause != 0;) {
-      const action::Record& record = t.whole_records[cause - 1];
+    for (RecordId cause = last->cause; cause != 0;) {
+      const action::Record& record = t.whole_records[cause.value() - 1];
       chain.push_back(record.message);
       EXPECT_LT(record.cause, cause) << "a cause comes first";
       cause = record.cause;
@@ -143,8 +143,8 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
                                     [](const auto& record) { return record.state == "Protected"; });
   ASSERT_NE(entered, t.whole_records.rend());
   std::vector<std::string> chain;
-  for (std::uint64_t id = entered->id; id != 0; id = t.whole_records[id - 1].cause) {
-    chain.push_back(t.whole_records[id - 1].message);
+  for (RecordId id = entered->id; id != 0; id = t.whole_records[id.value() - 1].cause) {
+    chain.push_back(t.whole_records[id.value() - 1].message);
   }
   EXPECT_THAT(chain, ElementsAre(StartsWith("switch 3 is done-degraded"),
                                  "an actuator is lost; falling back to Protected",
@@ -162,9 +162,9 @@ TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
       [](const auto& record) { return record.message.starts_with("b is degraded: needs a"); });
   ASSERT_NE(b, t.whole_records.end());
   ASSERT_NE(b->cause, 0U);
-  const action::Record& ended = t.whole_records[b->cause - 1];
+  const action::Record& ended = t.whole_records[b->cause.value() - 1];
   EXPECT_THAT(ended.message, StartsWith("a's process "));
-  EXPECT_THAT(t.whole_records[ended.cause - 1].message, StartsWith("a is degraded"));
+  EXPECT_THAT(t.whole_records[ended.cause.value() - 1].message, StartsWith("a is degraded"));
 }
 
 }  // namespace musher::testing::cause_test

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "musher/lifecycle/config/flow.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
@@ -127,6 +128,22 @@ TEST_F(StoppedDancers, AreHeldByTheNextStopAlthoughASwitchWasRequestedBeforeIt) 
   t.Rest();
   EXPECT_THAT(t.log(), IsEmpty());
   EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(StoppedDancers, ArePermittedNothingByARequestDuringTheStopOrToAStateBelow) {
+  for (const bool released : {false, true}) {
+    Harness& t = In("Active", Dancers());
+    Stop(t);
+    t.On("b", "Protected").code = kCodeFailed;
+    if (released) t.Release();
+    EXPECT_FALSE(t.Set("Protected", "b").done());
+    if (!released) t.Release();
+    t.GoByItself("b", "Dancing");
+    t.ClearLog();
+    t.Rest();
+    EXPECT_THAT(t.log(), IsEmpty()) << released;
+    EXPECT_EQ(t.StateOf("b"), "Dancing") << released;
+  }
 }
 
 // The state in which such a machine was adopted was that of the first actuator in the config, and
@@ -277,6 +294,15 @@ TEST_F(DancersOfAnyProtocol, AreDrivenBackWhereTheirRos2StateIsTheSame) {
   Obey(0);
   ASSERT_TRUE(Of(0).command);
   EXPECT_EQ(Of(0).command->target, "Active");
+}
+
+// In both its ROS 2 state would be inactive, but `configure` runs on the way.
+TEST_F(DancersOfAnyProtocol, AreNotConfiguredDuringTheStop) {
+  config_ = Dancers();
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  EXPECT_TRUE(RunsCallback(config_, 1, config_.default_state, "Protected"));
+  EXPECT_FALSE(RunsCallback(config_, 1, "DeActive", "Protected"));
+  EXPECT_TRUE(RunsCallback(config_, 0, "DeActive", "Protected"));
 }
 
 TEST_F(DancersOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {

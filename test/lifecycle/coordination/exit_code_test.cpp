@@ -145,9 +145,10 @@ TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
         return record.message == "an actuator is lost; falling back to Protected";
       });
   ASSERT_NE(fall, t.whole_records.end());
-  const action::Record& degraded = t.whole_records.at(fall->cause - 1);
+  const action::Record& degraded = t.whole_records.at(fall->cause.value() - 1);
   EXPECT_THAT(degraded.message, StartsWith("b is degraded: exit code 2: "));
-  EXPECT_THAT(t.whole_records.at(degraded.cause - 1).message, HasSubstr("ended: exit code 2: "));
+  EXPECT_THAT(t.whole_records.at(degraded.cause.value() - 1).message,
+              HasSubstr("ended: exit code 2: "));
 }
 
 TEST_F(ExitCode, InACrashLoopEndsIt) {

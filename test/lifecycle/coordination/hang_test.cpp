@@ -174,7 +174,7 @@ TEST_F(Hang,
 
 TEST_F(Hang, VerdictsOfAProcessThatHasExitedChangeNothing) {
   Harness& t = In("Active", Ours(2));
-  const std::uint64_t gone = t.RecordOf("b").report.incarnation;
+  const Incarnation gone = t.RecordOf("b").report.incarnation;
   t.Crash("b");
   t.Rest();
   t.signals.clear();

@@ -90,7 +90,7 @@ void Harness::Feed(const Event& event) {
   if (after_step) after_step();
 }
 
-void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
+void Harness::Begin(bool by_hand, Epoch epoch, bool restarted) {
   std::vector<bool> running;
   for (std::size_t i = 0; i < fakes_.size(); ++i) {
     if (config_.actuators[i].command.empty() && !fakes_[i].alive) {
@@ -111,7 +111,7 @@ void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
 
 // A disk thread that ended with the controller's process does not answer the next one.
 template <class T>
-void Harness::Save(Stored what, std::uint64_t save, T& stored, T value) {
+void Harness::Save(Stored what, SaveNumber save, T& stored, T value) {
   const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {
     if (generation != generation_) return;
     if (disk_fails.empty()) stored = value;
@@ -150,7 +150,7 @@ void Harness::StartActuator(const std::string& name) {
   After(kWire, [this, i = Index(name), pid = fake.pid] {
     if (fakes_[i].pid != pid) return;
     StepCore(i, actuator_event::Started{});
-    for (const std::uint64_t stop : latched_stops_) {
+    for (const StopId stop : latched_stops_) {
       StepCore(i, actuator_event::EmergencyStopReceived{stop, true, 0});
     }
   });
@@ -182,7 +182,7 @@ void Harness::Find(const std::string& name, Health health, bool silent) {
                             "as the test says"});
 }
 
-void Harness::StopAll(std::uint64_t id, const std::string& by) {
+void Harness::StopAll(StopId id, const std::string& by) {
   latched_stops_.insert(id);
   const actuator_event::EmergencyStopReceived stop{id, true, 0};
   for (std::size_t i = 0; i < fakes_.size(); ++i) After(kWire, [=, this] { StepCore(i, stop); });
@@ -211,7 +211,7 @@ RequestId Harness::Release() {
   return request;
 }
 
-void Harness::ReceiveRivalHeartbeat(std::uint64_t epoch) {
+void Harness::ReceiveRivalHeartbeat(Epoch epoch) {
   Feed(event::RivalSeen{epoch, "process 1 elsewhere", false});
 }
 
@@ -316,7 +316,7 @@ void Harness::Do(std::size_t i, const ActuatorAction& action) {
 }
 
 void Harness::Do(const Action& action) {
-  const auto deliver = [this](std::size_t i, std::uint64_t number, bool query, auto make_event) {
+  const auto deliver = [this](std::size_t i, CommandNumber number, bool query, auto make_event) {
     const RequestToken token = next_token_++;
     After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
       FakeActuator& fake = fakes_[i];

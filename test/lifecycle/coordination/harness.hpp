@@ -44,7 +44,7 @@ class Harness {
   Behaviour& On(const std::string& actuator, const std::string& state);
 
   // Starts the machine; hand-started actuators (no command) start at once.
-  void Begin(bool by_hand = false, std::uint64_t epoch = 0, bool restarted = false);
+  void Begin(bool by_hand = false, Epoch epoch = 0, bool restarted = false);
   // Starts an actuator's process, as a person would.
   void StartActuator(const std::string& name);
   // kill -9.
@@ -58,10 +58,10 @@ class Harness {
   // The health monitor's verdict.
   void Find(const std::string& name, Health health, bool silent = false);
   // Engages an emergency stop; all actuators receive it.
-  void StopAll(std::uint64_t id, const std::string& by = "the test");
+  void StopAll(StopId id, const std::string& by = "the test");
   RequestId Release();
   // A heartbeat of another controller arrives.
-  void ReceiveRivalHeartbeat(std::uint64_t epoch);
+  void ReceiveRivalHeartbeat(Epoch epoch);
   // Any other event for the controller.
   void Feed(const Event& event);
   // Requests a restart of an actuator; the answer is stored in `calls`.
@@ -130,7 +130,7 @@ class Harness {
     int run = 0;  // counts callbacks, so that the end of an old one does not count for a new one
     bool hanging = false;
     ActuatorCore core;
-    std::map<RequestToken, std::pair<std::uint64_t, bool>> requests;  // number, query
+    std::map<RequestToken, std::pair<CommandNumber, bool>> requests;  // number, query
     std::map<std::string, Behaviour> script;
   };
 
@@ -141,7 +141,7 @@ class Harness {
   void Do(const Action& action);
   void PublishToActuators(const action::PublishEmergencyStop& stop);
   template <class T>
-  void Save(Stored what, std::uint64_t save, T& stored, T value);
+  void Save(Stored what, SaveNumber save, T& stored, T value);
   Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }
   void EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code = 0);
   ActuatorReport ReportOf(std::size_t i) const;
@@ -153,14 +153,14 @@ class Harness {
   std::vector<FakeActuator> fakes_;
   Time now_{};
   std::multimap<Time, std::function<void()>> later_;
-  std::set<std::uint64_t> latched_stops_;  // kept by the topic for late subscribers
+  std::set<StopId> latched_stops_;  // kept by the topic for late subscribers
   std::vector<std::string> log_;
   std::optional<action::StartUpEnded> start_up_;
   bool stopped_ = false;
   RequestId next_request_ = 1;
   RequestToken next_token_ = 1;
   std::int32_t next_pid_ = 1000;
-  std::uint64_t epoch_on_disk_ = 0;
+  Epoch epoch_on_disk_ = 0;
 };
 
 // A machine of actuators "a", "b", "c", …, all states of CyberDog, 100 ms each.

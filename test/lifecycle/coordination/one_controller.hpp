@@ -14,7 +14,7 @@ namespace musher::testing {
 
 class OneController : public ::testing::Test {
  protected:
-  static constexpr std::uint64_t kFirst = 70;  // the incarnation of actuator 0; 71 of the next …
+  static constexpr Incarnation kFirst = 70;  // the incarnation of actuator 0; 71 of the next …
 
   // The disk takes no time. The processes that run at the end are `processes_`.
   void Do(const Event& event) {

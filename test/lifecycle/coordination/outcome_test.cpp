@@ -198,11 +198,27 @@ TEST_F(Outcomes, OfAnActuatorThatKeepsItsStateAreUndone) {
 TEST_F(Outcomes, OfAnActuatorThatHasNotReceivedItsCommandAreUndoneAndNotDegraded) {
   StartUp();
   RequestSwitch("LowPower", "a");
-  const std::uint64_t number = Of(0).command.value().number;
+  const CommandNumber number = Of(0).command.value().number;
   Pass(Milliseconds(100));  // it is queried
   Do(event::Replied{0, number, true, Verdict::kDone, kCodeOk, "", Report(0, "Active")});
   EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
   EXPECT_THAT(Result().degraded, IsEmpty());
+}
+
+// The search found that such a reply replaced "crashed" with the failure of the callback.
+TEST_F(Outcomes, OfAProcessThatHasExitedDoNotChangeWhenItsReplyArrivesLate) {
+  StartUp();
+  RequestSwitch("LowPower");
+  const CommandNumber number = Of(0).command.value().number;
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  ASSERT_TRUE(Of(0).fault);
+  ASSERT_EQ(Of(0).fault->message, "crashed: its process ended");
+  ActuatorReport late = Report(0, "Active");
+  late.number = late.outcome_number = number;
+  late.outcome_code = kCodeFailed;
+  late.outcome_message = "the motor stalls";
+  Do(event::Replied{0, number, false, Verdict::kFailed, kCodeFailed, "the motor stalls", late});
+  EXPECT_EQ(Of(0).fault->message, "crashed: its process ended");
 }
 
 // Its command has been sent, and no status that it is busy has arrived yet.

@@ -79,8 +79,8 @@ class Rules : public Switching {
     std::vector<std::string> chain;
     if (last == all.rend()) return chain;
     chain.push_back(last->message);
-    for (std::uint64_t cause = last->cause; cause != 0; cause = all[cause - 1].cause) {
-      chain.push_back(all[cause - 1].message);
+    for (RecordId cause = last->cause; cause != 0; cause = all[cause.value() - 1].cause) {
+      chain.push_back(all[cause.value() - 1].message);
     }
     return chain;
   }

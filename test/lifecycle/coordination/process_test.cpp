@@ -142,7 +142,7 @@ TEST_F(Processes, ThatHungStayCalledSoWhenTheyEnd) {
 TEST_F(Processes, WhoseActuatorEndedHaveTwoSecondsToExit) {
   StartUpOurs();
   Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
-  EXPECT_EQ(Of(0).kill_at, now_ + std::chrono::seconds(2));
+  EXPECT_EQ(Of(0).termination.value().kill_at, now_ + std::chrono::seconds(2));
   Pass(std::chrono::seconds(2));
   ASSERT_THAT(Did<action::SignalProcess>(), SizeIs(1));
   EXPECT_TRUE(Did<action::SignalProcess>()[0].kill);

@@ -202,8 +202,7 @@ class Walk {
       const std::string& name = t_.config().actuators[i].name;
       EXPECT_FALSE(record.command) << name;
       EXPECT_FALSE(record.restart_requested) << name;
-      EXPECT_FALSE(record.kill_at) << name;
-      EXPECT_EQ(record.terminating, 0) << name;
+      EXPECT_FALSE(record.termination) << name;
       const auto own = t_.config().RankOf(record.state());
       const auto machines = t_.config().RankOf(machine.state);
       const bool waits = machine.emergency_stop && (!own || (machines && *own < *machines));

@@ -269,7 +269,7 @@ TEST_F(Recovery, AReconnectionIsNotCountedAsARestart) {
 
 TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
   Harness& t = In("Active", OursWithCriticalB());
-  const std::uint64_t dead = t.RecordOf("b").report.incarnation;
+  const Incarnation dead = t.RecordOf("b").report.incarnation;
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] {
     return t.RecordOf("b").process != 0 && t.IsAlive("b") &&

@@ -87,7 +87,7 @@ TEST_F(TakeControl, IsNotRepeatedWhenADenialArrivesAfterTheAnswer) {
 TEST_F(TakeControl, IsNotAnsweredByTheLateReplyToACommand) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
-  const std::uint64_t number = Of(0).command.value().number;
+  const CommandNumber number = Of(0).command.value().number;
   const ActuatorReport late = Report(0, "LowPower");
   Do(event::Vanished{0, kFirst, false, "connection lost"});
   now_ += Milliseconds(1);
@@ -213,7 +213,7 @@ TEST_F(SentCommands, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
 
 TEST_F(SentCommands, HaveNumbersAboveAllSeenNumbers) {
   StartUp();
-  const std::uint64_t before = machine_.number;
+  const CommandNumber before = machine_.number;
   ActuatorReport report = Report(0);
   report.incarnation += 100;
   report.pid += 100;

@@ -1,0 +1,80 @@
+#pragma once
+// The numbers that name things, each of its own type: two of them cannot be swapped.
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <ostream>
+#include <string>
+
+namespace musher {
+
+// A number that converts to no other kind. A plain number becomes one by itself, so that literals
+// and the fields of messages can be given; value() is the way back.
+template <typename Kind>
+class StrongNumber {
+ public:
+  constexpr StrongNumber() = default;
+  constexpr StrongNumber(std::uint64_t value)  // NOLINT(google-explicit-constructor)
+      : value_(value) {}
+
+  constexpr std::uint64_t value() const { return value_; }
+
+  constexpr StrongNumber& operator++() {
+    ++value_;
+    return *this;
+  }
+  constexpr StrongNumber operator++(int) { return value_++; }
+  friend constexpr StrongNumber operator+(StrongNumber number, std::uint64_t more) {
+    return number.value_ + more;
+  }
+  friend constexpr StrongNumber operator-(StrongNumber number, std::uint64_t less) {
+    return number.value_ - less;
+  }
+  constexpr StrongNumber& operator+=(std::uint64_t more) { return *this = *this + more; }
+  constexpr StrongNumber& operator-=(std::uint64_t less) { return *this = *this - less; }
+  friend constexpr bool operator==(StrongNumber, StrongNumber) = default;
+  friend constexpr auto operator<=>(StrongNumber, StrongNumber) = default;
+  friend std::ostream& operator<<(std::ostream& out, StrongNumber number) {
+    return out << number.value_;
+  }
+
+ private:
+  std::uint64_t value_ = 0;
+};
+
+template <typename Kind>
+std::string ToString(StrongNumber<Kind> number) {
+  return std::to_string(number.value());
+}
+
+// Of a controller that leads: the next one has a higher epoch.
+using Epoch = StrongNumber<struct EpochKind>;
+// Of a switch, and of a command to an actuator: they grow together in an epoch. 0: none.
+using CommandNumber = StrongNumber<struct CommandKind>;
+// Of an actuator's process: grows with every start on a host. 0: not known.
+using Incarnation = StrongNumber<struct IncarnationKind>;
+// Of a record, grows from 1 in a controller; as a cause, the record that another follows from. 0:
+// none.
+using RecordId = StrongNumber<struct RecordKind>;
+// Of a request to the controller, which gets exactly one reply; its shell has the client.
+using RequestId = StrongNumber<struct RequestKind>;
+// Of a request to an actuator, which gets exactly one reply; its shell has the client.
+using RequestToken = StrongNumber<struct TokenKind>;
+// The participant that sent a sample, as the transport reports it. 0: unknown.
+using Sender = StrongNumber<struct SenderKind>;
+// Of an emergency stop: random, from the participant that engaged it. 0: none.
+using StopId = StrongNumber<struct StopKind>;
+
+// Of a save on disk.
+using SaveNumber = StrongNumber<struct SaveKind>;
+
+}  // namespace musher
+
+template <typename Kind>
+struct std::hash<musher::StrongNumber<Kind>> {
+  std::size_t operator()(musher::StrongNumber<Kind> number) const noexcept {
+    return std::hash<std::uint64_t>{}(number.value());
+  }
+};
