@@ -97,7 +97,9 @@ function(musher_test name)
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} musher_test_support GTest::gmock_main)
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)  # for ccache
-  target_precompile_headers(${name} REUSE_FROM musher_test_headers)
+  if(NOT MUSHER_OPTIMISED_FOLDER)  # these headers are compiled with the flags of the other tests
+    target_precompile_headers(${name} REUSE_FROM musher_test_headers)
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 180)
   endif()
