@@ -1,6 +1,7 @@
 #pragma once
 // The topics, services and clock of one module, in its machine's namespace, kept as long as this
-// object. opened() has the error if one could not be opened, so that callers check only once.
+// object. opened() has the first error if one could not be opened, so that callers check only once.
+// As the last member of a class it ends the callbacks before the members that they use.
 //
 // Threads: loop thread only.
 
@@ -19,8 +20,8 @@ namespace musher::transport {
 
 class Endpoints {
  public:
-  // `node` must outlive it.
-  Endpoints(Node& node, std::string name_space, ClockSource clock)
+  // `node` must outlive it. A module that has a clock of its own leaves out `clock`.
+  Endpoints(Node& node, std::string name_space, ClockSource clock = ClockSource::kSteady)
       : node_(node), name_space_(std::move(name_space)), clock_source_(clock) {}
 
   Node& node() { return node_; }
@@ -31,10 +32,11 @@ class Endpoints {
     Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
   // Subscribes. Returns the subscription, which knows its writers; null if it could not be opened.
+  // The handler owns the sample and may move it.
   template <msg::Message M>
-  Subscription* Subscribe(const std::string& name, std::function<void(const M&)> handler,
-                          const Qos& qos = kDefaultQos) {
-    return SubscribeResolved<M>(Resolve(name), std::move(handler), qos);
+  Subscription* Subscribe(const std::string& name, std::function<void(M&&)> handler,
+                          const Qos& qos = kDefaultQos, SubscriptionEvents events = {}) {
+    return SubscribeResolved<M>(Resolve(name), std::move(handler), qos, std::move(events));
   }
   // Subscribes with the publisher of each sample, and a callback for a lost publisher.
   template <msg::Message M>
@@ -53,12 +55,14 @@ class Endpoints {
   }
   // Subscribes to a `topic` that is already resolved.
   template <msg::Message M>
-  Subscription* SubscribeResolved(const std::string& topic, std::function<void(const M&)> handler,
-                                  const Qos& qos) {
+  Subscription* SubscribeResolved(const std::string& topic, std::function<void(M&&)> handler,
+                                  const Qos& qos, SubscriptionEvents events = {}) {
     return Keep(MakeSubscription<M>(
         node_, topic,
-        [handler = std::move(handler)](const M& sample, const SampleInfo&) { handler(sample); },
-        qos));
+        [handler = std::move(handler)](M&& sample, const SampleInfo&) {
+          handler(std::move(sample));
+        },
+        qos, std::move(events)));
   }
   // Returns a function that publishes a sample; it does nothing if the topic could not be opened.
   template <msg::Message M>
@@ -71,8 +75,9 @@ class Endpoints {
   }
   // A publisher, which knows its matched readers; null if it could not be opened.
   template <msg::Message M>
-  Publisher<M>* Advertise(const std::string& name, const Qos& qos = kDefaultQos) {
-    return Keep(MakePublisher<M>(node_, Resolve(name), qos));
+  Publisher<M>* Advertise(const std::string& name, const Qos& qos = kDefaultQos,
+                          WriterCallbacks callbacks = {}) {
+    return Keep(MakePublisher<M>(node_, Resolve(name), qos, std::move(callbacks)));
   }
   // A client of a service; null if it could not be opened.
   template <msg::Service S>
@@ -84,7 +89,7 @@ class Endpoints {
   Clock& clock() {
     if (clock_) return *clock_;
     auto made = Clock::Of(clock_source_, node_);
-    if (!made) opened_ = made.error();
+    if (!made) Refuse(made.error());
     clock_ = made ? std::move(made).value() : Clock::Steady(node_.loop());
     return *clock_;
   }
@@ -97,15 +102,18 @@ class Endpoints {
   // before the clock.
   void Keep(std::shared_ptr<void> thing) { kept_.push_back(std::move(thing)); }
 
-  // The error of an endpoint that could not be opened.
+  // The error of the first endpoint that could not be opened.
   const Result<>& opened() const { return opened_; }
 
  private:
   std::string Resolve(const std::string& name) const { return ResolveName(name_space_, name); }
+  void Refuse(const Error& error) {
+    if (opened_) opened_ = error;
+  }
   template <class T>
   T* Keep(Result<std::unique_ptr<T>> made) {
     if (!made) {
-      opened_ = made.error();
+      Refuse(made.error());
       return nullptr;
     }
     const std::shared_ptr<T> kept = std::move(made).value();

@@ -20,7 +20,7 @@
 #include "musher/modules/audio/player.hpp"
 #include "musher/modules/audio/sound_maker.hpp"
 #include "musher/transport/clock.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::audio {
 
@@ -29,8 +29,6 @@ struct Dependencies {
   transport::Clock& clock;  // of the module's behaviour
   std::string name_space;
   std::function<void(const std::string&)> log;  // one line, without its end
-
-  std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
 };
 
 class AudioShell {
@@ -51,12 +49,9 @@ class AudioShell {
 
   AudioShell(const Dependencies& dependencies, const AudioConfig& config, SoundMaker& maker,
              Output& output);
-  Result<> Connect();
-  Result<> ConnectPlay();
-  Result<> ConnectCues();
-  Result<> ConnectSettings();
-  template <msg::Service S>
-  Result<> Serve(const char* name, typename transport::Server<S>::Handler handler);
+  void OpenPlay();
+  void OpenCues();
+  void OpenSettings();
 
   CallToken Expect(AnswerCode answer);
   void Take(const PlayEvent& event);
@@ -77,10 +72,9 @@ class AudioShell {
   CallToken last_token_ = 0;
   std::map<CallToken, AnswerCode> calls_;
   transport::LoopHandlePtr timer_;
-  std::unique_ptr<transport::Publisher<msg::Bool>> report_;
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
-  std::vector<std::shared_ptr<void>> servers_;  // of different services
+  transport::Publisher<msg::Bool>* report_ = nullptr;
   std::unique_ptr<Listening> listening_;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 
 }  // namespace musher::audio

@@ -19,55 +19,27 @@ Result<> CheckName(const std::string& what, const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<Listening>> Listening::Make(transport::Node& node,
-                                                   const std::string& name_space,
-                                                   std::function<bool()> microphone_on, Log log) {
-  std::unique_ptr<Listening> listening(new Listening(std::move(microphone_on), std::move(log)));
-  if (Result<> connected = listening->Connect(node, name_space); !connected) {
-    return connected.error();
-  }
-  return listening;
-}
-
-Result<> Listening::Connect(transport::Node& node, const std::string& name_space) {
-  const auto resolved = [&](const char* name) { return transport::ResolveName(name_space, name); };
-  Result<> connected;
-  const auto keep = [&](auto made, auto& kept) {
-    if (made) {
-      kept = std::move(made).value();
-    } else {
-      connected = made.error();
-    }
-  };
-  const auto serve = [&](auto made) {
-    std::shared_ptr<void> server;
-    keep(std::move(made), server);
-    servers_.push_back(std::move(server));
-  };
-  keep(transport::MakePublisher<msg::UInt8>(node, resolved("audio_board_state")), board_);
-  keep(transport::MakePublisher<msg::String>(node, resolved("asr_text")), text_);
-  keep(transport::MakePublisher<msg::Bool>(node, resolved("dog_wakeup")), wake_up_);
-  keep(transport::MakeSubscription<msg::String>(
-           node, resolved("world/speech_text"),
-           [this](const msg::String& text, const auto&) { OnText(text.data); }),
-       recognised_);
-  serve(transport::MakeServer<msg::AudioNickName>(
-      node, resolved("set_nick_name"), [this](const auto& names, auto reply) {
-        const Result<> done = SetNames(names);
-        if (!done) log_("set_nick_name refused: " + done.error().message);
-        reply({done.ok(), done ? kCodeOk : done.error().code});
-      }));
-  serve(transport::MakeServer<msg::SetBool>(node, resolved("nick_name_switch"),
-                                            [this](const msg::SetBool::Request& on, auto reply) {
-                                              own_name_ = on.data;
-                                              reply({true, own_name_ ? wake_name_ : kWakeName});
-                                            }));
+Listening::Listening(transport::Endpoints& endpoints, std::function<bool()> microphone_on, Log log)
+    : microphone_on_(std::move(microphone_on)),
+      log_(std::move(log)),
+      board_(endpoints.Advertise<msg::UInt8>("audio_board_state")),
+      text_(endpoints.Advertise<msg::String>("asr_text")),
+      wake_up_(endpoints.Advertise<msg::Bool>("dog_wakeup")) {
+  endpoints.Subscribe<msg::String>("world/speech_text",
+                                   [this](const msg::String& text) { OnText(text.data); });
+  endpoints.Serve<msg::AudioNickName>("set_nick_name", [this](const auto& names, auto reply) {
+    const Result<> done = SetNames(names);
+    if (!done) log_("set_nick_name refused: " + done.error().message);
+    reply({done.ok(), done ? kCodeOk : done.error().code});
+  });
+  endpoints.Serve<msg::SetBool>("nick_name_switch", [this](const auto& on, auto reply) {
+    own_name_ = on.data;
+    reply({true, own_name_ ? wake_name_ : kWakeName});
+  });
   // The app queries whether the voice is activated with the manufacturer's account.
-  serve(transport::MakeServer<msg::ProtocolTrigger>(
-      node, resolved("audio_active_state"), [](const auto&, auto reply) {
-        reply({false, "the voice needs no account, and has none", AudioCode(KeyCode::kUnSupport)});
-      }));
-  return connected;
+  endpoints.Serve<msg::ProtocolTrigger>("audio_active_state", [](const auto&, auto reply) {
+    reply({false, "the voice needs no account, and has none", AudioCode(KeyCode::kUnSupport)});
+  });
 }
 
 void Listening::SetSpeaking(bool speaking) {

@@ -8,9 +8,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string>
-#include <vector>
 
 #include "musher/base/result.hpp"
 #include "musher/messages/protocol/speech.hpp"
@@ -18,7 +16,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::audio {
 
@@ -31,10 +29,11 @@ class Listening {
 
   using Log = std::function<void(const std::string&)>;
 
-  // `microphone_on` is called for each text.
-  static Result<std::unique_ptr<Listening>> Make(transport::Node& node,
-                                                 const std::string& name_space,
-                                                 std::function<bool()> microphone_on, Log log);
+  // Its topics and services are kept in `endpoints`, which is dropped first and has the error if
+  // one could not be opened. `microphone_on` is called for each text.
+  Listening(transport::Endpoints& endpoints, std::function<bool()> microphone_on, Log log);
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
 
   // Whether there is sound; a change is published on `audio_board_state`.
   void SetSpeaking(bool speaking);
@@ -44,9 +43,6 @@ class Listening {
   // published.
   enum class BoardState : std::uint8_t { kSaid = 0, kRecognised = 2, kSpeaking = 3 };
 
-  Listening(std::function<bool()> microphone_on, Log log)
-      : microphone_on_(std::move(microphone_on)), log_(std::move(log)) {}
-  Result<> Connect(transport::Node& node, const std::string& name_space);
   void Publish(BoardState state);
   void OnText(const std::string& text);
   Result<> SetNames(const msg::AudioNickName::Request& names);
@@ -58,11 +54,9 @@ class Listening {
   bool own_name_ = true;   // false: the wake word is CyberDog's
   bool refusing_ = false;  // the last text was refused
   bool speaking_ = false;
-  std::unique_ptr<transport::Publisher<msg::UInt8>> board_;
-  std::unique_ptr<transport::Publisher<msg::String>> text_;
-  std::unique_ptr<transport::Publisher<msg::Bool>> wake_up_;
-  std::unique_ptr<transport::Subscription> recognised_;
-  std::vector<std::shared_ptr<void>> servers_;  // of different services
+  transport::Publisher<msg::UInt8>* const board_;
+  transport::Publisher<msg::String>* const text_;
+  transport::Publisher<msg::Bool>* const wake_up_;
 };
 
 }  // namespace musher::audio

@@ -11,28 +11,22 @@ namespace musher::camera {
 
 CameraDevice::CameraDevice(const Dependencies& dependencies, const CameraConfig& camera,
                            const CamerasConfig& config)
-    : dependencies_(dependencies), camera_(camera), core_(camera, config.silence, config.retry) {}
+    : dependencies_(dependencies),
+      camera_(camera),
+      core_(camera, config.silence, config.retry),
+      endpoints_(dependencies.node, dependencies.name_space) {
+  const transport::WriterCallbacks watched{[this] { Reconsider(); }};
+  pictures_ = endpoints_.Advertise<msg::Image>(camera_.topic, transport::kSensorDataQos, watched);
+  infos_ = endpoints_.Advertise<msg::CameraInfo>(camera_.topic + "/camera_info",
+                                                 transport::kSensorDataQos, watched);
+}
 
 Result<std::unique_ptr<CameraDevice>> CameraDevice::Make(const Dependencies& dependencies,
                                                          const CameraConfig& camera,
                                                          const CamerasConfig& config) {
   std::unique_ptr<CameraDevice> device(new CameraDevice(dependencies, camera, config));
-  if (Result<> connected = device->Connect(); !connected) return connected.error();
+  if (!device->endpoints_.opened()) return device->endpoints_.opened().error();
   return device;
-}
-
-Result<> CameraDevice::Connect() {
-  const transport::WriterCallbacks watched{[this] { Reconsider(); }};
-  const std::string topic = dependencies_.Name(camera_.topic);
-  auto pictures = transport::MakePublisher<msg::Image>(dependencies_.node, topic,
-                                                       transport::kSensorDataQos, watched);
-  if (!pictures) return pictures.error();
-  pictures_ = std::move(pictures).value();
-  auto infos = transport::MakePublisher<msg::CameraInfo>(dependencies_.node, topic + "/camera_info",
-                                                         transport::kSensorDataQos, watched);
-  if (!infos) return infos.error();
-  infos_ = std::move(infos).value();
-  return Ok();
 }
 
 void CameraDevice::SetOn(bool on) {
@@ -51,7 +45,7 @@ void CameraDevice::SetUsed(bool used) {
 }
 
 bool CameraDevice::Watched() const {
-  return pictures_->MatchedReaders() > 0 || (infos_ && infos_->MatchedReaders() > 0);
+  return pictures_->MatchedReaders() > 0 || infos_->MatchedReaders() > 0;
 }
 
 void CameraDevice::Reconsider() {

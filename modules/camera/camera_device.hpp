@@ -10,6 +10,7 @@
 #include "musher/modules/camera/camera_core.hpp"
 #include "musher/modules/camera/dependencies.hpp"
 #include "musher/modules/camera/self_check.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::camera {
 
@@ -39,7 +40,6 @@ class CameraDevice {
  private:
   CameraDevice(const Dependencies& dependencies, const CameraConfig& camera,
                const CamerasConfig& config);
-  Result<> Connect();
   void Reconsider();
   void Do(CameraActions actions);
   void Open();
@@ -60,8 +60,9 @@ class CameraDevice {
   bool used_ = false;
   std::function<void(const msg::Image&)> listener_;
   std::optional<msg::CameraInfo> info_;  // of the source
-  std::unique_ptr<transport::Publisher<msg::Image>> pictures_;
-  std::unique_ptr<transport::Publisher<msg::CameraInfo>> infos_;
+  transport::Publisher<msg::Image>* pictures_ = nullptr;
+  transport::Publisher<msg::CameraInfo>* infos_ = nullptr;
+  transport::Endpoints endpoints_;  // the source publishes with them
   std::shared_ptr<int> alive_ = std::make_shared<int>();
   std::unique_ptr<Source> source_;
   transport::LoopHandlePtr timer_;

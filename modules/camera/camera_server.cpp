@@ -40,7 +40,15 @@ std::string Size(const Shape& shape) {
 
 CameraServer::CameraServer(const Dependencies& dependencies, const ServiceConfig& config,
                            CameraDevice& camera, std::unique_ptr<Store> store)
-    : dependencies_(dependencies), config_(config), camera_(camera), store_(std::move(store)) {}
+    : dependencies_(dependencies),
+      camera_(camera),
+      endpoints_(dependencies.node, dependencies.name_space),
+      images_(endpoints_.Advertise<msg::Image>(config.topic, transport::kSensorDataQos)),
+      store_(std::move(store)) {
+  endpoints_.Serve<CameraService>("camera_service", [this](const Request& request, Reply reply) {
+    OnRequest(request, std::move(reply));
+  });
+}
 
 CameraServer::~CameraServer() {
   camera_.SetListener(nullptr);
@@ -52,21 +60,8 @@ Result<std::unique_ptr<CameraServer>> CameraServer::Make(const Dependencies& dep
                                                          std::unique_ptr<Store> store) {
   std::unique_ptr<CameraServer> server(
       new CameraServer(dependencies, config, camera, std::move(store)));
-  if (Result<> connected = server->Connect(); !connected) return connected.error();
+  if (!server->endpoints_.opened()) return server->endpoints_.opened().error();
   return server;
-}
-
-Result<> CameraServer::Connect() {
-  auto images = transport::MakePublisher<msg::Image>(
-      dependencies_.node, dependencies_.Name(config_.topic), transport::kSensorDataQos);
-  if (!images) return images.error();
-  images_ = std::move(images).value();
-  auto server = transport::MakeServer<CameraService>(
-      dependencies_.node, dependencies_.Name("camera_service"),
-      [this](const Request& request, Reply reply) { OnRequest(request, std::move(reply)); });
-  if (!server) return server.error();
-  server_ = std::move(server).value();
-  return Ok();
 }
 
 struct CameraServer::Execute {

@@ -13,7 +13,7 @@
 #include "musher/modules/camera/pace.hpp"
 #include "musher/modules/camera/service_core.hpp"
 #include "musher/modules/camera/store.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::camera {
 
@@ -60,7 +60,6 @@ class CameraServer {
 
   CameraServer(const Dependencies& dependencies, const ServiceConfig& config, CameraDevice& camera,
                std::unique_ptr<Store> store);
-  Result<> Connect();
   void OnRequest(const Request& request, Reply reply);
   void OnPicture(const msg::Image& picture);
   void Take(Waiting waiting, const msg::Image& picture);
@@ -75,15 +74,14 @@ class CameraServer {
   struct Execute;
 
   const Dependencies dependencies_;
-  const ServiceConfig config_;
   CameraDevice& camera_;
   Shape requested_;
   std::list<Waiting> waiting_;
   std::optional<Recording> recording_;
   bool beginning_ = false;  // a video is being opened
   std::optional<ImageTopic> image_;
-  std::unique_ptr<transport::Publisher<msg::Image>> images_;
-  std::unique_ptr<transport::Server<msg::CameraService>> server_;
+  transport::Endpoints endpoints_;
+  transport::Publisher<msg::Image>* const images_;
   std::shared_ptr<int> alive_ = std::make_shared<int>();
   std::unique_ptr<Store> store_;  // last: its callbacks use the rest
 };

@@ -18,8 +18,6 @@ struct Dependencies {
   std::function<void(const LogLine&)> log;  // writes to the log
   std::function<Result<>()> may_be_used;    // whether camera_service may be used, or why not
   SourceOpener open;
-
-  std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
 };
 
 }  // namespace musher::camera

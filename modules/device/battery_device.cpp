@@ -17,7 +17,10 @@ std::string Percent(const BatteryReading& reading) {
 
 BatteryDevice::BatteryDevice(const Dependencies& dependencies, const BatteryConfig& config,
                              OnStatus on_status)
-    : dependencies_(dependencies), config_(config), on_status_(std::move(on_status)) {}
+    : dependencies_(dependencies),
+      config_(config),
+      on_status_(std::move(on_status)),
+      endpoints_(dependencies.node, dependencies.name_space) {}
 
 Result<std::unique_ptr<BatteryDevice>> BatteryDevice::Make(const Dependencies& dependencies,
                                                            const BatteryConfig& config,
@@ -29,40 +32,28 @@ Result<std::unique_ptr<BatteryDevice>> BatteryDevice::Make(const Dependencies& d
 }
 
 Result<> BatteryDevice::Connect() {
-  auto status = transport::MakePublisher<msg::BmsStatus>(dependencies_.node,
-                                                         dependencies_.Name("bms_status"));
-  if (!status) return status.error();
-  status_ = std::move(status).value();
-  auto power = transport::MakePublisher<msg::Bool>(
-      dependencies_.node, dependencies_.Name("world/motor_power"), transport::kLatchedQos);
-  if (!power) return power.error();
-  motor_power_ = std::move(power).value();
-  auto commands = transport::MakeServer<Command>(
-      dependencies_.node, dependencies_.Name("bms_cmd"),
-      [this](const Command::Request& request, auto reply) {
-        const Result<> done = Execute(request);
-        if (!done) dependencies_.log("bms_cmd refused: " + done.error().message);
-        reply({done.ok(), done ? kCodeOk : done.error().code});
-      });
-  if (!commands) return commands.error();
-  commands_ = std::move(commands).value();
+  status_ = endpoints_.Advertise<msg::BmsStatus>("bms_status");
+  motor_power_ = endpoints_.Advertise<msg::Bool>("world/motor_power", transport::kLatchedQos);
+  endpoints_.Serve<Command>("bms_cmd", [this](const Command::Request& request, auto reply) {
+    const Result<> done = Execute(request);
+    if (!done) dependencies_.log("bms_cmd refused: " + done.error().message);
+    reply({done.ok(), done ? kCodeOk : done.error().code});
+  });
   if (config_.source == BatterySource::kWorld) {
     transport::SubscriptionEvents events;
     events.on_match_changed = [this] {
       // A world that exits takes its clock with it: the silence timer would never fire.
       if (valid_ && readings_->MatchedWriters() == 0) Lose("no publisher of world/battery");
     };
-    auto readings = transport::MakeSubscription<msg::BatteryState>(
-        dependencies_.node, dependencies_.Name("world/battery"),
-        [this](const msg::BatteryState& state, const auto&) { OnReading(FromMessage(state)); },
+    readings_ = endpoints_.Subscribe<msg::BatteryState>(
+        "world/battery", [this](const msg::BatteryState& state) { OnReading(FromMessage(state)); },
         transport::kDefaultQos, std::move(events));
-    if (!readings) return readings.error();
-    readings_ = std::move(readings).value();
-  } else if (config_.source == BatterySource::kHost) {
+  }
+  if (endpoints_.opened() && config_.source == BatterySource::kHost) {
     poll_ = dependencies_.clock.Every(config_.period, [this] { ReadHost(); });
     ReadHost();
   }
-  return Ok();
+  return endpoints_.opened();
 }
 
 void BatteryDevice::ReadHost() {

@@ -14,7 +14,7 @@
 #include "musher/modules/device/battery.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
 
@@ -59,13 +59,13 @@ class BatteryDevice {
   bool motors_powered_ = true;
   std::optional<Time> published_;
 
-  std::unique_ptr<transport::Publisher<msg::BmsStatus>> status_;
-  std::unique_ptr<transport::Publisher<msg::Bool>> motor_power_;
   transport::LoopHandlePtr poll_;
   transport::LoopHandlePtr silence_;
   transport::LoopHandlePtr due_;
-  std::unique_ptr<transport::Server<Command>> commands_;
-  std::unique_ptr<transport::Subscription> readings_;
+  transport::Publisher<msg::BmsStatus>* status_ = nullptr;
+  transport::Publisher<msg::Bool>* motor_power_ = nullptr;
+  transport::Subscription* readings_ = nullptr;  // null: not of the world
+  transport::Endpoints endpoints_;               // last: its callbacks use the rest
 };
 
 }  // namespace musher::device

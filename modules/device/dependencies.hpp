@@ -19,8 +19,6 @@ struct Dependencies {
   std::function<void(const std::string&)> log;  // one line, without its end
   std::function<State()> state;                 // of the actuator
   std::function<Result<>()> may_power_motors;   // or why it is refused
-
-  std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
 };
 
 }  // namespace musher::device

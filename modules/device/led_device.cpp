@@ -15,13 +15,9 @@ Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Dependencies& dependenc
 }
 
 Result<> LedDevice::Connect() {
-  auto lights = transport::MakePublisher<msg::LedState>(dependencies_.node,
-                                                        dependencies_.Name("world/led"), kLedQos);
-  if (!lights) return lights.error();
-  lights_ = std::move(lights).value();
-  auto requests = transport::MakeServer<msg::LedExecute>(
-      dependencies_.node, dependencies_.Name("led_execute"),
-      [this](const msg::LedExecute::Request& request, auto reply) {
+  lights_ = endpoints_.Advertise<msg::LedState>("world/led", kLedQos);
+  endpoints_.Serve<msg::LedExecute>(
+      "led_execute", [this](const msg::LedExecute::Request& request, auto reply) {
         const LedArbiter before = arbiter_;
         const Result<> done = arbiter_.Execute(request);
         if (!done) {
@@ -31,10 +27,8 @@ Result<> LedDevice::Connect() {
         if (arbiter_ != before) ShowAll();
         reply({done ? kCodeOk : done.error().code});
       });
-  if (!requests) return requests.error();
-  requests_ = std::move(requests).value();
-  ShowAll();
-  return Ok();
+  if (endpoints_.opened()) ShowAll();
+  return endpoints_.opened();
 }
 
 void LedDevice::Execute(const LightRequests& requests) {

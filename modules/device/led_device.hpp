@@ -10,7 +10,7 @@
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/led.hpp"
 #include "musher/modules/device/lights.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
 
@@ -35,15 +35,17 @@ class LedDevice {
 
  private:
   LedDevice(const Dependencies& dependencies, bool present)
-      : dependencies_(dependencies), present_(present) {}
+      : dependencies_(dependencies),
+        present_(present),
+        endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
   void ShowAll();
 
   const Dependencies dependencies_;
   const bool present_;
   LedArbiter arbiter_;
-  std::unique_ptr<transport::Publisher<msg::LedState>> lights_;
-  std::unique_ptr<transport::Server<msg::LedExecute>> requests_;
+  transport::Publisher<msg::LedState>* lights_ = nullptr;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 
 }  // namespace musher::device

@@ -18,19 +18,14 @@ Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies&
 }
 
 Result<> PowerKeyDevice::Connect() {
-  auto client =
-      transport::MakeClient<msg::Trigger>(dependencies_.node, dependencies_.Name("poweroff"));
-  if (!client) return client.error();
-  power_off_ = std::move(client).value();
+  power_off_ = endpoints_.OpenClient<msg::Trigger>("poweroff");
+  if (power_off_ == nullptr) return endpoints_.opened();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::PeerId) { pressed_ = false; };  // the next press counts
-  auto key = transport::MakeSubscription<msg::Bool>(
-      dependencies_.node, dependencies_.Name("world/power_key"),
-      [this](const msg::Bool& pressed, const auto&) { OnKey(pressed.data); },
+  endpoints_.Subscribe<msg::Bool>(
+      "world/power_key", [this](const msg::Bool& pressed) { OnKey(pressed.data); },
       transport::kDefaultQos, std::move(events));
-  if (!key) return key.error();
-  key_ = std::move(key).value();
-  return Ok();
+  return endpoints_.opened();
 }
 
 void PowerKeyDevice::OnKey(bool pressed) {

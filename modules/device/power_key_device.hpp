@@ -11,7 +11,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
 
@@ -27,7 +27,9 @@ class PowerKeyDevice {
 
  private:
   PowerKeyDevice(const Dependencies& dependencies, const PowerKeyConfig& config)
-      : dependencies_(dependencies), config_(config) {}
+      : dependencies_(dependencies),
+        config_(config),
+        endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
   void OnKey(bool pressed);
   void OnHeld(Time due);
@@ -37,8 +39,8 @@ class PowerKeyDevice {
   const PowerKeyConfig config_;
   bool pressed_ = false;
   transport::LoopHandlePtr held_;  // by the steady clock: it powers off the real robot
-  std::unique_ptr<transport::Client<msg::Trigger>> power_off_;
-  std::unique_ptr<transport::Subscription> key_;
+  transport::Client<msg::Trigger>* power_off_ = nullptr;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 
 }  // namespace musher::device

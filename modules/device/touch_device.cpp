@@ -14,21 +14,13 @@ Result<std::unique_ptr<TouchDevice>> TouchDevice::Make(const Dependencies& depen
 }
 
 Result<> TouchDevice::Connect(bool present) {
-  auto status = transport::MakePublisher<msg::TouchStatus>(dependencies_.node,
-                                                           dependencies_.Name("touch_status"));
-  if (!status) return status.error();
-  status_ = std::move(status).value();
-  auto client =
-      transport::MakeClient<msg::Trigger>(dependencies_.node, dependencies_.Name("low_power_exit"));
-  if (!client) return client.error();
-  low_power_exit_ = std::move(client).value();
-  if (!present) return Ok();
-  auto touches = transport::MakeSubscription<msg::Int32>(
-      dependencies_.node, dependencies_.Name("world/touch"),
-      [this](const msg::Int32& touch, const auto&) { OnTouch(touch.data); });
-  if (!touches) return touches.error();
-  touches_ = std::move(touches).value();
-  return Ok();
+  status_ = endpoints_.Advertise<msg::TouchStatus>("touch_status");
+  low_power_exit_ = endpoints_.OpenClient<msg::Trigger>("low_power_exit");
+  if (present) {
+    touches_ = endpoints_.Subscribe<msg::Int32>(
+        "world/touch", [this](const msg::Int32& touch) { OnTouch(touch.data); });
+  }
+  return endpoints_.opened();
 }
 
 void TouchDevice::OnTouch(std::int32_t touch_state) {

@@ -10,7 +10,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/touch.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
 
@@ -27,7 +27,8 @@ class TouchDevice {
   void OnTimeJumped() { double_tap_.Forget(); }
 
  private:
-  explicit TouchDevice(const Dependencies& dependencies) : dependencies_(dependencies) {}
+  explicit TouchDevice(const Dependencies& dependencies)
+      : dependencies_(dependencies), endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect(bool present);
   void OnTouch(std::int32_t touch_state);
   void WakeUp();
@@ -35,9 +36,10 @@ class TouchDevice {
   const Dependencies dependencies_;
   DoubleTap double_tap_;
   bool waking_ = false;
-  std::unique_ptr<transport::Publisher<msg::TouchStatus>> status_;
-  std::unique_ptr<transport::Client<msg::Trigger>> low_power_exit_;
-  std::unique_ptr<transport::Subscription> touches_;
+  transport::Publisher<msg::TouchStatus>* status_ = nullptr;
+  transport::Client<msg::Trigger>* low_power_exit_ = nullptr;
+  transport::Subscription* touches_ = nullptr;  // null: there is none
+  transport::Endpoints endpoints_;              // last: its callbacks use the rest
 };
 
 }  // namespace musher::device

@@ -19,36 +19,23 @@ Result<std::unique_ptr<UwbDevice>> UwbDevice::Make(const Dependencies& dependenc
 }
 
 Result<> UwbDevice::Connect() {
-  auto session = transport::MakeServer<msg::GetUWBMacSessionID>(
-      dependencies_.node, dependencies_.Name("get_uwb_mac_session_id"),
-      [this](const auto&, auto reply) {
-        msg::GetUWBMacSessionID::Response response;
-        response.code = MakeCode(ModuleCode::kUwb, KeyCode::kUnSupport);
-        if (present_) {
-          response = {kSessionId,  kMaster,     kMaster + 1, kMaster + 2,
-                      kMaster + 3, kMaster + 4, kCodeOk};
-        }
-        reply(response);
-      });
-  if (!session) return session.error();
-  session_ = std::move(session).value();
-  if (!present_) return Ok();
-  auto raw =
-      transport::MakePublisher<msg::UwbRaw>(dependencies_.node, dependencies_.Name("uwb_raw"));
-  if (!raw) return raw.error();
-  raw_ = std::move(raw).value();
-  auto connections = transport::MakeSubscription<msg::Bool>(
-      dependencies_.node, dependencies_.Name("uwb_connected"),
-      [this](const msg::Bool& connected, const auto&) { connected_ = connected.data; });
-  if (!connections) return connections.error();
-  connections_ = std::move(connections).value();
-  auto readings = transport::MakeSubscription<msg::UwbRaw>(
-      dependencies_.node, dependencies_.Name("world/uwb"),
-      [this](const msg::UwbRaw& reading, const auto&) { OnReading(reading); },
+  endpoints_.Serve<msg::GetUWBMacSessionID>("get_uwb_mac_session_id", [this](const auto&,
+                                                                             auto reply) {
+    msg::GetUWBMacSessionID::Response response;
+    response.code = MakeCode(ModuleCode::kUwb, KeyCode::kUnSupport);
+    if (present_) {
+      response = {kSessionId, kMaster, kMaster + 1, kMaster + 2, kMaster + 3, kMaster + 4, kCodeOk};
+    }
+    reply(response);
+  });
+  if (!present_) return endpoints_.opened();
+  raw_ = endpoints_.Advertise<msg::UwbRaw>("uwb_raw");
+  endpoints_.Subscribe<msg::Bool>(
+      "uwb_connected", [this](const msg::Bool& connected) { connected_ = connected.data; });
+  readings_ = endpoints_.Subscribe<msg::UwbRaw>(
+      "world/uwb", [this](const msg::UwbRaw& reading) { OnReading(reading); },
       transport::kSensorDataQos);
-  if (!readings) return readings.error();
-  readings_ = std::move(readings).value();
-  return Ok();
+  return endpoints_.opened();
 }
 
 void UwbDevice::OnReading(const msg::UwbRaw& reading) {

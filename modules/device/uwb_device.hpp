@@ -9,7 +9,7 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/device/dependencies.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::device {
 
@@ -23,7 +23,9 @@ class UwbDevice {
 
  private:
   UwbDevice(const Dependencies& dependencies, bool present)
-      : dependencies_(dependencies), present_(present) {}
+      : dependencies_(dependencies),
+        present_(present),
+        endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
   void OnReading(const msg::UwbRaw& reading);
 
@@ -31,10 +33,10 @@ class UwbDevice {
   const bool present_;
   bool connected_ = false;  // the tag is connected
   bool refused_ = false;    // the last reading was refused
-  std::unique_ptr<transport::Publisher<msg::UwbRaw>> raw_;
-  std::unique_ptr<transport::Server<msg::GetUWBMacSessionID>> session_;
-  std::unique_ptr<transport::Subscription> connections_;
-  std::unique_ptr<transport::Subscription> readings_;
+
+  transport::Publisher<msg::UwbRaw>* raw_ = nullptr;  // null: there is none
+  transport::Subscription* readings_ = nullptr;       // the same
+  transport::Endpoints endpoints_;                    // last: its callbacks use the rest
 };
 
 }  // namespace musher::device

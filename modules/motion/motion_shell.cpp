@@ -19,86 +19,67 @@ Result<std::unique_ptr<MotionShell>> MotionShell::Make(Dependencies dependencies
   return shell;
 }
 
-MotionShell::MotionShell(Dependencies dependencies) : dependencies_(std::move(dependencies)) {}
+MotionShell::MotionShell(Dependencies dependencies)
+    : dependencies_(std::move(dependencies)),
+      endpoints_(dependencies_.node, dependencies_.name_space) {}
 
 Result<> MotionShell::Open(const MakeBackend& make_backend) {
-  if (auto opened = OpenTopics(); !opened) return opened;
+  OpenTopics();
+  if (!endpoints_.opened()) return endpoints_.opened();
   auto backend = make_backend([this](const BodyState& body) { OnBody(body); });
   if (!backend) return backend.error();
   backend_ = std::move(backend).value();
-  if (auto opened = OpenServices(); !opened) return opened;
+  OpenServices();
+  if (!endpoints_.opened()) return endpoints_.opened();
   status_timer_ = dependencies_.clock.Every(kStatusPeriod, [this] { PublishStatus(); });
   return Ok();
 }
 
-template <msg::Message M>
-Result<> MotionShell::Advertise(std::unique_ptr<transport::Publisher<M>>& publisher,
-                                const char* name) {
-  auto made = transport::MakePublisher<M>(dependencies_.node, Name(name));
-  if (!made) return made.error();
-  publisher = std::move(made).value();
-  return Ok();
-}
-
-Result<> MotionShell::OpenTopics() {
-  if (auto made = Advertise(servo_responses_, "motion_servo_response"); !made) return made;
-  if (auto made = Advertise(status_, "motion_status"); !made) return made;
-  if (auto made = Advertise(odometry_, "odom_out"); !made) return made;
-  if (auto made = Advertise(imu_, "imu"); !made) return made;
-  if (auto made = Advertise(errors_, "node_errors"); !made) return made;
-  if (auto made = Advertise(speech_, "speech_play_extend"); !made) return made;
-  auto commands = transport::MakeSubscription<msg::MotionServoCmd>(
-      dependencies_.node, Name("motion_servo_cmd"),
-      [this](const msg::MotionServoCmd& command, const transport::SampleInfo&) {
+void MotionShell::OpenTopics() {
+  servo_responses_ = endpoints_.Advertise<msg::MotionServoResponse>("motion_servo_response");
+  status_ = endpoints_.Advertise<msg::MotionStatus>("motion_status");
+  odometry_ = endpoints_.Advertise<msg::Odometry>("odom_out");
+  imu_ = endpoints_.Advertise<msg::Imu>("imu");
+  errors_ = endpoints_.Advertise<msg::NodeError>("node_errors");
+  speech_ = endpoints_.Advertise<msg::AudioPlayExtend>("speech_play_extend");
+  endpoints_.Subscribe<msg::MotionServoCmd>(
+      "motion_servo_cmd",
+      [this](const msg::MotionServoCmd& command) {
         Do(motion_event::ServoArrived{FromWire(command)});
       },
       transport::kSystemDefaultQos);
-  if (!commands) return commands.error();
-  servo_commands_ = std::move(commands).value();
-  return Ok();
 }
 
-template <msg::Service S>
-Result<> MotionShell::Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
-                            typename transport::Server<S>::Handler handler) {
-  auto made = transport::MakeServer<S>(dependencies_.node, Name(name), std::move(handler));
-  if (!made) return made.error();
-  server = std::move(made).value();
-  return Ok();
-}
-
-Result<> MotionShell::OpenServices() {
+void MotionShell::OpenServices() {
   using motion_action::Answer;
-  const auto result = [this](const msg::MotionResultCmd::Request& request, auto reply) {
-    Play(request.cmd_source, MotionRequests{FromWire(request)}, [reply](const Answer& answer) {
-      reply({answer.motion_id, answer.code == kCodeOk, answer.code});
-    });
-  };
-  const auto custom = [this](const msg::MotionCustomCmd::Request& request, auto reply) {
-    const std::int32_t id = request.motion_id;
-    Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
-      reply({id, answer.code == kCodeOk, answer.code});
-    });
-  };
-  const auto queue = [this](const msg::MotionQueueCustomCmd::Request& request, auto reply) {
-    Play(kFromApp, RequestsOf(dependencies_.table, request), [reply](const Answer& answer) {
-      reply({answer.code == kCodeOk, answer.code});
-    });
-  };
-  const auto sequence = [this](const msg::MotionSequenceShow::Request& request, auto reply) {
-    const std::int32_t id = request.motion_id;
-    Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
-      reply({answer.code == kCodeOk, answer.code, answer.message, id});
-    });
-  };
-  const auto temperatures = [this](const msg::MotorTemp::Request&, auto reply) {
-    reply(Temperatures());
-  };
-  if (auto made = Serve(result_, "motion_result_cmd", result); !made) return made;
-  if (auto made = Serve(custom_, "motion_custom_cmd", custom); !made) return made;
-  if (auto made = Serve(queue_, "motion_queue_cmd", queue); !made) return made;
-  if (auto made = Serve(sequence_, "motion_sequence_cmd", sequence); !made) return made;
-  return Serve(temperatures_, "motor_temp", temperatures);
+  endpoints_.Serve<msg::MotionResultCmd>(
+      "motion_result_cmd", [this](const auto& request, auto reply) {
+        Play(request.cmd_source, MotionRequests{FromWire(request)}, [reply](const Answer& answer) {
+          reply({answer.motion_id, answer.code == kCodeOk, answer.code});
+        });
+      });
+  endpoints_.Serve<msg::MotionCustomCmd>(
+      "motion_custom_cmd", [this](const auto& request, auto reply) {
+        const std::int32_t id = request.motion_id;
+        Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
+          reply({id, answer.code == kCodeOk, answer.code});
+        });
+      });
+  endpoints_.Serve<msg::MotionQueueCustomCmd>(
+      "motion_queue_cmd", [this](const auto& request, auto reply) {
+        Play(kFromApp, RequestsOf(dependencies_.table, request), [reply](const Answer& answer) {
+          reply({answer.code == kCodeOk, answer.code});
+        });
+      });
+  endpoints_.Serve<msg::MotionSequenceShow>(
+      "motion_sequence_cmd", [this](const auto& request, auto reply) {
+        const std::int32_t id = request.motion_id;
+        Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
+          reply({answer.code == kCodeOk, answer.code, answer.message, id});
+        });
+      });
+  endpoints_.Serve<msg::MotorTemp>("motor_temp",
+                                   [this](const auto&, auto reply) { reply(Temperatures()); });
 }
 
 void MotionShell::OnBody(const BodyState& body) {
@@ -131,7 +112,8 @@ RequestToken MotionShell::LieDown(std::int32_t id, int tries, OnAnswer on_answer
 Result<> MotionShell::Check() const {
   const std::int32_t failed = MotionCode(KeyCode::kSelfCheckFailed);
   if (core_.BoardSilent()) {
-    return Error{failed, "the motion board is silent: no report on " + Name("world/body_state")};
+    return Error{failed, "the motion board is silent: no report on " +
+                             transport::ResolveName(dependencies_.name_space, "world/body_state")};
   }
   const auto& errors = core_.body->motor_error;
   const auto bad = std::find_if(errors.begin(), errors.end(), [](auto e) { return e != 0; });

@@ -20,7 +20,7 @@
 #include "musher/modules/motion/motion_core.hpp"
 #include "musher/modules/motion/motion_sequence.hpp"
 #include "musher/transport/clock.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::motion {
 
@@ -59,13 +59,8 @@ class MotionShell {
   explicit MotionShell(Dependencies dependencies);
 
   Result<> Open(const MakeBackend& make_backend);
-  Result<> OpenTopics();
-  Result<> OpenServices();
-  template <msg::Message M>
-  Result<> Advertise(std::unique_ptr<transport::Publisher<M>>& publisher, const char* name);
-  template <msg::Service S>
-  Result<> Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
-                 typename transport::Server<S>::Handler handler);
+  void OpenTopics();
+  void OpenServices();
 
   void OnBody(const BodyState& body);
   void Play(std::int32_t source, const Result<MotionRequests>& requests, OnAnswer on_answer);
@@ -76,9 +71,6 @@ class MotionShell {
   MotionRules Rules() const {
     return {dependencies_.table, dependencies_.config, dependencies_.allowed};
   }
-  std::string Name(const char* name) const {
-    return transport::ResolveName(dependencies_.name_space, name);
-  }
 
   const Dependencies dependencies_;
   MotionCore core_;
@@ -86,20 +78,15 @@ class MotionShell {
   std::map<RequestToken, OnAnswer> waiting_;
   std::vector<std::function<void()>> next_report_callbacks_;
   std::unique_ptr<MotionBackend> backend_;
-  std::unique_ptr<transport::Publisher<msg::MotionServoResponse>> servo_responses_;
-  std::unique_ptr<transport::Publisher<msg::MotionStatus>> status_;
-  std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
-  std::unique_ptr<transport::Publisher<msg::Imu>> imu_;
-  std::unique_ptr<transport::Publisher<msg::NodeError>> errors_;
-  std::unique_ptr<transport::Publisher<msg::AudioPlayExtend>> speech_;
-  std::unique_ptr<transport::Subscription> servo_commands_;
-  std::unique_ptr<transport::Server<msg::MotionResultCmd>> result_;
-  std::unique_ptr<transport::Server<msg::MotionCustomCmd>> custom_;
-  std::unique_ptr<transport::Server<msg::MotionQueueCustomCmd>> queue_;
-  std::unique_ptr<transport::Server<msg::MotionSequenceShow>> sequence_;
-  std::unique_ptr<transport::Server<msg::MotorTemp>> temperatures_;
+  transport::Publisher<msg::MotionServoResponse>* servo_responses_ = nullptr;
+  transport::Publisher<msg::MotionStatus>* status_ = nullptr;
+  transport::Publisher<msg::Odometry>* odometry_ = nullptr;
+  transport::Publisher<msg::Imu>* imu_ = nullptr;
+  transport::Publisher<msg::NodeError>* errors_ = nullptr;
+  transport::Publisher<msg::AudioPlayExtend>* speech_ = nullptr;
   transport::LoopHandlePtr status_timer_;
   transport::LoopHandlePtr timer_;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 
 }  // namespace musher::motion

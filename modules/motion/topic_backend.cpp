@@ -9,18 +9,13 @@ namespace musher::motion {
 Result<std::unique_ptr<TopicBackend>> TopicBackend::Make(transport::Node& node,
                                                          const std::string& name_space,
                                                          OnBody on_body) {
-  std::unique_ptr<TopicBackend> backend(new TopicBackend());
-  auto commands = transport::MakePublisher<msg::MotionCustomCommand>(
-      node, transport::ResolveName(name_space, "world/body_command"));
-  if (!commands) return commands.error();
-  backend->commands_ = std::move(commands).value();
-  auto states = transport::MakeSubscription<msg::BodyState>(
-      node, transport::ResolveName(name_space, "world/body_state"),
-      [on_body = std::move(on_body)](const msg::BodyState& state, const transport::SampleInfo&) {
-        on_body(FromWire(state));
-      });
-  if (!states) return states.error();
-  backend->states_ = std::move(states).value();
+  std::unique_ptr<TopicBackend> backend(new TopicBackend(node, name_space));
+  transport::Endpoints& endpoints = backend->endpoints_;
+  backend->commands_ = endpoints.Advertise<msg::MotionCustomCommand>("world/body_command");
+  endpoints.Subscribe<msg::BodyState>(
+      "world/body_state",
+      [on_body = std::move(on_body)](const msg::BodyState& state) { on_body(FromWire(state)); });
+  if (!endpoints.opened()) return endpoints.opened().error();
   return backend;
 }
 

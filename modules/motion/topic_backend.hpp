@@ -8,7 +8,7 @@
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/modules/motion/motion_backend.hpp"
-#include "musher/transport/node.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::motion {
 
@@ -20,10 +20,11 @@ class TopicBackend : public MotionBackend {
   void Send(const BodyCommand& command) override;
 
  private:
-  TopicBackend() = default;
+  TopicBackend(transport::Node& node, const std::string& name_space)
+      : endpoints_(node, name_space) {}
 
-  std::unique_ptr<transport::Publisher<msg::MotionCustomCommand>> commands_;
-  std::unique_ptr<transport::Subscription> states_;
+  transport::Endpoints endpoints_;
+  transport::Publisher<msg::MotionCustomCommand>* commands_ = nullptr;
 };
 
 }  // namespace musher::motion

@@ -63,16 +63,6 @@ void Sensor::Forget() {
 
 namespace {
 
-template <msg::Message M>
-using SharedPublisher = std::shared_ptr<transport::Publisher<M>>;
-
-template <msg::Message M>
-Result<SharedPublisher<M>> Publish(const Dependencies& dependencies, const std::string& topic) {
-  auto made = transport::MakePublisher<M>(dependencies.node, dependencies.Name(topic));
-  if (!made) return made.error();
-  return SharedPublisher<M>(std::move(made).value());
-}
-
 SourceOptions OptionsOf(SensorKind kind, const ManagerConfig& config, std::size_t index = 0) {
   const SensorConfig& sensor = config.Of(kind);
   SourceOptions options;
@@ -87,15 +77,12 @@ SourceOptions OptionsOf(SensorKind kind, const ManagerConfig& config, std::size_
 
 // A sensor with one source, whose readings are converted by `convert` and published.
 template <msg::Message In, msg::Message Out, class Convert>
-Result<Sensor::Parts> MakeOne(SensorKind kind, const Dependencies& dependencies,
-                              const ManagerConfig& config, const std::string& topic,
-                              Convert convert) {
-  auto publisher = Publish<Out>(dependencies, topic);
-  if (!publisher) return publisher.error();
+Sensor::Parts MakeOne(SensorKind kind, transport::Endpoints& endpoints,
+                      const Dependencies& dependencies, const ManagerConfig& config,
+                      const std::string& topic, Convert convert) {
   const auto rate = std::make_shared<RateLimit>(config.Of(kind).period);
-  auto use = [publisher = std::move(publisher).value(), convert, rate](const In& reading) {
-    if (!rate->Take(msg::FromStamp(reading.header.stamp))) return;
-    static_cast<void>(publisher->Publish(convert(reading)));  // the next one follows soon
+  auto use = [publish = endpoints.PublishFunction<Out>(topic), convert, rate](const In& reading) {
+    if (rate->Take(msg::FromStamp(reading.header.stamp))) publish(convert(reading));
   };
   Sensor::Parts parts;
   parts.sources.push_back(std::make_unique<SourceOf<In>>(
@@ -107,21 +94,21 @@ Result<Sensor::Parts> MakeOne(SensorKind kind, const Dependencies& dependencies,
 
 // Two ToF sensors, published together.
 template <msg::Message Out>
-Result<> AddTofs(const Dependencies& dependencies, const ManagerConfig& config,
-                 const std::string& topic, std::uint8_t left, Sensor::Parts& parts) {
+void AddTofs(transport::Endpoints& endpoints, const Dependencies& dependencies,
+             const ManagerConfig& config, const std::string& topic, std::uint8_t left,
+             Sensor::Parts& parts) {
   struct Shared {
-    SharedPublisher<Out> publisher;
+    std::function<void(const Out&)> publish;
     TofPair pair;
     RateLimit rate;
   };
-  auto publisher = Publish<Out>(dependencies, topic);
-  if (!publisher) return publisher.error();
-  auto shared = std::make_shared<Shared>(Shared{std::move(publisher).value(), TofPair(left),
-                                                RateLimit(config.Of(SensorKind::kTof).period)});
+  auto shared =
+      std::make_shared<Shared>(Shared{endpoints.PublishFunction<Out>(topic), TofPair(left),
+                                      RateLimit(config.Of(SensorKind::kTof).period)});
   const auto use = [shared](const msg::SingleTofPayload& reading) {
     auto both = shared->pair.Take(reading);
     if (!both || !shared->rate.Take(msg::FromStamp(both->front().header.stamp))) return;
-    static_cast<void>(shared->publisher->Publish({std::move((*both)[0]), std::move((*both)[1])}));
+    shared->publish({std::move((*both)[0]), std::move((*both)[1])});
   };
   for (const std::uint8_t position : {left, static_cast<std::uint8_t>(left + 1)}) {
     parts.sources.push_back(std::make_unique<SourceOf<msg::SingleTofPayload>>(
@@ -133,32 +120,30 @@ Result<> AddTofs(const Dependencies& dependencies, const ManagerConfig& config,
     shared->pair.Forget();
     shared->rate.Forget();
   });
-  return Ok();
 }
 
-Result<Sensor::Parts> MakeTofs(const Dependencies& dependencies, const ManagerConfig& config) {
+Sensor::Parts MakeTofs(transport::Endpoints& endpoints, const Dependencies& dependencies,
+                       const ManagerConfig& config) {
   using Tof = msg::SingleTofPayload;
   Sensor::Parts parts;
-  Result<> made =
-      AddTofs<msg::HeadTofPayload>(dependencies, config, "head_tof_payload", Tof::kLeftHead, parts);
-  if (!made) return made.error();
-  made =
-      AddTofs<msg::RearTofPayload>(dependencies, config, "rear_tof_payload", Tof::kLeftRear, parts);
-  if (!made) return made.error();
+  AddTofs<msg::HeadTofPayload>(endpoints, dependencies, config, "head_tof_payload", Tof::kLeftHead,
+                               parts);
+  AddTofs<msg::RearTofPayload>(endpoints, dependencies, config, "rear_tof_payload", Tof::kLeftRear,
+                               parts);
   return parts;
 }
 
 // A Range has the field `variance` since Iron.
-Result<Sensor::Parts> MakeUltrasonic(const Dependencies& dependencies,
-                                     const ManagerConfig& config) {
+Sensor::Parts MakeUltrasonic(transport::Endpoints& endpoints, const Dependencies& dependencies,
+                             const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kUltrasonic;
   constexpr const char* kTopic = "ultrasonic_payload";
   if (config.ros_distro.value_or(RosDistro::kJazzy) < RosDistro::kIron) {
     return MakeOne<msg::Range, msg::RangeBeforeIron>(
-        kKind, dependencies, config, kTopic,
+        kKind, endpoints, dependencies, config, kTopic,
         [](const msg::Range& range) { return msg::BeforeIron(range); });
   }
-  return MakeOne<msg::Range, msg::Range>(kKind, dependencies, config, kTopic,
+  return MakeOne<msg::Range, msg::Range>(kKind, endpoints, dependencies, config, kTopic,
                                          [](const msg::Range& range) { return range; });
 }
 
@@ -167,23 +152,20 @@ Result<Sensor::Parts> MakeUltrasonic(const Dependencies& dependencies,
 struct Satellites {
   std::uint8_t number = 0;
   Time received{};
-  std::unique_ptr<transport::Subscription> subscription;
 };
 
-Result<Sensor::Parts> MakeGps(const Dependencies& dependencies, const ManagerConfig& config) {
+Sensor::Parts MakeGps(transport::Endpoints& endpoints, const Dependencies& dependencies,
+                      const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kGps;
   const auto satellites = std::make_shared<Satellites>();
   if (const std::string& topic = config.Of(kKind).satellites; !topic.empty()) {
-    auto subscription = transport::MakeSubscription<msg::UInt8>(
-        dependencies.node, dependencies.Name(topic),
-        [seen = satellites.get(), &clock = dependencies.clock](const msg::UInt8& number,
-                                                               const auto&) {
-          seen->number = number.data;
-          seen->received = clock.Now();
+    endpoints.Subscribe<msg::UInt8>(
+        topic,
+        [satellites, &clock = dependencies.clock](const msg::UInt8& number) {
+          satellites->number = number.data;
+          satellites->received = clock.Now();
         },
         transport::kSensorDataQos);
-    if (!subscription) return subscription.error();
-    satellites->subscription = std::move(subscription).value();
   }
   const auto convert = [satellites, &clock = dependencies.clock,
                         silence = config.Of(kKind).silence](const msg::NavSatFix& fix) {
@@ -191,34 +173,33 @@ Result<Sensor::Parts> MakeGps(const Dependencies& dependencies, const ManagerCon
     if (clock.Now() - satellites->received <= silence) payload.num_sv = satellites->number;
     return payload;
   };
-  return MakeOne<msg::NavSatFix, msg::GpsPayload>(kKind, dependencies, config, "gps_payload",
-                                                  convert);
+  return MakeOne<msg::NavSatFix, msg::GpsPayload>(kKind, endpoints, dependencies, config,
+                                                  "gps_payload", convert);
 }
 
-Result<Sensor::Parts> MakeParts(SensorKind kind, const Dependencies& dependencies,
-                                const ManagerConfig& config) {
+Sensor::Parts MakeParts(SensorKind kind, transport::Endpoints& endpoints,
+                        const Dependencies& dependencies, const ManagerConfig& config) {
   const auto as_it_is = [](const auto& reading) { return reading; };
   if (config.Of(kind).sources.empty()) return Sensor::Parts();
   switch (kind) {
     case SensorKind::kLidar:
-      return MakeOne<msg::LaserScan, msg::LaserScan>(kind, dependencies, config, "scan", as_it_is);
+      return MakeOne<msg::LaserScan, msg::LaserScan>(kind, endpoints, dependencies, config, "scan",
+                                                     as_it_is);
     case SensorKind::kUltrasonic:
-      return MakeUltrasonic(dependencies, config);
+      return MakeUltrasonic(endpoints, dependencies, config);
     case SensorKind::kGps:
-      return MakeGps(dependencies, config);
+      return MakeGps(endpoints, dependencies, config);
     case SensorKind::kTof:
       break;
   }
-  return MakeTofs(dependencies, config);
+  return MakeTofs(endpoints, dependencies, config);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& dependencies,
-                                           const ManagerConfig& config) {
-  auto parts = MakeParts(kind, dependencies, config);
-  if (!parts) return parts.error();
-  return std::make_unique<Sensor>(kind, std::move(parts).value());
+std::unique_ptr<Sensor> MakeSensor(SensorKind kind, transport::Endpoints& endpoints,
+                                   const Dependencies& dependencies, const ManagerConfig& config) {
+  return std::make_unique<Sensor>(kind, MakeParts(kind, endpoints, dependencies, config));
 }
 
 }  // namespace musher::sensor

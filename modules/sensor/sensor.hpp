@@ -12,6 +12,7 @@
 #include "musher/modules/sensor/operation.hpp"
 #include "musher/modules/sensor/sensor_config.hpp"
 #include "musher/modules/sensor/source.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::sensor {
 
@@ -55,8 +56,9 @@ class Sensor {
 };
 
 // Publishes valid readings: `scan`, `ultrasonic_payload`, `head_tof_payload` and
-// `rear_tof_payload`, `gps_payload`. Fails when an endpoint cannot be made.
-Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& dependencies,
-                                           const ManagerConfig& config);
+// `rear_tof_payload`, `gps_payload`. `endpoints` keeps what it publishes with, and has the error if
+// one could not be opened.
+std::unique_ptr<Sensor> MakeSensor(SensorKind kind, transport::Endpoints& endpoints,
+                                   const Dependencies& dependencies, const ManagerConfig& config);
 
 }  // namespace musher::sensor

@@ -15,7 +15,7 @@ SensorManager::~SensorManager() {
   if (!node_) return;
   node_->RunOnLoop([this] {
     sensors_.reset();
-    errors_.reset();
+    endpoints_.reset();
     clock_.reset();
   });
 }
@@ -43,17 +43,16 @@ Result<> SensorManager::MakeSensors() {
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
   const std::string& name_space = machine_config().name_space;
-  auto errors = transport::MakePublisher<msg::NodeError>(
-      node_->node(), transport::ResolveName(name_space, "node_errors"));
-  if (!errors) return errors.error();
-  errors_ = std::move(errors).value();
+  endpoints_ = std::make_unique<transport::Endpoints>(node_->node(), name_space);
+  const auto report = endpoints_->PublishFunction<msg::NodeError>("node_errors");
+  if (!endpoints_->opened()) return endpoints_->opened();
   const Dependencies dependencies = {node_->node(),
                                      *clock_,
                                      name_space,
                                      [this] { return clock_->Stamp(); },
                                      [this](const std::string& line) { Log(line); },
-                                     [this](std::int32_t code) {
-                                       static_cast<void>(errors_->Publish({name(), code}));
+                                     [this, report](std::int32_t code) {
+                                       report({name(), code});
                                      }};
   ManagerConfig config = config_;
   if (!config.ros_distro) config.ros_distro = transport::ChosenDistro(machine_config().ros_distro);

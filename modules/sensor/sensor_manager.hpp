@@ -13,6 +13,7 @@
 #include "musher/modules/sensor/sensor_config.hpp"
 #include "musher/modules/sensor/sensors.hpp"
 #include "musher/transport/clock.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::sensor {
 
@@ -35,7 +36,7 @@ class SensorManager : public MachineActuator {
   const ManagerConfig config_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
-  std::unique_ptr<transport::Publisher<msg::NodeError>> errors_;
+  std::unique_ptr<transport::Endpoints> endpoints_;
   std::unique_ptr<Sensors> sensors_;
 };
 

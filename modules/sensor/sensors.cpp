@@ -26,20 +26,15 @@ Result<std::unique_ptr<Sensors>> Sensors::Make(const Dependencies& dependencies,
 
 Result<> Sensors::Connect() {
   for (const SensorKind kind : kSensorKinds) {
-    auto sensor = MakeSensor(kind, dependencies_, config_);
-    if (!sensor) return sensor.error();
-    sensors_.at(static_cast<std::size_t>(kind)) = std::move(sensor).value();
+    sensors_.at(static_cast<std::size_t>(kind)) =
+        MakeSensor(kind, endpoints_, dependencies_, config_);
   }
-  auto operations = transport::MakeServer<Operation>(
-      dependencies_.node, dependencies_.Name("sensor_operation"),
-      [this](const Operation::Request& request, auto reply) {
-        const Result<> done = Operate(request);
-        if (!done) dependencies_.log("sensor_operation refused: " + done.error().message);
-        reply({done.ok(), done ? kCodeOk : done.error().code});
-      });
-  if (!operations) return operations.error();
-  operations_ = std::move(operations).value();
-  return Enter(kSelfCheck);
+  endpoints_.Serve<Operation>("sensor_operation", [this](const auto& request, auto reply) {
+    const Result<> done = Operate(request);
+    if (!done) dependencies_.log("sensor_operation refused: " + done.error().message);
+    reply({done.ok(), done ? kCodeOk : done.error().code});
+  });
+  return endpoints_.opened() ? Enter(kSelfCheck) : endpoints_.opened();
 }
 
 Result<> Sensors::Enter(std::string_view state) {

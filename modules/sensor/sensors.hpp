@@ -17,7 +17,7 @@
 #include "musher/messages/protocol/sensor.hpp"
 #include "musher/modules/sensor/self_check.hpp"
 #include "musher/modules/sensor/sensor.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::sensor {
 
@@ -44,7 +44,9 @@ class Sensors {
 
  private:
   Sensors(const Dependencies& dependencies, const ManagerConfig& config)
-      : dependencies_(dependencies), config_(config) {}
+      : dependencies_(dependencies),
+        config_(config),
+        endpoints_(dependencies.node, dependencies.name_space) {}
   Result<> Connect();
   Sensor& Of(SensorKind kind) { return *sensors_.at(static_cast<std::size_t>(kind)); }
   const Sensor& Of(SensorKind kind) const { return *sensors_.at(static_cast<std::size_t>(kind)); }
@@ -52,7 +54,7 @@ class Sensors {
   const Dependencies dependencies_;
   const ManagerConfig config_;
   std::array<std::unique_ptr<Sensor>, kSensorKinds.size()> sensors_;
-  std::unique_ptr<transport::Server<msg::SensorOperation>> operations_;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 
 }  // namespace musher::sensor

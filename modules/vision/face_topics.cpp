@@ -30,28 +30,18 @@ FaceTopics::FaceTopics(const Dependencies& dependencies, VisionConfig config)
     : dependencies_(dependencies),
       config_(std::move(config)),
       gate_(config_.rate_hz),
-      watch_(config_.faces) {}
+      watch_(config_.faces),
+      endpoints_(dependencies.node, dependencies.name_space),
+      target_(endpoints_.Advertise<msg::PointStamped>(config_.publish_under + "/target")),
+      too_close_(endpoints_.Advertise<msg::Bool>(config_.publish_under + "/too_close")),
+      faces_(endpoints_.Advertise<msg::String>(config_.publish_under + "/faces_json", kNewestQos)) {
+}
 
 Result<std::unique_ptr<FaceTopics>> FaceTopics::Make(const Dependencies& dependencies,
                                                      const VisionConfig& config) {
   std::unique_ptr<FaceTopics> topics(new FaceTopics(dependencies, config));
-  if (Result<> made = topics->MakePublishers(); !made) return made.error();
+  if (!topics->endpoints_.opened()) return topics->endpoints_.opened().error();
   return topics;
-}
-
-Result<> FaceTopics::MakePublishers() {
-  const std::string under = transport::ResolveName(dependencies_.name_space, config_.publish_under);
-  auto target = transport::MakePublisher<msg::PointStamped>(dependencies_.node, under + "/target");
-  if (!target) return target.error();
-  target_ = std::move(target).value();
-  auto too_close = transport::MakePublisher<msg::Bool>(dependencies_.node, under + "/too_close");
-  if (!too_close) return too_close.error();
-  too_close_ = std::move(too_close).value();
-  auto faces =
-      transport::MakePublisher<msg::String>(dependencies_.node, under + "/faces_json", kNewestQos);
-  if (!faces) return faces.error();
-  faces_ = std::move(faces).value();
-  return Ok();
 }
 
 Result<> FaceTopics::SetOn(bool on) {
@@ -74,18 +64,15 @@ Result<> FaceTopics::Reconsider() {
 }
 
 Result<> FaceTopics::Subscribe() {
-  auto infos = transport::MakeSubscription<msg::CameraInfo>(
-      dependencies_.node,
-      transport::ResolveName(dependencies_.name_space, config_.CameraInfoTopic()),
-      [this](const msg::CameraInfo& info, const auto&) { OnInfo(info); },
+  auto camera =
+      std::make_unique<transport::Endpoints>(dependencies_.node, dependencies_.name_space);
+  camera->Subscribe<msg::CameraInfo>(
+      config_.CameraInfoTopic(), [this](const msg::CameraInfo& info) { OnInfo(info); },
       transport::kSensorDataQos);
-  if (!infos) return infos.error();
-  auto pictures = transport::MakeSubscription<msg::Image>(
-      dependencies_.node, PictureTopic(),
-      [this](msg::Image&& picture, const auto&) { OnPicture(std::move(picture)); }, kNewestQos);
-  if (!pictures) return pictures.error();
-  infos_ = std::move(infos).value();
-  pictures_ = std::move(pictures).value();
+  pictures_ = camera->Subscribe<msg::Image>(
+      config_.picture, [this](msg::Image&& picture) { OnPicture(std::move(picture)); }, kNewestQos);
+  if (!camera->opened()) return camera->opened();
+  camera_ = std::move(camera);
   seen_ = false;
   AwaitNext();
   return Ok();
@@ -94,8 +81,7 @@ Result<> FaceTopics::Subscribe() {
 // Tracks are kept for when it is on again, if not too much time has passed by then.
 void FaceTopics::Unsubscribe() {
   silence_timer_.reset();
-  pictures_.reset();
-  infos_.reset();
+  camera_.reset();
   silence_ = {};
   requested_at_.reset();
   PublishEmpty();
@@ -228,7 +214,7 @@ Result<> FaceTopics::Check() const {
   if (detector_fault_.error) return Wrong(kFailed, detector_fault_.error->message);
   if (!seen_) {
     if (picture_fault_.error) return Wrong(kFailed, picture_fault_.error->message);
-    const bool published = pictures_ && pictures_->MatchedWriters() > 0;
+    const bool published = looks() && pictures_->MatchedWriters() > 0;
     return Wrong(kFailed, published ? "no picture came on " + PictureTopic()
                                     : "no publisher of " + PictureTopic());
   }

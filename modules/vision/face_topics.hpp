@@ -24,7 +24,7 @@
 #include "musher/modules/vision/picture.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/transport/clock.hpp"
-#include "musher/transport/node.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::vision {
 
@@ -55,7 +55,7 @@ class FaceTopics {
   void OnResult(const LookResult& result);
   void OnLeftOut() { ++left_out_; }
 
-  bool looks() const { return pictures_ != nullptr; }
+  bool looks() const { return camera_ != nullptr; }
   std::uint64_t left_out() const { return left_out_; }  // dropped for a newer one
   std::uint64_t looked_at() const { return looked_at_; }
 
@@ -68,7 +68,6 @@ class FaceTopics {
   };
 
   FaceTopics(const Dependencies& dependencies, VisionConfig config);
-  Result<> MakePublishers();
   Result<> Reconsider();
   Result<> Subscribe();
   void Unsubscribe();
@@ -107,12 +106,13 @@ class FaceTopics {
   LoggedFault silence_;
   std::optional<Time> jump_logged_at_;
   std::optional<Time> requested_at_;  // when the looker got a picture, with no result since
-  std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
-  std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
-  std::unique_ptr<transport::Publisher<msg::String>> faces_;
+  transport::Endpoints endpoints_;
+  transport::Publisher<msg::PointStamped>* const target_;
+  transport::Publisher<msg::Bool>* const too_close_;
+  transport::Publisher<msg::String>* const faces_;
   transport::LoopHandlePtr silence_timer_;
-  std::unique_ptr<transport::Subscription> infos_;
-  std::unique_ptr<transport::Subscription> pictures_;
+  transport::Subscription* pictures_ = nullptr;   // of `camera_`
+  std::unique_ptr<transport::Endpoints> camera_;  // while it looks
 };
 
 }  // namespace musher::vision

@@ -37,25 +37,18 @@ WorldCameras::WorldCameras(transport::Node& node, const Scene& scene, Options op
 
 WorldCameras::~WorldCameras() = default;
 
-Result<std::unique_ptr<WorldCameras>> WorldCameras::Make(transport::Node& node, const Scene& scene,
-                                                         Options options) {
-  std::unique_ptr<WorldCameras> cameras(new WorldCameras(node, scene, std::move(options)));
+Result<std::unique_ptr<WorldCameras>> WorldCameras::Make(transport::Endpoints& endpoints,
+                                                         const Scene& scene, Options options) {
+  std::unique_ptr<WorldCameras> cameras(
+      new WorldCameras(endpoints.node(), scene, std::move(options)));
   for (std::size_t i = 0; i < kCameras; ++i) {
     const CameraSpec& spec = scene.cameras.cameras[i];
     if (!spec.enabled) continue;
-    const std::string topic = transport::ResolveName(
-        cameras->options_.name_space, "world/camera/" + std::string(kCameraNames[i]));
-    Outlet& outlet = cameras->outlets_[i];
-    auto images = transport::MakePublisher<msg::Image>(node, topic, transport::kSensorDataQos);
-    if (!images) return images.error();
-    outlet.images = std::move(images).value();
-    auto info =
-        transport::MakePublisher<msg::CameraInfo>(node, topic + "/info", transport::kLatchedQos);
-    if (!info) return info.error();
-    outlet.info = std::move(info).value();
-    if (auto sent = outlet.info->Publish(ToCameraInfo(IntrinsicsOf(spec), i)); !sent) {
-      return sent.error();
-    }
+    const std::string topic = "world/camera/" + std::string(kCameraNames[i]);
+    cameras->outlets_[i].images = endpoints.Advertise<msg::Image>(topic, transport::kSensorDataQos);
+    auto* info = endpoints.Advertise<msg::CameraInfo>(topic + "/info", transport::kLatchedQos);
+    if (!endpoints.opened()) return endpoints.opened().error();
+    if (auto sent = info->Publish(ToCameraInfo(IntrinsicsOf(spec), i)); !sent) return sent.error();
   }
   return cameras;
 }
@@ -65,7 +58,7 @@ void WorldCameras::OnStep(const World& world) {
   for (std::size_t i = 0; i < kCameras; ++i) {
     const Outlet& outlet = outlets_[i];
     const CameraSpec& spec = world.scene().cameras.cameras[i];
-    if (!outlet.images || !IsDue(world.now(), spec.rate_hz)) continue;
+    if (outlet.images == nullptr || !IsDue(world.now(), spec.rate_hz)) continue;
     if (outlet.images->MatchedReaders() == 0) continue;
     if (world.IsSilent("camera " + std::string(kCameraNames[i]))) continue;
     Request({i, world.now(), ViewOf(world, i)});

@@ -23,23 +23,22 @@
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/world/render/render.hpp"
 #include "musher/modules/world/simulation/world.hpp"
-#include "musher/transport/node.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::world {
 
 class WorldCameras {
  public:
   struct Options {
-    std::string name_space;
     std::function<void(const std::string&)> log;
     Worker* worker = nullptr;  // draws; outlives the cameras
     // World time can advance.
     std::function<void()> on_free;
   };
 
-  // The cameras of the scene. Fails when an endpoint cannot be made.
-  static Result<std::unique_ptr<WorldCameras>> Make(transport::Node& node, const Scene& scene,
-                                                    Options options);
+  // The cameras of the scene, on topics that `endpoints` keeps. Fails when one cannot be opened.
+  static Result<std::unique_ptr<WorldCameras>> Make(transport::Endpoints& endpoints,
+                                                    const Scene& scene, Options options);
   ~WorldCameras();
 
   // After each step of the world.
@@ -49,10 +48,9 @@ class WorldCameras {
   bool waits() const { return !waiting_.empty(); }
 
  private:
-  // One camera on the network; both null: there is none.
+  // One camera on the network; null: there is none.
   struct Outlet {
-    std::unique_ptr<transport::Publisher<msg::Image>> images;
-    std::unique_ptr<transport::Publisher<msg::CameraInfo>> info;
+    transport::Publisher<msg::Image>* images = nullptr;
     bool busy = false;  // a shot is queued or drawn
     bool skipped = false;
   };

@@ -1,7 +1,6 @@
 #include "musher/modules/world/process/world_host.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <sstream>
 #include <utility>
@@ -25,7 +24,8 @@ WorldHost::WorldHost(transport::Node& node, Scene scene, HostOptions options)
     : node_(node),
       options_(std::move(options)),
       world_(std::move(scene)),
-      pacer_(kStep, world_.scene().speed, node.loop().Now()) {}
+      pacer_(kStep, world_.scene().speed, node.loop().Now()),
+      endpoints_(node, options_.name_space) {}
 
 WorldHost::~WorldHost() = default;
 
@@ -38,100 +38,80 @@ Result<std::unique_ptr<WorldHost>> WorldHost::Start(transport::Node& node, Scene
 }
 
 Result<> WorldHost::Connect() {
-  for (const auto connect : {&WorldHost::Publish, &WorldHost::Listen, &WorldHost::Serve}) {
-    if (auto connected = (this->*connect)(); !connected) return connected;
-  }
-  return Ok();
+  Publish();
+  if (Result<> made = MakeCameras(); !made) return made;
+  Listen();
+  Serve();
+  return endpoints_.opened();
 }
 
-Result<> WorldHost::Publish() {
-  auto clock =
-      transport::MakePublisher<msg::Clock>(node_, transport::kClockTopic, transport::kClockQos);
-  if (!clock) return clock.error();
-  clock_ = std::move(clock).value();
-  if (auto made = Make(body_state_, "world/body_state"); !made) return made;
-  if (auto made = Make(battery_, "world/battery"); !made) return made;
-  if (auto made = Make(touch_, "world/touch"); !made) return made;
-  auto sensors = WorldSensors::Make(node_, world_.scene(), options_.name_space);
-  if (!sensors) return sensors.error();
-  sensors_ = std::move(sensors).value();
-  auto show = WorldShow::Make(node_, world_, options_.name_space, options_.log);
-  if (!show) return show.error();
-  show_ = std::move(show).value();
-  return MakeCameras();
+void WorldHost::Publish() {
+  // In every namespace.
+  clock_ = endpoints_.Advertise<msg::Clock>(std::string("/") + transport::kClockTopic,
+                                            transport::kClockQos);
+  body_state_ = endpoints_.Advertise<msg::BodyState>("world/body_state");
+  battery_ = endpoints_.Advertise<msg::BatteryState>("world/battery");
+  touch_ = endpoints_.Advertise<msg::Int32>("world/touch");
+  sensors_ = std::make_unique<WorldSensors>(endpoints_, world_.scene());
+  show_ = std::make_unique<WorldShow>(endpoints_, world_, options_.log);
 }
 
 Result<> WorldHost::MakeCameras() {
   const auto go_on = [this] {
     if (std::exchange(late_, false) && !pacer_.paused()) OnStep();
   };
-  auto cameras = WorldCameras::Make(node_, world_.scene(),
-                                    {options_.name_space, options_.log, options_.shooter, go_on});
+  auto cameras =
+      WorldCameras::Make(endpoints_, world_.scene(), {options_.log, options_.shooter, go_on});
   if (!cameras) return cameras.error();
   cameras_ = std::move(cameras).value();
   return Ok();
 }
 
-Result<> WorldHost::Listen() {
-  const std::array results = {
-      On<msg::MotionCustomCommand>("world/body_command",
-                                   [this](const auto& message) {
-                                     const auto command = FromMessage(message);
-                                     Log(command ? world_.Command(command.value())
-                                                 : "a body command is refused: " +
-                                                       command.error().message);
-                                   }),
-      On<msg::Float32>("world/set_battery",
-                       [this](const auto& message) { Log(world_.SetBattery(message.data)); }),
-      On<msg::Int32>("world/press", [this](const auto& message) { Touch(message.data); }),
-      On<msg::PoseStamped>(
-          "world/place",
-          [this](const auto& message) { Log(world_.PutDown(FromMessage(message.pose))); }),
-      On<msg::String>("world/fault", [this](const auto& message) { SetFault(message.data); }),
-      On<msg::Float32>("world/speed", [this](const auto& message) { SetSpeed(message.data); }),
-      On<msg::LedState>(
-          "world/led",
-          [this](const auto& message) { world_.SetLight(message.target, FromMessage(message)); },
-          kLatchedFromManyQos),
-      On<msg::Bool>(
-          "world/motor_power", [this](const auto& message) { world_.SetMotorPower(message.data); },
-          kLatchedQos),
-      On<msg::MachineStatus>(
-          "musher/machine_status",
-          [this](const auto& message) { world_.SetMachineState(message.state); }, kLatchedQos),
-  };
-  for (const Result<>& result : results) {
-    if (!result) return result;
-  }
-  return Ok();
+void WorldHost::Listen() {
+  endpoints_.Subscribe<msg::MotionCustomCommand>("world/body_command", [this](const auto& message) {
+    const auto command = FromMessage(message);
+    Log(command ? world_.Command(command.value())
+                : "a body command is refused: " + command.error().message);
+  });
+  endpoints_.Subscribe<msg::Float32>(
+      "world/set_battery", [this](const auto& message) { Log(world_.SetBattery(message.data)); });
+  endpoints_.Subscribe<msg::Int32>("world/press",
+                                   [this](const auto& message) { Touch(message.data); });
+  endpoints_.Subscribe<msg::PoseStamped>("world/place", [this](const auto& message) {
+    Log(world_.PutDown(FromMessage(message.pose)));
+  });
+  endpoints_.Subscribe<msg::String>("world/fault",
+                                    [this](const auto& message) { SetFault(message.data); });
+  endpoints_.Subscribe<msg::Float32>("world/speed",
+                                     [this](const auto& message) { SetSpeed(message.data); });
+  endpoints_.Subscribe<msg::LedState>(
+      "world/led",
+      [this](const auto& message) { world_.SetLight(message.target, FromMessage(message)); },
+      kLatchedFromManyQos);
+  endpoints_.Subscribe<msg::Bool>(
+      "world/motor_power", [this](const auto& message) { world_.SetMotorPower(message.data); },
+      kLatchedQos);
+  endpoints_.Subscribe<msg::MachineStatus>(
+      "musher/machine_status",
+      [this](const auto& message) { world_.SetMachineState(message.state); }, kLatchedQos);
 }
 
-Result<> WorldHost::Serve() {
-  const std::array results = {
-      Answer<msg::SetBool>("world/charge",
-                           [this](const auto& request, auto reply) {
-                             world_.Plug(request.data);
-                             Log(std::string("the cable is ") + (request.data ? "in" : "out"));
-                             reply({true, ""});
-                           }),
-      Answer<msg::SetBool>("world/pause",
-                           [this](const auto& request, auto reply) {
-                             pacer_.SetPaused(request.data, node_.loop().Now());
-                             request.data ? next_step_.reset() : SetSpeed(pacer_.factor());
-                             reply({true, ""});
-                           }),
-      Answer<msg::Trigger>("world/draw",
-                           [this](const auto&, auto reply) {
-                             DrawPicture(
-                                 [reply = std::move(reply)](bool ok, const std::string& text) {
-                                   reply({ok, text});
-                                 });
-                           }),
-  };
-  for (const Result<>& result : results) {
-    if (!result) return result;
-  }
-  return Ok();
+void WorldHost::Serve() {
+  endpoints_.Serve<msg::SetBool>("world/charge", [this](const auto& request, auto reply) {
+    world_.Plug(request.data);
+    Log(std::string("the cable is ") + (request.data ? "in" : "out"));
+    reply({true, ""});
+  });
+  endpoints_.Serve<msg::SetBool>("world/pause", [this](const auto& request, auto reply) {
+    pacer_.SetPaused(request.data, node_.loop().Now());
+    request.data ? next_step_.reset() : SetSpeed(pacer_.factor());
+    reply({true, ""});
+  });
+  endpoints_.Serve<msg::Trigger>("world/draw", [this](const auto&, auto reply) {
+    DrawPicture([reply = std::move(reply)](bool ok, const std::string& text) {
+      reply({ok, text});
+    });
+  });
 }
 
 void WorldHost::Arm(Time when) {
@@ -216,42 +196,6 @@ void WorldHost::DrawPicture(std::function<void(bool, const std::string&)> reply)
 
 void WorldHost::Log(const std::optional<std::string>& line) const {
   if (line) options_.log(*line);
-}
-
-template <msg::Message M>
-Result<> WorldHost::Make(std::unique_ptr<transport::Publisher<M>>& publisher,
-                         const std::string& topic, const transport::Qos& qos) {
-  auto made = transport::MakePublisher<M>(node_, Name(topic), qos);
-  if (!made) return made.error();
-  publisher = std::move(made).value();
-  return Ok();
-}
-
-template <msg::Message M>
-Result<> WorldHost::On(const std::string& topic, std::function<void(const M&)> handler,
-                       const transport::Qos& qos) {
-  auto made = transport::MakeSubscription<M>(
-      node_, Name(topic),
-      [handler = std::move(handler)](const M& message, const transport::SampleInfo&) {
-        handler(message);
-      },
-      qos);
-  if (!made) return made.error();
-  endpoints_.push_back(std::move(made).value());
-  return Ok();
-}
-
-template <msg::Service S>
-Result<> WorldHost::Answer(const std::string& service,
-                           typename transport::Server<S>::Handler handler) {
-  auto made = transport::MakeServer<S>(node_, Name(service), std::move(handler));
-  if (!made) return made.error();
-  endpoints_.push_back(std::move(made).value());
-  return Ok();
-}
-
-std::string WorldHost::Name(const std::string& name) const {
-  return transport::ResolveName(options_.name_space, name);
 }
 
 }  // namespace musher::world

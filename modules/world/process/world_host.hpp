@@ -16,8 +16,8 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
@@ -28,8 +28,7 @@
 #include "musher/modules/world/process/world_sensors.hpp"
 #include "musher/modules/world/process/world_show.hpp"
 #include "musher/modules/world/simulation/world.hpp"
-#include "musher/transport/node.hpp"
-#include "musher/transport/service.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::world {
 
@@ -56,15 +55,12 @@ class WorldHost {
   const Pacer& pacer() const { return pacer_; }
 
  private:
-  using Endpoint = std::shared_ptr<void>;
-
   WorldHost(transport::Node& node, Scene scene, HostOptions options);
   Result<> Connect();
-  Result<> Publish();
-  Result<> Listen();
-  Result<> Serve();
-
+  void Publish();
   Result<> MakeCameras();
+  void Listen();
+  void Serve();
 
   void Arm(Time when);
   void OnStep();
@@ -75,16 +71,6 @@ class WorldHost {
   // Logs the line, if there is one.
   void Log(const std::optional<std::string>& line) const;
 
-  template <msg::Message M>
-  Result<> Make(std::unique_ptr<transport::Publisher<M>>& publisher, const std::string& topic,
-                const transport::Qos& qos = transport::kDefaultQos);
-  template <msg::Message M>
-  Result<> On(const std::string& topic, std::function<void(const M&)> handler,
-              const transport::Qos& qos = transport::kDefaultQos);
-  template <msg::Service S>
-  Result<> Answer(const std::string& service, typename transport::Server<S>::Handler handler);
-  std::string Name(const std::string& name) const;
-
   transport::Node& node_;
   const HostOptions options_;
   World world_;
@@ -92,15 +78,15 @@ class WorldHost {
   bool drawing_ = false;
   bool late_ = false;  // a step was due while time waited for the cameras
   transport::LoopHandlePtr next_step_;
-  std::unique_ptr<transport::Publisher<msg::Clock>> clock_;
-  std::unique_ptr<transport::Publisher<msg::BodyState>> body_state_;
-  std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_;
-  std::unique_ptr<transport::Publisher<msg::Int32>> touch_;
+  transport::Publisher<msg::Clock>* clock_ = nullptr;
+  transport::Publisher<msg::BodyState>* body_state_ = nullptr;
+  transport::Publisher<msg::BatteryState>* battery_ = nullptr;
+  transport::Publisher<msg::Int32>* touch_ = nullptr;
   std::unique_ptr<WorldSensors> sensors_;
   std::unique_ptr<WorldCameras> cameras_;
   std::unique_ptr<WorldShow> show_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
-  std::vector<Endpoint> endpoints_;  // last: their callbacks use the rest
+  transport::Endpoints endpoints_;                              // last: its callbacks use the rest
 };
 
 }  // namespace musher::world

@@ -1,47 +1,35 @@
 #include "musher/modules/world/process/world_sensors.hpp"
 
-#include <utility>
+#include <string>
 
 namespace musher::world {
 namespace {
 
 template <msg::Message M, class Measure>
-void Publish(const std::unique_ptr<transport::Publisher<M>>& publisher, const World& world,
-             double rate_hz, const std::string& fault, Measure measure) {
-  if (!publisher || !IsDue(world.now(), rate_hz) || publisher->MatchedReaders() == 0) return;
+void Publish(transport::Publisher<M>* publisher, const World& world, double rate_hz,
+             const std::string& fault, Measure measure) {
+  if (publisher == nullptr || !IsDue(world.now(), rate_hz) || publisher->MatchedReaders() == 0)
+    return;
   if (world.IsSilent(fault)) return;
   static_cast<void>(publisher->Publish(measure(world)));  // the next one follows soon
 }
 
 }  // namespace
 
-Result<std::unique_ptr<WorldSensors>> WorldSensors::Make(transport::Node& node, const Scene& scene,
-                                                         const std::string& name_space) {
-  auto sensors = std::make_unique<WorldSensors>();
-  const auto make = [&]<msg::Message M>(PublisherPtr<M>& publisher, bool enabled,
-                                        const std::string& name) -> Result<> {
-    if (!enabled) return Ok();
-    auto made = transport::MakePublisher<M>(
-        node, transport::ResolveName(name_space, "world/" + name), transport::kSensorDataQos);
-    if (!made) return made.error();
-    publisher = std::move(made).value();
-    return Ok();
+WorldSensors::WorldSensors(transport::Endpoints& endpoints, const Scene& scene) {
+  const auto open = [&]<msg::Message M>(transport::Publisher<M>*& publisher, bool enabled,
+                                        const std::string& name) {
+    if (enabled) publisher = endpoints.Advertise<M>("world/" + name, transport::kSensorDataQos);
   };
   const SensorSpecs& specs = scene.sensors;
-  if (auto made = make(sensors->scan_, specs.lidar.enabled, "scan"); !made) return made.error();
-  if (auto made = make(sensors->ultrasonic_, specs.ultrasonic.enabled, "ultrasonic"); !made) {
-    return made.error();
-  }
+  open(scan_, specs.lidar.enabled, "scan");
+  open(ultrasonic_, specs.ultrasonic.enabled, "ultrasonic");
   for (std::size_t i = 0; i < kTofNames.size(); ++i) {
-    auto made = make(sensors->tofs_[i], specs.tof.enabled, "tof/" + std::string(kTofNames[i]));
-    if (!made) return made.error();
+    open(tofs_[i], specs.tof.enabled, "tof/" + std::string(kTofNames[i]));
   }
-  if (auto made = make(sensors->gps_, specs.gps.enabled, "gps"); !made) return made.error();
-  if (auto made = make(sensors->satellites_, specs.gps.enabled, "gps/satellites"); !made) {
-    return made.error();
-  }
-  if (auto made = make(sensors->uwb_, specs.uwb.enabled, "uwb"); !made) return made.error();
-  return sensors;
+  open(gps_, specs.gps.enabled, "gps");
+  open(satellites_, specs.gps.enabled, "gps/satellites");
+  open(uwb_, specs.uwb.enabled, "uwb");
 }
 
 void WorldSensors::OnStep(const World& world) {
@@ -59,7 +47,7 @@ void WorldSensors::OnStep(const World& world) {
 }
 
 void WorldSensors::PublishTag(const World& world) {
-  const bool wanted = uwb_ && IsDue(world.now(), world.scene().sensors.uwb.rate_hz) &&
+  const bool wanted = uwb_ != nullptr && IsDue(world.now(), world.scene().sensors.uwb.rate_hz) &&
                       uwb_->MatchedReaders() > 0 && !world.IsSilent("uwb");
   if (!wanted) return;
   if (const auto tag = MeasureTag(world)) static_cast<void>(uwb_->Publish(*tag));

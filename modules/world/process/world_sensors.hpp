@@ -8,19 +8,16 @@
 // Threads: the loop's.
 
 #include <array>
-#include <memory>
-#include <string>
 
 #include "musher/modules/world/sensors/sensing.hpp"
-#include "musher/transport/node.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::world {
 
 class WorldSensors {
  public:
-  // The sensors of the scene. Fails when an endpoint cannot be made.
-  static Result<std::unique_ptr<WorldSensors>> Make(transport::Node& node, const Scene& scene,
-                                                    const std::string& name_space);
+  // The sensors of the scene. `endpoints` has the error if a topic could not be opened.
+  WorldSensors(transport::Endpoints& endpoints, const Scene& scene);
 
   // After each step of the world.
   void OnStep(const World& world);
@@ -28,15 +25,12 @@ class WorldSensors {
  private:
   void PublishTag(const World& world);
 
-  template <msg::Message M>
-  using PublisherPtr = std::unique_ptr<transport::Publisher<M>>;
-
-  PublisherPtr<msg::LaserScan> scan_;  // null: there is none
-  PublisherPtr<msg::Range> ultrasonic_;
-  std::array<PublisherPtr<msg::SingleTofPayload>, kTofNames.size()> tofs_;
-  PublisherPtr<msg::NavSatFix> gps_;
-  PublisherPtr<msg::UInt8> satellites_;
-  PublisherPtr<msg::UwbRaw> uwb_;
+  transport::Publisher<msg::LaserScan>* scan_ = nullptr;  // null: there is none
+  transport::Publisher<msg::Range>* ultrasonic_ = nullptr;
+  std::array<transport::Publisher<msg::SingleTofPayload>*, kTofNames.size()> tofs_{};
+  transport::Publisher<msg::NavSatFix>* gps_ = nullptr;
+  transport::Publisher<msg::UInt8>* satellites_ = nullptr;
+  transport::Publisher<msg::UwbRaw>* uwb_ = nullptr;
 };
 
 }  // namespace musher::world

@@ -10,47 +10,40 @@
 // Threads: the loop's.
 
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/world/simulation/world.hpp"
-#include "musher/transport/node.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::world {
 
 class WorldShow {
  public:
-  // The humanoid and guests of the scene. Fails when an endpoint cannot be made. `world` outlives
-  // it.
-  static Result<std::unique_ptr<WorldShow>> Make(transport::Node& node, World& world,
-                                                 const std::string& name_space,
-                                                 std::function<void(const std::string&)> log);
+  // The humanoid and guests of the scene. `endpoints` is dropped before it and has the error if a
+  // topic could not be opened. `world` outlives it.
+  WorldShow(transport::Endpoints& endpoints, World& world,
+            std::function<void(const std::string&)> log);
+  WorldShow(const WorldShow&) = delete;
+  WorldShow& operator=(const WorldShow&) = delete;
 
   // After each step of the world.
   void OnStep();
 
  private:
-  template <msg::Message M>
-  using PublisherPtr = std::unique_ptr<transport::Publisher<M>>;
-
-  WorldShow(World& world, std::function<void(const std::string&)> log)
-      : world_(world), log_(std::move(log)) {}
-  Result<> Connect(transport::Node& node, const std::string& name_space);
-  Result<> ConnectHumanoid(transport::Node& node, const std::string& name_space);
+  void OpenHumanoid(transport::Endpoints& endpoints, const HumanoidSpec& spec);
   void PublishGesture();
   void Log(const std::optional<std::string>& line) const;
 
   World& world_;
   const std::function<void(const std::string&)> log_;
   Gesture gesture_ = Gesture::kNone;  // the last one published
-  PublisherPtr<msg::JointState> joint_states_;
-  PublisherPtr<msg::JointState> joint_commands_;
-  PublisherPtr<msg::String> gestures_;
-  std::unique_ptr<transport::Subscription> poses_;  // last: their callbacks use the rest
-  std::unique_ptr<transport::Subscription> looks_;
+  transport::Publisher<msg::JointState>* joint_states_ = nullptr;
+  transport::Publisher<msg::JointState>* joint_commands_ = nullptr;
+  transport::Publisher<msg::String>* gestures_ = nullptr;  // null: there are no guests
 };
 
 }  // namespace musher::world
