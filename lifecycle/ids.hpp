@@ -35,7 +35,7 @@ class StrongNumber {
   constexpr StrongNumber& operator+=(std::uint64_t more) { return *this = *this + more; }
   constexpr StrongNumber& operator-=(std::uint64_t less) { return *this = *this - less; }
   friend constexpr bool operator==(StrongNumber, StrongNumber) = default;
-  friend constexpr auto operator<=>(StrongNumber, StrongNumber) = default;
+  friend constexpr auto operator<=>(StrongNumber, StrongNumber) = default;  // NOLINT(*-nullptr)
   friend std::ostream& operator<<(std::ostream& out, StrongNumber number) {
     return out << number.value_;
   }

@@ -142,7 +142,7 @@ StoredStops StateStore::LoadEmergencyStops() const {
     if (name == "engaged" && is_id) {
       stops.engaged.push_back({id, "", ""});
     } else if (name == "released" && is_id) {
-      stops.released.push_back(id);
+      stops.released.emplace_back(id);
     } else if (name == "by" && !stops.engaged.empty()) {
       stops.engaged.back().by = value;
     } else if (name == "reason" && !stops.engaged.empty()) {
