@@ -1,7 +1,9 @@
 #pragma once
 // The topics, services and clock of one module, in its machine's namespace, kept as long as this
-// object. opened() has the first error if one could not be opened, so that callers check only once.
-// As the last member of a class it ends the callbacks before the members that they use.
+// object. After the first that cannot be opened, which opened() explains, no other is opened, so
+// that callers check only once. As the last member of a class it ends its callbacks before the
+// members that they use. What it returns is valid as long as it: a timer or driver that publishes
+// must not run after it.
 //
 // Threads: loop thread only.
 
@@ -23,13 +25,19 @@ class Endpoints {
   // `node` must outlive it. A module that has a clock of its own leaves out `clock`.
   Endpoints(Node& node, std::string name_space, ClockSource clock = ClockSource::kSteady)
       : node_(node), name_space_(std::move(name_space)), clock_source_(clock) {}
+  // Closes what was opened last first.
+  ~Endpoints() {
+    while (!kept_.empty()) kept_.pop_back();
+  }
+  Endpoints(const Endpoints&) = delete;
+  Endpoints& operator=(const Endpoints&) = delete;
 
   Node& node() { return node_; }
 
   // Offers a service. The handler may reply later.
   template <msg::Service S>
   void Serve(const std::string& name, typename Server<S>::Handler handler) {
-    Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
+    if (opened_) Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
   // Subscribes. Returns the subscription, which knows its writers; null if it could not be opened.
   // The handler owns the sample and may move it.
@@ -44,6 +52,7 @@ class Endpoints {
                               std::function<void(const M&, PeerId publisher)> handler,
                               std::function<void(PeerId publisher)> on_publisher_lost,
                               const Qos& qos = kDefaultQos) {
+    if (!opened_) return nullptr;
     SubscriptionEvents events;
     events.on_writer_lost = std::move(on_publisher_lost);
     return Keep(MakeSubscription<M>(
@@ -57,6 +66,7 @@ class Endpoints {
   template <msg::Message M>
   Subscription* SubscribeResolved(const std::string& topic, std::function<void(M&&)> handler,
                                   const Qos& qos, SubscriptionEvents events = {}) {
+    if (!opened_) return nullptr;
     return Keep(MakeSubscription<M>(
         node_, topic,
         [handler = std::move(handler)](M&& sample, const SampleInfo&) {
@@ -70,18 +80,20 @@ class Endpoints {
                                                 const Qos& qos = kDefaultQos) {
     auto* publisher = Advertise<M>(name, qos);
     if (publisher == nullptr) return [](const M&) {};
-    // A failed publish needs no retry: the next sample follows.
+    // A failure to publish is ignored: most topics have a next sample.
     return [publisher](const M& sample) { static_cast<void>(publisher->Publish(sample)); };
   }
   // A publisher, which knows its matched readers; null if it could not be opened.
   template <msg::Message M>
   Publisher<M>* Advertise(const std::string& name, const Qos& qos = kDefaultQos,
                           WriterCallbacks callbacks = {}) {
+    if (!opened_) return nullptr;
     return Keep(MakePublisher<M>(node_, Resolve(name), qos, std::move(callbacks)));
   }
   // A client of a service; null if it could not be opened.
   template <msg::Service S>
   Client<S>* OpenClient(const std::string& name, std::function<void()> on_match_changed = {}) {
+    if (!opened_) return nullptr;
     return Keep(MakeClient<S>(node_, Resolve(name), std::move(on_match_changed)));
   }
 

@@ -19,7 +19,7 @@ Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies&
 
 Result<> PowerKeyDevice::Connect() {
   power_off_ = endpoints_.OpenClient<msg::Trigger>("poweroff");
-  if (power_off_ == nullptr) return endpoints_.opened();
+  if (power_off_ == nullptr) return endpoints_.opened();  // disabled: no key is received
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::PeerId) { pressed_ = false; };  // the next press counts
   endpoints_.Subscribe<msg::Bool>(

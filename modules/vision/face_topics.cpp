@@ -69,10 +69,11 @@ Result<> FaceTopics::Subscribe() {
   camera->Subscribe<msg::CameraInfo>(
       config_.CameraInfoTopic(), [this](const msg::CameraInfo& info) { OnInfo(info); },
       transport::kSensorDataQos);
-  pictures_ = camera->Subscribe<msg::Image>(
+  auto* pictures = camera->Subscribe<msg::Image>(
       config_.picture, [this](msg::Image&& picture) { OnPicture(std::move(picture)); }, kNewestQos);
   if (!camera->opened()) return camera->opened();
   camera_ = std::move(camera);
+  pictures_ = pictures;
   seen_ = false;
   AwaitNext();
   return Ok();
@@ -81,6 +82,7 @@ Result<> FaceTopics::Subscribe() {
 // Tracks are kept for when it is on again, if not too much time has passed by then.
 void FaceTopics::Unsubscribe() {
   silence_timer_.reset();
+  pictures_ = nullptr;
   camera_.reset();
   silence_ = {};
   requested_at_.reset();

@@ -81,6 +81,31 @@ TEST(Endpoints, ThatCannotBeOpenedFailSetUp) {
   EXPECT_FALSE(counter.Start());
 }
 
+TEST(Endpoints, AreNotOpenedAfterTheFirstThatFails) {
+  const auto node = transport::NodeThread::Start().value();
+  node->RunOnLoop([&] {
+    transport::Endpoints wire(node->node(), "test");
+    EXPECT_NE(wire.Advertise<msg::Bool>("first"), nullptr);
+    EXPECT_EQ(wire.Advertise<msg::Bool>("no such name"), nullptr);
+    EXPECT_EQ(wire.Advertise<msg::Bool>("nor this one"), nullptr);
+    EXPECT_EQ(wire.Subscribe<msg::Bool>("third", [](const msg::Bool&) {}), nullptr);
+    ASSERT_FALSE(wire.opened());
+    EXPECT_THAT(wire.opened().error().message, ::testing::HasSubstr("no such name"));
+  });
+}
+
+TEST(Endpoints, AreClosedInTheReverseOrder) {
+  const auto node = transport::NodeThread::Start().value();
+  std::vector<int> closed;
+  node->RunOnLoop([&] {
+    transport::Endpoints wire(node->node(), "test");
+    for (const int i : {1, 2, 3}) {
+      wire.Keep(std::shared_ptr<void>(nullptr, [&closed, i](void*) { closed.push_back(i); }));
+    }
+  });
+  EXPECT_THAT(closed, ::testing::ElementsAre(3, 2, 1));
+}
+
 TEST(Endpoints, AreNotThereInATrial) {
   ActuatorRunner<Counter> counter;
   CallbackHarness callbacks(counter);
