@@ -63,8 +63,8 @@ void Joining::Hold(std::size_t i) {
   record.due = false;
   // A failure that its own callback has reported is kept.
   const std::int32_t own = record.report.outcome_code;
-  const bool kept = record.suspended || !record.checked || own != kCodeOk;
-  if (record.fault && kept && (own == kCodeOk || own == record.fault->code)) return;
+  const bool reported = own != kCodeOk && record.fault && record.fault->code == own;
+  if (record.fault && (reported || record.suspended || !record.checked)) return;
   Degrade(i, kCodeProtectedError,
           "is in " + record.state() + ", the machine in " + machine_.state +
               ": held by an emergency stop; after its release run `musher set " + machine_.state +
