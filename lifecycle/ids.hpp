@@ -1,10 +1,9 @@
 #pragma once
-// The numbers that name things, each of its own type: two of them cannot be swapped.
+// The numbers that name things, each of its own type: two of them cannot be swapped. Values, from
+// any thread; a plain number converts to each of them, so the fields of messages are not protected.
 
 #include <compare>
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <ostream>
 #include <string>
 
@@ -66,15 +65,7 @@ using RequestToken = StrongNumber<struct TokenKind>;
 using Sender = StrongNumber<struct SenderKind>;
 // Of an emergency stop: random, from the participant that engaged it. 0: none.
 using StopId = StrongNumber<struct StopKind>;
-
-// Of a save on disk.
+// Of a save on disk, grows from 1 in a controller.
 using SaveNumber = StrongNumber<struct SaveKind>;
 
 }  // namespace musher
-
-template <typename Kind>
-struct std::hash<musher::StrongNumber<Kind>> {
-  std::size_t operator()(musher::StrongNumber<Kind> number) const noexcept {
-    return std::hash<std::uint64_t>{}(number.value());
-  }
-};
