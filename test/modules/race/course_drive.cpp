@@ -1,0 +1,297 @@
+#include "musher/test/modules/race/course_drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/motion/motion_wire.hpp"
+#include "musher/modules/race/course_reader.hpp"
+#include "musher/modules/world/render/shot.hpp"
+#include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::race::testing {
+namespace {
+
+constexpr Duration kSpoken = Milliseconds(900);
+constexpr double kRateHz = 15;  // of the cameras, of which a detector takes its share
+constexpr std::array<std::string_view, world::kCameras> kTopics{"image_rgb", "image_left",
+                                                                "image_right"};
+
+std::string Config(const std::string& name) {
+  return musher::testing::SourceDir() + "/config/" + name;
+}
+
+// A file of the product that is not right is a fault of the product.
+template <class Reading>
+auto Valid(const Reading& reading, const auto& value) {
+  std::string all;
+  for (const Diagnostic& each : reading.diagnostics) all += ToText(each) + "\n";
+  if (!value) throw std::runtime_error(all);
+  return *value;
+}
+
+world::Scene SceneOf(const DriveSettings& settings) {
+  const auto reading = world::ReadSceneFile(Config("scenes/course.toml"),
+                                            {.seed = settings.seed, .chosen = settings.chosen});
+  return Valid(reading, reading.scene);
+}
+
+line_walker::WalkerConfig WalkerOf() {
+  const auto reading = line_walker::ReadWalkerFile(Config("line_walker/walker.toml"));
+  return Valid(reading, reading.config);
+}
+
+Course CourseOf() {
+  const auto reading = ReadCourseFile(Config("race/course.toml"));
+  return Valid(reading, reading.course);
+}
+
+cv::Mat MatOf(const world::Image& image) {
+  return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data())};
+}
+
+msg::Odometry OdometryOf(const world::World& world) {
+  motion::BodyMotion motion;
+  motion.stamp = world.now();
+  const world::Pose2& at = world.body().odometry();
+  motion.X_OB.translation() << at.position_m, 0;
+  motion.X_OB.linear() = Eigen::AngleAxisd(at.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  motion.v_B = {world.body().speed().x(), world.body().speed().y(), 0};
+  motion.w_B = world.body().turn_rate();
+  return motion::OdometryOf(motion);
+}
+
+}  // namespace
+
+CourseDrive::CourseDrive(DriveSettings settings)
+    : settings_(std::move(settings)),
+      dog_(SceneOf(settings_)),
+      walker_config_(WalkerOf()),
+      walker_(walker_config_.walk),
+      race_(CourseOf(), *this) {
+  const world::Scene& scene = dog_.world().scene();
+  scenery_ = world::Scenery::Make(scene).value();
+  for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].emplace(scene.cameras.cameras[i]);
+  const auto reading = vision::ReadVisionFile(Config("vision/course.toml"));
+  for (const vision::CourseEntry& entry : Valid(reading, reading.config).detectors) {
+    Eye eye{entry, entry.making.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false};
+    const auto camera = std::find(kTopics.begin(), kTopics.end(), entry.picture);
+    eye.camera = static_cast<std::size_t>(camera - kTopics.begin());
+    const vision::CourseOutputs outputs = entry.Outputs();
+    const std::string topic = outputs.lines ? *outputs.lines : *outputs.sighting;
+    for (Index i = 0; i < race_.course().detectors.size(); ++i) {
+      if (race_.course().detectors[i].topic == topic) eye.of_race = i;
+    }
+    const auto& names = walker_config_.topics;
+    if (topic == names.left) eye.of_walker = line_walker::View::kLeft;
+    if (topic == names.right) eye.of_walker = line_walker::View::kRight;
+    if (topic == names.front) eye.of_walker = line_walker::View::kFront;
+    eyes_.push_back(std::move(eye));
+  }
+  dog_.on_servo_reply = [this](const msg::MotionServoResponse& reply) {
+    race_.OnServoReply(reply.result, reply.code, dog_.now());
+    walker_.OnResponse(reply, dog_.now());
+  };
+  if (const Result<> built = race_.Build(machine_); !built) {
+    throw std::runtime_error(built.error().message);
+  }
+}
+
+CourseDrive::~CourseDrive() = default;
+
+DriveResult CourseDrive::Run() {
+  race_.Resume(dog_.now());
+  static_cast<void>(machine_.Start(dog_.now()));
+  for (int i = 0; i < 50; ++i) Step();
+  race_.OnCommand("START", dog_.now());
+  const auto& course = race_.course();
+  const Time begun = dog_.now();
+  while (dog_.now() - begun < settings_.limit) {
+    Step();
+    const std::string_view state = race_.state();
+    if (state == course.states[course.end].name || state == course.states[course.error].name) break;
+  }
+  // What the last state does.
+  for (int i = 0; i < 50 * 8; ++i) Step();
+  result_.took = dog_.now() - begun;
+  result_.state = race_.state();
+  result_.pictures = shots_;
+  result_.world = dog_.world();
+  return std::move(result_);
+}
+
+void CourseDrive::Step() {
+  dog_.Step();
+  for (; logged_by_dog_ < dog_.log().size(); ++logged_by_dog_) {
+    Log("motion", dog_.log()[logged_by_dog_]);
+  }
+  const Time now = dog_.now();
+  walker_.OnOdometry(OdometryOf(dog_.world()), now);
+  Deliver();
+  LookAround();
+  if (world::IsDue(dog_.world().now(), 10)) {
+    const world::Body& body = dog_.world().body();
+    race_.OnBody(static_cast<int>(body.status()), dog_.present_motion(), now);
+    for (Index i = 0; i < race_.course().walks.size(); ++i) {
+      race_.OnWalkerStatus(i, walker_.StatusText(now), now);
+    }
+  }
+  if (dog_.world().now() % Milliseconds(40) == Duration::zero()) TickWalker();
+  machine_.RunOnce(now);
+  race_.AfterTick();
+  race_.PassTime(now);
+}
+
+bool CourseDrive::Wanted(const Eye& eye) const {
+  return eye.wanted_by_race || (eye.of_walker && walker_.active());
+}
+
+void CourseDrive::LookAround() {
+  if (!world::IsDue(dog_.world().now(), kRateHz)) return;
+  const std::int64_t stamp_ns = dog_.world().now().count();
+  for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
+    std::optional<world::Image> image;
+    for (Eye& eye : eyes_) {
+      if (eye.camera != camera || !Wanted(eye)) continue;
+      using Verdict = vision::StampGate::Verdict;
+      const Verdict verdict = eye.gate.Check(stamp_ns);
+      if (verdict != Verdict::kLook && verdict != Verdict::kLookAfterJump) continue;
+      if (!image) {
+        image = cameras_[camera]->Shoot(*scenery_, world::ViewOf(dog_.world(), camera));
+        ++shots_;
+      }
+      Look(eye, MatOf(*image));
+    }
+  }
+}
+
+void CourseDrive::Look(Eye& eye, const cv::Mat& picture) {
+  const Time taken = dog_.now();
+  const world::Intrinsics& intrinsics = cameras_[eye.camera]->intrinsics();
+  vision::Lens lens;
+  lens.fisheye = intrinsics.model == world::CameraModel::kFisheye;
+  lens.focal_x = intrinsics.focal_px / intrinsics.width_px;
+  lens.focal_y = intrinsics.focal_px / intrinsics.height_px;
+  vision::CourseSight sight = eye.detector->Look(picture, taken.time_since_epoch().count(), lens);
+  if (!settings_.pictures.empty()) {
+    cv::Mat drawn = picture.clone();
+    eye.detector->Draw(drawn);
+    cv::imwrite(fmt::format("{}/{:07.2f}-{}-{}.jpg", settings_.pictures,
+                            std::chrono::duration<double>(taken.time_since_epoch()).count(),
+                            race_.state(), eye.entry.name),
+                drawn);
+  }
+  Later(settings_.latency, [this, &eye, sight = std::move(sight), taken] {
+    const Time now = dog_.now();
+    if (sight.lines) {
+      msg::YellowLines lines = *sight.lines;
+      lines.header.stamp = msg::ToStamp(taken.time_since_epoch());
+      if (eye.wanted_by_race) {
+        race_.OnLines(*eye.of_race, lines.contours, lines.ycy, lines.dy, taken, now);
+      }
+      if (eye.of_walker) walker_.OnLines(*eye.of_walker, lines, now);
+    } else if (eye.wanted_by_race) {
+      const msg::Sighting& seen = *sight.sighting;
+      race_.OnSighting(*eye.of_race, {seen.seen, seen.distance_m, seen.phase, seen.text}, taken,
+                       now);
+    }
+  });
+}
+
+void CourseDrive::Deliver() {
+  std::vector<Due> left;
+  std::vector<Due> now_due;
+  for (Due& due : due_) (due.at <= dog_.now() ? now_due : left).push_back(std::move(due));
+  due_ = std::move(left);
+  for (const Due& due : now_due) due.work();
+}
+
+void CourseDrive::TickWalker() {
+  const auto step = walker_.Tick(dog_.now());
+  if (!step) return;
+  msg::MotionServoCmd frame;
+  frame.motion_id = motion::kUserTrot;
+  frame.cmd_type = step->end ? msg::MotionServoCmd::kEnd : msg::MotionServoCmd::kData;
+  frame.cmd_source = motion::kFromAlgorithm;
+  const auto& v = step->velocity;
+  frame.vel_des = {static_cast<float>(v.forward_m_s), static_cast<float>(v.left_m_s),
+                   static_cast<float>(v.yaw_rad_s)};
+  frame.step_height = {0.05F, 0.05F};
+  dog_.Servo(frame);
+}
+
+std::string CourseDrive::Where() const {
+  const world::Pose2& pose = dog_.world().body().pose();
+  return fmt::format("({:.2f}, {:.2f}) {:.0f}°", pose.position_m.x(), pose.position_m.y(),
+                     pose.yaw_rad * 180 / M_PI);
+}
+
+void CourseDrive::Log(const std::string& who, const std::string& line) {
+  const double at_s = std::chrono::duration<double>(dog_.world().now()).count();
+  result_.log.push_back(fmt::format("{:7.2f} {} {}: {}", at_s, Where(), who, line));
+  if (settings_.on_log) settings_.on_log(result_.log.back());
+}
+
+void CourseDrive::Walk(const ServoFrame& frame) {
+  msg::MotionServoCmd sent;
+  sent.motion_id = frame.motion_id;
+  sent.cmd_type = frame.end ? msg::MotionServoCmd::kEnd : msg::MotionServoCmd::kData;
+  sent.cmd_source = motion::kFromAlgorithm;
+  sent.vel_des = {static_cast<float>(frame.twist.forward_m_s),
+                  static_cast<float>(frame.twist.left_m_s),
+                  static_cast<float>(frame.twist.yaw_rad_s)};
+  sent.step_height = {static_cast<float>(frame.step_height_m[0]),
+                      static_cast<float>(frame.step_height_m[1])};
+  dog_.Servo(sent);
+}
+
+void CourseDrive::Move(std::int32_t motion_id, std::uint64_t number) {
+  // The reply comes later than the call, also a refusal.
+  Later({}, [this, motion_id, number] {
+    dog_.Play(motion_id, [this, number](std::int32_t code) {
+      race_.OnMotionDone(number, code == kCodeOk ? Result<>() : Error{code, "motion failed"},
+                         dog_.now());
+    });
+  });
+}
+
+void CourseDrive::CommandWalker(const LaneWalk& walk, bool start) {
+  Log("walker", walk.name + (start ? " START" : " STOP"));
+  Later({}, [this, start] {
+    if (start) {
+      walker_.Start(dog_.now());
+    } else {
+      walker_.Stop(dog_.now());
+    }
+  });
+}
+
+void CourseDrive::Watch(const std::vector<bool>& detectors) {
+  for (Eye& eye : eyes_) {
+    if (eye.of_race) eye.wanted_by_race = detectors[*eye.of_race];
+  }
+}
+
+void CourseDrive::Say(const std::string& text, std::uint64_t number) {
+  Log("says", text);
+  Later(kSpoken, [this, number] { race_.OnSpoken(number, Ok(), dog_.now()); });
+}
+
+void CourseDrive::ShowState(int number) {
+  const auto& states = race_.course().states;
+  const auto named = std::find_if(states.begin(), states.end(),
+                                  [&](const StateRule& rule) { return rule.number == number; });
+  if (named == states.end()) return;
+  result_.states.push_back(named->name);
+  Log("state", named->name);
+  dog_.world().SetMachineState(named->name);
+  if (settings_.on_state) settings_.on_state(named->name, dog_.world());
+}
+
+}  // namespace musher::race::testing

@@ -1,0 +1,107 @@
+#pragma once
+// A whole run of the course without processes: the world, its cameras, the detectors of
+// config/vision/course.toml, the line walker, the motion manager's decisions and the race, in
+// virtual time. What the robot knows comes from rendered pictures.
+//
+//   world -> camera -> detector -> race, walker -> motion manager -> world
+//
+// Threads: one at a time. A run takes some tens of seconds of CPU.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/modules/line_walker/walker_config.hpp"
+#include "musher/modules/race/race.hpp"
+#include "musher/modules/vision/vision_config.hpp"
+#include "musher/modules/world/render/render.hpp"
+#include "musher/test/modules/race/simulated_dog.hpp"
+
+namespace musher::race::testing {
+
+struct DriveSettings {
+  std::uint64_t seed = 1;
+  std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
+  Duration limit = std::chrono::minutes(15);
+  Duration latency = Milliseconds(100);  // from a picture to what is found in it
+  std::string pictures;                  // a folder for what the checks saw; empty: none
+  // Called when a state begins, with the pose at that moment.
+  std::function<void(const std::string& state, const world::World& world)> on_state;
+  std::function<void(const std::string& line)> on_log;
+};
+
+struct DriveResult {
+  std::string state;  // the last one
+  std::vector<std::string> states;
+  std::vector<std::string> log;
+  Duration took{};
+  std::size_t pictures = 0;
+  std::optional<world::World> world;  // at the end; its referee has the judgement
+};
+
+class CourseDrive : private RaceOutputs {
+ public:
+  explicit CourseDrive(DriveSettings settings);
+  ~CourseDrive() override;
+
+  // From START to END, to ERROR, or to the limit.
+  DriveResult Run();
+
+ private:
+  // A detector of the vision module, and who gets what it finds.
+  struct Eye {
+    vision::CourseEntry entry;
+    std::unique_ptr<vision::CourseDetector> detector;
+    vision::StampGate gate;
+    std::size_t camera = 0;
+    std::optional<Index> of_race;
+    std::optional<line_walker::View> of_walker;
+    bool wanted_by_race = false;
+  };
+  struct Due {
+    Time at;
+    std::function<void()> work;
+  };
+
+  void Step();
+  void LookAround();
+  void Look(Eye& eye, const cv::Mat& picture);
+  void Deliver();
+  void TickWalker();
+  void Later(Duration by, std::function<void()> work) {
+    due_.push_back({dog_.now() + by, std::move(work)});
+  }
+  bool Wanted(const Eye& eye) const;
+  void Log(const std::string& who, const std::string& line);
+  std::string Where() const;
+
+  void Walk(const ServoFrame& frame) override;
+  void Move(std::int32_t motion_id, std::uint64_t number) override;
+  void CommandWalker(const LaneWalk& walk, bool start) override;
+  void Watch(const std::vector<bool>& detectors) override;
+  void Say(const std::string& text, std::uint64_t number) override;
+  void ShowState(int number) override;
+  void Log(const std::string& line) override { Log("race", line); }
+
+  const DriveSettings settings_;
+  SimulatedDog dog_;
+  std::unique_ptr<world::Scenery> scenery_;
+  std::array<std::optional<world::Camera>, world::kCameras> cameras_;
+  std::vector<Eye> eyes_;
+  line_walker::WalkerConfig walker_config_;
+  line_walker::LineWalker walker_;
+  fsm::Machine machine_;
+  Race race_;
+  std::vector<Due> due_;
+  std::size_t logged_by_dog_ = 0;
+  std::size_t shots_ = 0;
+  DriveResult result_;
+};
+
+}  // namespace musher::race::testing
