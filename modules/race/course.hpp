@@ -1,0 +1,279 @@
+#pragma once
+// A course as data: movements, checks, waits, states and the ways between them. course_reader.hpp
+// reads it from a TOML file, whose head explains every key; config/race/course.toml is the one of
+// the race. Names are those of the file; inside, things are referred to by their index.
+//
+// Frame of a twist: that of the body, x ahead, y to the left, yaw to the left. Units are last in a
+// name; a Duration of the machine's clock otherwise.
+//
+// Threads: immutable once it is read.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "musher/base/time.hpp"
+
+namespace musher::race {
+
+using Index = std::size_t;
+
+inline constexpr int kMostSteps = 10'000;          // of one movement
+inline constexpr Index kInterrupted = Index(-1);   // as a target: the state that the light has left
+inline constexpr std::string_view kBack = "back";  // its word in the file
+
+// A topic of a detector (modules/vision): a musher_msgs/Sighting or musher_msgs/YellowLines for
+// each picture.
+struct Detector {
+  enum class Kind : std::uint8_t { kSighting, kLines };
+
+  std::string name;
+  std::string topic;
+  Kind kind = Kind::kSighting;
+};
+
+struct Twist {
+  double forward_m_s = 0;
+  double left_m_s = 0;
+  double yaw_rad_s = 0;
+
+  bool turns() const { return forward_m_s == 0 && left_m_s == 0 && yaw_rad_s != 0; }
+
+  friend bool operator==(const Twist&, const Twist&) = default;
+};
+
+// A walk in steps (a servo stream), or a motion with an end (a result command).
+struct Movement {
+  std::string name;
+  bool walks = false;
+  std::int32_t motion_id = 0;
+  // Of a walk.
+  Twist twist;
+  std::array<double, 2> step_height_m{0.05, 0.05};  // front and rear
+  int count = 10;                                   // steps where a state gives none
+  // Of a result command.
+  Duration before{};  // the pause before it
+  Duration after{};   // and after its reply
+  Duration limit = Milliseconds(30'000);
+};
+
+// So many steps of a walk.
+struct Stretch {
+  Index movement = 0;
+  int count = 1;
+};
+
+// The word of a picture of lines.
+enum class LineWord : std::uint8_t { kLeft, kRight, kFront, kBack, kCenter };
+// "left"; nothing for another word.
+std::optional<LineWord> LineWordOf(std::string_view word);
+std::string_view Name(LineWord word);
+
+using Corrections = std::array<std::optional<Stretch>, 4>;  // by LineWord, but of kCenter
+
+struct Check {
+  std::string name;
+  Index detector = 0;
+  bool by_dy = false;      // by the word dy of the lines, else by ycy
+  Corrections usual;       // after a movement ahead, back or aside
+  Corrections after_turn;  // after a turn
+};
+
+struct CheckRules {
+  int max_corrections = 3;
+  Duration settle = Milliseconds(500);     // how much newer than a movement a picture has to be
+  Duration picture = Milliseconds(3000);   // how long such a picture is waited for
+  Duration open = Milliseconds(2000);      // a detector is opened so long before the movement's end
+  Duration silent = Milliseconds(10'000);  // a wanted detector without a sample has failed
+};
+
+// When the body counts as lost.
+struct BodyRules {
+  Duration silent = Milliseconds(2000);   // during a walk without motion_status; 0: not checked
+  Duration refused = Milliseconds(1000);  // so long its servo frames are refused
+};
+
+// A text that is found on the course or set by a command: "A-1", "left".
+struct ResultRule {
+  std::string name;
+  std::vector<std::string> values;
+  std::optional<Index> by_default;  // of values
+  std::string command;              // "SET_QR_A"; empty: none
+  bool once = false;                // a command does not replace a known value
+  bool shown = false;               // as QRResult in state_info
+};
+
+// Where a step leads that has not found what it waits for.
+struct Otherwise {
+  enum class Kind : std::uint8_t { kContinue, kDefault, kState };
+
+  Kind kind = Kind::kContinue;
+  Index state = 0;
+};
+
+// For the text of a detector, or, without a detector, for a time.
+struct Wait {
+  std::string name;
+  Duration limit{};  // each time
+  std::optional<Index> detector;
+  Index result = 0;
+  int retries = 0;  // after each limit: `retry`, and again
+  Stretch retry;
+  std::optional<Index> adds;  // the counter of the steps of those retries
+  Otherwise otherwise;
+};
+
+// A walk that ends when a detector reports a phase.
+struct Until {
+  std::string name;
+  Index detector = 0;
+  std::string phase;
+  Stretch most;
+  Otherwise otherwise;
+};
+
+// The walk along a lane by the line walker.
+struct LaneWalk {
+  std::string name;
+  std::string command;  // topics
+  std::string status;
+  std::string end = "course_end";  // the good end
+  Duration limit = Milliseconds(60'000);
+  Duration silent = Milliseconds(3000);  // without a status the walker has failed
+  Otherwise otherwise;                   // after a limit or another end
+};
+
+struct Phrase {
+  std::string chinese;
+  std::string english;
+};
+struct Speech {
+  struct OfValue {
+    Index value = 0;
+    Phrase phrase;
+  };
+
+  std::string name;
+  std::vector<Phrase> phrases;  // one after the other
+  Duration every{};             // from the begin of one to that of the next
+  std::optional<Index> result;  // then one of `of_values` is spoken
+  std::vector<OfValue> of_values;
+  Duration limit = Milliseconds(10'000);
+};
+
+// A step of a state.
+struct MoveStep {
+  Index movement = 0;
+  int count = 0;              // of a walk
+  std::optional<Index> less;  // the counter that is subtracted from it
+};
+struct CheckStep {
+  Index check = 0;
+  bool after_turn = false;
+};
+struct WaitStep {
+  Index wait = 0;
+};
+struct UntilStep {
+  Index until = 0;
+  std::optional<Index> stores;  // the counter that gets the steps made
+};
+struct WalkStep {
+  Index walk = 0;
+};
+struct SayStep {
+  Index speech = 0;
+};
+struct CountStep {
+  Index counter = 0;
+  int number = 0;
+  bool adds = false;  // else it sets
+};
+using Step = std::variant<MoveStep, CheckStep, WaitStep, UntilStep, WalkStep, SayStep, CountStep>;
+
+// A way out of a state, taken when all of its conditions hold; the first such way is taken.
+struct Way {
+  std::optional<Index> result;  // has the value `is`
+  Index is = 0;
+  std::vector<Index> from;  // the state before is one of these; empty: any
+  std::optional<Index> counter;
+  std::optional<int> below;     // the counter is below it
+  std::optional<int> at_least;  // or at least this
+  Index to = 0;
+
+  bool always() const { return !result && from.empty() && !counter; }
+};
+
+struct StateRule {
+  std::string name;
+  int number = 0;
+  std::vector<Step> steps;
+  std::vector<Way> ways;
+  bool light = false;  // a yellow light stops its movements ahead
+  Index on_fault = 0;
+};
+
+struct LightRule {
+  Index detector = 0;
+  double within_m = 0.7;
+  Index state = 0;                        // that is entered
+  Duration clear = Milliseconds(2000);    // out of sight for so long, the next one is another light
+  Duration again = Milliseconds(10'000);  // after so long the same one stops the movement again
+};
+
+// A command that sets a counter and leaves states.
+struct CourseCommand {
+  std::string name;
+  std::vector<Index> accepted;  // in these states
+  std::vector<Index> leaves;    // these of them at once, by their ways
+  std::optional<Index> counter;
+  int value = 0;
+};
+
+enum class Language : std::uint8_t { kChinese, kEnglish };
+
+struct Course {
+  Duration step = Milliseconds(200);
+  Language language = Language::kChinese;
+  Index start = 0;
+  Index end = 0;
+  Index error = 0;
+  Index stand = 0;  // the result command before an interrupted movement continues
+  CheckRules check;
+  BodyRules body;
+  std::optional<LightRule> light;
+  std::vector<Detector> detectors;
+  std::vector<Movement> movements;
+  std::vector<std::string> counters;
+  std::vector<ResultRule> results;
+  std::vector<Check> checks;
+  std::vector<Wait> waits;
+  std::vector<Until> untils;
+  std::vector<LaneWalk> walks;
+  std::vector<Speech> speeches;
+  std::vector<CourseCommand> commands;
+  std::vector<StateRule> states;
+};
+
+// The index of the thing with this name.
+template <class Things>
+std::optional<Index> FindByName(const Things& things, std::string_view name) {
+  for (Index i = 0; i < things.size(); ++i) {
+    if (things[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+// The longest stay in a state of a robot that is neither paused nor stopped by a light.
+Duration LongestStay(const Course& course, Index state);
+
+// The states that a state may lead to, without repetition: by its ways, its limits, the light and
+// faults.
+std::vector<Index> Successors(const Course& course, Index state);
+
+}  // namespace musher::race

@@ -1,0 +1,259 @@
+// The errors of a course whose tables are complete: states that are not reached, have no way out,
+// lead round without taking time, or lack a way for a value; numbers that are not unique.
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "musher/modules/race/course_parts.hpp"
+#include "musher/modules/race/course_reader.hpp"
+
+namespace musher::race {
+namespace parts {
+namespace {
+
+constexpr std::size_t kMostCases = 100'000;  // of the conditions of one state
+
+bool TakesTime(const StateRule& state) {
+  return std::ranges::any_of(
+      state.steps, [](const Step& step) { return !std::holds_alternative<CountStep>(step); });
+}
+
+// What the conditions of a state depend on.
+struct Case {
+  std::map<Index, Index> values;  // of a result
+  std::map<Index, int> counters;
+  Index from = 0;
+};
+
+bool Holds(const Way& way, const Case& at) {
+  if (way.result && at.values.at(*way.result) != way.is) return false;
+  if (!way.from.empty() && std::ranges::find(way.from, at.from) == way.from.end()) return false;
+  if (!way.counter) return true;
+  const int count = at.counters.at(*way.counter);
+  return (!way.below || count < *way.below) && (!way.at_least || count >= *way.at_least);
+}
+
+class Checking {
+ public:
+  explicit Checking(Reading& reading) : reading_(reading), course_(reading.course) {}
+
+  void Run() {
+    CheckNumbers();
+    CheckReached();
+    for (Index state = 0; state < course_.states.size(); ++state) {
+      CheckWayOut(state);
+      CheckEachValueHasAWay(state);
+      CheckFault(state);
+    }
+    CheckTimelessCycles();
+  }
+
+ private:
+  const StateRule& At(Index state) const { return course_.states[state]; }
+  void Fail(Position at, Index state, const std::string& what) {
+    reading_.findings.Error(at, "state." + At(state).name + ": " + what);
+  }
+  bool IsEnd(Index state) const { return state == course_.end || state == course_.error; }
+
+  void CheckNumbers() {
+    std::map<int, Index> first;
+    for (Index i = 0; i < course_.states.size(); ++i) {
+      const auto [found, is_new] = first.emplace(At(i).number, i);
+      if (is_new) continue;
+      Fail(reading_.places[i].at, i,
+           "number " + std::to_string(At(i).number) + " is that of " + At(found->second).name +
+               ", too");
+    }
+  }
+
+  void CheckReached() {
+    std::vector<bool> reached(course_.states.size());
+    std::vector<Index> open = {course_.start, course_.error};
+    for (const Index state : open) reached[state] = true;
+    while (!open.empty()) {
+      const Index state = open.back();
+      open.pop_back();
+      for (const Index next : Successors(course_, state)) {
+        if (reached[next]) continue;
+        reached[next] = true;
+        open.push_back(next);
+      }
+    }
+    for (Index i = 0; i < reached.size(); ++i) {
+      if (!reached[i]) {
+        Fail(reading_.places[i].at, i,
+             "is unreachable: no way leads to it from " + At(course_.start).name);
+      }
+    }
+  }
+
+  void CheckWayOut(Index state) {
+    if (IsEnd(state)) {
+      if (At(state).ways.empty()) return;
+      return Fail(reading_.places[state].next, state,
+                  "only a command leaves it: expected no \"next\"");
+    }
+    if (At(state).ways.empty()) {
+      return Fail(reading_.places[state].at, state,
+                  "has no way out: the key \"next\" is missing; expected the name of a state");
+    }
+    const bool itself =
+        std::ranges::all_of(At(state).ways, [&](const Way& way) { return way.to == state; });
+    if (itself) Fail(reading_.places[state].next, state, "has no way out: it leads to itself only");
+    if (state != course_.start) return;
+    if (At(state).ways.size() != 1 || !At(state).ways[0].always() || !At(state).steps.empty()) {
+      Fail(reading_.places[state].next, state,
+           "is the start: expected no steps, and the name of one state as \"next\"");
+    }
+  }
+
+  // The values of every condition in all combinations: one of the ways holds in each.
+  void CheckEachValueHasAWay(Index state) {
+    const std::vector<Way>& ways = At(state).ways;
+    for (std::size_t i = 0; i + 1 < ways.size(); ++i) {
+      if (!ways[i].always()) continue;
+      Fail(reading_.places[state].ways[i + 1], state,
+           "this way is never taken: the one before it has no condition");
+      return;
+    }
+    if (ways.empty() || ways.back().always()) return;
+    std::vector<Case> cases(1);
+    for (const Way& way : ways) {
+      if (way.result && !cases.front().values.contains(*way.result)) {
+        Multiply(cases, course_.results[*way.result].values.size(),
+                 [&](Case& at, std::size_t value) { at.values[*way.result] = value; });
+      }
+      if (way.counter && !cases.front().counters.contains(*way.counter)) {
+        const std::vector<int> counts = Thresholds(ways, *way.counter);
+        Multiply(cases, counts.size(),
+                 [&](Case& at, std::size_t i) { at.counters[*way.counter] = counts[i]; });
+      }
+    }
+    const std::vector<Index> before = Predecessors(state);
+    if (!before.empty()) {
+      Multiply(cases, before.size(), [&](Case& at, std::size_t i) { at.from = before[i]; });
+    }
+    for (const Case& at : cases) {
+      if (std::ranges::any_of(ways, [&](const Way& way) { return Holds(way, at); })) continue;
+      return Fail(reading_.places[state].next, state, "has no way for " + Text(at, ways));
+    }
+  }
+
+  static void Multiply(std::vector<Case>& cases, std::size_t size,
+                       const std::function<void(Case&, std::size_t)>& set) {
+    if (cases.size() * size > kMostCases) size = 1;
+    std::vector<Case> all;
+    for (const Case& at : cases) {
+      for (std::size_t i = 0; i < size; ++i) {
+        all.push_back(at);
+        set(all.back(), i);
+      }
+    }
+    cases = std::move(all);
+  }
+
+  // One number of each range that the ways distinguish.
+  static std::vector<int> Thresholds(const std::vector<Way>& ways, Index counter) {
+    std::vector<int> counts = {0};
+    for (const Way& way : ways) {
+      if (way.counter != counter) continue;
+      if (way.below) counts.push_back(*way.below);
+      if (way.at_least) counts.push_back(*way.at_least);
+    }
+    return counts;
+  }
+
+  std::vector<Index> Predecessors(Index state) const {
+    std::vector<Index> before;
+    for (Index i = 0; i < course_.states.size(); ++i) {
+      const std::vector<Index> next = Successors(course_, i);
+      if (std::ranges::find(next, state) != next.end()) before.push_back(i);
+    }
+    return before;
+  }
+
+  std::string Text(const Case& at, const std::vector<Way>& ways) const {
+    std::string text;
+    const auto add = [&text](const std::string& part) {
+      text += (text.empty() ? "" : ", ") + part;
+    };
+    for (const auto& [result, value] : at.values) {
+      add(course_.results[result].name + " = \"" + course_.results[result].values[value] + "\"");
+    }
+    for (const auto& [counter, count] : at.counters) {
+      add(course_.counters[counter] + " = " + std::to_string(count));
+    }
+    if (std::ranges::any_of(ways, [](const Way& way) { return !way.from.empty(); })) {
+      add("from " + At(at.from).name);
+    }
+    return text;
+  }
+
+  // A fault leads to the error state in two states at most, whatever fails again.
+  void CheckFault(Index state) {
+    const Index target = At(state).on_fault;
+    if (target == course_.error || At(target).on_fault == course_.error) return;
+    Fail(reading_.places[state].on_fault, state,
+         "on_fault: " + At(target).name + " has an on_fault of its own; expected a state whose " +
+             "faults lead to " + At(course_.error).name);
+  }
+
+  void CheckTimelessCycles() {
+    std::vector<int> marks(course_.states.size());  // 1: on the path, 2: done
+    for (Index i = 0; i < marks.size(); ++i) Follow(i, marks);
+  }
+  void Follow(Index state, std::vector<int>& marks) {
+    if (marks[state] != 0 || TakesTime(At(state)) || state == course_.start) return;
+    marks[state] = 1;
+    for (const Way& way : At(state).ways) {
+      if (way.to == kInterrupted) continue;
+      if (marks[way.to] == 1) {
+        Fail(reading_.places[state].next, state,
+             "leads back to " + At(way.to).name + " through states that take no time");
+      } else {
+        Follow(way.to, marks);
+      }
+    }
+    marks[state] = 2;
+  }
+
+  Reading& reading_;
+  const Course& course_;
+};
+
+}  // namespace
+
+void CheckStates(Reading& reading) {
+  Checking(reading).Run();
+}
+
+}  // namespace parts
+
+std::string Summary(const Course& course) {
+  const auto count = [](std::size_t n, const char* thing) {
+    return std::to_string(n) + " " + thing + (n == 1 ? "" : "s");
+  };
+  std::size_t steps = 0;
+  Duration longest{};
+  Index longest_state = 0;
+  for (Index i = 0; i < course.states.size(); ++i) {
+    steps += course.states[i].steps.size();
+    const Duration stay = LongestStay(course, i);
+    if (stay > longest) longest_state = i;
+    longest = std::max(longest, stay);
+  }
+  std::string text = count(course.states.size(), "state") + " with " + count(steps, "step") + ", " +
+                     count(course.movements.size(), "movement") + ", " +
+                     count(course.checks.size(), "check") + ", " +
+                     count(course.waits.size(), "wait") + ", " +
+                     count(course.detectors.size(), "detector") + "\n";
+  text += "from " + course.states[course.start].name + " to " + course.states[course.end].name +
+          "; faults lead to " + course.states[course.error].name + "\n";
+  text += "the longest stay: " + course.states[longest_state].name + ", at most " +
+          std::to_string(ToMilliseconds(longest) / 1000) + " s";
+  return text;
+}
+
+}  // namespace musher::race

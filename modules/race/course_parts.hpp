@@ -1,0 +1,78 @@
+#pragma once
+// What the readers of a course's tables share: names, references and their positions. Internal to
+// course_reader.cpp, state_reader.cpp and course_check.cpp.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/toml/table_reader.hpp"
+#include "musher/modules/race/course.hpp"
+
+namespace musher::race::parts {
+
+using config_toml::Findings;
+using config_toml::Position;
+using config_toml::Table;
+using config_toml::TableReader;
+
+// Where a state stands in the file.
+struct StatePlace {
+  Position at;
+  Position next;               // the value of `next`
+  std::vector<Position> ways;  // as StateRule::ways
+  Position on_fault;
+};
+
+struct Reading {
+  Course course;
+  Findings& findings;
+  std::vector<StatePlace> places;  // as Course::states
+};
+
+inline std::vector<std::string> NamesOf(const std::vector<std::string>& names) {
+  return names;
+}
+template <class Thing>
+std::vector<std::string> NamesOf(const std::vector<Thing>& things) {
+  std::vector<std::string> names;
+  names.reserve(things.size());
+  for (const Thing& thing : things) names.push_back(thing.name);
+  return names;
+}
+
+// Nothing, and an error with a suggestion, where `names` lacks `word`.
+std::optional<Index> Refer(TableReader& table, std::string_view key, std::string_view kind,
+                           const config_toml::Word& word, const std::vector<std::string>& names);
+
+// The thing that the key names; nothing where the key is missing or wrong.
+template <class Thing>
+std::optional<Index> Reference(TableReader& table, std::string_view key, std::string_view kind,
+                               const std::vector<Thing>& things) {
+  const auto word = table.String(key);
+  return word ? Refer(table, key, kind, *word, NamesOf(things)) : std::nullopt;
+}
+
+// The same for a list of names.
+std::vector<Index> States(TableReader& table, std::string_view key, const Reading& reading);
+
+// Steps of a walk, from 1 to kMostSteps; nothing where the key is missing or wrong.
+std::optional<int> Count(TableReader& table, std::string_view key);
+
+// A walk; `table` has `move` and `count`.
+std::optional<Stretch> ReadStretch(TableReader& table, const Reading& reading,
+                                   std::string_view count = "count");
+// The key's table { move = …, count = … }.
+std::optional<Stretch> StretchAt(TableReader& table, std::string_view key, Reading& reading);
+
+// The key `otherwise`.
+void ReadOtherwise(TableReader& table, Otherwise& otherwise, const Reading& reading);
+
+// The body of [state.NAME].
+void ReadState(TableReader& table, StateRule& state, StatePlace& place, Reading& reading);
+
+// The errors of a course that is complete: states that get stuck. course_check.cpp.
+void CheckStates(Reading& reading);
+
+}  // namespace musher::race::parts

@@ -1,0 +1,372 @@
+#include "musher/modules/race/course_reader.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/modules/race/course_parts.hpp"
+
+namespace musher::race {
+namespace {
+
+using namespace parts;  // NOLINT(google-build-using-namespace): this file is one of its parts
+
+constexpr std::int64_t kMostNumber = 999;  // of a state
+constexpr std::int64_t kMostMotion = 99'999;
+
+class CourseReader {
+ public:
+  CourseReader(const Table& table, Findings& findings)
+      : root_(table, {1, 1}, "", findings), findings_(findings), reading_{{}, findings, {}} {}
+
+  Course Read() {
+    Collect();
+    Each("detector", course().detectors, [this](auto& t, auto& d) { ReadDetector(t, d); });
+    Each("movement", course().movements, [this](auto& t, auto& m) { ReadMovement(t, m); });
+    Each("result", course().results, [this](auto& t, auto& r) { ReadResult(t, r); });
+    ReadTop();
+    In("checks", [this](TableReader& t) { ReadCheckRules(t); });
+    In("body", [this](TableReader& t) {
+      Take(t, "silent_ms", course().body.silent, 0);
+      Take(t, "refused_ms", course().body.refused);
+    });
+    Each("check", course().checks, [this](auto& t, auto& c) { ReadCheck(t, c); });
+    Each("wait", course().waits, [this](auto& t, auto& w) { ReadWait(t, w); });
+    Each("until", course().untils, [this](auto& t, auto& u) { ReadUntil(t, u); });
+    Each("walk", course().walks, [this](auto& t, auto& w) { ReadWalk(t, w); });
+    Each("speech", course().speeches, [this](auto& t, auto& s) { ReadSpeech(t, s); });
+    In("light", [this](TableReader& t) { ReadLight(t); });
+    Each("command", course().commands, [this](auto& t, auto& c) { ReadCommand(t, c); });
+    Index state = 0;
+    Each("state", course().states, [&](TableReader& t, StateRule& s) {
+      ReadState(t, s, reading_.places[state++], reading_);
+    });
+    root_.RefuseOthers();
+    if (!findings_.HasErrors()) CheckStates(reading_);
+    return std::move(course());
+  }
+
+ private:
+  Course& course() { return reading_.course; }
+
+  // The names of all things, so that a table may refer to one below it.
+  void Collect() {
+    const auto names = [this](const char* section, auto& things) {
+      const Table* all = root_.SubTable(section);
+      if (all == nullptr) return;
+      for (const config_toml::Member& member : *all) {
+        if (member.value.As<Table>() == nullptr) {
+          findings_.Error(member.at, std::string(section) + "." + member.key +
+                                         ": expected a table, as in [" + section + "." +
+                                         member.key + "]");
+          continue;
+        }
+        if (!config_toml::IsName(member.key)) {
+          findings_.Error(member.at, std::string(section) + ": expected " +
+                                         std::string(config_toml::kNameRule) + ", found " +
+                                         config_toml::Quote(member.key));
+        }
+        things.emplace_back();
+        things.back().name = member.key;
+      }
+    };
+    names("detector", course().detectors);
+    names("movement", course().movements);
+    names("result", course().results);
+    names("check", course().checks);
+    names("wait", course().waits);
+    names("until", course().untils);
+    names("walk", course().walks);
+    names("speech", course().speeches);
+    names("command", course().commands);
+    names("state", course().states);
+    reading_.places.resize(course().states.size());
+    if (const auto counters = root_.Strings("counters", {.may_be_empty = true})) {
+      for (const auto& counter : *counters) course().counters.push_back(counter.text);
+    }
+    if (course().states.empty()) root_.Require("state", "the states, tables [state.NAME]");
+  }
+
+  // `read` gets each table [section.NAME], in the order of the names.
+  template <class Thing, class Read>
+  void Each(const char* section, std::vector<Thing>& things, Read&& read) {
+    const Table* all = root_.SubTable(section);
+    if (all == nullptr) return;
+    Index next = 0;
+    for (const config_toml::Member& member : *all) {
+      const Table* table = member.value.As<Table>();
+      if (table == nullptr) continue;
+      TableReader reader(*table, member.at, std::string(section) + "." + member.key, findings_);
+      read(reader, things[next++]);
+      reader.RefuseOthers();
+    }
+  }
+  template <class Read>
+  void In(const char* section, Read&& read) {
+    const Table* table = root_.SubTable(section);
+    if (table == nullptr) return;
+    TableReader reader(*table, root_.At(section), section, findings_);
+    read(reader);
+    reader.RefuseOthers();
+  }
+
+  void Take(TableReader& table, const char* key, Duration& time, std::int64_t least_ms = 1) {
+    time = table.Time(key, least_ms).value_or(time);
+  }
+  template <class Thing>
+  void TakeReference(TableReader& table, const char* key, const char* kind,
+                     const std::vector<Thing>& things, Index& index) {
+    table.Require(key, "the name of a " + std::string(kind));
+    index = Reference(table, key, kind, things).value_or(index);
+  }
+  void TakeTopic(TableReader& table, const char* key, std::string& topic) {
+    table.Require(key, "a topic");
+    const auto word = table.String(key);
+    if (!word) return;
+    topic = word->text;
+    if (!config_toml::IsTopic(topic)) {
+      table.Fault(
+          word->at, key,
+          "expected a topic, as in \"/qr_detector/sighting\", found " + config_toml::Quote(topic));
+    }
+  }
+
+  void ReadTop() {
+    TakeReference(root_, "start", "state", course().states, course().start);
+    TakeReference(root_, "end", "state", course().states, course().end);
+    TakeReference(root_, "error", "state", course().states, course().error);
+    TakeReference(root_, "stand", "movement", course().movements, course().stand);
+    if (root_.Has("stand") && !course().movements.empty() &&
+        course().movements[course().stand].walks) {
+      root_.Fault(root_.At("stand"), "stand", "expected one motion, found a walk");
+    }
+    Take(root_, "step_ms", course().step, 50);
+    course().language =
+        root_.Choice<Language>("language", {{"zh", Language::kChinese}, {"en", Language::kEnglish}})
+            .value_or(course().language);
+  }
+
+  void ReadDetector(TableReader& table, Detector& detector) {
+    using Kind = Detector::Kind;
+    TakeTopic(table, "topic", detector.topic);
+    table.Require("type", "\"sighting\" or \"lines\"");
+    detector.kind =
+        table.Choice<Kind>("type", {{"sighting", Kind::kSighting}, {"lines", Kind::kLines}})
+            .value_or(detector.kind);
+  }
+
+  std::vector<double> Numbers(TableReader& table, const char* key, std::size_t size, double least,
+                              double most, const char* expected) {
+    const config_toml::Value* value = table.Get(key);
+    if (value == nullptr) return {};
+    std::vector<double> numbers;
+    if (const auto* array = value->As<config_toml::Array>()) {
+      for (const config_toml::Value& item : *array) {
+        const auto* real = item.As<double>();
+        const auto* integer = item.As<std::int64_t>();
+        if (real == nullptr && integer == nullptr) break;
+        const double number = real != nullptr ? *real : static_cast<double>(*integer);
+        if (number >= least && number <= most) numbers.push_back(number);
+      }
+      if (numbers.size() == size && array->size() == size) return numbers;
+    }
+    table.Fault(value->at, key, expected);
+    return {};
+  }
+
+  void ReadMovement(TableReader& table, Movement& movement) {
+    movement.walks = table.Has("twist");
+    table.Require("motion", "the id of a motion");
+    movement.motion_id = static_cast<std::int32_t>(
+        table.Integer("motion", 0, kMostMotion).value_or(movement.motion_id));
+    if (!movement.walks) {
+      Take(table, "before_ms", movement.before, 0);
+      Take(table, "after_ms", movement.after, 0);
+      return Take(table, "limit_ms", movement.limit);
+    }
+    const auto twist = Numbers(table, "twist", 3, -2, 2,
+                               "expected [ahead m/s, to the left m/s, yaw rad/s], each -2 to 2");
+    if (twist.size() == 3) movement.twist = {twist[0], twist[1], twist[2]};
+    const auto height =
+        Numbers(table, "step_height_m", 2, 0, 0.3, "expected [front m, rear m], each 0 to 0.3");
+    if (height.size() == 2) movement.step_height_m = {height[0], height[1]};
+    movement.count = Count(table, "count").value_or(movement.count);
+  }
+
+  void ReadResult(TableReader& table, ResultRule& result) {
+    table.Require("values", "its values, as in [\"left\", \"right\"]");
+    if (const auto values = table.Strings("values")) {
+      for (const auto& value : *values) result.values.push_back(value.text);
+    }
+    if (const auto word = table.String("default")) {
+      result.by_default = Refer(table, "default", "value", *word, result.values);
+    }
+    if (const auto command = table.String("command")) result.command = command->text;
+    result.once = table.Bool("once").value_or(false);
+    result.shown = table.Bool("shown").value_or(false);
+  }
+
+  void ReadCheckRules(TableReader& table) {
+    CheckRules& rules = course().check;
+    rules.max_corrections =
+        static_cast<int>(table.Integer("max_corrections", 0, 100).value_or(rules.max_corrections));
+    Take(table, "settle_ms", rules.settle, 0);
+    Take(table, "picture_ms", rules.picture);
+    Take(table, "open_ms", rules.open, 0);
+    Take(table, "silent_ms", rules.silent);
+  }
+
+  void ReadCorrections(TableReader& table, bool by_dy, Corrections& corrections) {
+    const auto take = [&](const char* key, LineWord word) {
+      corrections.at(static_cast<std::size_t>(word)) = StretchAt(table, key, reading_);
+    };
+    take(by_dy ? "front" : "left", by_dy ? LineWord::kFront : LineWord::kLeft);
+    take(by_dy ? "back" : "right", by_dy ? LineWord::kBack : LineWord::kRight);
+  }
+
+  void TakeDetector(TableReader& table, Detector::Kind kind, Index& index) {
+    table.Require("detector", "the name of a detector");
+    const auto found = Reference(table, "detector", "detector", course().detectors);
+    if (!found) return;
+    index = *found;
+    if (course().detectors[index].kind == kind) return;
+    table.Fault(table.At("detector"), "detector",
+                course().detectors[index].name + " is not a detector of type \"" +
+                    (kind == Detector::Kind::kLines ? "lines" : "sighting") + "\"");
+  }
+
+  void ReadCheck(TableReader& table, Check& check) {
+    TakeDetector(table, Detector::Kind::kLines, check.detector);
+    table.Require("word", "\"ycy\" or \"dy\"");
+    check.by_dy = table.Choice<bool>("word", {{"ycy", false}, {"dy", true}}).value_or(false);
+    ReadCorrections(table, check.by_dy, check.usual);
+    check.after_turn = check.usual;
+    const Table* turn = table.SubTable("after_turn");
+    if (turn == nullptr) return;
+    TableReader reader(*turn, table.At("after_turn"), table.path() + ".after_turn", findings_);
+    ReadCorrections(reader, check.by_dy, check.after_turn);
+    reader.RefuseOthers();
+  }
+
+  void ReadWait(TableReader& table, Wait& wait) {
+    if (table.Has("time_ms")) return Take(table, "time_ms", wait.limit);
+    wait.detector = 0;
+    TakeDetector(table, Detector::Kind::kSighting, *wait.detector);
+    TakeReference(table, "result", "result", course().results, wait.result);
+    table.Require("limit_ms", "milliseconds, or time_ms for a plain wait");
+    Take(table, "limit_ms", wait.limit);
+    wait.retries = static_cast<int>(table.Integer("retries", 0, 100).value_or(0));
+    if (const auto retry = StretchAt(table, "retry", reading_)) wait.retry = *retry;
+    if (wait.retries > 0) table.Require("retry", "a walk, as in { move = \"forward\", count = 2 }");
+    wait.adds = CounterAt(table, "adds");
+    ReadOtherwise(table, wait.otherwise, reading_);
+    const bool by_default = wait.otherwise.kind == Otherwise::Kind::kDefault;
+    if (by_default && wait.result < course().results.size() &&
+        !course().results[wait.result].by_default) {
+      table.Fault(table.At("otherwise"), "otherwise",
+                  "the result " + course().results[wait.result].name + " has no default");
+    }
+  }
+
+  std::optional<Index> CounterAt(TableReader& table, const char* key) {
+    const auto word = table.String(key);
+    return word ? Refer(table, key, "counter", *word, course().counters) : std::nullopt;
+  }
+
+  void RefuseDefault(TableReader& table, Otherwise& otherwise) {
+    ReadOtherwise(table, otherwise, reading_);
+    if (otherwise.kind != Otherwise::Kind::kDefault) return;
+    table.Fault(table.At("otherwise"), "otherwise", "expected \"continue\" or a state");
+  }
+
+  void ReadUntil(TableReader& table, Until& until) {
+    TakeDetector(table, Detector::Kind::kSighting, until.detector);
+    table.Require("phase", "the phase of a sighting, as in \"top\"");
+    if (const auto phase = table.String("phase")) until.phase = phase->text;
+    table.Require("most", "the most steps");
+    if (const auto most = ReadStretch(table, reading_, "most")) until.most = *most;
+    RefuseDefault(table, until.otherwise);
+  }
+
+  void ReadWalk(TableReader& table, LaneWalk& walk) {
+    TakeTopic(table, "command", walk.command);
+    TakeTopic(table, "status", walk.status);
+    if (const auto end = table.String("end")) walk.end = end->text;
+    Take(table, "limit_ms", walk.limit);
+    Take(table, "silent_ms", walk.silent);
+    RefuseDefault(table, walk.otherwise);
+  }
+
+  Phrase ReadPhrase(TableReader& table) {
+    Phrase phrase;
+    table.Require("zh", "the text in Chinese");
+    table.Require("en", "the text in English");
+    if (const auto word = table.String("zh")) phrase.chinese = word->text;
+    if (const auto word = table.String("en")) phrase.english = word->text;
+    table.RefuseOthers();
+    return phrase;
+  }
+
+  void ReadSpeech(TableReader& table, Speech& speech) {
+    Take(table, "limit_ms", speech.limit);
+    Take(table, "every_ms", speech.every, 0);
+    table.Require("texts", "what is said, as in [{ zh = \"五\", en = \"Five\" }]");
+    speech.result = Reference(table, "result", "result", course().results);
+    if (!table.Has("result")) {
+      for (const config_toml::Value* text : table.Tables("texts")) {
+        TableReader reader(*text->As<Table>(), text->at, table.path() + ".texts", findings_);
+        speech.phrases.push_back(ReadPhrase(reader));
+      }
+      return;
+    }
+    const Table* texts = table.SubTable("texts");
+    if (texts == nullptr || !speech.result) return;
+    TableReader reader(*texts, table.At("texts"), table.path() + ".texts", findings_);
+    const std::vector<std::string>& values = course().results[*speech.result].values;
+    for (Index value = 0; value < values.size(); ++value) {
+      const Table* text = reader.SubTable(values[value]);
+      if (text == nullptr) continue;  // of this value nothing is said
+      TableReader phrase(*text, reader.At(values[value]), reader.path() + "." + values[value],
+                         findings_);
+      speech.of_values.push_back({value, ReadPhrase(phrase)});
+    }
+    reader.RefuseOthers();
+  }
+
+  void ReadLight(TableReader& table) {
+    LightRule& light = course().light.emplace();
+    TakeDetector(table, Detector::Kind::kSighting, light.detector);
+    light.within_m = table.Number("stop_within_m", 0.01, 100).value_or(light.within_m);
+    TakeReference(table, "state", "state", course().states, light.state);
+    Take(table, "clear_ms", light.clear);
+    Take(table, "again_ms", light.again);
+  }
+
+  void ReadCommand(TableReader& table, CourseCommand& command) {
+    table.Require("accepted", "the states in which it is accepted");
+    command.accepted = States(table, "accepted", reading_);
+    command.leaves = States(table, "leaves", reading_);
+    command.counter = CounterAt(table, "set");
+    if (table.Has("set")) table.Require("to", "the value of the counter");
+    command.value = static_cast<int>(table.Integer("to", 0, kMostSteps).value_or(0));
+  }
+
+  TableReader root_;
+  Findings& findings_;
+  Reading reading_;
+};
+
+}  // namespace
+
+CourseReading ReadCourseText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<CourseReading>(
+      text, path,
+      [](const Table& root, Findings& findings) { return CourseReader(root, findings).Read(); });
+}
+
+CourseReading ReadCourseFile(const std::string& path) {
+  return config_toml::ReadFileWith(path, ReadCourseText);
+}
+
+}  // namespace musher::race

@@ -1,0 +1,62 @@
+#include "musher/modules/race/eyes.hpp"
+
+#include <utility>
+
+namespace musher::race {
+
+bool Eyes::Takes(Index detector, Detector::Kind kind, Time taken) {
+  if (detector >= open_.size() || !open_[detector]) return false;
+  if (course_.detectors[detector].kind != kind) return false;
+  Watched& watched = watched_[detector];
+  watched.heard = true;
+  watched.taken = taken;
+  return true;
+}
+
+void Eyes::OnSighting(Index detector, Sighting sighting, Time taken) {
+  if (!Takes(detector, Detector::Kind::kSighting, taken)) return;
+  watched_[detector].sighting = std::move(sighting);
+}
+
+void Eyes::OnLines(Index detector, const Lines& lines, Time taken) {
+  if (Takes(detector, Detector::Kind::kLines, taken)) watched_[detector].lines = lines;
+}
+
+void Eyes::BeginTick() {
+  for (Watched& watched : watched_) watched.wanted = false;
+}
+
+const Sighting* Eyes::SightingSince(Index detector, Time after) const {
+  const Watched& watched = watched_[detector];
+  return watched.taken && *watched.taken >= after ? &watched.sighting : nullptr;
+}
+
+const Lines* Eyes::LinesSince(Index detector, Time after) const {
+  const Watched& watched = watched_[detector];
+  return watched.taken && *watched.taken >= after ? &watched.lines : nullptr;
+}
+
+std::optional<Index> Eyes::EndTick(Duration now) {
+  bool changed = false;
+  std::optional<Index> silent;
+  for (Index i = 0; i < watched_.size(); ++i) {
+    Watched& watched = watched_[i];
+    if (watched.wanted != open_[i]) {
+      changed = true;
+      open_[i] = watched.wanted;
+      watched.taken.reset();
+      watched.heard_at = now;
+    }
+    if (std::exchange(watched.heard, false)) watched.heard_at = now;
+    if (watched.wanted && now - watched.heard_at >= course_.check.silent) silent = i;
+  }
+  if (changed) outputs_.Watch(open_);
+  return silent;
+}
+
+void Eyes::Close() {
+  BeginTick();
+  static_cast<void>(EndTick({}));
+}
+
+}  // namespace musher::race

@@ -1,0 +1,74 @@
+#pragma once
+// The detectors of the race: which of them are needed, and the newest picture of each. Pure.
+//
+// Times: `now` is that of the machine, which stands still in a pause; a picture has the time at
+// which it was taken, of the actuator's clock. One thread.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/modules/race/outputs.hpp"
+
+namespace musher::race {
+
+// What a detector has found in a picture, as of musher_msgs/Sighting.
+struct Sighting {
+  bool seen = false;
+  double distance_m = 0;  // NaN: not known
+  std::string phase;
+  std::string text;
+};
+
+// The yellow lines of a picture, as of musher_msgs/YellowLines.
+struct Lines {
+  std::uint32_t contours = 0;  // 0: no line is seen
+  LineWord ycy = LineWord::kCenter;
+  LineWord dy = LineWord::kCenter;
+};
+
+class Eyes {
+ public:
+  Eyes(const Course& course, RaceOutputs& outputs)
+      : course_(course),
+        outputs_(outputs),
+        watched_(course.detectors.size()),
+        open_(course.detectors.size()) {}
+
+  // Samples of a detector that is not needed are ignored.
+  void OnSighting(Index detector, Sighting sighting, Time taken);
+  void OnLines(Index detector, const Lines& lines, Time taken);
+
+  // --- each tick ---
+
+  void BeginTick();
+  // The detector is needed in this tick.
+  void Want(Index detector) { watched_[detector].wanted = true; }
+  // The newest sample that was taken at `after` or later; null: none.
+  const Sighting* SightingSince(Index detector, Time after) const;
+  const Lines* LinesSince(Index detector, Time after) const;
+  // Opens and closes detectors. Returns one that has been silent for too long.
+  std::optional<Index> EndTick(Duration now);
+
+  // None is needed any more.
+  void Close();
+
+ private:
+  struct Watched {
+    bool wanted = false;
+    bool heard = false;  // a sample since the last tick
+    Duration heard_at{};
+    std::optional<Time> taken;
+    Sighting sighting;
+    Lines lines;
+  };
+
+  bool Takes(Index detector, Detector::Kind kind, Time taken);
+
+  const Course& course_;
+  RaceOutputs& outputs_;
+  std::vector<Watched> watched_;  // by detector
+  std::vector<bool> open_;
+};
+
+}  // namespace musher::race

@@ -1,0 +1,74 @@
+#include "musher/modules/race/lane_walker.hpp"
+
+#include <utility>
+
+namespace musher::race {
+namespace {
+
+// The end of an earlier walk may be in the statuses for so long after START.
+constexpr Duration kOldEnd = Milliseconds(1000);
+
+// The value of ",End:<reason>"; empty: none.
+std::string_view EndOf(std::string_view status) {
+  constexpr std::string_view kKey = ",End:";
+  const std::size_t at = status.find(kKey);
+  if (at == std::string_view::npos) return {};
+  const std::string_view value = status.substr(at + kKey.size());
+  return value.substr(0, value.find(','));
+}
+
+}  // namespace
+
+void LaneWalker::Begin(Index walk) {
+  walk_ = walk;
+  started_ = false;
+  walked_ = Duration(0);
+}
+
+LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
+  const LaneWalk& walk = course_.walks[*walk_];
+  if (!std::exchange(started_, true)) {
+    started_at_ = heard_at_ = now;
+    heard_ = running_ = false;
+    end_.clear();
+    outputs_.CommandWalker(walk, true);
+    return End::kNone;
+  }
+  if (std::exchange(heard_, false)) heard_at_ = now;
+  const bool ended = !end_.empty() && (running_ || now - started_at_ >= kOldEnd);
+  if (ended && end_ == walk.end) return End::kGood;
+  if (ended) {
+    reason = "the line walker has ended with " + end_.substr(0, 40);
+    return End::kOther;
+  }
+  if (now - heard_at_ >= walk.silent) {
+    reason = "no " + walk.status + " for " + std::to_string(ToMilliseconds(walk.silent)) +
+             " ms: the line walker is lost";
+    return End::kLost;
+  }
+  if (walked_ + (now - started_at_) < walk.limit) return End::kNone;
+  reason = "the line walker has not reached the end within " +
+           std::to_string(ToMilliseconds(walk.limit)) + " ms";
+  return End::kOther;
+}
+
+void LaneWalker::Stop() {
+  if (!walk_) return;
+  if (std::exchange(started_, false)) outputs_.CommandWalker(course_.walks[*walk_], false);
+  walk_.reset();
+}
+
+void LaneWalker::Pause() {
+  if (!walk_ || !std::exchange(started_, false)) return;
+  walked_ += heard_at_ > started_at_ ? heard_at_ - started_at_ : Duration(0);
+  outputs_.CommandWalker(course_.walks[*walk_], false);
+}
+
+void LaneWalker::OnStatus(Index walk, std::string_view status) {
+  if (walk_ != walk || !started_) return;
+  heard_ = true;
+  end_ = EndOf(status);
+  if (end_.empty()) running_ = true;
+}
+
+}  // namespace musher::race

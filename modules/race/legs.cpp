@@ -1,0 +1,203 @@
+#include "musher/modules/race/legs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "musher/messages/protocol/motion.hpp"
+
+namespace musher::race {
+namespace {
+
+constexpr int kBadReports = 3;  // in a row: 0.3 s of motion_status
+constexpr Index kSwitchNames = 15;
+
+// Of MotionStatus::switch_status.
+constexpr std::array<std::string_view, kSwitchNames> kBodyStates{
+    "normal",        "transitioning",  "emergency stop",        "damping",       "lifted",
+    "no transition", "over heat",      "low battery",           "fallen",        "a foot is wrong",
+    "stuck",         "a motor is hot", "a motor is overloaded", "a motor fault", "charging"};
+
+std::string BodyState(int status) {
+  const auto index = static_cast<Index>(status);
+  const std::string name =
+      index < kBodyStates.size() ? std::string(kBodyStates[index]) : std::string("unknown");
+  return name + " (switch_status " + std::to_string(status) + ")";
+}
+
+}  // namespace
+
+void Legs::Continue(const WalkProgress& walk) {
+  EndStream();
+  motion_.reset();
+  walk_ = walk;
+}
+
+void Legs::Move(Index movement, Duration now) {
+  EndStream();
+  walk_.reset();
+  motion_ = Motion{movement, Stage::kBefore, now, 0};
+}
+
+bool Legs::Advance(Duration now, Time time) {
+  if (walk_) return AdvanceWalk(now, time);
+  if (!motion_) return true;
+  if (!AdvanceMotion(*motion_, now)) return false;
+  motion_.reset();
+  return true;
+}
+
+bool Legs::AdvanceWalk(Duration now, Time time) {
+  if (busy()) return false;  // the body is not free yet
+  if (!streaming_) {
+    streaming_ = true;
+    stream_from_ = body_heard_at_ = now;
+    refused_from_.reset();
+    refused_ = false;
+  } else {
+    walk_->made += now - frame_at_;
+  }
+  frame_at_ = now;
+  lying_ = false;
+  if (walk_->left() > Duration(0)) {
+    Send(false);
+    return false;
+  }
+  EndStream();
+  walk_.reset();
+  walked_until_ = time;
+  return true;
+}
+
+void Legs::Send(bool end) {
+  const Movement& movement = course_.movements[walk_->movement];
+  outputs_.Walk({movement.motion_id, end ? Twist{} : movement.twist, movement.step_height_m, end});
+}
+
+void Legs::EndStream() {
+  if (!std::exchange(streaming_, false)) return;
+  Send(true);
+}
+
+WalkProgress Legs::Stop() {
+  EndStream();
+  const WalkProgress walk = walk_.value_or(WalkProgress{});
+  walk_.reset();
+  motion_.reset();
+  stands_.reset();
+  return walk;
+}
+
+bool Legs::ahead() const {
+  return walk_ && course_.movements[walk_->movement].twist.forward_m_s > 0;
+}
+
+bool Legs::AdvanceMotion(Motion& motion, Duration now) {
+  const Movement& movement = course_.movements[motion.movement];
+  if (motion.stage == Stage::kBefore && now - motion.since >= movement.before) {
+    motion.stage = Stage::kCall;
+  }
+  if (motion.stage == Stage::kCall && !busy()) {
+    motion.stage = Stage::kReply;
+    motion.call = ++calls_;
+    call_ = Call{motion.call, movement.limit, now, motion.movement, false};
+    outputs_.Move(movement.motion_id, motion.call);
+  }
+  if (motion.stage == Stage::kAfter) {
+    if (motion.since == Duration(-1)) motion.since = now;  // the reply came since the last tick
+    return now - motion.since >= movement.after;
+  }
+  return false;
+}
+
+void Legs::ExpireCall(Duration now) {
+  if (!call_ || now - call_->since < call_->limit) return;
+  OnMotionDone(call_->number,
+               Error{kCodeTimeout,
+                     "no reply within " + std::to_string(ToMilliseconds(call_->limit)) + " ms"});
+}
+
+void Legs::OnMotionDone(std::uint64_t number, const Result<>& done) {
+  if (!call_ || call_->number != number) return;
+  const Call call = *std::exchange(call_, std::nullopt);
+  const Movement& movement = course_.movements[call.movement];
+  if (done) lying_ = movement.motion_id == msg::MotionId::kGetDown;
+  Motion* waiting = nullptr;
+  if (motion_ && motion_->call == number) waiting = &*motion_;
+  if (stands_ && stands_->call == number) waiting = &*stands_;
+  if (waiting == nullptr) return;  // the motion was dropped
+  if (done) {
+    waiting->stage = Stage::kAfter;
+    waiting->since = Duration(-1);
+  } else if (call.paused || paused_) {
+    waiting->stage = Stage::kCall;
+  } else {
+    Fail("the motion " + movement.name + " (" + std::to_string(movement.motion_id) +
+         ") failed: " + ErrorText(done.error()));
+  }
+}
+
+void Legs::Pause() {
+  paused_ = true;
+  EndStream();
+  stands_.reset();
+  if (call_) call_->paused = true;
+}
+
+void Legs::Resume(bool stand, Duration now) {
+  paused_ = false;
+  bad_reports_ = 0;
+  const bool moves = motion_.has_value();
+  if (stand && !lying_ && !moves) stands_ = Motion{course_.stand, Stage::kCall, now, 0};
+}
+
+bool Legs::AdvanceStanding(Duration now) {
+  if (!stands_) return true;
+  if (!AdvanceMotion(*stands_, now)) return false;
+  stands_.reset();
+  return true;
+}
+
+void Legs::OnBody(int switch_status, int motion_id) {
+  body_heard_ = true;
+  const bool silent = motion_id < 0;
+  if (!silent && switch_status <= msg::MotionStatus::kTransitioning) {
+    bad_reports_ = 0;
+    return;
+  }
+  ++bad_reports_;
+  bad_ = silent ? "the motion board is silent" : "the body reports: " + BodyState(switch_status);
+}
+
+void Legs::OnServoReply(bool accepted, std::int32_t code) {
+  refused_ = !accepted;
+  refused_code_ = code;
+}
+
+std::optional<std::string> Legs::Fault(Duration now) {
+  ExpireCall(now);
+  if (fault_) return std::exchange(fault_, std::nullopt);
+  if (std::exchange(body_heard_, false)) body_heard_at_ = now;
+  // A motion reports its own failure: a fallen body stands up by one.
+  const bool moves = motion_ || stands_ || busy();
+  if (moves) bad_reports_ = std::min(bad_reports_, kBadReports - 1);
+  if (!moves && bad_reports_ >= kBadReports) {
+    bad_reports_ = 0;
+    return bad_;
+  }
+  if (!streaming_) return std::nullopt;
+  if (course_.body.silent > Duration(0) && now - body_heard_at_ >= course_.body.silent) {
+    return "no motion_status for " + std::to_string(ToMilliseconds(course_.body.silent)) +
+           " ms: the motion manager is lost";
+  }
+  if (!refused_) {
+    refused_from_.reset();
+    return std::nullopt;
+  }
+  if (!refused_from_) refused_from_ = now;
+  if (now - *refused_from_ < course_.body.refused) return std::nullopt;
+  return "the motion manager refuses to walk: " + CodeText(refused_code_);
+}
+
+}  // namespace musher::race

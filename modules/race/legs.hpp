@@ -1,0 +1,128 @@
+#pragma once
+// The robot's body during a race: walks as servo streams, and motions with an end. Pure.
+//
+//   a walk     a frame each tick, then one frame with `end`: exactly one for each stream
+//   a motion   its pause before, the call, its reply, its pause after
+//
+// A pause ends the stream; the walk continues with what is left of it. A motion that failed in a
+// pause is repeated. Before anything continues the robot stands up, unless it was lying.
+//
+// Times are those of the machine, which stands still in a pause. One thread.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "musher/base/result.hpp"
+#include "musher/modules/race/outputs.hpp"
+
+namespace musher::race {
+
+// A walk, and how much of it is done.
+struct WalkProgress {
+  Index movement = 0;
+  Duration length{};
+  Duration made{};
+
+  Duration left() const { return length - made; }
+};
+
+class Legs {
+ public:
+  Legs(const Course& course, RaceOutputs& outputs) : course_(course), outputs_(outputs) {}
+
+  void Walk(const Stretch& stretch) {
+    Continue({stretch.movement, stretch.count * course_.step, {}});
+  }
+  void Continue(const WalkProgress& walk);
+  void Move(Index movement, Duration now);
+
+  // Once a tick while a walk or a motion is under way. Returns true when it has ended. `time` is
+  // that of the actuator's clock.
+  bool Advance(Duration now, Time time);
+  // Ends a walk early and drops a motion whose call may still be under way.
+  WalkProgress Stop();
+  // The same; pictures of a check have to be newer than this.
+  WalkProgress Halt(Time time) {
+    walked_until_ = time;
+    return Stop();
+  }
+
+  bool walking() const { return walk_.has_value(); }
+  const std::optional<WalkProgress>& walk() const { return walk_; }
+  // Whether the walk leads ahead.
+  bool ahead() const;
+  // When the last walk ended.
+  Time walked_until() const { return walked_until_; }
+  // A motion was called and has not been answered.
+  bool busy() const { return call_.has_value(); }
+  // Gives up an unanswered call after its limit. To be called also while nothing else is under way.
+  void ExpireCall(Duration now);
+
+  void Pause();
+  // `stand`: it was under way, and has to stand again.
+  void Resume(bool stand, Duration now);
+  bool standing_up() const { return stands_.has_value(); }
+  // Once a tick before anything else; returns true when it stands.
+  bool AdvanceStanding(Duration now);
+
+  // --- what the body reports ---
+
+  void OnMotionDone(std::uint64_t number, const Result<>& done);
+  // The switch_status and motion_id of motion_status.
+  void OnBody(int switch_status, int motion_id);
+  // motion_servo_response.
+  void OnServoReply(bool accepted, std::int32_t code);
+
+  // Why it cannot go on: once, with the text. Evaluated each tick in which the legs are in use.
+  std::optional<std::string> Fault(Duration now);
+
+ private:
+  enum class Stage : std::uint8_t { kBefore, kCall, kReply, kAfter };
+  struct Motion {
+    Index movement = 0;
+    Stage stage = Stage::kBefore;
+    Duration since{};        // of the stage
+    std::uint64_t call = 0;  // its number
+  };
+  struct Call {
+    std::uint64_t number = 0;
+    Duration limit{};
+    Duration since{};
+    Index movement = 0;
+    bool paused = false;  // a pause has come between: a failure is repeated
+  };
+
+  bool AdvanceMotion(Motion& motion, Duration now);
+  bool AdvanceWalk(Duration now, Time time);
+  void EndStream();
+  void Send(bool end);
+  void Fail(const std::string& why) {
+    if (!fault_) fault_ = why;
+  }
+
+  const Course& course_;
+  RaceOutputs& outputs_;
+  std::optional<WalkProgress> walk_;
+  bool streaming_ = false;
+  Duration frame_at_{};  // of the last frame
+  Duration stream_from_{};
+  Time walked_until_{};
+  std::optional<Motion> motion_;
+  std::optional<Motion> stands_;
+  std::optional<Call> call_;
+  std::uint64_t calls_ = 0;
+  bool lying_ = true;
+  bool paused_ = false;
+  std::optional<std::string> fault_;
+  // The body.
+  int bad_reports_ = 0;  // in a row
+  std::string bad_;
+  bool body_heard_ = false;  // since the last tick
+  Duration body_heard_at_{};
+  bool refused_ = false;  // the last servo reply
+  std::optional<Duration> refused_from_;
+  std::int32_t refused_code_ = 0;
+};
+
+}  // namespace musher::race

@@ -1,0 +1,317 @@
+#include "musher/modules/race/race.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "musher/base/suggest.hpp"
+#include "musher/modules/race/course_state.hpp"
+#include "musher/modules/race/recording.hpp"
+
+namespace musher::race {
+namespace {
+
+constexpr Duration kLogPeriod = std::chrono::seconds(2);  // of each kind of refusal
+constexpr std::size_t kMostText = 200;                    // of a command or a sighting
+constexpr std::size_t kMostEarly = 64;
+
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kSpace);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
+}
+
+std::string Shown(std::string_view text) {
+  return "'" + std::string(text.substr(0, 40)) + "'";
+}
+
+bool IsWord(std::string_view text) {
+  return text.size() <= kMostText &&
+         std::ranges::all_of(text, [](char c) { return c > ' ' && c != 0x7f; });
+}
+
+}  // namespace
+
+Race::Race(Course course, RaceOutputs& outputs)
+    : course_(std::move(course)),
+      outputs_(outputs),
+      runner_(course_, outputs),
+      log_([&outputs](const std::string& line) { outputs.Log(line); }, kLogPeriod) {}
+
+Race::~Race() {
+  if (machine_ != nullptr) machine_->Forget(this);
+}
+
+Result<> Race::Build(fsm::Machine& machine) {
+  machine.AddEvent(std::string(command::kStart));
+  machine.AddEvent(std::string(command::kStop), fsm::Urgency::kUrgent);
+  for (Index i = 0; i < course_.states.size(); ++i) {
+    const fsm::Role role = i == course_.error ? fsm::Role::kSafe
+                           : i == course_.end ? fsm::Role::kFinal
+                                              : fsm::Role::kNormal;
+    machine.Add(course_.states[i].name, std::make_unique<CourseState>(*this, i), role);
+  }
+  if (Result<> built = machine.Build(course_.states[course_.start].name); !built) return built;
+  machine_ = &machine;
+  machine.Listen(this);
+  return Ok();
+}
+
+std::string_view Race::state() const {
+  return running() ? machine_->Name(machine_->current()) : "";
+}
+
+int Race::state_number() const {
+  return course_.states[running() ? runner_.state() : course_.start].number;
+}
+
+std::string Race::InfoText() const {
+  std::string text = "CurrentState:" + std::to_string(state_number()) +
+                     ",QRResult:" + memory().Shown() +
+                     ",TaskCompleted:" + (memory().completed() ? "True" : "False");
+  const bool failed = running() && runner_.state() == course_.error && !runner_.reason().empty();
+  return failed ? text + ",Reason:" + runner_.reason() : text;
+}
+
+// The time in a recording of an input received at now_.
+void Race::Record(std::string_view input, std::initializer_list<std::string> words) {
+  if (recorder_ == nullptr || !first_start_) return;
+  recorder_->Input(input, InputText(now_ - *first_start_, words));
+}
+
+void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
+  now_ = now;
+  if (!IsWord(sighting.phase) || sighting.text.size() > kMostText) {
+    return Refuse("sighting", "a sighting is refused: its phase or text is too long or no word");
+  }
+  if (sighting.distance_m < 0 || std::isinf(sighting.distance_m)) {
+    return Refuse("sighting",
+                  "a sighting is refused: a distance of " + NumberText(sighting.distance_m) + " m");
+  }
+  if (first_start_) {
+    Record(input::kSighting,
+           {std::to_string(detector), std::to_string((taken - *first_start_).count()),
+            sighting.seen ? "1" : "0", NumberText(sighting.distance_m), sighting.phase,
+            sighting.text});
+  }
+  runner_.eyes().OnSighting(detector, std::move(sighting), taken);
+}
+
+void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
+                   std::string_view dy, Time taken, Time now) {
+  now_ = now;
+  const auto ycy_word = LineWordOf(ycy);
+  const auto dy_word = LineWordOf(dy);
+  if (!ycy_word || !dy_word) {
+    return Refuse("lines", "a picture of lines is refused: " + Shown(ycy) + " and " + Shown(dy) +
+                               "; expected left, right, front, back or center");
+  }
+  if (first_start_) {
+    Record(input::kLines,
+           {std::to_string(detector), std::to_string((taken - *first_start_).count()),
+            std::to_string(contours), std::string(ycy), std::string(dy)});
+  }
+  runner_.eyes().OnLines(detector, {contours, *ycy_word, *dy_word}, taken);
+}
+
+void Race::OnWalkerStatus(Index walk, std::string_view status, Time now) {
+  now_ = now;
+  const std::string_view text = Trimmed(status.substr(0, kMostText));
+  if (text.empty()) return Refuse("walker", "an empty status of the line walker is refused");
+  Record(input::kWalker, {std::to_string(walk), std::string(text)});
+  runner_.lane_walker().OnStatus(walk, text);
+}
+
+void Race::OnMotionDone(std::uint64_t number, const Result<>& done, Time now) {
+  now_ = now;
+  Record(input::kMotionDone, {std::to_string(number), std::to_string(done ? 0 : done.error().code),
+                              done ? "" : done.error().message});
+  runner_.legs().OnMotionDone(number, done);
+  ExecuteJump();
+}
+
+void Race::OnSpoken(std::uint64_t number, const Result<>& spoken, Time now) {
+  now_ = now;
+  Record(input::kSpoken, {std::to_string(number), std::to_string(spoken ? 0 : spoken.error().code),
+                          spoken ? "" : spoken.error().message});
+  runner_.voice().OnSpoken(number, spoken);
+}
+
+void Race::OnBody(int switch_status, int motion_id, Time now) {
+  now_ = now;
+  Record(input::kBody, {std::to_string(switch_status), std::to_string(motion_id)});
+  runner_.legs().OnBody(switch_status, motion_id);
+}
+
+void Race::OnServoReply(bool accepted, std::int32_t code, Time now) {
+  now_ = now;
+  Record(input::kServo, {accepted ? "1" : "0", std::to_string(code)});
+  runner_.legs().OnServoReply(accepted, code);
+}
+
+void Race::OnCommand(std::string_view text, Time now) {
+  now_ = now;
+  const std::string_view word = Trimmed(text);
+  if (word.empty() || word.size() > kMostText) {
+    return Refuse("command", "a command is refused: it is empty or too long");
+  }
+  if (word != command::kStart) {
+    if (!first_start_ && early_commands_.size() < kMostEarly) early_commands_.emplace_back(word);
+    Record(input::kCommand, {std::string(word)});
+    return Execute(word);
+  }
+  // The machine records its own commands.
+  if (!running() || resting_) {
+    return Refuse("START", "START is refused: the robot is not in a state that runs the race");
+  }
+  if (const Result<> sent = machine_->Send(command::kStart); !sent) {
+    Refuse("START", sent.error().message);
+  }
+}
+
+void Race::Execute(std::string_view word) {
+  constexpr std::string_view kGoTo = "START:";
+  if (ExecuteSet(word) || ExecuteOwn(word)) return;
+  if (word == command::kStop || word == command::kReset) {
+    if (word == command::kStop && runner_.state() == course_.start && !jump_) return;
+    return JumpTo({course_.start, word == command::kReset});
+  }
+  if (word.starts_with(kGoTo)) return GoTo(Trimmed(word.substr(kGoTo.size())));
+  std::vector<std::string> known = {"START", "STOP", "RESET"};
+  for (const ResultRule& result : course_.results) known.push_back(result.command + "_DEFAULT");
+  for (const CourseCommand& own : course_.commands) known.push_back(own.name);
+  Refuse("command", "the command is refused: " + NoSuch("command", word, known));
+}
+
+bool Race::ExecuteSet(std::string_view word) {
+  for (Index i = 0; i < course_.results.size(); ++i) {
+    const ResultRule& result = course_.results[i];
+    if (result.command.empty() || !word.starts_with(result.command)) continue;
+    const std::string_view rest = word.substr(result.command.size());
+    if (rest == "_DEFAULT" && result.by_default) {
+      SetResult(i, *result.by_default);
+      return true;
+    }
+    if (!rest.starts_with(":")) continue;
+    const auto value = std::ranges::find(result.values, Trimmed(rest.substr(1)));
+    if (value == result.values.end()) {
+      Refuse("command", std::string(word.substr(0, 60)) + " is refused: " +
+                            NoSuch("value", Trimmed(rest.substr(1)), result.values));
+    } else {
+      SetResult(i, static_cast<Index>(value - result.values.begin()));
+    }
+    return true;
+  }
+  return false;
+}
+
+void Race::SetResult(Index result, Index value) {
+  const ResultRule& rule = course_.results[result];
+  if (rule.once && memory().Value(result)) {
+    return Refuse("command", rule.command + " is refused: " + rule.name + " is already " +
+                                 memory().Text(result));
+  }
+  runner_.memory().Set(result, value, true);
+  outputs_.Log(rule.name + " is " + rule.values[value] + ", by command");
+}
+
+bool Race::ExecuteOwn(std::string_view word) {
+  const auto found = FindByName(course_.commands, word);
+  if (!found) return false;
+  const CourseCommand& own = course_.commands[*found];
+  const auto has = [this](const std::vector<Index>& states) {
+    return std::ranges::find(states, runner_.state()) != states.end();
+  };
+  if (!running() || jump_ || !has(own.accepted)) {
+    Refuse("command", own.name + " is refused in " + course_.states[runner_.state()].name);
+    return true;
+  }
+  if (own.counter) runner_.memory().SetCount(*own.counter, own.value);
+  if (has(own.leaves)) runner_.SkipSteps();
+  return true;
+}
+
+void Race::GoTo(std::string_view target) {
+  std::optional<Index> state = FindByName(course_.states, target);
+  int number = -1;
+  const auto [end, error] = std::from_chars(target.data(), target.data() + target.size(), number);
+  for (Index i = 0; i < course_.states.size() && !state; ++i) {
+    const bool whole = error == std::errc() && end == target.data() + target.size();
+    if (whole && course_.states[i].number == number) state = i;
+  }
+  if (!state) {
+    std::vector<std::string> names;
+    for (const StateRule& rule : course_.states) names.push_back(rule.name);
+    return Refuse("command", "START: is refused: " + NoSuch("state", target, names));
+  }
+  if (resting_ || !running()) {
+    return Refuse("START", "START:" + course_.states[*state].name +
+                               " is refused: the robot is not in a state that runs the race");
+  }
+  JumpTo({*state, false});
+}
+
+// At once where the body is free, else after the reply of its motion; until then it stands still.
+void Race::JumpTo(const Jump& jump) {
+  if (!running()) {
+    if (jump.reset) runner_.memory().Forget();
+    return;
+  }
+  jump_ = jump;
+  runner_.Leave();
+  ExecuteJump();
+}
+
+// Not inside of a tick, where it fails and is repeated after it.
+void Race::ExecuteJump() {
+  if (!jump_ || replays_ || !running() || runner_.legs().busy()) return;
+  const Jump jump = *jump_;
+  const Result<> done =
+      jump.reset ? machine_->Reset() : machine_->Force(course_.states[jump.state].name);
+  static_cast<void>(done);
+}
+
+void Race::Rest(Time now) {
+  now_ = now;
+  Record(input::kRest, {});
+  resting_ = true;
+  runner_.Pause();
+  ExecuteJump();
+}
+
+void Race::Resume(Time now) {
+  now_ = now;
+  Record(input::kResume, {});
+  resting_ = false;
+  runner_.Resume(machine_ == nullptr ? Duration(0) : machine_->time());
+}
+
+void Race::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
+  if (input.kind == fsm::Input::Kind::kStart) {
+    now_ = input.time;
+    if (!first_start_) first_start_ = input.time;
+  }
+  if (input.kind != fsm::Input::Kind::kTick) return;
+  now_ = input.time;
+  for (const std::string& word : std::exchange(early_commands_, {})) {
+    Record(input::kCommand, {word});
+  }
+  log_.Tick(input.time);
+}
+
+void Race::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
+  decided_ = change.cause == fsm::Cause::kDecided;
+  if (change.cause != fsm::Cause::kDecided) jump_.reset();
+  if (change.cause == fsm::Cause::kReset) {
+    runner_.memory().Forget();
+    runner_.ForgetReason();
+  }
+  if (change.to == fsm::kNoState) return runner_.eyes().Close();
+  if (change.from == change.to) return;
+  const auto state = FindByName(course_.states, machine.Name(change.to));
+  if (state) outputs_.ShowState(course_.states[*state].number);
+}
+
+}  // namespace musher::race

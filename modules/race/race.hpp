@@ -1,0 +1,117 @@
+#pragma once
+// The race: the course's states as a machine, its inputs and its outputs. Pure: time comes in with
+// each call, outputs go to a RaceOutputs.
+//
+//   START --START--> the states of the course --> END        RESET, then START: once more
+//                        |  a fault: a failed motion, a fallen body, a silent camera, a lost walker
+//                        +--> ERROR, which lies down         RESET, STOP or START:<name> leave it
+//
+// Threads: one at a time.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/rate_limited_log.hpp"
+#include "musher/behavior/fsm/machine.hpp"
+#include "musher/behavior/fsm/recorder.hpp"
+#include "musher/modules/race/runner.hpp"
+
+namespace musher::race {
+
+namespace command {
+inline constexpr std::string_view kStart = "START";
+inline constexpr std::string_view kStop = "STOP";
+inline constexpr std::string_view kReset = "RESET";
+}  // namespace command
+
+class Race : private fsm::Listener {
+ public:
+  Race(Course course, RaceOutputs& outputs);
+  ~Race() override;
+
+  // Registers the course's states with `machine`, which has none yet, and builds it; `machine`
+  // outlives the race. Call it before everything else.
+  Result<> Build(fsm::Machine& machine);
+
+  // Records the inputs from now on; after Build(). The recorder outlives the race.
+  void RecordTo(fsm::Recorder& recorder) { recorder_ = &recorder; }
+  // Applies a recorded input, for fsm::Replay(). From then on forces come from the recording.
+  Result<> Apply(std::string_view input, std::string_view text);
+
+  // --- inputs: each logs what it refuses, and then changes nothing ---
+
+  // START, START:<name or number>, STOP, RESET, SET_<result>:<value>, SET_<result>_DEFAULT, and
+  // those of the course.
+  void OnCommand(std::string_view text, Time now);
+  // `taken`: when the picture was taken, of the same clock as `now`.
+  void OnSighting(Index detector, Sighting sighting, Time taken, Time now);
+  void OnLines(Index detector, std::uint32_t contours, std::string_view ycy, std::string_view dy,
+               Time taken, Time now);
+  void OnWalkerStatus(Index walk, std::string_view status, Time now);
+  void OnMotionDone(std::uint64_t number, const Result<>& done, Time now);
+  void OnSpoken(std::uint64_t number, const Result<>& spoken, Time now);
+  // switch_status and motion_id of motion_status.
+  void OnBody(int switch_status, int motion_id, Time now);
+  // motion_servo_response.
+  void OnServoReply(bool accepted, std::int32_t code, Time now);
+
+  // --- lifecycle, around that of the machine: it begins paused ---
+
+  // After each tick of the machine.
+  void AfterTick() { ExecuteJump(); }
+  // Everything stands still until Resume(); until then the machine is not ticked.
+  void Rest(Time now);
+  void Resume(Time now);
+  bool resting() const { return resting_; }
+  // Periodically, also while paused.
+  void PassTime(Time now) { log_.Tick(now); }
+
+  const Course& course() const { return course_; }
+  const Memory& memory() const { return runner_.memory(); }
+  // "" while the machine does not run.
+  std::string_view state() const;
+  int state_number() const;
+  // "CurrentState:2,QRResult:A-1,TaskCompleted:False", with ",Reason:<text>" after a fault.
+  std::string InfoText() const;
+
+ private:
+  class CourseState;
+  struct Jump {
+    Index state = 0;
+    bool reset = false;
+  };
+
+  // Before a tick.
+  void OnInput(const fsm::Machine& machine, const fsm::Input& input) override;
+  void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
+
+  void Execute(std::string_view command);
+  bool ExecuteSet(std::string_view command);
+  bool ExecuteOwn(std::string_view command);
+  void SetResult(Index result, Index value);
+  void GoTo(std::string_view target);
+  void JumpTo(const Jump& jump);
+  void ExecuteJump();
+  void Refuse(std::string_view kind, const std::string& why) { log_.Log(kind, why, now_); }
+  void Record(std::string_view input, std::initializer_list<std::string> words);
+  bool running() const { return machine_ != nullptr && machine_->running(); }
+
+  const Course course_;
+  RaceOutputs& outputs_;
+  Runner runner_;
+  RateLimitedLog log_;
+  fsm::Machine* machine_ = nullptr;
+  fsm::Recorder* recorder_ = nullptr;
+  std::optional<Time> first_start_;  // of the machine; times of a recording count from there
+  std::vector<std::string> early_commands_;  // before it: recorded with the first tick
+  std::optional<Jump> jump_;                 // waits for the reply of a motion
+  bool decided_ = false;                     // the present change is by a way of the state
+  bool replays_ = false;
+  bool resting_ = true;
+  Time now_{};
+};
+
+}  // namespace musher::race

@@ -1,0 +1,47 @@
+#pragma once
+// The inputs of a race in a recording (behavior/fsm/recorder.hpp), a name and a text: words in a
+// row, of which the first is the time of reception in nanoseconds since the machine was first
+// started, and the last may have spaces. "-" is an empty word.
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+
+namespace musher::race {
+
+namespace input {
+// detector, when it was taken in ns, seen 0 or 1, distance in m, phase, text
+inline constexpr std::string_view kSighting = "sighting";
+// detector, when it was taken in ns, contours, ycy, dy
+inline constexpr std::string_view kLines = "lines";
+inline constexpr std::string_view kWalker = "walker";           // walk, status
+inline constexpr std::string_view kMotionDone = "motion_done";  // number, code, message
+inline constexpr std::string_view kSpoken = "spoken";           // number, code, message
+inline constexpr std::string_view kBody = "body";               // switch_status, motion_id
+inline constexpr std::string_view kServo = "servo";             // accepted 0 or 1, code
+inline constexpr std::string_view kCommand = "command";         // its text
+inline constexpr std::string_view kRest = "rest";
+inline constexpr std::string_view kResume = "resume";
+}  // namespace input
+
+std::string NumberText(double number);
+
+// Joins the words behind the time.
+std::string InputText(Duration at, std::initializer_list<std::string> words);
+
+// Splits a text into the time and `words` words; fails when it has fewer.
+struct InputWords {
+  Duration at{};
+  std::vector<std::string> words;
+};
+Result<InputWords> ReadInput(std::string_view text, std::size_t words);
+
+// Of a word; fails when it is none.
+Result<std::int64_t> ReadInteger(std::string_view word);
+Result<double> ReadNumber(std::string_view word);
+
+}  // namespace musher::race

@@ -1,0 +1,94 @@
+// Applies the recorded inputs of a race.
+
+#include "musher/modules/race/race.hpp"
+#include "musher/modules/race/recording.hpp"
+
+namespace musher::race {
+namespace {
+
+struct Kind {
+  std::string_view name;
+  std::size_t words;
+};
+constexpr std::array<Kind, 10> kKinds = {{{input::kSighting, 6},
+                                          {input::kLines, 5},
+                                          {input::kWalker, 2},
+                                          {input::kMotionDone, 3},
+                                          {input::kSpoken, 3},
+                                          {input::kBody, 2},
+                                          {input::kServo, 2},
+                                          {input::kCommand, 1},
+                                          {input::kRest, 0},
+                                          {input::kResume, 0}}};
+
+// The words of an input as numbers; the first that is none is the error.
+class Numbers {
+ public:
+  explicit Numbers(const InputWords& input) : input_(input) {}
+
+  template <class Number>
+  Number Integer(std::size_t word) {
+    const Result<std::int64_t> read = ReadInteger(input_.words[word]);
+    if (!read && result_) result_ = read.error();
+    return read ? static_cast<Number>(read.value()) : Number{};
+  }
+  double Real(std::size_t word) {
+    const Result<double> read = ReadNumber(input_.words[word]);
+    if (!read && result_) result_ = read.error();
+    return read ? read.value() : 0;
+  }
+  // Of an error's code and message.
+  Result<> Outcome(std::size_t word) {
+    const auto code = Integer<std::int32_t>(word);
+    return code == 0 ? Ok() : Error{code, input_.words[word + 1]};
+  }
+  const Result<>& result() const { return result_; }
+
+ private:
+  const InputWords& input_;
+  Result<> result_;
+};
+
+}  // namespace
+
+Result<> Race::Apply(std::string_view input, std::string_view text) {
+  const auto* const kind =
+      std::ranges::find_if(kKinds, [&](const Kind& known) { return known.name == input; });
+  if (kind == kKinds.end()) {
+    return Error{kCodeFailed, "the race has no input '" + std::string(input) + "'"};
+  }
+  const Result<InputWords> read = ReadInput(text, kind->words);
+  if (!read) return read.error();
+  if (!first_start_) return Error{kCodeFailed, "an input before the first start"};
+  replays_ = true;
+  const Time now = *first_start_ + read.value().at;
+  const std::vector<std::string>& words = read.value().words;
+  Numbers numbers(read.value());
+  const auto taken = [&] { return *first_start_ + Duration(numbers.Integer<std::int64_t>(1)); };
+  if (input == input::kSighting) {
+    OnSighting(numbers.Integer<Index>(0),
+               {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5]}, taken(), now);
+  } else if (input == input::kLines) {
+    OnLines(numbers.Integer<Index>(0), numbers.Integer<std::uint32_t>(2), words[3], words[4],
+            taken(), now);
+  } else if (input == input::kWalker) {
+    OnWalkerStatus(numbers.Integer<Index>(0), words[1], now);
+  } else if (input == input::kMotionDone) {
+    OnMotionDone(numbers.Integer<std::uint64_t>(0), numbers.Outcome(1), now);
+  } else if (input == input::kSpoken) {
+    OnSpoken(numbers.Integer<std::uint64_t>(0), numbers.Outcome(1), now);
+  } else if (input == input::kBody) {
+    OnBody(numbers.Integer<int>(0), numbers.Integer<int>(1), now);
+  } else if (input == input::kServo) {
+    OnServoReply(numbers.Integer<int>(0) != 0, numbers.Integer<std::int32_t>(1), now);
+  } else if (input == input::kCommand) {
+    OnCommand(words[0], now);
+  } else if (input == input::kRest) {
+    Rest(now);
+  } else {
+    Resume(now);
+  }
+  return numbers.result();
+}
+
+}  // namespace musher::race

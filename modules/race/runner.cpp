@@ -1,0 +1,149 @@
+#include "musher/modules/race/runner.hpp"
+
+#include <algorithm>
+
+namespace musher::race {
+
+Runner::Runner(const Course& course, RaceOutputs& outputs)
+    : course_(course),
+      outputs_(outputs),
+      memory_(course),
+      eyes_(course, outputs),
+      legs_(course, outputs),
+      lane_walker_(course, outputs),
+      voice_(course, outputs),
+      state_(course.start),
+      previous_(course.start) {
+  if (course.light) light_.emplace(*course.light);
+}
+
+void Runner::Enter(Index state, bool by_decision, Duration now) {
+  const bool back = by_decision && returns_ && interrupted_ && interrupted_->state == state;
+  const bool begins = by_decision && state_ == course_.start;
+  light_stops_ = returns_ = skips_ = false;
+  if (back) {
+    const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
+    state_ = state;
+    previous_ = interrupted.previous;
+    at_ = interrupted.activity;
+    legs_.Continue(interrupted.walk);
+    light_->Continue(now);
+    return;
+  }
+  if (begins) {
+    memory_.BeginRun();
+    reason_.clear();
+    if (light_) light_->Reset();
+  }
+  if (!by_decision || state == course_.error || begins) interrupted_.reset();
+  previous_ = state_;
+  state_ = state;
+  at_ = {};
+  at_.since = now;
+  if (state == course_.end) memory_.Complete();
+}
+
+void Runner::Leave() {
+  static_cast<void>(legs_.Stop());
+  lane_walker_.Stop();
+  voice_.Stop();
+  if (light_) light_->Interrupt();
+}
+
+void Runner::SkipSteps() {
+  Leave();
+  skips_ = true;
+}
+
+void Runner::Pause() {
+  legs_.Pause();
+  lane_walker_.Pause();
+  voice_.Pause();
+  eyes_.Close();
+  if (light_) light_->Interrupt();
+}
+
+void Runner::Resume(Duration now) {
+  const bool under_way = !idle() && state_ != course_.error && at_.step < rule().steps.size();
+  legs_.Resume(under_way, now);
+}
+
+std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
+  eyes_.BeginTick();
+  std::optional<Index> next;
+  legs_.ExpireCall(now);
+  if (!held) next = RunSteps(now, time);
+  const std::optional<Index> silent = eyes_.EndTick(now);
+  if (next || !silent) return next;
+  return Fail("no sample of the detector " + course_.detectors[*silent].name + " for " +
+              std::to_string(ToMilliseconds(course_.check.silent)) +
+              " ms: its camera or the detector is lost");
+}
+
+std::optional<Index> Runner::RunSteps(Duration now, Time time) {
+  if (skips_) {
+    if (legs_.busy()) return std::nullopt;
+    at_.step = rule().steps.size();
+  }
+  if (legs_.standing_up()) {
+    const bool stands = legs_.AdvanceStanding(now);
+    if (const auto fault = legs_.Fault(now)) return Fail(*fault);
+    if (!stands) return std::nullopt;
+    at_.after = std::max(at_.after, time + course_.check.settle);
+  }
+  while (at_.step < rule().steps.size()) {
+    fault_.clear();
+    const Outcome outcome =
+        std::visit([&](const auto& step) { return Run(step, now, time); }, rule().steps[at_.step]);
+    if (!fault_.empty()) return Fail(fault_);
+    if (const auto fault = legs_.Fault(now)) return Fail(*fault);
+    if (outcome == Outcome::kTarget) return target_;
+    if (outcome == Outcome::kRunning) return std::nullopt;
+    at_ = {.step = at_.step + 1, .phase = 0, .since = now, .after = {}, .tries = 0};
+    if (outcome == Outcome::kDone) return std::nullopt;  // a new stream begins in the next tick
+  }
+  if (idle() || state_ == course_.error) return std::nullopt;
+  return ChooseWay();
+}
+
+// In the error state itself a fault only drops the step: it has nowhere else to go.
+std::optional<Index> Runner::Fail(const std::string& reason) {
+  Say(reason);
+  if (state_ == course_.error) {
+    Leave();
+    ++at_.step;
+    at_.phase = 0;
+    return std::nullopt;
+  }
+  reason_ = rule().name + ": " + reason;
+  return rule().on_fault;
+}
+
+bool Runner::Holds(const Way& way) const {
+  if (way.result && memory_.Value(*way.result) != way.is) return false;
+  if (!way.from.empty() && std::ranges::find(way.from, previous_) == way.from.end()) return false;
+  if (!way.counter) return true;
+  const int count = memory_.Count(*way.counter);
+  return (!way.below || count < *way.below) && (!way.at_least || count >= *way.at_least);
+}
+
+std::optional<Index> Runner::ChooseWay() {
+  for (const Way& way : rule().ways) {
+    if (!Holds(way)) continue;
+    if (way.to != kInterrupted) return way.to;
+    if (!interrupted_) return Fail("no movement was interrupted, to which it could go back");
+    returns_ = true;
+    return interrupted_->state;
+  }
+  std::string known;
+  for (const Way& way : rule().ways) {
+    if (!way.result) continue;
+    const std::string& name = course_.results[*way.result].name;
+    if (known.find(name) == std::string::npos) {
+      known += (known.empty() ? ": " : ", ") + name + " is " + memory_.Text(*way.result);
+    }
+  }
+  return Fail("none of its ways can be taken" + known);
+}
+
+}  // namespace musher::race

@@ -1,0 +1,122 @@
+#pragma once
+// Runs the steps of the course's states, one after the other, and chooses the way out. Pure.
+//
+//   Enter -> step, step, ... -> a way           to the next state
+//               | a fault                       to on_fault, with the reason
+//               | a yellow light                to the light's state; "back" continues the movement
+//
+// Times: `now` is that of the machine, which stands still in a pause; `time` that of the actuator's
+// clock, for the age of pictures. One thread.
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "musher/modules/race/eyes.hpp"
+#include "musher/modules/race/lane_walker.hpp"
+#include "musher/modules/race/legs.hpp"
+#include "musher/modules/race/light_watch.hpp"
+#include "musher/modules/race/memory.hpp"
+#include "musher/modules/race/voice.hpp"
+
+namespace musher::race {
+
+class Runner {
+ public:
+  // `course` and `outputs` outlive it.
+  Runner(const Course& course, RaceOutputs& outputs);
+
+  // `by_decision`: of the state before, by one of its ways; else by a command.
+  void Enter(Index state, bool by_decision, Duration now);
+  // Each tick; returns the state to go to. While `held`, nothing moves.
+  std::optional<Index> Advance(Duration now, Time time, bool held);
+  void Leave();
+
+  void Pause();
+  void Resume(Duration now);
+  // The steps that are left are dropped: the next tick takes a way.
+  void SkipSteps();
+
+  Memory& memory() { return memory_; }
+  const Memory& memory() const { return memory_; }
+  Eyes& eyes() { return eyes_; }
+  Legs& legs() { return legs_; }
+  const Legs& legs() const { return legs_; }
+  LaneWalker& lane_walker() { return lane_walker_; }
+  Voice& voice() { return voice_; }
+  Index state() const { return state_; }
+  // Of the last fault; empty: none since the last start of a run.
+  const std::string& reason() const { return reason_; }
+  void ForgetReason() { reason_.clear(); }
+
+ private:
+  // Where the present state is.
+  struct Activity {
+    Index step = 0;
+    int phase = 0;     // of the step
+    Duration since{};  // of the phase
+    Time after{};      // pictures taken before do not count
+    int tries = 0;     // corrections or retries
+  };
+  struct Interrupted {
+    Index state = 0;
+    Index previous = 0;
+    Activity activity;
+    WalkProgress walk;
+  };
+  enum class Outcome : std::uint8_t {
+    kRunning,
+    kDone,
+    kSkipped,  // took no time
+    kTarget    // a state to go to, in target_
+  };
+
+  std::optional<Index> RunSteps(Duration now, Time time);
+  std::optional<Index> Fail(const std::string& reason);
+  std::optional<Index> ChooseWay();
+  bool Holds(const Way& way) const;
+
+  Outcome Run(const MoveStep& step, Duration now, Time time);
+  Outcome Run(const CheckStep& step, Duration now, Time time);
+  Outcome Run(const WaitStep& step, Duration now, Time time);
+  Outcome Run(const UntilStep& step, Duration now, Time time);
+  Outcome Run(const WalkStep& step, Duration now, Time time);
+  Outcome Run(const SayStep& step, Duration now, Time time);
+  Outcome Run(const CountStep& step, Duration now, Time time);
+
+  // Advances the walk or motion under way. kDone, kRunning, or kTarget: a light has stopped it.
+  Outcome Advance(Duration now, Time time);
+  bool StoppedByLight(Duration now);
+  void WantNext();
+  Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
+  Outcome FindResult(const Wait& wait, Duration now, Time time);
+  Outcome GiveUp(const Otherwise& otherwise, const std::string& what);
+  void Phase(int phase, Duration now) {
+    at_.phase = phase;
+    at_.since = now;
+  }
+  void Say(const std::string& line) { outputs_.Log(rule().name + ": " + line); }
+  const StateRule& rule() const { return course_.states[state_]; }
+  bool idle() const { return state_ == course_.start || state_ == course_.end; }
+
+  const Course& course_;
+  RaceOutputs& outputs_;
+  Memory memory_;
+  Eyes eyes_;
+  Legs legs_;
+  LaneWalker lane_walker_;
+  Voice voice_;
+  std::optional<LightWatch> light_;
+  Index state_ = 0;
+  Index previous_ = 0;
+  Activity at_;
+  std::optional<Interrupted> interrupted_;
+  bool light_stops_ = false;  // the state is left for the light's
+  bool returns_ = false;      // and now back again
+  bool skips_ = false;        // see SkipSteps()
+  Index target_ = 0;
+  std::string fault_;  // found by a step in this tick
+  std::string reason_;
+};
+
+}  // namespace musher::race

@@ -1,0 +1,194 @@
+// Reads a state of a course: its steps and its ways.
+
+#include <array>
+
+#include "musher/base/toml/findings.hpp"
+#include "musher/modules/race/course_parts.hpp"
+
+namespace musher::race::parts {
+namespace {
+
+using config_toml::Array;
+using config_toml::Value;
+
+class StateReader {
+ public:
+  StateReader(TableReader& table, StateRule& state, StatePlace& place, Reading& reading)
+      : table_(table), state_(state), place_(place), reading_(reading) {}
+
+  void Read() {
+    place_.at = table_.at();
+    place_.next = table_.At("next");
+    table_.Require("number", "the state's number in state_info");
+    state_.number = static_cast<int>(table_.Integer("number", 0, 999).value_or(0));
+    state_.light = table_.Bool("light").value_or(false);
+    place_.on_fault = table_.At("on_fault");
+    state_.on_fault =
+        Reference(table_, "on_fault", "state", course().states).value_or(course().error);
+    EachTable("steps", "a step, as in { move = \"forward\", count = 12 }",
+              [this](TableReader& step) { ReadStep(step); });
+    ReadWays();
+  }
+
+ private:
+  const Course& course() const { return reading_.course; }
+
+  // `read` gets each table of the list.
+  template <class Read>
+  void EachTable(const char* key, const char* expected, Read&& read) {
+    const Value* value = table_.Get(key);
+    if (value == nullptr) return;
+    const auto* items = value->As<Array>();
+    if (items == nullptr) {
+      return table_.Fault(value->at, key,
+                          "expected a list, each " + std::string(expected) + ", found " +
+                              std::string(config_toml::TypeName(*value)));
+    }
+    for (const Value& item : *items) {
+      const auto* table = item.As<Table>();
+      if (table == nullptr) {
+        table_.Fault(item.at, key,
+                     "expected " + std::string(expected) + ", found " +
+                         std::string(config_toml::TypeName(item)));
+        continue;
+      }
+      TableReader reader(*table, item.at, table_.path() + "." + key, reading_.findings);
+      read(reader);
+      reader.RefuseOthers();
+    }
+  }
+
+  void ReadStep(TableReader& step) {
+    static constexpr std::array<const char*, 8> kKinds = {"move", "check", "wait", "until",
+                                                          "walk", "say",   "set",  "add"};
+    const char* kind = nullptr;
+    for (const char* key : kKinds) {
+      if (!step.Has(key)) continue;
+      if (kind != nullptr) {
+        return step.Fault(step.At(key), key,
+                          "expected one step, found \"" + std::string(kind) + "\" beside it");
+      }
+      kind = key;
+    }
+    const std::string_view what = kind == nullptr ? "" : kind;
+    if (what == "move") return ReadMove(step);
+    if (what == "check") return ReadCheck(step);
+    if (what == "wait") return Add<WaitStep>(step, "wait", course().waits);
+    if (what == "walk") return Add<WalkStep>(step, "walk", course().walks);
+    if (what == "say") return Add<SayStep>(step, "say", course().speeches);
+    if (what == "until") return ReadUntil(step);
+    if (what == "set" || what == "add") return ReadCount(step, what == "add");
+    // The unknown key is reported with what it may be.
+  }
+
+  template <class Kind, class Thing>
+  void Add(TableReader& step, const char* key, const std::vector<Thing>& things) {
+    if (const auto found = Reference(step, key, key, things)) {
+      state_.steps.emplace_back(Kind{*found});
+    }
+  }
+
+  std::optional<Index> CounterAt(TableReader& table, const char* key) {
+    const auto word = table.String(key);
+    return word ? Refer(table, key, "counter", *word, course().counters) : std::nullopt;
+  }
+
+  void ReadMove(TableReader& step) {
+    const auto movement = Reference(step, "move", "movement", course().movements);
+    const auto count = Count(step, "count");
+    const auto less = CounterAt(step, "less");
+    if (!movement) return;
+    const Movement& moved = course().movements[*movement];
+    for (const char* key : {"count", "less"}) {
+      if (moved.walks || !step.Has(key)) continue;
+      step.Fault(step.At(key), key, moved.name + " is one motion, without a count");
+    }
+    state_.steps.emplace_back(MoveStep{*movement, count.value_or(moved.count), less});
+    if (moved.walks) turned_ = moved.twist.turns();
+  }
+
+  void ReadCheck(TableReader& step) {
+    const auto check = Reference(step, "check", "check", course().checks);
+    if (check) state_.steps.emplace_back(CheckStep{*check, turned_});
+  }
+
+  void ReadUntil(TableReader& step) {
+    const auto until = Reference(step, "until", "until", course().untils);
+    const auto stores = CounterAt(step, "stores");
+    if (!until) return;
+    state_.steps.emplace_back(UntilStep{*until, stores});
+    turned_ = false;
+  }
+
+  void ReadCount(TableReader& step, bool adds) {
+    const auto counter = CounterAt(step, adds ? "add" : "set");
+    const char* key = adds ? "by" : "to";
+    step.Require(key, "a number");
+    const auto number = step.Integer(key, adds ? 1 : 0, kMostSteps);
+    if (counter && number) {
+      state_.steps.emplace_back(CountStep{*counter, static_cast<int>(*number), adds});
+    }
+  }
+
+  void ReadWays() {
+    const Value* next = table_.Get("next");
+    if (next == nullptr) return;
+    if (next->As<std::string>() != nullptr) return AddWay(table_, "next", {});
+    EachTable("next", "a way, as in { to = \"END\" }, or the name of a state",
+              [this](TableReader& way) { ReadWay(way); });
+  }
+
+  void ReadWay(TableReader& table) {
+    Way way;
+    way.result = Reference(table, "result", "result", course().results);
+    if (table.Has("result")) table.Require("is", "a value of the result");
+    if (const auto word = table.String("is"); word && way.result) {
+      way.is = Refer(table, "is", "value", *word, course().results[*way.result].values).value_or(0);
+    } else if (word && !table.Has("result")) {
+      table.Fault(word->at, "is", "expected result = … beside it");
+    }
+    way.from = States(table, "from", reading_);
+    way.counter = CounterAt(table, "counter");
+    const auto number = [&](const char* key, std::optional<int>& limit) {
+      if (const auto read = table.Integer(key, 0, kMostSteps)) limit = static_cast<int>(*read);
+      if (table.Has(key) && !table.Has("counter")) {
+        table.Fault(table.At(key), key, "expected counter = … beside it");
+      }
+    };
+    number("below", way.below);
+    number("at_least", way.at_least);
+    if (way.counter && !way.below && !way.at_least) {
+      table.Fault(table.At("counter"), "counter", "expected below = … or at_least = … beside it");
+    }
+    table.Require("to", "the name of a state");
+    AddWay(table, "to", way);
+  }
+
+  void AddWay(TableReader& table, const char* key, Way way) {
+    const auto word = table.String(key);
+    if (!word) return;
+    if (word->text == kBack) {
+      way.to = kInterrupted;
+    } else {
+      const auto to = Refer(table, key, "state", *word, NamesOf(course().states));
+      if (!to) return;
+      way.to = *to;
+    }
+    state_.ways.push_back(std::move(way));
+    place_.ways.push_back(word->at);
+  }
+
+  TableReader& table_;
+  StateRule& state_;
+  StatePlace& place_;
+  Reading& reading_;
+  bool turned_ = false;  // by the last movement so far
+};
+
+}  // namespace
+
+void ReadState(TableReader& table, StateRule& state, StatePlace& place, Reading& reading) {
+  StateReader(table, state, place, reading).Read();
+}
+
+}  // namespace musher::race::parts

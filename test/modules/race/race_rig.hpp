@@ -1,0 +1,221 @@
+#pragma once
+// A race without a robot: virtual time, 20 ticks a second, and a fake of everything around it. The
+// fake answers motions and speech, publishes samples of the detectors that are wanted, and checks
+// each servo stream: frames, then exactly one end.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "musher/modules/race/course_reader.hpp"
+#include "musher/modules/race/race.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::race {
+
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+inline std::string CourseFile() {
+  return SourceDir() + "/config/race/course.toml";
+}
+inline const Course& TheCourse() {
+  static const CourseReading reading = ReadCourseFile(CourseFile());
+  for (const Diagnostic& found : reading.diagnostics) ADD_FAILURE() << FormatDiagnostic(found);
+  static const Course course = reading.course.value_or(Course{});
+  return course;
+}
+
+class Field : public RaceOutputs {
+ public:
+  void Walk(const ServoFrame& frame) override {
+    if (frame.end) {
+      EXPECT_TRUE(streaming) << "an end without a stream";
+      ++ends;
+    } else if (!streaming) {
+      ++streams;
+      frames_of_stream.push_back(0);
+    }
+    if (!frame.end) ++frames_of_stream.back();
+    streaming = !frame.end;
+    frames.push_back(frame);
+  }
+  void Move(std::int32_t motion_id, std::uint64_t number) override {
+    EXPECT_FALSE(streaming) << "a motion during a stream";
+    motions.push_back(motion_id);
+    calls.push_back(number);
+  }
+  void CommandWalker(const LaneWalk& /*walk*/, bool start) override {
+    walker.emplace_back(start ? "START" : "STOP");
+    walking_lane = start;
+  }
+  void Watch(const std::vector<bool>& detectors) override { watched = detectors; }
+  void Say(const std::string& text, std::uint64_t number) override {
+    spoken.push_back(text);
+    speeches.push_back(number);
+  }
+  void ShowState(int number) override { states.push_back(number); }
+  void Log(const std::string& line) override { log.push_back(line); }
+
+  bool Logged(std::string_view part) const {
+    for (const std::string& line : log) {
+      if (line.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  bool streaming = false;
+  int streams = 0;
+  int ends = 0;
+  std::vector<int> frames_of_stream;
+  std::vector<ServoFrame> frames;
+  std::vector<std::int32_t> motions;
+  std::vector<std::uint64_t> calls;
+  std::vector<std::string> walker;
+  bool walking_lane = false;
+  std::vector<bool> watched;
+  std::vector<std::string> spoken;
+  std::vector<std::uint64_t> speeches;
+  std::vector<int> states;
+  std::vector<std::string> log;
+};
+
+// What the fake perception publishes; each may be replaced by a test.
+struct Script {
+  std::function<Sighting(const std::string& detector)> sight;
+  std::function<Lines(const std::string& detector)> lines;
+  std::function<std::string(Duration walked)> walker;
+  std::function<Result<>(std::int32_t motion)> motion;
+  bool motion_replies = true;
+  bool speech_replies = true;
+  bool body_reports = true;
+  int body_status = 0;
+  bool cameras = true;
+};
+
+class Rig {
+ public:
+  explicit Rig(const Course& course = TheCourse()) : course_(course) {
+    script.sight = [](const std::string&) { return Sighting{false, kUnknown, "", ""}; };
+    script.lines = [](const std::string&) {
+      return Lines{1, LineWord::kCenter, LineWord::kCenter};
+    };
+    script.walker = [](Duration walked) -> std::string {
+      return walked < Milliseconds(8000) ? "State:WALKING,Active:True"
+                                         : "State:IDLE,Active:False,End:course_end";
+    };
+    script.motion = [](std::int32_t) { return Ok(); };
+    machine = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "race", .commands = 32});
+    race = std::make_unique<Race>(course_, field);
+    const Result<> built = race->Build(*machine);
+    EXPECT_TRUE(built) << (built ? "" : built.error().message);
+    recorder = std::make_unique<fsm::Recorder>(
+        *machine, [this](std::string_view line) { recording += line; });
+    race->RecordTo(*recorder);
+    race->Resume(now);
+    EXPECT_TRUE(machine->Start(now));
+  }
+
+  void Tick(int count = 1) {
+    for (int i = 0; i < count; ++i) {
+      now += Milliseconds(50);
+      if (race->resting()) {
+        Answer();
+        continue;
+      }
+      Answer();
+      Publish();
+      machine->RunOnce(now);
+      race->AfterTick();
+      const std::string state(race->state());
+      if (visited.empty() || visited.back() != state) visited.push_back(state);
+    }
+  }
+  void Run(Duration time) { Tick(static_cast<int>(time / Milliseconds(50))); }
+  // Ticks until the state is `state`; false: not within `most`.
+  bool RunTo(std::string_view state, Duration most = std::chrono::hours(1)) {
+    for (Duration passed{}; passed < most; passed += Milliseconds(50)) {
+      if (race->state() == state) return true;
+      Tick();
+    }
+    return race->state() == state;
+  }
+  bool RunUntil(const std::function<bool()>& done, Duration most = std::chrono::minutes(5)) {
+    for (Duration passed{}; passed < most; passed += Milliseconds(50)) {
+      if (done()) return true;
+      Tick();
+    }
+    return done();
+  }
+  void Command(std::string_view text) { race->OnCommand(text, now); }
+  bool Wants(std::string_view detector) const {
+    const auto index = FindByName(course_.detectors, detector);
+    return index && *index < field.watched.size() && field.watched[*index];
+  }
+  std::string_view state() const { return race->state(); }
+
+  const Course course_;
+  Field field;
+  Script script;
+  Time now{Milliseconds(1000)};
+  std::unique_ptr<fsm::Machine> machine;
+  std::string recording;
+  std::unique_ptr<fsm::Recorder> recorder;  // before the race, which uses it
+  std::unique_ptr<Race> race;
+  std::vector<std::string> visited;
+
+ private:
+  // Motions are answered after 500 ms, phrases after 300 ms.
+  void Answer() {
+    if (script.motion_replies && !field.calls.empty() && ++motion_wait_ >= 10) {
+      motion_wait_ = 0;
+      const std::uint64_t call = field.calls.front();
+      field.calls.erase(field.calls.begin());
+      race->OnMotionDone(call, script.motion(field.motions.back()), now);
+    }
+    if (script.speech_replies && !field.speeches.empty() && ++speech_wait_ >= 6) {
+      speech_wait_ = 0;
+      const std::uint64_t speech = field.speeches.front();
+      field.speeches.erase(field.speeches.begin());
+      race->OnSpoken(speech, Ok(), now);
+    }
+    if (script.body_reports) race->OnBody(script.body_status, 303, now);
+  }
+  // Ten pictures a second, 60 ms old.
+  void Publish() {
+    ++turn_;
+    lane_ = field.walking_lane ? lane_ + Milliseconds(50) : Duration(0);
+    if (turn_ % 2 != 0) return;
+    const std::string status = script.walker(lane_);
+    if (!status.empty()) race->OnWalkerStatus(0, status, now);
+    if (!script.cameras) return;
+    const Time taken = now - Milliseconds(60);
+    for (Index i = 0; i < field.watched.size(); ++i) {
+      if (!field.watched[i]) continue;
+      const Detector& detector = course_.detectors[i];
+      if (detector.kind == Detector::Kind::kSighting) {
+        race->OnSighting(i, script.sight(detector.name), taken, now);
+        continue;
+      }
+      const Lines lines = script.lines(detector.name);
+      race->OnLines(i, lines.contours, Name(lines.ycy), Name(lines.dy), taken, now);
+    }
+  }
+
+  int motion_wait_ = 0;
+  int speech_wait_ = 0;
+  int turn_ = 0;
+  Duration lane_{};
+};
+
+inline Sighting Text(const std::string& text) {
+  return {true, 1.0, "", text};
+}
+
+}  // namespace musher::race
