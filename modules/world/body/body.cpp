@@ -222,7 +222,9 @@ Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, NormalRan
   const bool wanted = timed ? elapsed_ < time_ : now - last_sign_ <= spec.command_timeout;
   Vector3d target = Vector3d::Zero();
   if (motion_->kind == Kind::kWalk && wanted && !Stalled()) {
-    target = command_.speed.cwiseMin(motion_->limit).cwiseMax(-motion_->limit) * (1 - spec.slip);
+    target = command_.speed.cwiseMin(motion_->limit).cwiseMax(-motion_->limit);
+    target.head<2>() *= 1 - spec.slip;
+    target.z() *= 1 - spec.yaw_slip.value_or(spec.slip);
   }
   walking_ += (target - walking_) * (1 - std::exp(-seconds / Seconds(spec.lag)));
   if (spec.noise == 0) return walking_ * seconds;

@@ -217,10 +217,16 @@ class GroundPainter {
       Cast(RoundOf(circle.center_m, circle.radius_m), circle.bottom_m, circle.height_m, mask);
     }
     for (const Board& board : scene_.boards) {
+      if (board.round) {
+        CastRound(board, mask);
+        continue;
+      }
       Cast(CornersOf(board.center_m, {0.005, board.width_m / 2}, board.yaw_rad), board.bottom_m,
            board.height_m, mask);
     }
-    for (const Ball& ball : scene_.balls) CastOf(ball, mask);
+    for (const Ball& ball : scene_.balls) {
+      if (ball.name.empty()) CastOf(ball, mask);
+    }
     CastFence(mask);
     cv::blur(mask, mask, cv::Size(1, 1) * (2 * PixelsFrom(kSoftEdgeM) + 1));
     per_m_ = per_m;
@@ -240,6 +246,15 @@ class GroundPainter {
     for (const Vector2d& point : outline_m) {
       all.push_back(point + ShadowOffset(bottom_m));
       all.push_back(point + ShadowOffset(bottom_m + height_m));
+    }
+    FillHull(all, mask);
+  }
+  void CastRound(const Board& board, cv::Mat& mask) const {
+    const Vector2d across = Rotation2Dd(board.yaw_rad) * Vector2d(0, board.width_m / 2);
+    Points all;
+    for (const Vector2d& on_unit : RoundOf({0, 0}, 1)) {
+      const double height = board.bottom_m + board.height_m / 2 * (1 + on_unit.y());
+      all.push_back(board.center_m + across * on_unit.x() + ShadowOffset(height));
     }
     FillHull(all, mask);
   }

@@ -6,6 +6,7 @@
 #include <opencv2/objdetect.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/modules/world/paint/canvas.hpp"
@@ -76,6 +77,23 @@ Texture Text(const Board& board) {
   return canvas.ToTexture();
 }
 
+// A bold one, from edge to edge.
+Texture Arrow(const Board& board) {
+  const Sheet sheet(board);
+  Canvas canvas(sheet.size().width, sheet.size().height, board.color);
+  const double unit = std::min(sheet.width / 1.5, sheet.height);
+  const double way = board.sign.content == "left" ? -unit : unit;
+  const Pixel middle(sheet.width / 2, sheet.height / 2);
+  std::vector<Pixel> corners;
+  for (const auto& [along, across] :
+       {std::pair(0.64, 0.0), std::pair(0.04, 0.42), std::pair(0.04, 0.17), std::pair(-0.6, 0.17),
+        std::pair(-0.6, -0.17), std::pair(0.04, -0.17), std::pair(0.04, -0.42)}) {
+    corners.emplace_back(middle + Pixel(along * way, across * unit));
+  }
+  canvas.Fill(corners, board.sign.ink);
+  return canvas.ToTexture();
+}
+
 Texture Face(const Board& board) {
   const Sheet sheet(board);
   Canvas canvas(sheet.size().width, sheet.size().height, board.color);
@@ -106,6 +124,8 @@ Result<Texture> Paint(const Board& board) {
       return Text(board);
     case Sign::Kind::kFace:
       return Face(board);
+    case Sign::Kind::kArrow:
+      return Arrow(board);
   }
   return TextureOf(cv::Mat(1, 1, CV_8UC3, Bgr<cv::Scalar>(board.color)));
 }

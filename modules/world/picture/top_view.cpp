@@ -61,6 +61,7 @@ class TopView {
       Label(circle.name, circle.center_m, 2 * circle.radius_m, InkOn(circle.color));
     }
     for (const Ball& ball : scene_.balls) {
+      if (!ball.shown) continue;
       if (ball.center_m.z() - ball.radius_m > kOverhead)
         continue;  // it would hide the things below
       DrawDisc(ball.center_m.head<2>(), ball.radius_m, ball.color);

@@ -1,7 +1,9 @@
 // musher-world: a simulated robot and the place it is in. See ../README.md.
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,10 +28,29 @@ struct Options {
   std::string picture;
   std::vector<std::string> shot;  // a camera, a picture
   double seconds = 0;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> choose;  // NAME=VALUE
 };
 
+std::optional<musher::world::SceneRun> RunOf(const Options& options) {
+  musher::world::SceneRun run;
+  run.seed = options.seed;
+  for (const std::string& choice : options.choose) {
+    const std::size_t at = choice.find('=');
+    if (at == std::string::npos || at == 0) {
+      std::cerr << "musher-world: expected --choose NAME=VALUE, found \"" << choice << "\""
+                << std::endl;
+      return std::nullopt;
+    }
+    run.chosen[choice.substr(0, at)] = choice.substr(at + 1);
+  }
+  return run;
+}
+
 int Run(const Options& options) {
-  const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene);
+  const auto run = RunOf(options);
+  if (!run) return kUsageError;
+  const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene, *run);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.scene) return kUsageError;
   const auto time =
@@ -116,6 +137,14 @@ int main(int argc, char** argv) {
       ->type_name("CAMERA FILE")
       ->excludes(draw)
       ->excludes(alone);
+  constexpr std::uint64_t kMostSeed = std::uint64_t{1} << 62;
+  app.add_option("--seed", options.seed, "Of this run, instead of the scene's")
+      ->check(CLI::Range(std::uint64_t{0}, kMostSeed).description(""));
+  app.add_option("--choose", options.choose, "A value of the scene's [choices]; repeatable")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--for", options.seconds, "World time before that, in s")
       ->check(CLI::Range(0.0, kLongestS));
   try {

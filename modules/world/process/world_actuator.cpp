@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/modules/world/picture/picture.hpp"
+#include "musher/modules/world/scene/variation.hpp"
 
 namespace musher::world {
 
@@ -46,6 +47,7 @@ Result<> WorldActuator::SetUp() {
       host_ = std::move(host).value();
     }
   });
+  if (started && !scene_.sampled.empty()) Log(SampledText(scene_));
   return started;
 }
 

@@ -14,6 +14,7 @@
 #include "musher/modules/world/picture/picture.hpp"
 #include "musher/modules/world/process/world_host.hpp"
 #include "musher/modules/world/render/shot.hpp"
+#include "musher/modules/world/scene/variation.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::world {
@@ -30,6 +31,7 @@ int DrawTo(const World& world, const std::string& path) {
 }
 
 World Played(const Scene& scene, Duration time) {
+  if (!scene.sampled.empty()) Say(SampledText(scene));
   World world(scene);
   while (world.now() < time) {
     for (const std::string& line : world.Step().log) Say(line);
@@ -76,7 +78,7 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
     Say(why_not);
     return 1;
   }
-  Say("\"" + scene.name + "\" runs; Ctrl+C ends it");
+  Say("\"" + scene.name + "\" runs; " + SampledText(scene) + "; Ctrl+C ends it");
   int signal = 0;
   sigwait(&signals, &signal);
   std::optional<World> world;

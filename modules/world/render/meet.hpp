@@ -77,13 +77,14 @@ inline bool MeetsCylinder(const Eigen::Vector3f& half, const Eigen::Vector3f& fr
   return best < kFar;
 }
 
-inline bool MeetsBoard(const Eigen::Vector3f& half, const Eigen::Vector3f& from,
+inline bool MeetsBoard(const Eigen::Vector3f& half, bool round, const Eigen::Vector3f& from,
                        const Eigen::Vector3f& ray, float& far_m, int& face) {
   if (std::abs(ray.x()) < 1e-9F) return false;
   const float far = -from.x() / ray.x();
   if (far <= kNearest) return false;
-  if (std::abs(from.y() + far * ray.y()) > half.y()) return false;
-  if (std::abs(from.z() + far * ray.z()) > half.z()) return false;
+  const float aside = (from.y() + far * ray.y()) / half.y();
+  const float up = (from.z() + far * ray.z()) / half.z();
+  if (round ? aside * aside + up * up > 1 : std::abs(aside) > 1 || std::abs(up) > 1) return false;
   far_m = far;
   face = ray.x() < 0 ? kFront : kBack;
   return true;
@@ -101,7 +102,7 @@ inline bool Meets(const Thing& thing, const Eigen::Vector3f& from, const Eigen::
       face = kRound;
       return MeetsSphere(thing.half_m.x(), from, ray, far_m);
     case Thing::Shape::kBoard:
-      return MeetsBoard(thing.half_m, from, ray, far_m, face);
+      return MeetsBoard(thing.half_m, thing.round, from, ray, far_m, face);
     case Thing::Shape::kEllipsoid:  // Tracer's
       break;
   }

@@ -222,7 +222,7 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
   Image image{lens_.width(), lens_.height(), {}};
   image.bgr.resize(3 * static_cast<std::size_t>(image.width) *
                    static_cast<std::size_t>(image.height));
-  std::vector<Thing> things = scenery.With(view.guests);
+  std::vector<Thing> things = scenery.With(view.guests, view.hidden_balls);
   if (view.humanoid) {
     StandRobot(*view.humanoid, BodyInPlace(view.body, view.attitude),
                spec_.on != CameraMount::kPlace, things);

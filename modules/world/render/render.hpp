@@ -29,13 +29,15 @@ struct Image {
 };
 
 // The variable part of a picture: where the body is, which casts a shadow, where its head looks,
-// the guests, the noise, and a humanoid's stance; other bodies are not drawn.
+// the guests, the balls that are hidden, the noise, and a humanoid's stance; other bodies are not
+// drawn.
 struct View {
   Pose2 body;
   Attitude attitude;
   std::uint64_t seed = 0;  // of the noise
   Gaze gaze = {};
-  std::vector<Guest> guests = {};  // as the scene lists them
+  std::vector<Guest> guests = {};              // as the scene lists them
+  std::vector<std::size_t> hidden_balls = {};  // in ascending order
   std::optional<HumanoidStance> humanoid = {};
 };
 

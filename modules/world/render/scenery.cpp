@@ -84,6 +84,7 @@ Result<std::unique_ptr<Scenery>> Scenery::Make(const Scene& scene) {
     if (!front) return front.error();
     Thing thing = Upright(Thing::Shape::kBoard, board.center_m, board.bottom_m, board.height_m,
                           {0, board.width_m / 2}, board.yaw_rad, board.color);
+    thing.round = board.round;
     thing.front = std::make_shared<const Texture>(std::move(front).value());
     Bound(thing);
     scenery->things_.push_back(std::move(thing));
@@ -98,8 +99,12 @@ Result<std::unique_ptr<Scenery>> Scenery::Make(const Scene& scene) {
 
 Scenery::~Scenery() = default;
 
-std::vector<Thing> Scenery::With(const std::vector<Guest>& guests) const {
+std::vector<Thing> Scenery::With(const std::vector<Guest>& guests,
+                                 const std::vector<std::size_t>& hidden_balls) const {
   std::vector<Thing> all = things_;
+  for (auto ball = hidden_balls.rbegin(); ball != hidden_balls.rend(); ++ball) {
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(first_ball_ + *ball));
+  }
   for (std::size_t i = 0; i < std::min(guests.size(), figures_.size()); ++i) {
     if (guests[i].here) figures_[i].Stand(guests[i], all);
   }
@@ -129,6 +134,7 @@ Scenery::Scenery(const Scene& scene, Texture ground)
                               circle.height_m, Vector2d::Constant(circle.radius_m), 0,
                               circle.color));
   }
+  first_ball_ = things_.size();
   for (const Ball& ball : scene.balls) {
     Thing thing;
     thing.shape = Thing::Shape::kSphere;

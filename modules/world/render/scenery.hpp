@@ -37,6 +37,7 @@ struct Thing {
   Eigen::Matrix3f to_unit = Eigen::Matrix3f::Identity();
   std::shared_ptr<const Texture> front;  // of a board, or of an ellipsoid's half towards its x
   bool glows = false;
+  bool round = false;         // of a board: the ellipse in the rectangle
   std::vector<Ball3> bounds;  // all of it is within these
 };
 
@@ -48,8 +49,10 @@ class Scenery {
 
   // Things that do not move.
   const std::vector<Thing>& things() const { return things_; }
-  // These and the guests at their present positions, as the scene lists them.
-  std::vector<Thing> With(const std::vector<Guest>& guests) const;
+  // These without the hidden balls, by their index in ascending order, and with the guests at their
+  // present positions, as the scene lists them.
+  std::vector<Thing> With(const std::vector<Guest>& guests,
+                          const std::vector<std::size_t>& hidden_balls = {}) const;
   const Texture& ground() const { return ground_; }
   float texels_per_m() const { return texels_per_m_; }
   const Eigen::Vector2f& least_m() const { return least_m_; }
@@ -80,6 +83,7 @@ class Scenery {
   void Dim(const Scene& scene);
 
   std::vector<Thing> things_;
+  std::size_t first_ball_ = 0;   // in things_
   std::vector<Figure> figures_;  // of the guests
   Texture ground_;
   float texels_per_m_ = 1;

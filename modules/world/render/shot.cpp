@@ -19,6 +19,14 @@ std::optional<HumanoidStance> StanceOf(const World& world) {
   return stance;
 }
 
+std::vector<std::size_t> HiddenBalls(const Scene& scene) {
+  std::vector<std::size_t> hidden;
+  for (std::size_t i = 0; i < scene.balls.size(); ++i) {
+    if (!scene.balls[i].shown) hidden.push_back(i);
+  }
+  return hidden;
+}
+
 }  // namespace
 
 View ViewOf(const World& world, std::size_t index) {
@@ -27,6 +35,7 @@ View ViewOf(const World& world, std::size_t index) {
           .seed = NoiseSeed(world.scene(), index, world.now()),
           .gaze = world.gaze(),
           .guests = world.guests(),
+          .hidden_balls = HiddenBalls(world.scene()),
           .humanoid = StanceOf(world)};
 }
 

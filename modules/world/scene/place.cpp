@@ -14,7 +14,7 @@ constexpr double kTouchingM = 1e-9;  // rounding
 constexpr int kSlides = 4;           // out of this many things at once, as in a corner
 
 double BottomOf(const Ball& ball) {
-  return ball.center_m.z() - ball.radius_m;
+  return ball.shown ? ball.center_m.z() - ball.radius_m : HUGE_VAL;
 }
 template <class Thing>
 double BottomOf(const Thing& thing) {

@@ -13,6 +13,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/modules/world/scene/color.hpp"
+#include "musher/modules/world/scene/course_specs.hpp"
 #include "musher/modules/world/scene/guest_specs.hpp"
 #include "musher/modules/world/scene/humanoid_specs.hpp"
 #include "musher/modules/world/scene/sensor_specs.hpp"
@@ -50,23 +51,29 @@ struct Circle {
   Color color = kThingColor;
 };
 
+// One with a name can appear and disappear; it casts no shadow.
 struct Ball {
   Eigen::Vector3d center_m;
   double radius_m = 0.1;
   Color color = kThingColor;
   bool glows = false;  // a lamp: light and shadow do not change its colour
+  std::string name = {};
+  bool shown = true;         // now; else it is not there
+  double show_within_m = 0;  // it appears once when the robot is as near as this; 0: never
+  Duration show_for{};       // and disappears after this time
 };
 
 // The front of a board.
 struct Sign {
-  enum class Kind { kPlain, kPicture, kQr, kText, kFace };
+  enum class Kind { kPlain, kPicture, kQr, kText, kFace, kArrow };
   Kind kind = Kind::kPlain;
-  std::string content;  // the file (absolute), the code's text or the text
+  std::string content;  // the file (absolute), the code's text, the text, or left, right
   int face = 0;         // which one
   Color ink{24, 24, 26};
 };
 
-// An upright rectangle without thickness whose front faces the direction of its yaw.
+// An upright rectangle, or the ellipse in it, without thickness; its front faces the direction of
+// its yaw.
 struct Board {
   std::string name;
   Eigen::Vector2d center_m;
@@ -76,6 +83,7 @@ struct Board {
   double bottom_m = 0.2;  // of its lower edge over the ground
   Color color{244, 244, 242};
   Sign sign = {};
+  bool round = false;
 };
 
 // Painted on the ground, from point to point.
@@ -83,6 +91,7 @@ struct Line {
   std::vector<Eigen::Vector2d> points_m;  // the first one again at the end of a closed one
   double width_m = 0.05;
   Color color{246, 206, 20};
+  bool judged = false;  // the referee reports every foot on it
 };
 
 // A square on the ground on which the battery charges.
@@ -160,6 +169,7 @@ struct BodySpec {
   double lie_height_m = 0.08;
   Duration lag = Milliseconds(200);  // time constant with which a commanded speed is taken up
   double slip = 0.03;                // share of the commanded speed lost to slip
+  std::optional<double> yaw_slip;    // the same of the commanded yaw rate; none: as slip
   double noise = 0.02;               // standard deviation of the speed, as a share of it
   double odometry_scale = 1.0;       // distance that odometry shows for a metre walked
   double odometry_yaw_drift_rad_per_m = 0;
@@ -204,9 +214,13 @@ struct Carry {
 struct Speed {
   double factor = 1;
 };
+struct Show {
+  std::string name;   // of a ball
+  bool shown = true;  // false: it disappears
+};
 struct SceneEvent {
   Duration at{};
-  std::variant<ChargeTo, Cable, Touch, FaultOn, Carry, Speed> what;
+  std::variant<ChargeTo, Cable, Touch, FaultOn, Carry, Speed, Show> what;
 };
 
 struct Picture {
@@ -244,6 +258,9 @@ struct Scene {
   Duration guests_repeat{};  // period of the timetables; zero: no repetition
   std::string gesture_topic = "/wedding/perception/gesture";
   SensorSpecs sensors;
+  std::vector<Zone> zones;
+  RefereeSpec referee;
+  std::vector<Sampled> sampled;  // choices first
 };
 
 // The fault of a sensor: it is silent. "none" ends these, too.

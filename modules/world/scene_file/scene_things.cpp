@@ -18,12 +18,14 @@ using keys::Set;
 constexpr int kMostFaceOfThing = 999;
 constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera can resolve
 constexpr std::size_t kLongestText = 500;  // bytes
+constexpr double kLongestShowS = 3600;
+constexpr Color kArrowInk{32, 150, 60};
 constexpr double kArcStep = 3 * M_PI / 180;
 
 class Things {
  public:
-  Things(std::string folder, Findings& findings, Scene& scene)
-      : folder_(std::move(folder)), findings_(findings), scene_(scene) {}
+  Things(std::string folder, const Choices& choices, Findings& findings, Scene& scene)
+      : folder_(std::move(folder)), choices_(choices), findings_(findings), scene_(scene) {}
 
   void ReadBox(TableReader& reader) {
     Box box{keys::Name(reader), keys::Center(reader), {}};
@@ -68,7 +70,21 @@ class Things {
     ball.center_m.z() = keys::Height(reader, "bottom_m").value_or(0) + ball.radius_m;
     Set(ball.color, keys::ReadColor(reader, "color", findings_));
     Set(ball.glows, reader.Bool("glows"));
-    scene_.balls.push_back(ball);
+    ball.name = keys::Name(reader);
+    Set(ball.shown, reader.Bool("shown"));
+    Set(ball.show_within_m, keys::Height(reader, "show_within_m"));
+    if (const auto show_for_s = reader.Number("show_for_s", 0, kLongestShowS)) {
+      ball.show_for =
+          std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*show_for_s));
+    }
+    if (reader.Has("show_within_m") != reader.Has("show_for_s")) {
+      findings_.Error(reader.at(),
+                      reader.path() + ": expected both show_within_m and show_for_s, or neither");
+    }
+    if (ball.name.empty() && (!ball.shown || ball.show_within_m > 0)) {
+      reader.Require("name", "a name, because the ball appears");
+    }
+    scene_.balls.push_back(std::move(ball));
   }
 
   void ReadBoard(TableReader& reader) {
@@ -80,37 +96,54 @@ class Things {
     Set(board.height_m, keys::Length(reader, "height_m"));
     Set(board.bottom_m, keys::Height(reader, "bottom_m"));
     Set(board.color, keys::ReadColor(reader, "color", findings_));
-    Set(board.sign.ink, keys::ReadColor(reader, "ink", findings_));
+    const auto ink = keys::ReadColor(reader, "ink", findings_);
+    if (reader.Has("arrow")) board.sign.ink = kArrowInk;
+    Set(board.sign.ink, ink);
+    Set(board.round, reader.Choice<bool>("shape", {{"square", false}, {"round", true}}));
+    ReadSign(reader, board.sign);
+    scene_.boards.push_back(std::move(board));
+  }
+
+  void ReadSign(TableReader& reader, Sign& sign) {
     int signs = 0;
     for (const auto& [key, kind, longest] : {std::tuple("qr", Sign::Kind::kQr, kLongestCode),
                                              std::tuple("text", Sign::Kind::kText, kLongestText)}) {
-      const auto text = reader.String(key);
+      const auto text = choices_.String(reader, key);
       if (!text) continue;
       ++signs;
-      board.sign.kind = kind;
-      board.sign.content = text->text;
+      sign.kind = kind;
+      sign.content = text->text;
       if (text->text.empty() || text->text.size() > longest) {
         reader.Fault(text->at, key,
                      "expected 1 to " + std::to_string(longest) + " bytes, found " +
                          std::to_string(text->text.size()));
       }
     }
+    if (const auto arrow = choices_.String(reader, "arrow")) {
+      ++signs;
+      sign.kind = Sign::Kind::kArrow;
+      sign.content = arrow->text;
+      if (arrow->text != "left" && arrow->text != "right") {
+        reader.Fault(arrow->at, "arrow",
+                     "expected one of left and right, found " + config_toml::Quote(arrow->text) +
+                         findings_.Guess(arrow->text, {"left", "right"}));
+      }
+    }
     if (reader.Has("picture")) {
       ++signs;
-      board.sign.kind = Sign::Kind::kPicture;
-      Set(board.sign.content, keys::PictureFile(reader, "picture", folder_));
+      sign.kind = Sign::Kind::kPicture;
+      Set(sign.content, keys::PictureFile(reader, "picture", folder_));
     }
     if (reader.Has("face")) {
       ++signs;
-      board.sign.kind = Sign::Kind::kFace;
-      board.sign.face = static_cast<int>(reader.Integer("face", 0, kMostFaceOfThing).value_or(0));
+      sign.kind = Sign::Kind::kFace;
+      sign.face = static_cast<int>(reader.Integer("face", 0, kMostFaceOfThing).value_or(0));
     }
     if (signs > 1) {
       findings_.Error(reader.at(), reader.path() +
-                                       ": expected at most one of picture, qr, text and face, "
-                                       "found several");
+                                       ": expected at most one of picture, qr, text, arrow and "
+                                       "face, found several");
     }
-    scene_.boards.push_back(std::move(board));
   }
 
   // Straight from point to point, or an arc round a centre.
@@ -118,6 +151,7 @@ class Things {
     Line line;
     Set(line.width_m, keys::Length(reader, "width_m"));
     Set(line.color, keys::ReadColor(reader, "color", findings_));
+    Set(line.judged, reader.Bool("judged"));
     const bool closed = reader.Bool("closed").value_or(false);
     if (reader.Has("points_m") == reader.Has("center_m")) {
       findings_.Error(reader.at(), reader.path() +
@@ -154,14 +188,16 @@ class Things {
   }
 
   const std::string folder_;
+  const Choices& choices_;
   Findings& findings_;
   Scene& scene_;
 };
 
 }  // namespace
 
-void ReadThings(TableReader& root, const std::string& folder, Findings& findings, Scene& scene) {
-  Things things(folder, findings, scene);
+void ReadThings(TableReader& root, const std::string& folder, const Choices& choices,
+                Findings& findings, Scene& scene) {
+  Things things(folder, choices, findings, scene);
   const std::pair<const char*, void (Things::*)(TableReader&)> kinds[] = {
       {"box", &Things::ReadBox},   {"wall", &Things::ReadWall},   {"circle", &Things::ReadCircle},
       {"ball", &Things::ReadBall}, {"board", &Things::ReadBoard}, {"line", &Things::ReadLine},

@@ -5,12 +5,13 @@
 
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/world/scene/scene.hpp"
+#include "musher/modules/world/scene_file/scene_course.hpp"
 
 namespace musher::world {
 
 // [[box]], [[wall]], [[circle]], [[ball]], [[board]], [[line]] and [[pad]]. Pictures are relative
 // to `folder`.
-void ReadThings(config_toml::TableReader& root, const std::string& folder,
+void ReadThings(config_toml::TableReader& root, const std::string& folder, const Choices& choices,
                 config_toml::Findings& findings, Scene& scene);
 
 // [guests] and [[guest]]. Call it last: the paths of guests are checked against the obstacles.

@@ -13,6 +13,8 @@
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/world/body/body.hpp"
 #include "musher/modules/world/scene/place.hpp"
+#include "musher/modules/world/scene/variation.hpp"
+#include "musher/modules/world/scene_file/scene_course.hpp"
 #include "musher/modules/world/scene_file/scene_humanoid.hpp"
 #include "musher/modules/world/scene_file/scene_keys.hpp"
 #include "musher/modules/world/scene_file/scene_sensors.hpp"
@@ -43,7 +45,7 @@ struct PlacedPose {
 
 class Reader {
  public:
-  explicit Reader(Findings& findings) : findings_(findings) {}
+  Reader(const SceneRun& run, Findings& findings) : run_(run), findings_(findings) {}
 
   Scene Read(const Table& table, const std::string& path) {
     TableReader root(table, {1, 1}, "", findings_);
@@ -52,6 +54,9 @@ class Reader {
     if (const auto seed = root.Integer("seed", 0, kMostSeed)) {
       scene_.seed = static_cast<std::uint64_t>(*seed);
     }
+    Set(scene_.seed, run_.seed);
+    const Choices choices(root, scene_.seed, run_.chosen, findings_);
+    scene_.sampled = choices.sampled();
     Set(scene_.speed, root.Number("speed", kLeastSpeed, kMostSpeed));
     Section(root, "place", [&](TableReader& reader) { ReadPlace(reader); });
     Section(root, "body", [&](TableReader& reader) { ReadBody(reader); });
@@ -60,15 +65,23 @@ class Reader {
     placed_.push_back({scene_.start, {1, 1}, "start"});
     Section(root, "start", [&](TableReader& reader) { ReadStart(reader); });
     const std::string folder = config_toml::FolderOf(path).string();
-    ReadThings(root, folder, findings_, scene_);
+    ReadThings(root, folder, choices, findings_, scene_);
     scene_.humanoid = ReadHumanoid(root, folder, findings_);
     ReadViews(root, folder, findings_, scene_);
     ReadSensors(root, findings_, scene_.sensors);
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
+    ReadReferee(root, choices, findings_, scene_);
+    const Variation by = ReadVariation(root, findings_);
     ReadGuests(root, findings_, scene_);
     root.RefuseOthers();
     if (!findings_.HasErrors()) CheckPoses();
+    if (!findings_.HasErrors()) {
+      Vary(by, scene_);
+      placed_ = {
+          {scene_.start, placed_.front().at, "start, with seed " + std::to_string(scene_.seed)}};
+      CheckPoses();
+    }
     std::stable_sort(scene_.events.begin(), scene_.events.end(),
                      [](const SceneEvent& a, const SceneEvent& b) { return a.at < b.at; });
     return std::move(scene_);
@@ -110,6 +123,7 @@ class Reader {
     Set(body.lie_height_m, reader.Number("lie_height_m", 0.01, 1));
     Set(body.lag, reader.Time("lag_ms"));
     Set(body.slip, reader.Number("slip", 0, 0.9));
+    if (const auto yaw_slip = reader.Number("yaw_slip", 0, 0.9)) body.yaw_slip = yaw_slip;
     Set(body.noise, reader.Number("noise", 0, 0.5));
     Set(body.odometry_scale, reader.Number("odometry_scale", 0.5, 2));
     Set(body.odometry_yaw_drift_rad_per_m,
@@ -180,13 +194,28 @@ class Reader {
     if (reader.Has("speed")) {
       take(Speed{reader.Number("speed", kLeastSpeed, kMostSpeed).value_or(1)});
     }
+    for (const auto& [key, shown] : {std::pair("show", true), std::pair("hide", false)}) {
+      if (reader.Has(key)) take(Show{BallName(reader, key), shown});
+    }
     if (found != 1) {
       findings_.Error(reader.at(), reader.path() +
                                        ": expected one of battery_percent, cable, touch, fault, "
-                                       "place_m and speed, found " +
+                                       "place_m, speed, show and hide, found " +
                                        (found == 0 ? "none" : "several"));
     }
     scene_.events.push_back(std::move(event));
+  }
+
+  std::string BallName(TableReader& reader, std::string_view key) {
+    std::vector<std::pair<std::string_view, std::string_view>> names;
+    for (const Ball& ball : scene_.balls) {
+      if (!ball.name.empty()) names.emplace_back(ball.name, ball.name);
+    }
+    if (names.empty()) {
+      reader.Fault(reader.At(key), key, "the scene has no [[ball]] with a name");
+      return "";
+    }
+    return std::string(reader.Choice(key, names).value_or(""));
   }
 
   FaultOn ReadFault(TableReader& reader) {
@@ -219,6 +248,7 @@ class Reader {
     }
   }
 
+  const SceneRun& run_;
   Findings& findings_;
   Scene scene_;
   std::vector<PlacedPose> placed_;
@@ -241,16 +271,19 @@ void ReadPoses(SceneReading& reading) {
 
 }  // namespace
 
-SceneReading ReadSceneText(std::string_view text, const std::string& path) {
+SceneReading ReadSceneText(std::string_view text, const std::string& path, const SceneRun& run) {
   auto reading = config_toml::ReadTextWith<SceneReading>(
-      text, path,
-      [&](const Table& root, Findings& findings) { return Reader(findings).Read(root, path); });
+      text, path, [&](const Table& root, Findings& findings) {
+        return Reader(run, findings).Read(root, path);
+      });
   ReadPoses(reading);
   return reading;
 }
 
-SceneReading ReadSceneFile(const std::string& path) {
-  return config_toml::ReadFileWith(path, ReadSceneText);
+SceneReading ReadSceneFile(const std::string& path, const SceneRun& run) {
+  return config_toml::ReadFileWith(path, [&](std::string_view text, const std::string& at) {
+    return ReadSceneText(text, at, run);
+  });
 }
 
 }  // namespace musher::world

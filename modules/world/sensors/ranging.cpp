@@ -63,16 +63,18 @@ RayTargets::RayTargets(const Scene& scene, const Vector3d& from_m, double most_m
     Add(circle.center_m, 0, {0, 0}, circle.bottom_m, circle.height_m, circle.radius_m);
   }
   for (const Board& board : scene.boards) {
-    Add(board.center_m, board.yaw_rad, {0, board.width_m / 2}, board.bottom_m, board.height_m, 0);
+    Add(board.center_m, board.yaw_rad, {0, board.width_m / 2}, board.bottom_m, board.height_m, 0,
+        board.round);
   }
   for (const Ball& ball : scene.balls) {
+    if (!ball.shown) continue;
     const Vector3d from = from_m - ball.center_m;
     if (from.norm() <= most_m + ball.radius_m) rounds_.push_back({from, ball.radius_m});
   }
 }
 
 void RayTargets::Add(const Vector2d& center_m, double yaw_rad, const Vector2d& half_m,
-                     double bottom_m, double height_m, double radius_m) {
+                     double bottom_m, double height_m, double radius_m, bool round) {
   const Vector2d from = from_m_.head<2>() - center_m;
   if (from.norm() > most_m_ + half_m.norm() + radius_m) return;
   Solid solid;
@@ -83,6 +85,7 @@ void RayTargets::Add(const Vector2d& center_m, double yaw_rad, const Vector2d& h
   solid.least_m = {-half_m.x(), -half_m.y(), bottom_m};
   solid.most_m = {half_m.x(), half_m.y(), bottom_m + height_m};
   solid.radius_m = radius_m;
+  solid.round = round;
   solids_.push_back(solid);
 }
 
@@ -101,7 +104,9 @@ double RayTargets::DistanceAlong(const Vector3d& along) const {
       Cut(span, solid.from_m.x(), turned.x(), solid.least_m.x(), solid.most_m.x());
       Cut(span, solid.from_m.y(), turned.y(), solid.least_m.y(), solid.most_m.y());
     }
-    if (!span.empty()) nearest = std::min(nearest, span.enter_m);
+    if (span.empty()) continue;
+    if (solid.round && !IsOnDisc(solid, turned.y(), along.z(), span.enter_m)) continue;
+    nearest = std::min(nearest, span.enter_m);
   }
   for (const Round& round : rounds_) {
     Span span;
@@ -110,6 +115,14 @@ double RayTargets::DistanceAlong(const Vector3d& along) const {
   }
   if (nearest > most_m_) return kNothing;
   return nearest;
+}
+
+bool RayTargets::IsOnDisc(const Solid& board, double along_y, double along_z, double distance_m) {
+  const Vector3d half = (board.most_m - board.least_m) / 2;
+  const Vector3d middle = (board.most_m + board.least_m) / 2;
+  const double aside = (board.from_m.y() + distance_m * along_y - middle.y()) / half.y();
+  const double up = (board.from_m.z() + distance_m * along_z - middle.z()) / half.z();
+  return aside * aside + up * up <= 1;
 }
 
 double RayTargets::ToFence(const Vector3d& along) const {

@@ -30,6 +30,7 @@ class RayTargets {
     Eigen::Vector3d least_m;  // of a prism
     Eigen::Vector3d most_m;
     double radius_m = 0;  // of a cylinder, else 0
+    bool round = false;   // of a board: the ellipse in it
   };
   struct Round {
     Eigen::Vector3d from_m;  // the point as seen from its centre
@@ -37,7 +38,9 @@ class RayTargets {
   };
 
   void Add(const Eigen::Vector2d& center_m, double yaw_rad, const Eigen::Vector2d& half_m,
-           double bottom_m, double height_m, double radius_m);
+           double bottom_m, double height_m, double radius_m, bool round = false);
+  // Where a ray meets the plane of a round board.
+  static bool IsOnDisc(const Solid& board, double along_y, double along_z, double distance_m);
   double ToFence(const Eigen::Vector3d& along) const;
 
   Eigen::Vector3d from_m_;

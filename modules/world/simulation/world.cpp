@@ -36,7 +36,8 @@ World::World(Scene scene)
       random_(scene_->seed),
       body_(*scene_),
       battery_(scene_->battery),
-      guests_(*scene_) {
+      guests_(*scene_),
+      hide_at_(scene_->balls.size()) {
   if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
   Record();
 }
@@ -58,6 +59,7 @@ StepOutputs World::Step() {
     outputs.log.push_back("the body bumped into something at " + At(body_.pose().position_m));
   }
   touching_ = body_.bumped();
+  StepBalls(outputs);
   if (humanoid_) humanoid_->Step(kStep);
   const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
   guests_.Step(*scene_, robot, now_, kStep);
@@ -141,6 +143,8 @@ void World::Apply(const SceneEvent& event, StepOutputs& outputs) {
           }
         } else if constexpr (std::is_same_v<What, Carry>) {
           return PutDown(what.at);
+        } else if constexpr (std::is_same_v<What, Show>) {
+          return SetShown(what.name, what.shown);
         } else {
           outputs.speed = what.factor;
         }
@@ -148,6 +152,39 @@ void World::Apply(const SceneEvent& event, StepOutputs& outputs) {
       },
       event.what);
   if (objection) outputs.log.push_back(*objection);
+}
+
+// A ball with show_within_m appears at the robot's first approach, and only then.
+void World::StepBalls(StepOutputs& outputs) {
+  for (std::size_t i = 0; i < hide_at_.size(); ++i) {
+    const Ball& ball = scene_->balls[i];
+    const double far_m = (ball.center_m.head<2>() - body_.pose().position_m).norm();
+    if (!hide_at_[i] && far_m < ball.show_within_m) {
+      hide_at_[i] = now_ + ball.show_for;
+      outputs.log.push_back(ball.name + " appears");
+      SetShown(i, true);
+    } else if (ball.shown && hide_at_[i] && now_ >= *hide_at_[i]) {
+      outputs.log.push_back(ball.name + " disappears");
+      SetShown(i, false);
+    }
+  }
+}
+
+std::optional<std::string> World::SetShown(const std::string& ball, bool shown) {
+  for (std::size_t i = 0; i < scene_->balls.size(); ++i) {
+    if (ball.empty() || scene_->balls[i].name != ball) continue;
+    SetShown(i, shown);
+    return std::nullopt;
+  }
+  return "there is no ball with the name \"" + ball.substr(0, 60) + "\"";
+}
+
+// Copies share the scene: it is replaced, never changed.
+void World::SetShown(std::size_t ball, bool shown) {
+  if (scene_->balls[ball].shown == shown) return;
+  auto changed = std::make_shared<Scene>(*scene_);
+  changed->balls[ball].shown = shown;
+  scene_ = std::move(changed);
 }
 
 void World::Record() {

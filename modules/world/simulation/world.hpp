@@ -54,8 +54,11 @@ class World {
   // Of a humanoid; they return the reason when refused.
   std::optional<std::string> SetPose(const std::string& name);
   std::optional<std::string> LookAt(const Eigen::Vector2d& point);
+  // A ball appears or disappears. Returns the reason when there is no ball of that name.
+  std::optional<std::string> SetShown(const std::string& ball, bool shown);
 
   Duration now() const { return now_; }
+  // As it is now; valid until the next step or change.
   const Scene& scene() const { return *scene_; }
   const Body& body() const { return body_; }
   const Battery& battery() const { return battery_; }
@@ -70,9 +73,11 @@ class World {
 
  private:
   void Apply(const SceneEvent& event, StepOutputs& outputs);
+  void StepBalls(StepOutputs& outputs);
+  void SetShown(std::size_t ball, bool shown);
   void Record();
 
-  std::shared_ptr<const Scene> scene_;  // immutable
+  std::shared_ptr<const Scene> scene_;  // replaced when a ball appears or disappears
   Duration now_{};
   NormalRandom random_;
   Body body_;
@@ -81,7 +86,8 @@ class World {
   Guests guests_;
   Supply supply_;
   std::size_t next_event_ = 0;
-  bool touching_ = false;  // an obstacle stopped the body in the last step
+  std::vector<std::optional<Duration>> hide_at_;  // of each ball that appeared by an approach
+  bool touching_ = false;                         // an obstacle stopped the body in the last step
   std::string machine_state_;
   std::set<std::string> silent_;  // sensors
   Track track_;
