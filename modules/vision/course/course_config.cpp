@@ -75,7 +75,7 @@ class EntriesReader {
     const config_toml::Table none;
     TableReader parameter_reader(parameters == nullptr ? none : *parameters,
                                  reader.At("parameters"), path + ".parameters", findings_);
-    entry.make = ReadCourseParameters(*kind, parameter_reader);
+    entry.making = ReadCourseParameters(*kind, parameter_reader, findings_);
     parameter_reader.RefuseOthers();
     CheckOutputs(reader, entry);
     entries_.push_back(std::move(entry));

@@ -21,6 +21,12 @@ enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines };
 
 using CourseDetectorMaker = std::function<Result<std::unique_ptr<CourseDetector>>()>;
 
+// How to make a detector with the parameters of its table.
+struct CourseMaking {
+  CourseDetectorMaker make;
+  std::function<Result<>()> check;  // whether it can work: what it needs is installed; may be slow
+};
+
 // The topics of one detector.
 struct CourseOutputs {
   std::optional<std::string> text;      // std_msgs/String
@@ -40,7 +46,7 @@ struct CourseEntry {
   double rate_hz = 10;                // pictures processed in a second of their own time; 0: all
   std::string publish;                // the text, or of a detector of lines its lines
   LookRules look;
-  CourseDetectorMaker make;  // makes the detector with the parameters of its table
+  CourseMaking making;
 
   std::string CameraInfoTopic() const {
     return camera_info.empty() ? picture + "/camera_info" : camera_info;

@@ -14,7 +14,8 @@ Error Named(const std::string& name, const Error& error) {
 CourseDetection::CourseDetection(const Dependencies& dependencies, const CourseEntry& entry,
                                  const DetectionEvents& events)
     : name_(entry.name),
-      thread_(dependencies.node.loop(), [make = entry.make] { return CourseProcessor::Make(make); },
+      check_(entry.making.check),
+      thread_(dependencies.node.loop(), [make = entry.making.make] { return CourseProcessor::Make(make); },
               entry.look,
               {.on_result =
                    [this](LookResult<CourseProcessor> result) {
@@ -41,6 +42,10 @@ Result<std::unique_ptr<CourseDetection>> CourseDetection::Make(const Dependencie
 }
 
 Result<> CourseDetection::Load() {
+  if (!is_checked_) {
+    if (const Result<> checked = check_(); !checked) return Named(name_, checked.error());
+    is_checked_ = true;
+  }
   const Result<> loaded = thread_.Load();
   return loaded ? loaded : Named(name_, loaded.error());
 }

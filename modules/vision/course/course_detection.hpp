@@ -24,7 +24,8 @@ class CourseDetection {
                                                        const CourseEntry& entry, Duration silence,
                                                        const DetectionEvents& events);
 
-  // Creates the detector, unless it exists. Fails with the reason.
+  // Checks what the detector needs, and creates it, unless it exists. Fails with the reason. One
+  // call at a time.
   Result<> Load();
 
   CourseTopics& topics() { return *topics_; }
@@ -38,6 +39,8 @@ class CourseDetection {
                   const DetectionEvents& events);
 
   const std::string name_;
+  const std::function<Result<>()> check_;
+  bool is_checked_ = false;
   LookThread<CourseProcessor> thread_;
   std::unique_ptr<CourseTopics> topics_;
 };

@@ -6,8 +6,8 @@
 
 namespace musher::vision {
 
-// Reads the parameters of that kind of detector, and returns what makes the detector with them. The
-// caller refuses other keys.
-CourseDetectorMaker ReadCourseParameters(CourseKind kind, config_toml::TableReader& reader);
+// Reads the parameters of that kind of detector. The caller refuses other keys.
+CourseMaking ReadCourseParameters(CourseKind kind, config_toml::TableReader& reader,
+                                  config_toml::Findings& findings);
 
 }  // namespace musher::vision
