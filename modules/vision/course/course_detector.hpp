@@ -1,7 +1,7 @@
 #pragma once
-// A detector of what stands, hangs or is painted on a course: from one picture to what is published.
-// Each kind is a pure function of a picture and its parameters, see the header of its name; a
-// CourseDetector adds what lasts from picture to picture, for example repeated sightings.
+// A detector of what stands, hangs or is painted on a course: from one picture to what is
+// published. Each kind is a pure function of a picture and its parameters, see the header of its
+// name; a CourseDetector adds what lasts from picture to picture, for example repeated sightings.
 //
 // Threads: one call at a time.
 
@@ -21,7 +21,7 @@ namespace musher::vision {
 struct CourseSight {
   std::optional<msg::Sighting> sighting;  // of all detectors but those of lines
   std::optional<msg::YellowLines> lines;  // of a detector of lines
-  std::optional<std::string> text;        // what the detector's text topic says now; nothing: silent
+  std::optional<std::string> text;  // what the detector's text topic says now; nothing: silent
 };
 
 class CourseDetector {
