@@ -1,6 +1,7 @@
 #include "musher/modules/vision/look_thread.hpp"
 
 #include <chrono>
+#include <exception>
 #include <string>
 #include <utility>
 
@@ -19,6 +20,11 @@ std::int64_t SteadyNs() {
 
 Error Failed(const std::string& what) {
   return {MakeCode(ModuleCode::kFace, KeyCode::kDeviceError), what};
+}
+
+Error FailedBy(const std::exception& thrown) {
+  const std::string why = thrown.what();
+  return Failed("the detector failed: " + why.substr(0, why.find('\n')));
 }
 
 }  // namespace
@@ -57,10 +63,14 @@ Result<> LookThread<D>::Load() {
 template <class D>
 Result<> LookThread<D>::LoadLocked() {
   if (detector_) return Ok();
-  auto made = maker_();
-  if (!made) return made.error();
-  detector_ = std::move(made).value();
-  return Ok();
+  try {
+    auto made = maker_();
+    if (!made) return made.error();
+    detector_ = std::move(made).value();
+    return Ok();
+  } catch (const std::exception& thrown) {
+    return FailedBy(thrown);
+  }
 }
 
 template <class D>
@@ -124,8 +134,7 @@ Result<typename D::Found> LookThread<D>::Process(const typename D::Input& shot) 
     return detector_->Process(shot);
   } catch (const std::exception& thrown) {
     detector_.reset();
-    const std::string why = thrown.what();
-    return Failed("the detector failed: " + why.substr(0, why.find('\n')));
+    return FailedBy(thrown);
   } catch (...) {
     detector_.reset();
     return Failed("the detector failed");

@@ -15,8 +15,8 @@ CourseDetection::CourseDetection(const Dependencies& dependencies, const CourseE
                                  const DetectionEvents& events)
     : name_(entry.name),
       check_(entry.making.check),
-      thread_(dependencies.node.loop(), [make = entry.making.make] { return CourseProcessor::Make(make); },
-              entry.look,
+      thread_(dependencies.node.loop(),
+              [make = entry.making.make] { return CourseProcessor::Make(make); }, entry.look,
               {.on_result =
                    [this](LookResult<CourseProcessor> result) {
                      if (topics_) topics_->OnResult(std::move(result));

@@ -1,6 +1,8 @@
 #include "musher/modules/vision/course/course_parameters.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -112,7 +114,8 @@ class ParametersReader {
       qr.regions.clear();
       for (const config_toml::Value* value : reader_.Tables("regions")) {
         Region region;
-        if (const auto* table = value->As<Table>()) ReadRegion(*table, value->at, "regions", region);
+        if (const auto* table = value->As<Table>())
+          ReadRegion(*table, value->at, "regions", region);
         qr.regions.push_back(region);
       }
     }
@@ -167,14 +170,19 @@ class ParametersReader {
   }
 
   static void ReadHsv(TableReader& reader, std::string_view key, std::array<int, 3>& hsv) {
-    const auto found = reader.Integers(key, 0, 255);
+    constexpr std::array<std::int64_t, 3> kMost = {179, 255, 255};
+    const auto found = reader.Integers(key, INT32_MIN, INT32_MAX);
     if (!found) return;
-    if (found->size() != hsv.size() || (*found)[0] > 179) {
-      reader.Fault(reader.At(key), key,
-                   "expected [hue 0 to 179, saturation 0 to 255, value 0 to 255]");
-      return;
+    bool valid = found->size() == kMost.size();
+    for (std::size_t i = 0; valid && i < kMost.size(); ++i) {
+      valid = (*found)[i] >= 0 && (*found)[i] <= kMost.at(i);
     }
-    for (std::size_t i = 0; i < hsv.size(); ++i) hsv.at(i) = static_cast<int>((*found)[i]);
+    if (!valid) {
+      return reader.Fault(reader.At(key), key,
+                          "expected [hue 0 to 179, saturation 0 to 255, value 0 to 255]");
+    }
+    std::transform(found->begin(), found->end(), hsv.begin(),
+                   [](std::int64_t number) { return static_cast<int>(number); });
   }
 
   TableReader& reader_;
@@ -184,10 +192,9 @@ class ParametersReader {
 template <class Parameters>
 CourseMaking Making(const Parameters& parameters,
                     std::unique_ptr<CourseDetector> (*make)(const Parameters&)) {
-  return {[parameters, make]() -> Result<std::unique_ptr<CourseDetector>> {
-            return make(parameters);
-          },
-          [] { return Ok(); }};
+  return {
+      [parameters, make]() -> Result<std::unique_ptr<CourseDetector>> { return make(parameters); },
+      [] { return Ok(); }};
 }
 
 }  // namespace
