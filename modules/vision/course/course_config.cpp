@@ -75,7 +75,8 @@ class EntriesReader {
     const config_toml::Table none;
     TableReader parameter_reader(parameters == nullptr ? none : *parameters,
                                  reader.At("parameters"), path + ".parameters", findings_);
-    entry.making = ReadCourseParameters(*kind, parameter_reader, findings_);
+    entry.parameters = ReadCourseParameters(*kind, parameter_reader, findings_);
+    entry.making = MakingOf(entry.parameters);
     parameter_reader.RefuseOthers();
     CheckOutputs(reader, entry);
     entries_.push_back(std::move(entry));

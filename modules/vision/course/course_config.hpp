@@ -6,13 +6,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "musher/base/result.hpp"
 #include "musher/base/toml/document.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
-#include "musher/modules/vision/course/course_detector.hpp"
+#include "musher/modules/vision/course/course_detectors.hpp"
 #include "musher/modules/vision/looker.hpp"
 
 namespace musher::vision {
@@ -21,7 +22,11 @@ enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines };
 
 using CourseDetectorMaker = std::function<Result<std::unique_ptr<CourseDetector>>()>;
 
-// How to make a detector with the parameters of its table.
+// By the kind of the detector; a light has those of a marker.
+using CourseParameters = std::variant<LinesParameters, ArrowParameters, BarrierParameters,
+                                      MarkerParameters, QrParameters>;
+
+// How to make a detector with its parameters.
 struct CourseMaking {
   CourseDetectorMaker make;
   std::function<Result<>()> check;  // whether it can work: what it needs is installed; may be slow
@@ -46,7 +51,8 @@ struct CourseEntry {
   double rate_hz = 10;                // pictures processed in a second of their own time; 0: all
   std::string publish;                // the text, or of a detector of lines its lines
   LookRules look;
-  CourseMaking making;
+  CourseParameters parameters;
+  CourseMaking making;  // with them
 
   std::string CameraInfoTopic() const {
     return camera_info.empty() ? picture + "/camera_info" : camera_info;

@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
-
-#include "musher/modules/vision/course/course_detectors.hpp"
 
 namespace musher::vision {
 namespace {
@@ -197,30 +196,50 @@ CourseMaking Making(const Parameters& parameters,
       [] { return Ok(); }};
 }
 
+struct MakingOfKind {
+  CourseMaking operator()(const LinesParameters& lines) const {
+    return Making(lines, MakeLinesDetector);
+  }
+  CourseMaking operator()(const ArrowParameters& arrow) const {
+    return Making(arrow, MakeArrowDetector);
+  }
+  CourseMaking operator()(const BarrierParameters& barrier) const {
+    return Making(barrier, MakeBarrierDetector);
+  }
+  CourseMaking operator()(const MarkerParameters& marker) const {
+    return Making(marker, MakeMarkerDetector);
+  }
+  CourseMaking operator()(const QrParameters& qr) const {
+    CourseMaking making = Making(qr, MakeQrDetector);
+    making.check = [qr] { return CheckLetters(qr); };
+    return making;
+  }
+};
+
 }  // namespace
 
-CourseMaking ReadCourseParameters(CourseKind kind, TableReader& reader,
-                                  config_toml::Findings& findings) {
+CourseParameters ReadCourseParameters(CourseKind kind, TableReader& reader,
+                                      config_toml::Findings& findings) {
   ParametersReader parameters(reader, findings);
   switch (kind) {
-    case CourseKind::kQr: {
-      const QrParameters qr = parameters.Qr();
-      CourseMaking making = Making(qr, MakeQrDetector);
-      making.check = [qr] { return CheckLetters(qr); };
-      return making;
-    }
+    case CourseKind::kQr:
+      return parameters.Qr();
     case CourseKind::kArrow:
-      return Making(parameters.Arrow(), MakeArrowDetector);
+      return parameters.Arrow();
     case CourseKind::kBarrier:
-      return Making(parameters.Barrier(), MakeBarrierDetector);
+      return parameters.Barrier();
     case CourseKind::kMarker:
-      return Making(parameters.Marker({}), MakeMarkerDetector);
+      return parameters.Marker({});
     case CourseKind::kLight:
-      return Making(parameters.Marker(LightParameters()), MakeMarkerDetector);
+      return parameters.Marker(LightParameters());
     case CourseKind::kLines:
-      return Making(parameters.Lines(), MakeLinesDetector);
+      break;
   }
-  return {};
+  return parameters.Lines();
+}
+
+CourseMaking MakingOf(const CourseParameters& parameters) {
+  return std::visit(MakingOfKind(), parameters);
 }
 
 }  // namespace musher::vision

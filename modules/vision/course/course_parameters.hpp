@@ -7,7 +7,10 @@
 namespace musher::vision {
 
 // Reads the parameters of that kind of detector. The caller refuses other keys.
-CourseMaking ReadCourseParameters(CourseKind kind, config_toml::TableReader& reader,
-                                  config_toml::Findings& findings);
+CourseParameters ReadCourseParameters(CourseKind kind, config_toml::TableReader& reader,
+                                      config_toml::Findings& findings);
+
+// How to make the detector with them.
+CourseMaking MakingOf(const CourseParameters& parameters);
 
 }  // namespace musher::vision

@@ -99,10 +99,15 @@ least_area_px2 = 100
   EXPECT_EQ(sign.rate_hz, 5);
   EXPECT_EQ(sign.Outputs().sighting, "/my/sign/sighting");
   EXPECT_EQ(sign.look, (LookRules{Milliseconds(300), 2}));
+  MarkerParameters expected;
+  expected.yellow = {{20, 100, 100}, {30, 255, 255}};
+  expected.region.bottom = 0.5;
+  expected.least_area_px2 = 100;
+  EXPECT_EQ(std::get<MarkerParameters>(sign.parameters), expected);
 }
 
-TEST(CourseConfig, AcceptsEveryParameter) {
-  Read(R"(
+TEST(CourseConfig, HasTheValuesOfEveryParameter) {
+  const VisionConfig config = Read(R"(
 detect_faces = false
 [[detectors]]
 name = "a"
@@ -161,6 +166,27 @@ parameters.least_confidence = 50
 parameters.page_modes = [6, 7]
 parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
 )");
+  const LinesParameters lines = {
+      {{15, 50, 30}, {35, 255, 255}}, {0.5, 1, 0.1, 0.9}, 300, 4, 0.1, 0.1, 0.4, 10, 80, 12};
+  const ArrowParameters arrow = {{{35, 50, 50}, {80, 255, 255}}, {0.1, 1, 0, 1}, 1, 1, 0.2, 2};
+  const BarrierParameters barrier = {
+      {{160, 40, 40}, {5, 255, 255}}, {0.1, 1, 0, 1}, 1, 2, 0.5, 10, 0.2, 0.1, 500};
+  MarkerParameters light = LightParameters();
+  light.most_area_px2 = 9000;
+  light.kernel_px = 3;
+  light.least_aspect = 0.7;
+  light.round_only = false;
+  light.size_m = 0.1;
+  light.focal_px = 500;
+  light.sightings = 3;
+  light.misses = 4;
+  const QrParameters qr = {{"left", "right"}, 2,  false,  3,
+                           "eng+chi_sim",     50, {6, 7}, {{0.1, 0.2, 0, 1}, {0, 1, 0.5, 1}}};
+  const std::vector<CourseParameters> expected = {lines, arrow, barrier, light, qr};
+  ASSERT_EQ(config.detectors.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_TRUE(config.detectors[i].parameters == expected[i]) << config.detectors[i].name;
+  }
 }
 
 TEST(CourseConfig, ReportsEveryErrorOfATableWithItsPlace) {
