@@ -99,10 +99,16 @@ void DrawRegion(cv::Mat& bgr, const Region& region) {
 
 void DrawBox(cv::Mat& bgr, const cv::Rect& box, const std::string& word) {
   cv::rectangle(bgr, box, kBoxColor, 2);
+  DrawWord(bgr, box.tl(), word);
+}
+
+// Over the corner, or below it where there is no room.
+void DrawWord(cv::Mat& bgr, const cv::Point& corner, const std::string& word) {
   constexpr int kLetterPx = 16;
-  const cv::Point at(std::clamp(box.x, 2, std::max(2, bgr.cols - 10 * kLetterPx)),
-                     box.y > 2 * kLetterPx ? box.y - 6 : box.y + box.height + kLetterPx);
-  cv::putText(bgr, word, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, kBoxColor, 2);
+  const int longest_px = 10 * static_cast<int>(word.size());
+  const cv::Point at(std::clamp(corner.x, 2, std::max(2, bgr.cols - longest_px)),
+                     corner.y > 2 * kLetterPx ? corner.y - 6 : corner.y + kLetterPx + 4);
+  cv::putText(bgr, word, at, cv::FONT_HERSHEY_SIMPLEX, 0.5, kBoxColor, 1, cv::LINE_AA);
 }
 
 void CheckCoursePicture(const cv::Mat& bgr) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "musher/messages/musher_msgs/sighting.hpp"
@@ -64,6 +65,7 @@ std::optional<std::string> MetresText(double distance_m);
 // For the drawings of the detectors.
 void DrawRegion(cv::Mat& bgr, const Region& region);
 void DrawBox(cv::Mat& bgr, const cv::Rect& box, const std::string& word);
+void DrawWord(cv::Mat& bgr, const cv::Point& corner, const std::string& word);
 
 // The condition of all finders: the process ends otherwise.
 void CheckCoursePicture(const cv::Mat& bgr);

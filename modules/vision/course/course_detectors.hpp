@@ -14,6 +14,7 @@
 
 #include <memory>
 
+#include "musher/base/result.hpp"
 #include "musher/modules/vision/course/arrow_finder.hpp"
 #include "musher/modules/vision/course/barrier_finder.hpp"
 #include "musher/modules/vision/course/course_detector.hpp"

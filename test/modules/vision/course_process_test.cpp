@@ -155,7 +155,9 @@ name = "board"
 kind = "qr"
 parameters.language = "xyz"
 )");
-  EXPECT_THAT(Failure("SelfCheck"), HasSubstr("5909 board: "));
+  const std::string failure = Failure("SelfCheck");
+  EXPECT_THAT(failure, HasSubstr("5909 board: "));
+  EXPECT_THAT(failure, HasSubstr("tesseract-ocr-xyz"));
 }
 
 }  // namespace musher::vision::course_process_test
