@@ -11,16 +11,21 @@
 #include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/vision/face_box.hpp"
+#include "musher/modules/vision/picture.hpp"
 
 namespace musher::vision {
 
 class Detector {
  public:
+  using Input = Shot;  // see looker.hpp
+  using Found = std::vector<FaceBox>;
+
   virtual ~Detector() = default;
 
   // In a picture that passed CheckPicture(). May throw: the detector is then replaced by a new
   // one.
   virtual std::vector<FaceBox> Detect(const msg::Image& picture) = 0;
+  std::vector<FaceBox> Process(const Shot& shot) { return Detect(shot.picture); }
 };
 
 using DetectorMaker = std::function<Result<std::unique_ptr<Detector>>()>;

@@ -14,6 +14,12 @@ namespace musher::vision {
 // wrong.
 Result<> CheckPicture(const msg::Image& picture);
 
+// A picture that passed CheckPicture().
+struct Shot {
+  std::int64_t stamp_ns = 0;  // the picture's; if that is 0, the time of its reception
+  msg::Image picture;
+};
+
 // By their stamps: no picture twice, none that is late, and no more than the rate.
 class StampGate {
  public:

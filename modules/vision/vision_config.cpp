@@ -41,8 +41,11 @@ class Reader {
     Sub(root, "faces", &Reader::ReadFaces);
     Sub(root, "target", &Reader::ReadTarget);
     Sub(root, "too_close", &Reader::ReadTooClose);
+    config_.detect_faces = root.Bool("detect_faces").value_or(config_.detect_faces);
+    config_.detectors = ReadCourseEntries(root, findings_, FaceTopicNames());
     root.RefuseOthers();
     CheckRate(root);
+    CheckAny(root);
     config_.cascade.smallest = config_.faces.tracker.smallest;
     config_.faces.closeness.longest_gap = config_.silence;
     return std::move(config_);
@@ -96,7 +99,20 @@ class Reader {
     }
   }
 
+  std::vector<std::string> FaceTopicNames() const {
+    if (!config_.detect_faces) return {};
+    const std::string& under = config_.publish_under;
+    return {under + "/target", under + "/too_close", under + "/faces_json"};
+  }
+
+  void CheckAny(TableReader& root) const {
+    if (config_.detect_faces || root.Has("detectors")) return;
+    root.Fault(root.At("detect_faces"), "detect_faces",
+               "nothing is detected: expected true, or a table [[detectors]]");
+  }
+
   void CheckRate(TableReader& root) const {
+    if (!config_.detect_faces) return;
     const Duration forget = config_.faces.tracker.forget;
     const double longest_s = std::chrono::duration<double>(forget).count();
     if (config_.rate_hz == 0 || config_.rate_hz * longest_s >= 1) return;

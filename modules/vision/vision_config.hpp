@@ -1,6 +1,6 @@
 #pragma once
-// The config of the vision module, a TOML file; README.md and config/vision/faces.toml explain its
-// keys.
+// The config of the vision module, a TOML file; README.md and config/vision/faces.toml and
+// config/vision/course.toml explain its keys.
 
 #include <optional>
 #include <string>
@@ -10,6 +10,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/state.hpp"
+#include "musher/modules/vision/course/course_config.hpp"
 #include "musher/modules/vision/detector.hpp"
 #include "musher/modules/vision/face_watch.hpp"
 #include "musher/modules/vision/looker.hpp"
@@ -27,8 +28,10 @@ struct VisionConfig {
   Duration self_check_time = Milliseconds(5000);
   Duration silence = Milliseconds(2000);  // timeout without a processed picture
   CascadeConfig cascade;
-  LookThread::Rules look;
+  LookRules look;
   FaceRules faces;
+  bool detect_faces = true;
+  std::vector<CourseEntry> detectors;  // of a course
 
   VisionConfig() { cascade.model = DefaultModel(); }
   std::string CameraInfoTopic() const {

@@ -16,9 +16,13 @@ VisionManager::VisionManager(const std::string& actuator_name, VisionConfig conf
 
 VisionManager::~VisionManager() {
   if (!node_) return;
-  // From here on pictures may arrive and are passed to the looker.
-  node_->RunOnLoop([this] { topics_.reset(); });
+  // From here on pictures may arrive and are passed to the lookers.
+  node_->RunOnLoop([this] {
+    topics_.reset();
+    for (const auto& detection : detections_) detection->CloseTopics();
+  });
   looker_.reset();
+  detections_.clear();
   node_->RunOnLoop([this] { clock_.reset(); });
 }
 
@@ -26,9 +30,19 @@ Result<> VisionManager::Run(const State& state) {
   if (state == kSetUp) return SetUp();
   if (state == kSelfCheck) return SelfCheck();
   if (config_.LooksIn(state)) {
-    if (Result<> loaded = looker_->Load(); !loaded) return loaded;
+    if (Result<> loaded = Load(); !loaded) return loaded;
   }
   return Enter(state);
+}
+
+Result<> VisionManager::Load() {
+  if (looker_) {
+    if (Result<> loaded = looker_->Load(); !loaded) return loaded;
+  }
+  for (const auto& detection : detections_) {
+    if (Result<> loaded = detection->Load(); !loaded) return loaded;
+  }
+  return Ok();
 }
 
 Result<> VisionManager::SetUp() {
@@ -40,7 +54,7 @@ Result<> VisionManager::SetUp() {
   node_ = node();
   Result<> made;
   node_->RunOnLoop([&] {
-    if (!topics_) made = MakeTopics();
+    if (!clock_) made = MakeTopics();
   });
   return made;
 }
@@ -49,36 +63,89 @@ Result<> VisionManager::MakeTopics() {
   auto clock = transport::Clock::Of(machine_config().clock, node_->node());
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  looker_ = std::make_unique<LookThread>(
+  const Dependencies dependencies = {
+      .node = node_->node(),
+      .clock = *clock_,
+      .name_space = machine_config().name_space,
+      .stamp_ns = [this] { return msg::FromStamp(clock_->Stamp()).count(); },
+      .log = [this](const Error& error) { Log(error); }};
+  if (config_.detect_faces) {
+    if (Result<> made = MakeFaceTopics(dependencies); !made) return made;
+  }
+  return MakeDetections(dependencies);
+}
+
+Result<> VisionManager::MakeFaceTopics(const Dependencies& dependencies) {
+  looker_ = std::make_unique<LookThread<Detector>>(
       node_->loop(), maker_, config_.look,
-      LookThreadEvents{.on_result =
-                           [this](const LookResult& result) {
-                             if (topics_) topics_->OnResult(result);
-                           },
-                       .on_left_out = [this] { topics_->OnLeftOut(); },
-                       .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
-                       .on_detector_lost =
-                           [this](const Error& error) {
-                             Log({error.code, "the detector is lost: " + error.message});
-                             GiveUp({error.code, "the detector is lost"});
-                           }});
-  const Dependencies dependencies = {node_->node(),
-                                     *clock_,
-                                     machine_config().name_space,
-                                     [this] { return msg::FromStamp(clock_->Stamp()).count(); },
-                                     [this](const Error& error) { Log(error); },
-                                     *looker_};
-  auto topics = FaceTopics::Make(dependencies, config_);
+      LookThreadEvents<Detector>{
+          .on_result =
+              [this](const LookResult<Detector>& result) {
+                if (topics_) topics_->OnResult(result);
+              },
+          .on_left_out = [this] { topics_->OnLeftOut(); },
+          .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
+          .on_detector_lost = [this](const Error& error) { OnLost(error); }});
+  auto topics = FaceTopics::Make(dependencies, *looker_, config_);
   if (!topics) return topics.error();
   topics_ = std::move(topics).value();
+  return Ok();
+}
+
+Result<> VisionManager::MakeDetections(const Dependencies& dependencies) {
+  const DetectionEvents events = {
+      .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
+      .on_lost = [this](const Error& error) { OnLost(error); }};
+  for (const CourseEntry& entry : config_.detectors) {
+    auto made = CourseDetection::Make(dependencies, entry, config_.silence, events);
+    if (!made) return made.error();
+    detections_.push_back(std::move(made).value());
+  }
+  return Ok();
+}
+
+void VisionManager::OnLost(const Error& error) {
+  Log({error.code, "the detector is lost: " + error.message});
+  GiveUp({error.code, "the detector is lost"});
+}
+
+Result<> VisionManager::SetOn(bool on) {
+  if (topics_) {
+    if (Result<> set = topics_->SetOn(on); !set) return set;
+  }
+  for (const auto& detection : detections_) {
+    if (Result<> set = detection->topics().SetOn(on); !set) return set;
+  }
+  return Ok();
+}
+
+Result<> VisionManager::SetChecked(bool checked) {
+  if (topics_) {
+    if (Result<> set = topics_->SetChecked(checked); !set) return set;
+  }
+  for (const auto& detection : detections_) {
+    if (Result<> set = detection->topics().SetChecked(checked); !set) return set;
+  }
+  return Ok();
+}
+
+Result<> VisionManager::Check() const {
+  if (topics_) {
+    if (Result<> checked = topics_->Check(); !checked) return checked;
+  }
+  for (const auto& detection : detections_) {
+    const Result<> checked = detection->topics().Check();
+    if (checked) continue;
+    return Error{checked.error().code, detection->name() + ": " + checked.error().message};
+  }
   return Ok();
 }
 
 Result<> VisionManager::Enter(const State& state) {
   Result<> entered;
   node_->RunOnLoop([&] {
-    const bool looked = topics_->looks();
-    entered = topics_->SetOn(config_.LooksIn(state));
+    const bool looked = topics_ && topics_->looks();
+    entered = SetOn(config_.LooksIn(state));
     if (looked && !topics_->looks()) {
       Log("detection is off in " + state + "; so far " + std::to_string(topics_->looked_at()) +
           " pictures, and " + std::to_string(topics_->left_out()) + " dropped for a newer one");
@@ -88,17 +155,17 @@ Result<> VisionManager::Enter(const State& state) {
 }
 
 Result<> VisionManager::SelfCheck() {
-  if (Result<> loaded = looker_->Load(); !loaded) {
+  if (Result<> loaded = Load(); !loaded) {
     return Error{MakeCode(ModuleCode::kFace, KeyCode::kSelfCheckFailed), loaded.error().message};
   }
   Result<> result;
-  node_->RunOnLoop([&] { result = topics_->SetChecked(true); });
+  node_->RunOnLoop([&] { result = SetChecked(true); });
   if (result) {
     result = program::AwaitOnLoop(
-        *node_, config_.self_check_time, [this] { return topics_->Check(); },
+        *node_, config_.self_check_time, [this] { return Check(); },
         [this] { return StopRequested(); });
   }
-  node_->RunOnLoop([&] { static_cast<void>(topics_->SetChecked(false)); });
+  node_->RunOnLoop([&] { static_cast<void>(SetChecked(false)); });
   return result;
 }
 

@@ -1,14 +1,17 @@
 #pragma once
-// The actuator that detects faces. See README.md in this folder.
+// The actuator that detects faces and what is on a course. See README.md in this folder.
 //
-// Threads: state callbacks on the actuator's worker, topics on the loop of its node, the detector
+// Threads: state callbacks on the actuator's worker, topics on the loop of its node, each detector
 // on a thread of its own, which ends the actuator when it loses its detector.
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/vision/course/course_detection.hpp"
 #include "musher/modules/vision/face_topics.hpp"
+#include "musher/modules/vision/look_thread.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/transport/clock.hpp"
 
@@ -16,23 +19,32 @@ namespace musher::vision {
 
 class VisionManager : public MachineActuator {
  public:
-  // `maker` makes the detector; called on the detector's thread and in the self-check.
+  // `maker` makes the detector of faces; called on the detector's thread and in the self-check.
   VisionManager(const std::string& actuator_name, VisionConfig config, DetectorMaker maker);
   ~VisionManager() override;
 
  private:
   Result<> Run(const State& state);
   Result<> SetUp();
+  Result<> Load();
   Result<> SelfCheck();
   Result<> Enter(const State& state);
   Result<> MakeTopics();
+  Result<> MakeFaceTopics(const Dependencies& dependencies);
+  Result<> MakeDetections(const Dependencies& dependencies);
+  void OnLost(const Error& error);
+  Result<> SetOn(bool on);
+  Result<> SetChecked(bool checked);
+  Result<> Check() const;
 
   const VisionConfig config_;
   const DetectorMaker maker_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
-  std::unique_ptr<LookThread> looker_;
+  // Of faces; null: they are not detected.
+  std::unique_ptr<LookThread<Detector>> looker_;
   std::unique_ptr<FaceTopics> topics_;
+  std::vector<std::unique_ptr<CourseDetection>> detections_;
 };
 
 }  // namespace musher::vision

@@ -1,5 +1,5 @@
 #pragma once
-// musher-vision look: what the detector finds in a picture file. For tuning it.
+// musher-vision look: what the detector of faces finds in a picture file. For tuning it.
 
 #include <optional>
 #include <ostream>
@@ -14,6 +14,7 @@ namespace musher::vision::tool {
 struct LookOptions {
   std::string file;  // of the module's config
   std::vector<std::string> pictures;
+  std::string detector;            // of a course; empty: faces
   std::string out;                 // the picture with boxes; empty: none
   std::optional<double> hfov_deg;  // of the pictures; else the config's
   std::optional<double> at_m;      // known distance of the largest face

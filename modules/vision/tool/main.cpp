@@ -7,6 +7,7 @@
 #include "musher/actuator/program/module_main.hpp"
 #include "musher/base/version.hpp"
 #include "musher/modules/vision/tool/look.hpp"
+#include "musher/modules/vision/tool/look_course.hpp"
 
 namespace {
 
@@ -16,15 +17,39 @@ constexpr const char* kFooter = R"(
 Examples:
   musher-vision look faces.toml now.png --out boxes.png     what is found, and where
   musher-vision look faces.toml now.png --hfov 70 --at 1.5  the face_m that makes the distance right
+  musher-vision look course.toml hall.mp4 --detector left   what a detector of [[detectors]] finds
 
 Exit codes: 0 done; 1 a picture or the model cannot be read, or --out not written; 2 wrong usage, or
 the config is wrong.)";
+
+musher::Result<> LookFor(const musher::vision::VisionConfig& config,
+                         const musher::vision::tool::LookOptions& options) {
+  if (options.detector.empty()) return musher::vision::tool::Look(config, options, std::cout);
+  const auto entry = musher::vision::tool::DetectorOf(config, options.detector);
+  return musher::vision::tool::LookAtCourse(entry.value(), options, std::cout);
+}
+
+// Whether the config has what is to be found.
+musher::Result<> CheckOptions(const musher::vision::VisionConfig& config,
+                              const musher::vision::tool::LookOptions& options) {
+  if (!options.detector.empty()) {
+    const auto entry = musher::vision::tool::DetectorOf(config, options.detector);
+    return entry ? musher::Ok() : musher::Result<>(entry.error());
+  }
+  if (config.detect_faces) return musher::Ok();
+  return musher::Error{musher::kCodeFailed,
+                       "the config detects no faces; name one of its detectors with --detector"};
+}
 
 ExitCode Look(const musher::vision::tool::LookOptions& options) {
   const musher::vision::VisionReading reading = musher::vision::ReadVisionFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return ExitCode::kUsage;
-  const musher::Result<> looked = musher::vision::tool::Look(*reading.config, options, std::cout);
+  if (const musher::Result<> known = CheckOptions(*reading.config, options); !known) {
+    std::cerr << "musher-vision: " << known.error().message << std::endl;
+    return ExitCode::kUsage;
+  }
+  const musher::Result<> looked = LookFor(*reading.config, options);
   if (looked) return ExitCode::kDone;
   std::cerr << "musher-vision: " << looked.error().message << std::endl;
   return ExitCode::kNotDone;
@@ -34,20 +59,27 @@ ExitCode Look(const musher::vision::tool::LookOptions& options) {
 
 int main(int argc, char** argv) {
   musher::vision::tool::LookOptions options;
-  CLI::App app("Shows what the detector of musher-vision-manager finds.", "musher-vision");
+  CLI::App app("Shows what the detectors of musher-vision-manager find.", "musher-vision");
   app.footer(kFooter);
   app.set_version_flag("--version", "musher-vision " + std::string(musher::Version()),
                        "Print the version");
   app.require_subcommand(1);
-  CLI::App* look = app.add_subcommand("look", "Look for faces in pictures");
+  CLI::App* look =
+      app.add_subcommand("look", "Look at pictures: for faces, or with a detector of a course");
   look->add_option("FILE", options.file, "The config of musher-vision-manager (TOML)")->required();
-  look->add_option("PICTURES", options.pictures, "Files: .png, .jpg, .bmp")->required();
-  look->add_option("--out", options.out, "Write the (last) picture with boxes to this file");
+  look->add_option("PICTURES", options.pictures,
+                   "Files: .png, .jpg, .bmp; with --detector also .mp4, .avi, .mkv")
+      ->required();
+  auto* detector =
+      look->add_option("--detector", options.detector, "Name of a table [[detectors]]; else faces");
+  look->add_option("--out", options.out,
+                   "Write the (last) picture with what was found to this file");
   look->add_option("--hfov", options.hfov_deg, "Degrees from its left edge to its right one")
       ->check(musher::program::Between(1, 170));
   look->add_option("--at", options.at_m,
                    "Distance of the largest face in m; prints the face_m that fits")
-      ->check(musher::program::Between(0.05, 100));
+      ->check(musher::program::Between(0.05, 100))
+      ->excludes(detector);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

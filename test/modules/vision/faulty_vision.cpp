@@ -1,4 +1,4 @@
-// musher-vision-manager with a detector controlled by the file `detector` of its working folder:
+// musher-vision-manager with detectors controlled by the file `detector` of its working folder:
 // "throw", "hang" until the other end of the fifo `gate` is opened, or nothing.
 
 #include <filesystem>
@@ -18,20 +18,38 @@ std::string Mode() {
   return mode;
 }
 
+void Misbehave() {
+  if (Mode() == "hang") std::ifstream("gate").peek();
+  if (Mode() == "throw") throw std::runtime_error("by the test");
+}
+
 class FaultyDetector : public Detector {
  public:
   std::vector<FaceBox> Detect(const msg::Image&) override {
-    if (Mode() == "hang") std::ifstream("gate").peek();
-    if (Mode() == "throw") throw std::runtime_error("by the test");
+    Misbehave();
     return {};
   }
+};
+
+class FaultyCourseDetector : public CourseDetector {
+ public:
+  CourseSight Look(const cv::Mat&, std::int64_t, const std::optional<Lens>&) override {
+    Misbehave();
+    return {std::nullopt, std::nullopt, "found"};
+  }
+  void Draw(cv::Mat&) const override {}
 };
 
 int Run(const program::Options& options) {
   const VisionReading reading = ReadVisionFile(options.file);
   program::PrintErrors(reading.diagnostics);
   if (!reading.config) return program::kUsageError;
-  VisionManager manager(options.actuator, *reading.config,
+  VisionConfig config = *reading.config;
+  for (CourseEntry& entry : config.detectors) {
+    entry.making = {[] { return std::unique_ptr<CourseDetector>(new FaultyCourseDetector); },
+                    [] { return Ok(); }};
+  }
+  VisionManager manager(options.actuator, config,
                         [] { return std::unique_ptr<Detector>(new FaultyDetector); });
   return program::RunToEnd(manager, options.state_config);
 }

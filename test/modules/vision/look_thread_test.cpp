@@ -5,7 +5,8 @@
 #include <future>
 #include <stdexcept>
 
-#include "musher/modules/vision/looker.hpp"
+#include "musher/modules/vision/detector.hpp"
+#include "musher/modules/vision/look_thread.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -35,14 +36,15 @@ class LookThreadTest : public ::testing::Test {
           if (broken_) return Error{5912, "there is no such model"};
           return std::unique_ptr<Detector>(new ScriptedDetector(script_));
         },
-        LookThread::Rules{Milliseconds(700), 3},
-        LookThreadEvents{[this](LookResult result) { results_.push_back(std::move(result)); },
-                         [this] { ++left_out_; },
-                         [this](Duration allowance) {
-                           const std::lock_guard lock(mutex_);
-                           checkpoints_.push_back(allowance);
-                         },
-                         [this](const Error& error) { lost_.set_value(error.message); }});
+        LookRules{Milliseconds(700), 3},
+        LookThreadEvents<Detector>{
+            [this](LookResult<Detector> result) { results_.push_back(std::move(result)); },
+            [this] { ++left_out_; },
+            [this](Duration allowance) {
+              const std::lock_guard lock(mutex_);
+              checkpoints_.push_back(allowance);
+            },
+            [this](const Error& error) { lost_.set_value(error.message); }});
   }
   bool AwaitResults(std::size_t count) {
     return loop_.RunUntil([&] { return results_.size() >= count; },
@@ -50,7 +52,7 @@ class LookThreadTest : public ::testing::Test {
   }
   std::vector<std::int64_t> Stamps() const {
     std::vector<std::int64_t> stamps;
-    for (const LookResult& result : results_) stamps.push_back(result.stamp_ns);
+    for (const LookResult<Detector>& result : results_) stamps.push_back(result.stamp_ns);
     return stamps;
   }
 
@@ -61,21 +63,21 @@ class LookThreadTest : public ::testing::Test {
   std::atomic<int> made_ = 0;
   std::function<void()> on_make_;
   std::atomic<bool> broken_ = false;
-  std::vector<LookResult> results_;
+  std::vector<LookResult<Detector>> results_;
   int left_out_ = 0;
   std::mutex mutex_;
   std::vector<Duration> checkpoints_;
   std::promise<std::string> lost_;
-  std::optional<LookThread> thread_;  // last: it uses the rest
+  std::optional<LookThread<Detector>> thread_;  // last: it uses the rest
 };
 
 TEST_F(LookThreadTest, GivesWhatTheDetectorFinds) {
   Start();
-  thread_->Look(7, Picture());
+  thread_->Look({7, Picture()});
   ASSERT_TRUE(AwaitResults(1));
   EXPECT_EQ(results_[0].stamp_ns, 7);
   EXPECT_EQ(results_[0].width_px, 64U);
-  EXPECT_THAT(results_[0].faces.value(), ElementsAre(FaceAt(0.5, 0.5)));
+  EXPECT_THAT(results_[0].found.value(), ElementsAre(FaceAt(0.5, 0.5)));
   EXPECT_EQ(thread_->Busy(), Duration::zero());
 }
 
@@ -91,10 +93,10 @@ TEST_F(LookThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
     return std::vector<FaceBox>();
   };
   Start();
-  thread_->Look(1, Picture());
+  thread_->Look({1, Picture()});
   begun.get_future().wait();
   EXPECT_GT(thread_->Busy(), Duration::zero());
-  for (const std::int64_t stamp_ns : {2, 3, 4}) thread_->Look(stamp_ns, Picture());
+  for (const std::int64_t stamp_ns : {2, 3, 4}) thread_->Look({stamp_ns, Picture()});
   EXPECT_EQ(left_out_, 2);
   let_go.set_value();
   ASSERT_TRUE(AwaitResults(2));
@@ -110,13 +112,13 @@ TEST_F(LookThreadTest, ReplacesADetectorThatThrew) {
   };
   Start();
   for (const std::size_t count : {1, 2, 3}) {
-    thread_->Look(std::int64_t(count), Picture());
+    thread_->Look({std::int64_t(count), Picture()});
     ASSERT_TRUE(AwaitResults(count));
   }
-  EXPECT_EQ(results_[0].faces.error().message, "the detector failed: out of luck");
-  EXPECT_EQ(results_[0].faces.error().code, 5912);
-  EXPECT_EQ(results_[1].faces.error().message, "the detector failed");
-  EXPECT_TRUE(results_[2].faces);
+  EXPECT_EQ(results_[0].found.error().message, "the detector failed: out of luck");
+  EXPECT_EQ(results_[0].found.error().code, 5912);
+  EXPECT_EQ(results_[1].found.error().message, "the detector failed");
+  EXPECT_TRUE(results_[2].found);
   EXPECT_EQ(made_, 3);
 }
 
@@ -125,20 +127,20 @@ TEST_F(LookThreadTest, GivesUpADetectorThatFailsRepeatedly) {
   Start();
   auto lost = lost_.get_future();
   for (const std::size_t count : {1, 2, 3}) {
-    thread_->Look(std::int64_t(count), Picture());
+    thread_->Look({std::int64_t(count), Picture()});
     ASSERT_TRUE(AwaitResults(count));
   }
   EXPECT_EQ(lost.get(), "3 pictures in a row: the detector failed: dead");
-  thread_->Look(4, Picture());  // without a detector nothing hangs
+  thread_->Look({4, Picture()});  // without a detector nothing hangs
 }
 
 TEST_F(LookThreadTest, LoadsTheModelAheadOrReportsWhyNot) {
   broken_ = true;
   Start();
   EXPECT_EQ(thread_->Load().error().message, "there is no such model");
-  thread_->Look(1, Picture());
+  thread_->Look({1, Picture()});
   ASSERT_TRUE(AwaitResults(1));
-  EXPECT_EQ(results_[0].faces.error().message, "there is no such model");
+  EXPECT_EQ(results_[0].found.error().message, "there is no such model");
   broken_ = false;
   EXPECT_TRUE(thread_->Load());
   EXPECT_TRUE(thread_->Load());
@@ -162,7 +164,7 @@ TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
     return thread_->Load().ok();
   });
   begun.get_future().wait();
-  thread_->Look(1, Picture());
+  thread_->Look({1, Picture()});
   EXPECT_EQ(second.wait_for(std::chrono::seconds(10)), std::future_status::ready);
   let_go.set_value();
   EXPECT_TRUE(first.get());
@@ -172,14 +174,14 @@ TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
 
 TEST_F(LookThreadTest, SetsACheckpointBeforeEachPicture) {
   Start();
-  thread_->Look(1, Picture());
+  thread_->Look({1, Picture()});
   ASSERT_TRUE(AwaitResults(1));
   EXPECT_THAT(checkpoints_, ElementsAre(Duration(Milliseconds(700)), Duration::max()));
 }
 
 TEST_F(LookThreadTest, IsDestroyedWhileAPictureIsProcessed) {
   Start();
-  thread_->Look(1, Picture());
+  thread_->Look({1, Picture()});
   thread_.reset();
   loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(20));
   EXPECT_THAT(results_, ::testing::IsEmpty());

@@ -19,13 +19,13 @@ T Must(Result<T> result) {
   return std::move(result).value();
 }
 
-class FakeLooker : public Looker {
+class FakeLooker : public Looker<Detector> {
  public:
   Result<> Load() override { return Ok(); }
-  void Look(std::int64_t stamp_ns, msg::Image picture) override {
-    looks.push_back(stamp_ns);
+  void Look(Shot shot) override {
+    looks.push_back(shot.stamp_ns);
     if (hangs) return;
-    on_result({stamp_ns, picture.width, picture.height, found, Milliseconds(1)});
+    on_result({shot.stamp_ns, shot.picture.width, shot.picture.height, found, Milliseconds(1)});
   }
   Duration Busy() const override { return busy; }
 
@@ -33,14 +33,14 @@ class FakeLooker : public Looker {
   bool hangs = false;
   Duration busy{};
   std::vector<std::int64_t> looks;
-  std::function<void(LookResult)> on_result;
+  std::function<void(LookResult<Detector>)> on_result;
 };
 
 class FaceTopicsTest : public ::testing::Test {
  protected:
   FaceTopicsTest() {
     config_.rate_hz = 0;
-    looker_.on_result = [this](const LookResult& result) { topics_->OnResult(result); };
+    looker_.on_result = [this](const LookResult<Detector>& result) { topics_->OnResult(result); };
     target_ = Listen<msg::PointStamped>("wedding/perception/target", targets_);
     too_close_ = Listen<msg::Bool>("wedding/perception/too_close", closes_);
     faces_ = Must(transport::MakeSubscription<msg::String>(
@@ -60,9 +60,8 @@ class FaceTopicsTest : public ::testing::Test {
         {*robot_, *clock_, "robot1", [this] { return clock_->Now().time_since_epoch().count(); },
          [this](const Error& error) {
            log_.push_back(std::to_string(error.code) + " " + error.message);
-         },
-         looker_},
-        config_));
+         }},
+        looker_, config_));
     EXPECT_TRUE(topics_->SetOn(on));
     Run(Milliseconds(500));  // discovery
   }

@@ -1,34 +1,20 @@
 // musher-vision-manager as a controller and the robot's other modules use it: the real programs
 // over DDS.
 
-#include <gmock/gmock.h>
-#include <sys/stat.h>
-
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
-#include "musher/messages/musher_msgs/heartbeats.hpp"
-#include "musher/messages/sensor_msgs/image.hpp"
-#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/vision/vision_process.hpp"
 #include "musher/test/support/paths.hpp"
-#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::vision::vision_process_test {
 
-using msg::ActuatorCommand;
 using ::testing::HasSubstr;
-
-const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                             "Active",   "DeActive", "Protected",
-                                             "LowPower", "OTA",      "Error"};
 
 // A face 1 m before the front camera, as high as it.
 constexpr const char* kScene = R"(
@@ -57,15 +43,8 @@ self_check_ms = 15000
 face_m = 0.208
 )";
 
-class VisionProcess : public ::testing::Test {
+class VisionInWorld : public VisionProcess {
  protected:
-  explicit VisionProcess(const std::string& program = "musher-vision-manager")
-      : peer_("vision", kAllStates, program) {}
-
-  void Start(const std::string& file = kFile) {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-  }
   void StartWorld() {
     std::ofstream(peer_.folder() / "scene.toml") << kScene;
     exec::ChildSpec spec;
@@ -73,34 +52,12 @@ class VisionProcess : public ::testing::Test {
     spec.cwd = peer_.folder().path();
     world_.emplace(exec::Child::Start(spec, reaper_).value());
   }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
-  }
-  std::string Failure(const State& state) {
-    const auto done = peer_.Switch(state);
-    if (!done) return "no answer";
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictFailed);
-    return std::to_string(done.value().code) + " " + done.value().message;
-  }
-  template <msg::Message M>
-  void Listen(const std::string& topic, std::optional<M>& last) {
-    subscriptions_.push_back(transport::MakeSubscription<M>(
-                                 peer_.node(), topic,
-                                 [&last](const M& message, const auto&) { last = message; },
-                                 transport::kSensorDataQos)
-                                 .value());
-  }
 
   const exec::Reaper reaper_ = exec::Reaper::Start().value();
-  test::ActuatorPeer peer_;
   std::optional<exec::Child> world_;
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
-TEST_F(VisionProcess, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
+TEST_F(VisionInWorld, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
   std::optional<msg::PointStamped> target;
   std::optional<msg::Bool> too_close;
   std::optional<msg::String> faces;
@@ -108,7 +65,7 @@ TEST_F(VisionProcess, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
   Listen("wedding/perception/too_close", too_close);
   Listen("wedding/perception/faces_json", faces);
   StartWorld();
-  Start();
+  Start(kFile);
   ExpectDone("SelfCheck");
   EXPECT_FALSE(target) << "a check is no looking";
   ExpectDone("Active");
@@ -124,12 +81,12 @@ TEST_F(VisionProcess, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
 }
 
-TEST_F(VisionProcess, LooksInActiveOnlySoThatTheWorldNeedNotDraw) {
+TEST_F(VisionInWorld, LooksInActiveOnlySoThatTheWorldNeedNotDraw) {
   const auto camera = transport::MakePublisher<msg::Image>(peer_.node(), "world/camera/front",
                                                            transport::kSensorDataQos)
                           .value();
   StartWorld();
-  Start();
+  Start(kFile);
   for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
     ExpectDone("Active");
     EXPECT_TRUE(peer_.Until([&] { return camera->MatchedReaders() == 1; })) << state;
@@ -157,42 +114,11 @@ TEST_F(VisionProcess, IsNotStartedWithAnInvalidFile) {
   EXPECT_THAT(peer_.Output(), HasSubstr("vision.toml:1:1: error: unknown key \"rate\""));
 }
 
-// With a detector and a camera controlled by the test.
-class FaultyVision : public VisionProcess {
- protected:
-  FaultyVision() : VisionProcess("faulty_vision") {
-    mkfifo((peer_.folder() / "gate").c_str(), 0600);
-  }
-
-  void SetDetector(const std::string& what) {
-    std::ofstream(peer_.folder() / "detector.new") << what;
-    rename((peer_.folder() / "detector.new").c_str(), (peer_.folder() / "detector").c_str());
-  }
-  void StartWithCamera() {
-    camera_ =
-        transport::MakePublisher<msg::Image>(peer_.node(), "image_rgb", transport::kSensorDataQos)
-            .value();
-    Start("rate_hz = 0\nhfov_deg = 60\n[detector]\nhang_ms = 1000\nfailures = 5\n");
-    picture_.width = 8;
-    picture_.height = 8;
-    picture_.encoding = "mono8";
-    picture_.step = 8;
-    picture_.data.assign(64, 100);
-    ticker_ = peer_.node().loop().Every(Milliseconds(20), [this] {
-      picture_.header.stamp = msg::ToStamp(peer_.node().loop().Now().time_since_epoch());
-      static_cast<void>(camera_->Publish(picture_));
-    });
-    ExpectDone("SelfCheck");
-    ExpectDone("Active");
-  }
-
-  msg::Image picture_;
-  std::unique_ptr<transport::Publisher<msg::Image>> camera_;
-  transport::LoopHandlePtr ticker_;
-};
+constexpr const char* kFaultyFile =
+    "rate_hz = 0\nhfov_deg = 60\n[detector]\nhang_ms = 1000\nfailures = 5\n";
 
 TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
-  StartWithCamera();
+  StartWithCamera(kFaultyFile);
   SetDetector("throw");
   ASSERT_TRUE(
       peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
@@ -211,7 +137,7 @@ TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
           [&](const msg::ActuatorBeat& message, const auto&) { heartbeat = message; },
           transport::kHeartbeatQos)
           .value());
-  StartWithCamera();
+  StartWithCamera(kFaultyFile);
   SetDetector("hang");
   ASSERT_TRUE(peer_.Until([&] {
     return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;

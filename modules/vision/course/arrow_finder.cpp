@@ -1,0 +1,139 @@
+#include "musher/modules/vision/course/arrow_finder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+namespace musher::vision {
+namespace {
+
+constexpr int kBins = 24;  // along the arrow's axis
+using Profile = std::array<double, kBins>;
+
+// From level; 0 when the thing is not clearly longer in one direction, or stands upright.
+double TiltOf(const cv::Moments& moments) {
+  constexpr double kMostTilt = M_PI / 6;
+  const double tilt = std::atan2(2 * moments.mu11, moments.mu20 - moments.mu02) / 2;
+  const double spread = std::hypot(2 * moments.mu11, moments.mu20 - moments.mu02);
+  constexpr double kLeastSpread = 0.3;
+  if (spread < kLeastSpread * (moments.mu20 + moments.mu02)) return 0;
+  return std::abs(tilt) <= kMostTilt ? tilt : 0;
+}
+
+// How high the green is at each place along the axis, as a share of the highest. Nothing when it is
+// too small, or not alike on both sides of the axis.
+std::optional<Profile> ProfileOf(const cv::Mat& green, double tilt_rad) {
+  std::vector<cv::Point> pixels;
+  cv::findNonZero(green, pixels);
+  const double cosine = std::cos(tilt_rad), sine = std::sin(tilt_rad);
+  const auto along = [&](const cv::Point& pixel) { return pixel.x * cosine + pixel.y * sine; };
+  const auto aside = [&](const cv::Point& pixel) { return pixel.y * cosine - pixel.x * sine; };
+  double least = along(pixels.front()), most = least, middle = 0;
+  for (const cv::Point& pixel : pixels) {
+    least = std::min(least, along(pixel));
+    most = std::max(most, along(pixel));
+    middle += aside(pixel) / static_cast<double>(pixels.size());
+  }
+  const double bin_px = (most - least + 1) / kBins;
+  if (bin_px < 1) return std::nullopt;
+  Profile profile{}, lever{};
+  for (const cv::Point& pixel : pixels) {
+    // A pixel is one pixel long, and may lie in two bins.
+    const double from = (along(pixel) - least) / bin_px, to = from + 1 / bin_px;
+    const auto bin = static_cast<std::size_t>(std::min<double>(from, kBins - 1));
+    const double rest = std::max(0.0, to - double(bin + 1));
+    for (const auto& [at, share] : {std::pair(bin, to - from - rest), std::pair(bin + 1, rest)}) {
+      if (at >= kBins) continue;
+      profile[at] += share;
+      lever[at] += share * (aside(pixel) - middle);
+    }
+  }
+  const double highest = *std::max_element(profile.begin(), profile.end());
+  double askew = 0;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    askew += std::abs(lever[i]) / (highest * highest * kBins);
+    profile[i] /= highest;
+  }
+  constexpr double kMostAskew = 0.05;
+  if (askew > kMostAskew) return std::nullopt;
+  return profile;
+}
+
+// The mean difference from the best fitting arrow that points to the right.
+double MisfitOf(const Profile& profile) {
+  double best = 1;
+  for (double head = 0.2; head < 0.76; head += 0.05) {
+    for (double shaft = 0.15; shaft < 0.71; shaft += 0.05) {
+      double sum = 0;
+      for (int i = 0; i < kBins; ++i) {
+        const double at = (i + 0.5) / kBins;
+        const double model = at < 1 - head ? shaft : (1 - at) / head;
+        sum += std::abs(model - profile[static_cast<std::size_t>(i)]);
+      }
+      best = std::min(best, sum / kBins);
+    }
+  }
+  return best;
+}
+
+// Whether almost nothing of what is around it is nearly green: a board, no leaves.
+bool StandsAlone(const cv::Mat& bgr, const cv::Mat& mask, const cv::Rect& box) {
+  const cv::Rect around = cv::Rect(box.x - box.width / 8 - 3, box.y - box.height / 8 - 3,
+                                   box.width + box.width / 4 + 6, box.height + box.height / 4 + 6) &
+                          cv::Rect({0, 0}, bgr.size());
+  const int others = around.area() - box.area();
+  const int green = cv::countNonZero(mask(around)) - cv::countNonZero(mask(box));
+  constexpr double kMostGreen = 0.05;
+  return others > 0 && green < kMostGreen * others;
+}
+
+std::optional<Arrow> ArrowOf(const cv::Mat& bgr, const cv::Mat& mask, const Contour& outline,
+                             const ArrowParameters& parameters) {
+  const cv::Rect box = cv::boundingRect(outline);
+  const bool is_cut =
+      box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
+  if (is_cut || !StandsAlone(bgr, mask, box)) return std::nullopt;
+  cv::Mat green = cv::Mat::zeros(box.size(), CV_8UC1);
+  cv::drawContours(green, std::vector<Contour>{outline}, 0, cv::Scalar(255), cv::FILLED, cv::LINE_8,
+                   cv::noArray(), 0, -box.tl());
+  cv::bitwise_and(green, mask(box), green);
+  auto profile = ProfileOf(green, TiltOf(cv::moments(green, true)));
+  if (!profile) return std::nullopt;
+  const double right = MisfitOf(*profile);
+  std::reverse(profile->begin(), profile->end());
+  const double left = MisfitOf(*profile);
+  const double misfit = std::min(left, right);
+  if (misfit > parameters.most_misfit) return std::nullopt;
+  if (std::max(left, right) < parameters.clearly * misfit) return std::nullopt;
+  return Arrow{box, left < right, misfit};
+}
+
+}  // namespace
+
+ArrowsFound FindArrows(const cv::Mat& bgr, const ArrowParameters& parameters) {
+  CheckCoursePicture(bgr);
+  const cv::Rect region = RectOf(parameters.region, bgr.size());
+  cv::Mat mask = MaskOf(bgr(region), parameters.green);
+  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
+  ArrowsFound found;
+  for (const Contour& outline : OutlinesOf(mask)) {
+    if (cv::contourArea(outline) < parameters.least_area_px2) continue;
+    if (auto arrow = ArrowOf(bgr(region), mask, outline, parameters)) {
+      arrow->box += region.tl();
+      found.arrows.push_back(*arrow);
+    }
+  }
+  std::stable_sort(
+      found.arrows.begin(), found.arrows.end(),
+      [](const Arrow& one, const Arrow& other) { return one.box.area() > other.box.area(); });
+  if (found.arrows.empty()) return found;
+  const bool left = found.arrows.front().left;
+  const bool agree = std::all_of(found.arrows.begin(), found.arrows.end(),
+                                 [&](const Arrow& arrow) { return arrow.left == left; });
+  if (agree) found.direction = left ? "left" : "right";
+  return found;
+}
+
+}  // namespace musher::vision

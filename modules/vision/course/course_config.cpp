@@ -1,0 +1,180 @@
+#include "musher/modules/vision/course/course_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "musher/base/toml/names.hpp"
+#include "musher/modules/vision/course/course_parameters.hpp"
+
+namespace musher::vision {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Position;
+using config_toml::Quote;
+using config_toml::TableReader;
+using config_toml::Value;
+
+std::string DefaultPublish(CourseKind kind, const std::string& name) {
+  switch (kind) {
+    case CourseKind::kQr:
+      return "/qr_detector/qr_info";
+    case CourseKind::kArrow:
+      return "/green_arrow_detector/direction";
+    case CourseKind::kBarrier:
+      return "/red_barrier_detector/distance";
+    case CourseKind::kMarker:
+      return "/yellow_marker_detector/distance";
+    case CourseKind::kLight:
+      return "/yellow_light_detector/distance";
+    case CourseKind::kLines:
+      return "/yellow_line_detector/" + name;
+  }
+  return name;
+}
+
+// In messages a detector is called by its name.
+std::string PathOf(const config_toml::Table& table) {
+  const config_toml::Member* name = config_toml::Find(table, "name");
+  const auto* text = name == nullptr ? nullptr : name->value.As<std::string>();
+  return text != nullptr && config_toml::IsName(*text) ? "detectors." + *text : "detectors";
+}
+
+class EntriesReader {
+ public:
+  EntriesReader(Findings& findings, const std::vector<std::string>& taken) : findings_(findings) {
+    for (const std::string& topic : taken) publishers_[topic] = "the face detection";
+  }
+
+  void Read(const Value& value) {
+    const auto* table = value.As<config_toml::Table>();
+    if (table == nullptr) return;  // reported by Tables()
+    const std::string path = PathOf(*table);
+    TableReader reader(*table, value.at, path, findings_);
+    CourseEntry entry;
+    ReadName(reader, entry);
+    const auto kind = ReadKind(reader);
+    Topic(reader, "picture", entry.picture);
+    Topic(reader, "camera_info", entry.camera_info);
+    if (const auto degrees = reader.Number("hfov_deg", 1, 170)) {
+      entry.hfov_rad = *degrees * M_PI / 180;
+    }
+    entry.rate_hz = reader.Number("rate_hz", 0, 1000).value_or(entry.rate_hz);
+    Topic(reader, "publish", entry.publish);
+    entry.look.hang = reader.Time("hang_ms").value_or(entry.look.hang);
+    if (const auto failures = reader.Integer("failures", 1, 1000)) {
+      entry.look.failures = static_cast<int>(*failures);
+    }
+    const config_toml::Table* parameters = reader.SubTable("parameters");
+    reader.RefuseOthers();
+    if (!kind) return;
+    entry.kind = *kind;
+    if (entry.publish.empty()) entry.publish = DefaultPublish(*kind, entry.name);
+    const config_toml::Table none;
+    TableReader parameter_reader(parameters == nullptr ? none : *parameters,
+                                 reader.At("parameters"), path + ".parameters", findings_);
+    entry.parameters = ReadCourseParameters(*kind, parameter_reader, findings_);
+    entry.making = MakingOf(entry.parameters);
+    parameter_reader.RefuseOthers();
+    CheckOutputs(reader, entry);
+    entries_.push_back(std::move(entry));
+  }
+
+  std::vector<CourseEntry> Take() && { return std::move(entries_); }
+
+ private:
+  void ReadName(TableReader& reader, CourseEntry& entry) {
+    reader.Require("name", "a name, as in \"qr_detector\"");
+    const auto name = reader.String("name");
+    if (!name) return;
+    if (!config_toml::IsName(name->text)) {
+      reader.Fault(
+          name->at, "name",
+          "expected " + std::string(config_toml::kNameRule) + ", found " + Quote(name->text));
+      return;
+    }
+    const auto [first, is_new] = name_lines_.emplace(name->text, name->at.line);
+    if (!is_new) {
+      reader.Fault(name->at, "name",
+                   Quote(name->text) + " is the name of the detector in line " +
+                       std::to_string(first->second) + " already");
+    }
+    entry.name = name->text;
+  }
+
+  static std::optional<CourseKind> ReadKind(TableReader& reader) {
+    reader.Require("kind", R"("qr", "arrow", "barrier", "marker", "light" or "lines")");
+    return reader.Choice<CourseKind>("kind", {{"qr", CourseKind::kQr},
+                                              {"arrow", CourseKind::kArrow},
+                                              {"barrier", CourseKind::kBarrier},
+                                              {"marker", CourseKind::kMarker},
+                                              {"light", CourseKind::kLight},
+                                              {"lines", CourseKind::kLines}});
+  }
+
+  static void Topic(TableReader& reader, std::string_view key, std::string& topic) {
+    const auto found = reader.String(key);
+    if (!found) return;
+    if (!config_toml::IsTopic(found->text)) {
+      reader.Fault(found->at, key, "expected the name of a topic, as in \"image_rgb\"");
+    }
+    topic = found->text;
+  }
+
+  void CheckOutputs(TableReader& reader, const CourseEntry& entry) {
+    for (const std::string& topic : entry.Outputs().All()) {
+      const auto [first, is_new] =
+          publishers_.emplace(topic, entry.name.empty() ? "another detector" : Quote(entry.name));
+      if (is_new) continue;
+      reader.Fault(reader.At("publish"), "publish",
+                   "the topic " + Quote(topic) + " is published by " + first->second + " already");
+      return;
+    }
+  }
+
+  Findings& findings_;
+  std::map<std::string, int> name_lines_;
+  std::map<std::string, std::string> publishers_;  // of each topic
+  std::vector<CourseEntry> entries_;
+};
+
+}  // namespace
+
+std::vector<std::string> CourseOutputs::All() const {
+  std::vector<std::string> all;
+  for (const auto& topic : {text, sighting, lines}) {
+    if (topic) all.push_back(*topic);
+  }
+  all.push_back(debug_image);
+  return all;
+}
+
+CourseOutputs CourseEntry::Outputs() const {
+  CourseOutputs outputs;
+  if (kind == CourseKind::kLines) {
+    outputs.lines = publish;
+    outputs.debug_image = publish + "/debug_image";
+    return outputs;
+  }
+  const std::size_t slash = publish.rfind('/');
+  const std::string first = slash == std::string::npos ? "" : publish.substr(0, slash + 1);
+  outputs.text = publish;
+  outputs.sighting = first + "sighting";
+  outputs.debug_image = first + "debug_image";
+  return outputs;
+}
+
+bool CourseEntry::NeedsLens() const {
+  return kind == CourseKind::kBarrier || kind == CourseKind::kMarker || kind == CourseKind::kLight;
+}
+
+std::vector<CourseEntry> ReadCourseEntries(TableReader& root, Findings& findings,
+                                           const std::vector<std::string>& taken) {
+  EntriesReader reader(findings, taken);
+  for (const Value* value : root.Tables("detectors")) reader.Read(*value);
+  return std::move(reader).Take();
+}
+
+}  // namespace musher::vision

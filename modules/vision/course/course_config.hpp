@@ -1,0 +1,70 @@
+#pragma once
+// The detectors of a course in the config of the vision module, each a table [[detectors]];
+// README.md and config/vision/course.toml explain their keys.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/toml/document.hpp"
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/table_reader.hpp"
+#include "musher/modules/vision/course/course_detectors.hpp"
+#include "musher/modules/vision/looker.hpp"
+
+namespace musher::vision {
+
+enum class CourseKind { kQr, kArrow, kBarrier, kMarker, kLight, kLines };
+
+using CourseDetectorMaker = std::function<Result<std::unique_ptr<CourseDetector>>()>;
+
+// By the kind of the detector; a light has those of a marker.
+using CourseParameters = std::variant<LinesParameters, ArrowParameters, BarrierParameters,
+                                      MarkerParameters, QrParameters>;
+
+// How to make a detector with its parameters.
+struct CourseMaking {
+  CourseDetectorMaker make;
+  std::function<Result<>()> check;  // whether it can work: what it needs is installed; may be slow
+};
+
+// The topics of one detector.
+struct CourseOutputs {
+  std::optional<std::string> text;      // std_msgs/String
+  std::optional<std::string> sighting;  // musher_msgs/Sighting
+  std::optional<std::string> lines;     // musher_msgs/YellowLines
+  std::string debug_image;              // sensor_msgs/Image
+
+  std::vector<std::string> All() const;
+};
+
+struct CourseEntry {
+  std::string name;
+  CourseKind kind = CourseKind::kQr;
+  std::string picture = "image_rgb";  // topics; relative ones are in the machine's namespace
+  std::string camera_info;            // empty: camera_info below the picture's
+  std::optional<double> hfov_rad;     // of the picture, where no CameraInfo comes
+  double rate_hz = 10;                // pictures processed in a second of their own time; 0: all
+  std::string publish;                // the text, or of a detector of lines its lines
+  LookRules look;
+  CourseParameters parameters;
+  CourseMaking making;  // with them
+
+  std::string CameraInfoTopic() const {
+    return camera_info.empty() ? picture + "/camera_info" : camera_info;
+  }
+  CourseOutputs Outputs() const;
+  // Its results have a distance, which needs a lens.
+  bool NeedsLens() const;
+};
+
+// The tables [[detectors]] of the file; `taken` are topics that the file's other parts publish.
+std::vector<CourseEntry> ReadCourseEntries(config_toml::TableReader& root,
+                                           config_toml::Findings& findings,
+                                           const std::vector<std::string>& taken);
+
+}  // namespace musher::vision

@@ -1,0 +1,16 @@
+#pragma once
+// The table `parameters` of a detector of a course: ranges are checked, errors are located.
+
+#include "musher/base/toml/table_reader.hpp"
+#include "musher/modules/vision/course/course_config.hpp"
+
+namespace musher::vision {
+
+// Reads the parameters of that kind of detector. The caller refuses other keys.
+CourseParameters ReadCourseParameters(CourseKind kind, config_toml::TableReader& reader,
+                                      config_toml::Findings& findings);
+
+// How to make the detector with them.
+CourseMaking MakingOf(const CourseParameters& parameters);
+
+}  // namespace musher::vision

@@ -1,0 +1,144 @@
+#include <tesseract/baseapi.h>
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "musher/base/code.hpp"
+#include "musher/modules/vision/course/qr_finder.hpp"
+#include "musher/modules/vision/course/words.hpp"
+
+// Of the OpenMP library that Tesseract uses.
+extern "C" void omp_set_max_active_levels(int levels);
+
+namespace musher::vision {
+namespace {
+
+cv::Rect WithMargin(const cv::Rect& line, const cv::Size& picture) {
+  const int margin = std::max(1, line.height / 10);
+  return cv::Rect(line.x - margin, line.y - margin, line.width + 2 * margin,
+                  line.height + 2 * margin) &
+         cv::Rect({0, 0}, picture);
+}
+
+// Dark letters of the height that is read best, on white, with a rim.
+cv::Mat LinePicture(const cv::Mat& grey, int letter_px) {
+  constexpr double kLetterPx = 30;
+  constexpr int kRimPx = 20;
+  const double scale = kLetterPx / letter_px;
+  cv::Mat letters;
+  cv::resize(grey, letters, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+  cv::threshold(letters, letters, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
+  cv::copyMakeBorder(letters, letters, kRimPx, kRimPx, kRimPx, kRimPx, cv::BORDER_CONSTANT,
+                     cv::Scalar(255));
+  return letters;
+}
+
+// The signs that the plate surrounds.
+cv::Mat SurroundedSigns(const cv::Mat& grey, const Plate& plate) {
+  return LinePicture(grey(WithMargin(plate.line, grey.size())), plate.line.height);
+}
+
+// All between the edges of the plate, on these rows; what is beside the plate is white.
+cv::Mat AllSigns(const cv::Mat& grey, const Plate& plate) {
+  cv::Rect rows = cv::boundingRect(plate.outline);
+  rows.y = plate.line.y;
+  rows.height = plate.line.height;
+  rows = WithMargin(rows, grey.size());
+  cv::Mat inside = cv::Mat::zeros(rows.size(), CV_8UC1);
+  Contour outline = plate.outline;
+  for (cv::Point& point : outline) point -= rows.tl();
+  cv::fillConvexPoly(inside, outline, cv::Scalar(255));
+  cv::erode(inside, inside, {});
+  cv::Mat signs(rows.size(), CV_8UC1, cv::Scalar(255));
+  grey(rows).copyTo(signs, inside);
+  return LinePicture(signs, plate.line.height);
+}
+
+cv::Mat RegionPicture(const cv::Mat& grey, const cv::Rect& region) {
+  cv::Mat letters;
+  constexpr double kScale = 2;
+  cv::resize(grey(region), letters, {}, kScale, kScale, cv::INTER_CUBIC);
+  cv::threshold(letters, letters, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
+  return letters;
+}
+
+std::string PackageOf(const std::string& language) {
+  std::string name = language;
+  for (char& c : name) c = c == '_' ? '-' : c;
+  return "tesseract-ocr-" + name;
+}
+
+std::string PackagesOf(const std::string& languages) {
+  std::string packages;
+  std::size_t from = 0;
+  while (from <= languages.size()) {
+    const std::size_t to = std::min(languages.find('+', from), languages.size());
+    packages += (packages.empty() ? "" : " ") + PackageOf(languages.substr(from, to - from));
+    from = to + 1;
+  }
+  return packages;
+}
+
+}  // namespace
+
+struct LetterReader::Engine {
+  tesseract::TessBaseAPI api;
+
+  ~Engine() { api.End(); }
+
+  std::string Text(const cv::Mat& letters, int page_mode, double least_confidence) {
+    api.SetPageSegMode(static_cast<tesseract::PageSegMode>(page_mode));
+    api.SetImage(letters.data, letters.cols, letters.rows, 1, static_cast<int>(letters.step));
+    constexpr int kDotsPerInch = 300;  // else it estimates, and prints so
+    api.SetSourceResolution(kDotsPerInch);
+    const std::unique_ptr<char[]> text(api.GetUTF8Text());
+    const bool is_sure = text && api.MeanTextConf() >= least_confidence;
+    return is_sure ? text.get() : "";
+  }
+};
+
+Result<std::unique_ptr<LetterReader>> LetterReader::Make(const QrParameters& parameters) {
+  omp_set_max_active_levels(0);  // one thread: leave CPU to the robot's other programs
+  auto engine = std::make_unique<Engine>();
+  engine->api.SetVariable("debug_file", "/dev/null");
+  const bool has_failed =
+      engine->api.Init(nullptr, parameters.language.c_str(), tesseract::OEM_LSTM_ONLY) != 0;
+  if (has_failed) {
+    return Error{MakeCode(ModuleCode::kFace, KeyCode::kDeviceError),
+                 "Tesseract cannot load its model of the language '" + parameters.language +
+                     "': install " + PackagesOf(parameters.language)};
+  }
+  engine->api.SetVariable("debug_file", "/dev/null");
+  return std::unique_ptr<LetterReader>(new LetterReader(parameters, std::move(engine)));
+}
+
+LetterReader::LetterReader(QrParameters parameters, std::unique_ptr<Engine> engine)
+    : parameters_(std::move(parameters)), engine_(std::move(engine)) {}
+
+LetterReader::~LetterReader() = default;
+
+std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
+  CheckCoursePicture(bgr);
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  const auto word_in = [&](const cv::Mat& letters) -> std::optional<std::string> {
+    for (const int page_mode : parameters_.page_modes) {
+      const std::string text = engine_->Text(letters, page_mode, parameters_.least_confidence);
+      if (auto word = WordOfLetters(text, parameters_.words)) return word;
+    }
+    return std::nullopt;
+  };
+  for (const Plate& plate : FindPlates(grey)) {
+    auto word = word_in(SurroundedSigns(grey, plate));
+    if (!word) word = word_in(AllSigns(grey, plate));
+    if (word) return LettersFound{*word, plate.line};
+  }
+  for (const Region& region : parameters_.regions) {
+    const cv::Rect box = RectOf(region, grey.size());
+    if (const auto word = word_in(RegionPicture(grey, box))) return LettersFound{*word, box};
+  }
+  return std::nullopt;
+}
+
+}  // namespace musher::vision

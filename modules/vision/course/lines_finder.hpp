@@ -1,0 +1,52 @@
+#pragma once
+// Yellow lines on the ground: where the robot is between two of them, and how far one is. Pure.
+//
+// A line is an outline of the mask of yellow pixels in the region, not smaller than the least area;
+// at most `most_lines` count, the largest ones. x is to the right, y downwards, both in the region.
+//
+//   ycy   The middle between the leftmost and the rightmost centroid is left of the centre by more
+//         than the threshold: "right", for the robot is right of the middle; and vice versa. Of a
+//         single line only its side is known: the robot is too near to it, so that a line on the
+//         left is "left". Otherwise "center".
+//   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
+//         target by more than the threshold (higher in the picture) is "front", nearer "back".
+//   walk  Of the same line: its lower edge is nearer to the bottom of the picture than the limit,
+//         "back"; else its centroid is farther from the centre line than the limit, "front".
+//
+// With no line at all the words are "center", and `contours` is 0.
+//
+// Units: pixels, and fractions where the name of a field has no unit. The numbers are those of a
+// course with lanes 0.83 m wide; a threshold for dy of 0.81, found beside them, can never be
+// exceeded.
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/modules/vision/course/color_mask.hpp"
+
+namespace musher::vision {
+
+struct LinesParameters {
+  HsvRange yellow{{15, 50, 30}, {35, 255, 255}};
+  Region region{0.6, 1, 0, 1};
+  double least_area_px2 = 300;
+  int most_lines = 5;
+  double ycy_threshold = 0.08;  // of the region's width
+  double dy_threshold = 0.15;   // of the region's height
+  double dy_target = 0.5;       // of the region's height, from its top
+  double walk_bottom_px = 50;
+  double walk_x_px = 30;
+  int edge_columns = 24;  // in which the edge towards the robot is reported
+
+  friend bool operator==(const LinesParameters&, const LinesParameters&) = default;
+};
+
+struct LinesFound {
+  msg::YellowLines lines;         // without a header
+  std::vector<Contour> outlines;  // in the picture, the largest first
+};
+
+LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters);
+
+}  // namespace musher::vision

@@ -1,0 +1,54 @@
+#include "musher/modules/vision/course/course_detectors.hpp"
+#include "musher/modules/vision/course/marker_tracker.hpp"
+
+namespace musher::vision {
+namespace {
+
+class MarkerDetector : public CourseDetector {
+ public:
+  explicit MarkerDetector(const MarkerParameters& parameters)
+      : parameters_(parameters), tracker_(parameters.sightings, parameters.misses) {}
+
+  CourseSight Look(const cv::Mat& bgr, std::int64_t /*stamp_ns*/,
+                   const std::optional<Lens>& lens) override {
+    found_ = FindMarker(bgr, parameters_);
+    const MarkerTracker::Phase phase = tracker_.OnPicture(found_.has_value());
+    CourseSight sight;
+    sight.sighting = NoSighting();
+    word_ = PhaseText(phase);
+    if (found_) {
+      const double distance_m = DistanceBySizeM(lens, bgr.size(), found_->size_px,
+                                                parameters_.size_m, parameters_.focal_px);
+      sight.sighting = SightingAt(found_->box, bgr.size());
+      sight.sighting->distance_m = static_cast<float>(distance_m);
+      const auto metres = MetresText(distance_m);
+      if (phase == MarkerTracker::Phase::kTracking) sight.text = metres;
+      word_ += metres ? " " + *metres + " m" : "";
+    }
+    sight.sighting->phase = PhaseText(phase);
+    return sight;
+  }
+
+  void Draw(cv::Mat& bgr) const override {
+    DrawRegion(bgr, parameters_.region);
+    if (found_) {
+      DrawBox(bgr, found_->box, word_);
+    } else {
+      DrawWord(bgr, RectOf(parameters_.region, bgr.size()).tl(), word_);
+    }
+  }
+
+ private:
+  const MarkerParameters parameters_;
+  MarkerTracker tracker_;
+  std::optional<Marker> found_;
+  std::string word_;
+};
+
+}  // namespace
+
+std::unique_ptr<CourseDetector> MakeMarkerDetector(const MarkerParameters& parameters) {
+  return std::make_unique<MarkerDetector>(parameters);
+}
+
+}  // namespace musher::vision

@@ -1,0 +1,93 @@
+#include "musher/modules/vision/course/marker_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace musher::vision {
+namespace {
+
+constexpr double kLeastConvex = 0.9;  // of its hull: no dents
+// Of the rectangle around it: a circle fills pi / 4 of it, a square all.
+constexpr double kCircle = M_PI / 4;
+constexpr double kCircleTolerance = 0.08;
+constexpr double kLeastSquare = 0.88;
+
+// The outline without what is thinner than half of the thing.
+std::optional<Contour> WithoutThinParts(const Contour& outline) {
+  const cv::Rect box = cv::boundingRect(outline);
+  cv::Mat thing = cv::Mat::zeros(box.height + 2, box.width + 2, CV_8UC1);
+  const cv::Point offset = cv::Point(1, 1) - box.tl();
+  cv::drawContours(thing, std::vector<Contour>{outline}, 0, cv::Scalar(255), cv::FILLED, cv::LINE_8,
+                   cv::noArray(), 0, offset);
+  cv::Mat depth;  // of each pixel below the surface
+  cv::distanceTransform(thing, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  double deepest = 0;
+  cv::minMaxLoc(depth, nullptr, &deepest);
+  const int core_px = std::max(1, static_cast<int>(deepest) / 2);
+  // What is deeper than that, and all within that distance of it: an opening by a circle.
+  cv::Mat core = depth <= core_px;
+  cv::distanceTransform(core, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::Mat opened = (depth <= core_px + 0.5) & thing;
+  std::vector<Contour> parts = OutlinesOf(opened);
+  if (parts.size() != 1) return std::nullopt;
+  for (cv::Point& point : parts[0]) point -= offset;
+  return parts[0];
+}
+
+std::optional<Marker> ShapeOf(const Contour& outline, const MarkerParameters& parameters) {
+  Contour hull;
+  cv::convexHull(outline, hull);
+  const double hull_px2 = cv::contourArea(hull);
+  if (cv::contourArea(outline) < kLeastConvex * hull_px2) return std::nullopt;
+  const cv::RotatedRect around = cv::minAreaRect(hull);
+  // The corners are the middles of pixels: an outline is half a pixel farther out on every side.
+  const double longer = std::max(around.size.width, around.size.height) + 1.0;
+  const double shorter = std::min(around.size.width, around.size.height) + 1.0;
+  if (shorter < parameters.least_aspect * longer) return std::nullopt;
+  const double area_px2 = hull_px2 + cv::arcLength(hull, true) / 2 + 1;
+  const double fill = area_px2 / (longer * shorter);
+  const bool round = std::abs(fill - kCircle) < kCircleTolerance;
+  const bool square = !parameters.round_only && fill > kLeastSquare;
+  if (!round && !square) return std::nullopt;
+  return Marker{cv::boundingRect(outline), longer, round};
+}
+
+}  // namespace
+
+MarkerParameters LightParameters() {
+  MarkerParameters light;
+  light.yellow = {{20, 100, 100}, {30, 255, 255}};
+  light.region = {0.3, 0.7, 0, 1};
+  light.most_area_px2 = 100000;
+  light.round_only = true;
+  light.least_aspect = 0.8;
+  return light;
+}
+
+std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& parameters) {
+  CheckCoursePicture(bgr);
+  cv::Mat mask = MaskOf(bgr, parameters.yellow);
+  CleanMask(mask, parameters.kernel_px, parameters.kernel_px);
+  const cv::Rect region = RectOf(parameters.region, bgr.size());
+  std::optional<Marker> largest;
+  for (const Contour& outline : OutlinesOf(mask)) {
+    if (cv::contourArea(outline) < parameters.least_area_px2) continue;
+    const auto core = WithoutThinParts(outline);
+    if (!core) continue;
+    const auto marker = ShapeOf(*core, parameters);
+    if (!marker) continue;
+    const cv::Rect& box = marker->box;
+    const bool is_cut =
+        box.x == 0 || box.y == 0 || box.br().x == bgr.cols || box.br().y == bgr.rows;
+    const double area_px2 = cv::contourArea(*core);
+    if (is_cut || area_px2 < parameters.least_area_px2 || area_px2 > parameters.most_area_px2) {
+      continue;
+    }
+    if (!region.contains((box.tl() + box.br()) / 2)) continue;
+    if (!largest || marker->size_px > largest->size_px) largest = marker;
+  }
+  return largest;
+}
+
+}  // namespace musher::vision

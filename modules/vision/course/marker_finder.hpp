@@ -1,0 +1,50 @@
+#pragma once
+// A yellow sign, round or square, that hangs high over the lane; and a yellow ball of light in the
+// way. Pure.
+//
+// A candidate is a yellow outline whose centre is in the region; what is attached to it and thinner
+// than half of it, for example a line on the ground behind it, is cut off first. It has to be as
+// wide as high, within limits, without dents, and as full as a circle or a square is; a light as a
+// circle. The fullest of the largest counts. What the picture's edge cuts is none.
+//
+// The region limits the centre only, so that what is near may be larger than the region. Circles
+// are not searched in edges (Hough): the outline decides, which needs a tenth of the time and finds
+// nothing in a noisy picture.
+//
+// Units: metres and pixels. Sizes and colours are those of a course: signs and lights of 0.2 m.
+
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "musher/modules/vision/course/color_mask.hpp"
+
+namespace musher::vision {
+
+struct MarkerParameters {
+  HsvRange yellow{{15, 50, 50}, {35, 255, 255}};
+  Region region{0, 0.45, 0, 1};  // of its centre
+  double least_area_px2 = 200;
+  double most_area_px2 = 15000;
+  int kernel_px = 5;          // of opening and closing
+  double least_aspect = 0.6;  // its shorter side, as a share of the longer one
+  bool round_only = false;
+  double size_m = 0.2;    // its diameter or its side
+  double focal_px = 600;  // of a picture 640 pixels wide, while no lens is known
+  int sightings = 2;      // in a row, before it is tracked
+  int misses = 5;         // in a row, before it has disappeared
+
+  friend bool operator==(const MarkerParameters&, const MarkerParameters&) = default;
+};
+
+// Those of a light: glowing, so of a narrower colour, a ball, in the middle of the picture.
+MarkerParameters LightParameters();
+
+struct Marker {
+  cv::Rect box;
+  double size_px = 0;  // its diameter, or its longer side
+  bool round = false;  // else square
+};
+
+std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& parameters);
+
+}  // namespace musher::vision

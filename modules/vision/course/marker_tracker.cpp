@@ -1,0 +1,37 @@
+#include "musher/modules/vision/course/marker_tracker.hpp"
+
+#include "musher/base/check.hpp"
+
+namespace musher::vision {
+
+MarkerTracker::MarkerTracker(int sightings, int misses) : sightings_(sightings), misses_(misses) {
+  MUSHER_CHECK(sightings >= 1 && misses >= 1, sightings, misses);
+}
+
+MarkerTracker::Phase MarkerTracker::OnPicture(bool seen) {
+  const bool tracking = phase_ == Phase::kTracking;
+  if (seen == tracking) {
+    in_row_ = 0;
+    return phase_;
+  }
+  ++in_row_;
+  if (in_row_ >= (tracking ? misses_ : sightings_)) {
+    in_row_ = 0;
+    phase_ = tracking ? Phase::kDisappeared : Phase::kTracking;
+  }
+  return phase_;
+}
+
+std::string PhaseText(MarkerTracker::Phase phase) {
+  switch (phase) {
+    case MarkerTracker::Phase::kSearching:
+      return "searching";
+    case MarkerTracker::Phase::kTracking:
+      return "tracking";
+    case MarkerTracker::Phase::kDisappeared:
+      return "disappeared";
+  }
+  return "";
+}
+
+}  // namespace musher::vision

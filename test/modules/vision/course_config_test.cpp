@@ -1,0 +1,284 @@
+// The tables [[detectors]] of the config.
+
+#include "musher/modules/vision/course/course_config.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "musher/modules/vision/vision_config.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::vision::course_config_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+std::vector<std::string> Said(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const Diagnostic& diagnostic : ReadVisionText(text, "/robot/course.toml").diagnostics) {
+    lines.push_back(FormatDiagnostic(diagnostic));
+  }
+  return lines;
+}
+
+VisionConfig Read(const std::string& text) {
+  EXPECT_THAT(Said(text), IsEmpty());
+  return ReadVisionText(text, "/robot/course.toml").config.value();
+}
+
+TEST(CourseConfig, OfTheRepositoryIsGood) {
+  const VisionReading reading = ReadVisionFile(SourceDir() + "/config/vision/course.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  EXPECT_FALSE(reading.config->detect_faces);
+  std::vector<std::string> names;
+  for (const CourseEntry& entry : reading.config->detectors) names.push_back(entry.name);
+  EXPECT_THAT(names, ElementsAre("qr_detector", "green_arrow_detector", "red_barrier_detector",
+                                 "yellow_marker_detector", "yellow_light_detector", "left", "right",
+                                 "rgb"));
+}
+
+TEST(CourseConfig, HasTheDefaultsOfTheKind) {
+  const VisionConfig config = Read(R"(
+[[detectors]]
+name = "board"
+kind = "qr"
+[[detectors]]
+name = "left"
+kind = "lines"
+picture = "image_left"
+[[detectors]]
+name = "bar"
+kind = "barrier"
+)");
+  EXPECT_TRUE(config.detect_faces);
+  ASSERT_THAT(config.detectors, SizeIs(3));
+  const CourseEntry& board = config.detectors[0];
+  EXPECT_EQ(board.picture, "image_rgb");
+  EXPECT_EQ(board.CameraInfoTopic(), "image_rgb/camera_info");
+  EXPECT_EQ(board.look, LookRules());
+  EXPECT_EQ(board.Outputs().text, "/qr_detector/qr_info");
+  EXPECT_EQ(board.Outputs().sighting, "/qr_detector/sighting");
+  EXPECT_EQ(board.Outputs().debug_image, "/qr_detector/debug_image");
+  EXPECT_FALSE(board.NeedsLens());
+  const CourseEntry& left = config.detectors[1];
+  EXPECT_EQ(left.CameraInfoTopic(), "image_left/camera_info");
+  EXPECT_EQ(left.Outputs().lines, "/yellow_line_detector/left");
+  EXPECT_EQ(left.Outputs().debug_image, "/yellow_line_detector/left/debug_image");
+  EXPECT_FALSE(left.Outputs().text);
+  EXPECT_TRUE(config.detectors[2].NeedsLens());
+}
+
+TEST(CourseConfig, HasTheValuesOfTheFile) {
+  const VisionConfig config = Read(R"(
+detect_faces = false
+[[detectors]]
+name = "sign"
+kind = "marker"
+picture = "front/image"
+camera_info = "front/info"
+hfov_deg = 90
+rate_hz = 5
+publish = "/my/sign/distance"
+hang_ms = 300
+failures = 2
+[detectors.parameters]
+yellow = { from = [20, 100, 100], to = [30, 255, 255] }
+region = { bottom = 0.5 }
+least_area_px2 = 100
+)");
+  ASSERT_THAT(config.detectors, SizeIs(1));
+  const CourseEntry& sign = config.detectors[0];
+  EXPECT_EQ(sign.kind, CourseKind::kMarker);
+  EXPECT_EQ(sign.picture, "front/image");
+  EXPECT_EQ(sign.CameraInfoTopic(), "front/info");
+  EXPECT_NEAR(*sign.hfov_rad, M_PI / 2, 1e-9);
+  EXPECT_EQ(sign.rate_hz, 5);
+  EXPECT_EQ(sign.Outputs().sighting, "/my/sign/sighting");
+  EXPECT_EQ(sign.look, (LookRules{Milliseconds(300), 2}));
+  MarkerParameters expected;
+  expected.yellow = {{20, 100, 100}, {30, 255, 255}};
+  expected.region.bottom = 0.5;
+  expected.least_area_px2 = 100;
+  EXPECT_EQ(std::get<MarkerParameters>(sign.parameters), expected);
+}
+
+TEST(CourseConfig, HasTheValuesOfEveryParameter) {
+  const VisionConfig config = Read(R"(
+detect_faces = false
+[[detectors]]
+name = "a"
+kind = "lines"
+parameters.yellow.from = [15, 50, 30]
+parameters.region = { top = 0.5, bottom = 1, left = 0.1, right = 0.9 }
+parameters.least_area_px2 = 300
+parameters.most_lines = 4
+parameters.ycy_threshold = 0.1
+parameters.dy_threshold = 0.1
+parameters.dy_target = 0.4
+parameters.walk_bottom_px = 10
+parameters.walk_x_px = 80
+parameters.edge_columns = 12
+[[detectors]]
+name = "b"
+kind = "arrow"
+parameters.green.to = [80, 255, 255]
+parameters.region.top = 0.1
+parameters.least_area_px2 = 1
+parameters.kernel_px = 1
+parameters.most_misfit = 0.2
+parameters.clearly = 2
+[[detectors]]
+name = "c"
+kind = "barrier"
+parameters.red = { from = [160, 40, 40], to = [5, 255, 255] }
+parameters.region.top = 0.1
+parameters.least_area_px2 = 1
+parameters.least_length = 2
+parameters.least_fill = 0.5
+parameters.most_tilt_deg = 10
+parameters.top = 0.2
+parameters.height_m = 0.1
+parameters.focal_px = 500
+[[detectors]]
+name = "d"
+kind = "light"
+parameters.most_area_px2 = 9000
+parameters.kernel_px = 3
+parameters.least_aspect = 0.7
+parameters.round_only = false
+parameters.size_m = 0.1
+parameters.focal_px = 500
+parameters.sightings = 3
+parameters.misses = 4
+[[detectors]]
+name = "e"
+kind = "qr"
+parameters.words = ["left", "right"]
+parameters.min_repeats = 2
+parameters.letters = false
+parameters.letters_every = 3
+parameters.language = "eng+chi_sim"
+parameters.least_confidence = 50
+parameters.page_modes = [6, 7]
+parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
+)");
+  const LinesParameters lines = {
+      {{15, 50, 30}, {35, 255, 255}}, {0.5, 1, 0.1, 0.9}, 300, 4, 0.1, 0.1, 0.4, 10, 80, 12};
+  const ArrowParameters arrow = {{{35, 50, 50}, {80, 255, 255}}, {0.1, 1, 0, 1}, 1, 1, 0.2, 2};
+  const BarrierParameters barrier = {
+      {{160, 40, 40}, {5, 255, 255}}, {0.1, 1, 0, 1}, 1, 2, 0.5, 10, 0.2, 0.1, 500};
+  MarkerParameters light = LightParameters();
+  light.most_area_px2 = 9000;
+  light.kernel_px = 3;
+  light.least_aspect = 0.7;
+  light.round_only = false;
+  light.size_m = 0.1;
+  light.focal_px = 500;
+  light.sightings = 3;
+  light.misses = 4;
+  const QrParameters qr = {{"left", "right"}, 2,  false,  3,
+                           "eng+chi_sim",     50, {6, 7}, {{0.1, 0.2, 0, 1}, {0, 1, 0.5, 1}}};
+  const std::vector<CourseParameters> expected = {lines, arrow, barrier, light, qr};
+  ASSERT_EQ(config.detectors.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_TRUE(config.detectors[i].parameters == expected[i]) << config.detectors[i].name;
+  }
+}
+
+TEST(CourseConfig, ReportsEveryErrorOfATableWithItsPlace) {
+  EXPECT_THAT(
+      Said(R"([[detectors]]
+name = "2nd"
+kind = "arow"
+picture = "image rgb"
+rate_hz = -1
+failurs = 3
+[[detectors]]
+rate_hz = 3
+)"),
+      ElementsAre(
+          HasSubstr("course.toml:2:8: error: detectors.name: expected a name of letters"),
+          HasSubstr("course.toml:3:8: error: detectors.kind: expected one of qr, arrow, barrier, "
+                    "marker, light and lines, found \"arow\"; did you mean \"arrow\"?"),
+          HasSubstr("course.toml:4:11: error: detectors.picture: expected the name of a topic"),
+          HasSubstr("course.toml:5:11: error: detectors.rate_hz: expected a number from 0"),
+          HasSubstr("course.toml:6:1: error: detectors: unknown key \"failurs\"; did you mean "
+                    "\"failures\"?"),
+          HasSubstr("course.toml:7:1: error: detectors: the key \"name\" is missing"),
+          HasSubstr("course.toml:7:1: error: detectors: the key \"kind\" is missing")));
+}
+
+TEST(CourseConfig, ReportsEveryErrorOfTheParametersWithItsPlace) {
+  EXPECT_THAT(
+      Said(R"([[detectors]]
+name = "sign"
+kind = "marker"
+[detectors.parameters]
+yelow = 3
+yellow = { from = [180, 0, 0], to = [20, 300, 0] }
+region = { top = 0.5, bottom = 0.4, middle = 1 }
+least_area_px2 = 300
+most_area_px2 = 200
+sightings = 0
+)"),
+      ElementsAre(
+          HasSubstr("course.toml:5:1: error: detectors.sign.parameters: unknown key \"yelow\"; "
+                    "did you mean \"yellow\"?"),
+          HasSubstr("course.toml:6:19: error: detectors.sign.parameters.yellow.from: expected "
+                    "[hue 0 to 179"),
+          HasSubstr("course.toml:6:37: error: detectors.sign.parameters.yellow.to: expected "
+                    "[hue 0 to 179"),
+          HasSubstr("course.toml:7:32: error: detectors.sign.parameters.region.bottom: must be "
+                    "more than top"),
+          HasSubstr("course.toml:7:37: error: detectors.sign.parameters.region: unknown key "
+                    "\"middle\""),
+          HasSubstr("course.toml:9:17: error: detectors.sign.parameters.most_area_px2: must not"),
+          HasSubstr("course.toml:10:13: error: detectors.sign.parameters.sightings: expected an "
+                    "integer from 1")));
+  EXPECT_THAT(Said(R"([[detectors]]
+name = "lane"
+kind = "lines"
+parameters.dy_threshold = 0.81
+parameters.yellow = { from = [15, 50, 30], to = [35, 40, 255] }
+)"),
+              ElementsAre(HasSubstr("course.toml:4:27: error: detectors.lane.parameters."
+                                    "dy_threshold: expected a number from 0 to 0.5, found 0.81"),
+                          HasSubstr("course.toml:5:49: error: detectors.lane.parameters.yellow.to: "
+                                    "the saturation must not be less")));
+}
+
+TEST(CourseConfig, RefusesTwoDetectorsOfOneNameOrTopic) {
+  EXPECT_THAT(Said(R"([[detectors]]
+name = "board"
+kind = "qr"
+[[detectors]]
+name = "board"
+kind = "arrow"
+[[detectors]]
+name = "other"
+kind = "qr"
+publish = "/qr_detector/text"
+[[detectors]]
+name = "near"
+kind = "marker"
+publish = "/wedding/perception/target"
+)"),
+              ElementsAre(HasSubstr("course.toml:5:8: error: detectors.board.name: \"board\" is "
+                                    "the name of the detector in line 2 already"),
+                          HasSubstr("course.toml:10:11: error: detectors.other.publish: the topic "
+                                    "\"/qr_detector/sighting\" is published by \"board\" already"),
+                          HasSubstr("course.toml:14:11: error: detectors.near.publish: the topic "
+                                    "\"/wedding/perception/target\" is published by the face "
+                                    "detection already")));
+}
+
+TEST(CourseConfig, RefusesAFileThatDetectsNothing) {
+  EXPECT_THAT(Said("\ndetect_faces = false\n"),
+              ElementsAre(HasSubstr("course.toml:2:16: error: detect_faces: nothing is detected")));
+}
+
+}  // namespace musher::vision::course_config_test

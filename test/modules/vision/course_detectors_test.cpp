@@ -1,0 +1,190 @@
+// What the detectors publish of a series of pictures.
+
+#include "musher/modules/vision/course/course_detectors.hpp"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/objdetect.hpp>
+
+#include "musher/test/modules/vision/course_pictures.hpp"
+
+namespace musher::vision::course_detectors_test {
+
+using ::testing::Eq;
+using ::testing::Optional;
+
+cv::Mat WithArrow(bool left) {
+  cv::Mat bgr = GreyPicture();
+  DrawArrow(bgr, {200, 200, 120, 80});
+  return left ? Mirrored(bgr) : bgr;
+}
+
+cv::Mat WithCode(const std::string& content) {
+  cv::Mat code, bgr(480, 640, CV_8UC3, kWhite);
+  cv::QRCodeEncoder::create()->encode(content, code);
+  cv::cvtColor(code, code, cv::COLOR_GRAY2BGR);
+  const double scale = std::floor(400.0 / code.cols);
+  cv::resize(code, code, {}, scale, scale, cv::INTER_NEAREST);
+  code.copyTo(bgr(cv::Rect(40, 40, code.cols, code.rows)));
+  return bgr;
+}
+
+cv::Mat WithDisc(int radius) {
+  cv::Mat bgr = GreyPicture();
+  cv::circle(bgr, {300, 150}, radius, kYellow, cv::FILLED);
+  return bgr;
+}
+
+class Series {
+ public:
+  explicit Series(std::unique_ptr<CourseDetector> detector) : detector_(std::move(detector)) {}
+
+  CourseSight Look(const cv::Mat& bgr, const std::optional<Lens>& lens = std::nullopt) {
+    CourseSight sight = detector_->Look(bgr, ++stamp_ns_, lens);
+    cv::Mat drawing = bgr.clone();
+    detector_->Draw(drawing);
+    EXPECT_GT(cv::norm(drawing, bgr), 0) << "nothing is drawn";
+    return sight;
+  }
+
+ private:
+  std::unique_ptr<CourseDetector> detector_;
+  std::int64_t stamp_ns_ = 0;
+};
+
+TEST(ArrowDetector, SaysTheDirectionAtFirstAndOnAChange) {
+  Series arrows(MakeArrowDetector({}));
+  EXPECT_EQ(arrows.Look(GreyPicture()).text, std::nullopt);
+  EXPECT_THAT(arrows.Look(WithArrow(true)).text, Optional(Eq("left")));
+  EXPECT_EQ(arrows.Look(WithArrow(true)).text, std::nullopt);
+  EXPECT_EQ(arrows.Look(GreyPicture()).text, std::nullopt);
+  const CourseSight again = arrows.Look(WithArrow(true));
+  EXPECT_EQ(again.text, std::nullopt);
+  EXPECT_TRUE(again.sighting->seen);
+  EXPECT_EQ(again.sighting->text, "left");
+  EXPECT_THAT(arrows.Look(WithArrow(false)).text, Optional(Eq("right")));
+  EXPECT_FALSE(arrows.Look(GreyPicture()).sighting->seen);
+}
+
+TEST(BarrierDetector, SaysTheDistanceByTheLensOrByItsParameters) {
+  Series barriers(MakeBarrierDetector({}));
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(100, 200, 400, 60)).setTo(kRed);
+  const CourseSight sight = barriers.Look(bgr);
+  EXPECT_THAT(sight.text, Optional(Eq("2.00")));
+  EXPECT_EQ(sight.sighting->phase, "seen");
+  EXPECT_NEAR(sight.sighting->x, 100 / 640.0, 1e-6);
+  EXPECT_NEAR(sight.sighting->y, 200 / 480.0, 1e-6);
+  EXPECT_NEAR(sight.sighting->width, 400 / 640.0, 1e-6);
+  EXPECT_NEAR(sight.sighting->height, 60 / 480.0, 1e-6);
+  const Lens lens{false, 300 / 640.0, 300 / 480.0, 0.5, 0.5};
+  EXPECT_THAT(barriers.Look(bgr, lens).text, Optional(Eq("1.00")));
+
+  bgr = GreyPicture();
+  bgr(cv::Rect(100, 0, 400, 60)).setTo(kRed);
+  const CourseSight top = barriers.Look(bgr);
+  EXPECT_EQ(top.sighting->phase, "top");
+  EXPECT_TRUE(std::isnan(top.sighting->distance_m)) << "it is cut by the picture";
+  EXPECT_EQ(top.text, std::nullopt);
+
+  const CourseSight none = barriers.Look(GreyPicture());
+  EXPECT_FALSE(none.sighting->seen);
+  EXPECT_EQ(none.sighting->phase, "");
+}
+
+TEST(MarkerDetector, SaysTheDistanceWhileItTracksAndThenThatItHasDisappeared) {
+  Series markers(MakeMarkerDetector({}));
+  EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "searching");
+  const CourseSight first = markers.Look(WithDisc(30));
+  EXPECT_EQ(first.sighting->phase, "searching");
+  EXPECT_EQ(first.text, std::nullopt);
+  const CourseSight second = markers.Look(WithDisc(30));
+  EXPECT_EQ(second.sighting->phase, "tracking");
+  EXPECT_NEAR(second.sighting->distance_m, 0.2 * 600 / 61, 0.04);
+  ASSERT_TRUE(second.text);
+  EXPECT_NEAR(std::stod(*second.text), second.sighting->distance_m, 0.006);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(markers.Look(GreyPicture()).sighting->phase, "tracking");
+  const CourseSight gone = markers.Look(GreyPicture());
+  EXPECT_EQ(gone.sighting->phase, "disappeared");
+  EXPECT_FALSE(gone.sighting->seen);
+  EXPECT_TRUE(std::isnan(gone.sighting->distance_m));
+}
+
+TEST(QrDetector, SaysAWordOfItsListAndOnlyShowsAnotherCode) {
+  Series codes(MakeQrDetector({}));
+  const CourseSight word = codes.Look(WithCode("A-2"));
+  EXPECT_THAT(word.text, Optional(Eq("A-2")));
+  EXPECT_EQ(word.sighting->text, "A-2");
+  const CourseSight other = codes.Look(WithCode("A-3"));
+  EXPECT_TRUE(other.sighting->seen);
+  EXPECT_EQ(other.sighting->text, "A-3");
+  EXPECT_EQ(other.text, std::nullopt);
+  const CourseSight long_one = codes.Look(WithCode(std::string(300, 'x')));
+  EXPECT_EQ(long_one.sighting->text, std::string(64, 'x'));
+  EXPECT_EQ(long_one.text, std::nullopt);
+}
+
+TEST(QrDetector, WaitsForRepeats) {
+  QrParameters parameters;
+  parameters.min_repeats = 2;
+  parameters.letters = false;
+  Series codes(MakeQrDetector(parameters));
+  EXPECT_EQ(codes.Look(WithCode("A-2")).text, std::nullopt);
+  EXPECT_EQ(codes.Look(WithCode("A-1")).text, std::nullopt);
+  EXPECT_THAT(codes.Look(WithCode("A-1")).text, Optional(Eq("A-1")));
+  EXPECT_EQ(codes.Look(GreyPicture()).text, std::nullopt);
+}
+
+TEST(QrDetector, ReadsLettersInEachSoManyPicturesWithoutACode) {
+  cv::Mat bgr(480, 640, CV_8UC3, kWhite);
+  cv::putText(bgr, "B-1", {220, 260}, cv::FONT_HERSHEY_SIMPLEX, 3, {20, 20, 20}, 8, cv::LINE_AA);
+  QrParameters parameters;
+  parameters.letters_every = 3;
+  Series codes(MakeQrDetector(parameters));
+  for (int i = 0; i < 7; ++i) {
+    const CourseSight sight = codes.Look(bgr);
+    EXPECT_EQ(sight.text.has_value(), i % 3 == 0) << i;
+    EXPECT_EQ(sight.text.value_or("B-1"), "B-1");
+  }
+}
+
+TEST(QrDetector, ThrowsWithThePackageWhenItCannotReadLetters) {
+  QrParameters parameters;
+  parameters.language = "chi_none";
+  Series codes(MakeQrDetector(parameters));
+  EXPECT_THAT(codes.Look(WithCode("A-1")).text, Optional(Eq("A-1"))) << "codes need no letters";
+  EXPECT_THROW(codes.Look(GreyPicture()), std::runtime_error);
+  EXPECT_FALSE(CheckLetters(parameters));
+  parameters.letters = false;
+  EXPECT_TRUE(CheckLetters(parameters));
+  EXPECT_TRUE(CheckLetters({}));
+}
+
+TEST(LinesDetector, SaysOnlyLines) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(100, 380, 30, 80)).setTo(kYellow);
+  Series lines(MakeLinesDetector({}));
+  const CourseSight sight = lines.Look(bgr);
+  ASSERT_TRUE(sight.lines);
+  EXPECT_EQ(sight.lines->ycy, "left");
+  EXPECT_FALSE(sight.sighting || sight.text);
+}
+
+TEST(Finder, RefusesAPictureThatIsNotBgr8) {
+  EXPECT_DEATH(FindLines(cv::Mat(), {}), "picture");
+  EXPECT_DEATH(FindArrows(cv::Mat(10, 10, CV_8UC1), {}), "picture");
+}
+
+TEST(Finders, AcceptEverySizeOfPicture) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 600), cv::Size(1920, 7)}) {
+    const cv::Mat bgr(size, CV_8UC3, kYellow);
+    EXPECT_LE(FindLines(bgr, {}).lines.contours, 1U);
+    EXPECT_TRUE(FindArrows(bgr, {}).arrows.empty());
+    EXPECT_FALSE(FindBarrier(bgr, {}));
+    EXPECT_FALSE(FindMarker(bgr, {}));
+    EXPECT_FALSE(FindCode(bgr));
+  }
+}
+
+}  // namespace musher::vision::course_detectors_test

@@ -1,0 +1,122 @@
+#pragma once
+// The topics of a detector of a course on a simulated network, in virtual time, with a camera and
+// subscribers on a node of their own, and a detector whose results the test sets.
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/vision/course/course_topics.hpp"
+#include "musher/test/modules/vision/faces.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::vision {
+
+// Processes at once, or keeps the newest picture while it hangs.
+class FakeCourseLooker : public Looker<CourseProcessor> {
+ public:
+  Result<> Load() override { return Ok(); }
+  void Look(CourseShot shot) override {
+    shots.push_back(shot);
+    if (!hangs) Finish(shot);
+  }
+  Duration Busy() const override { return busy; }
+  void Finish(const CourseShot& shot) {
+    Result<CourseFound> result = fault ? Result<CourseFound>(*fault) : found;
+    if (!fault) {
+      result.value().run = shot.run;
+      if (shot.draws) result.value().drawing = msg::Image();
+    }
+    on_result({shot.stamp_ns, shot.picture.width, shot.picture.height, std::move(result), {}});
+  }
+
+  CourseFound found;
+  std::optional<Error> fault;
+  bool hangs = false;
+  Duration busy{};
+  std::vector<CourseShot> shots;
+  std::function<void(LookResult<CourseProcessor>)> on_result;
+};
+
+class CourseTopicsTest : public ::testing::Test {
+ protected:
+  template <class T>
+  static T Must(Result<T> result) {
+    if (!result) ADD_FAILURE() << result.error().message;
+    return std::move(result).value();
+  }
+
+  CourseTopicsTest() {
+    entry_.name = "qr_detector";
+    entry_.publish = "/qr_detector/qr_info";
+    entry_.rate_hz = 0;
+    msg::Sighting sighting;
+    sighting.seen = true;
+    sighting.text = "A-1";
+    looker_.found.sight = {sighting, std::nullopt, "A-1"};
+    looker_.on_result = [this](LookResult<CourseProcessor> result) {
+      topics_->OnResult(std::move(result));
+    };
+    pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
+                                                          transport::kSensorDataQos));
+    infos_ = Must(transport::MakePublisher<msg::CameraInfo>(*desk_, "robot1/image_rgb/camera_info",
+                                                            transport::kSensorDataQos));
+  }
+
+  void Start(bool on = true) {
+    topics_ = Must(CourseTopics::Make(
+        {*robot_, *clock_, "robot1", [this] { return clock_->Now().time_since_epoch().count(); },
+         [this](const Error& error) {
+           log_.push_back(std::to_string(error.code) + " " + error.message);
+         }},
+        looker_, entry_, Milliseconds(2000)));
+    EXPECT_TRUE(topics_->SetOn(on));
+    Run(Milliseconds(500));  // discovery
+  }
+  void Run(Duration duration) { network_.RunFor(duration); }
+  // The camera sends so many, each 100 ms.
+  void Shoot(int pictures = 1, const msg::Image& picture = Picture()) {
+    for (int i = 0; i < pictures; ++i) {
+      msg::Image shot = picture;
+      shot.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
+      EXPECT_TRUE(pictures_->Publish(shot));
+      Run(Milliseconds(100));
+    }
+  }
+  template <msg::Message M>
+  std::unique_ptr<transport::Subscription> Listen(
+      const std::string& topic, std::vector<M>& received,
+      const transport::Qos& qos = transport::kDefaultQos) {
+    auto subscription = Must(transport::MakeSubscription<M>(
+        *desk_, topic, [&received](const M& message, const auto&) { received.push_back(message); },
+        qos));
+    Run(Milliseconds(500));
+    return subscription;
+  }
+  std::string Failing() const {
+    const Result<> checked = topics_->Check();
+    EXPECT_EQ(checked ? 5909 : checked.error().code, 5909);
+    return checked ? "" : checked.error().message;
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
+  CourseEntry entry_;
+  FakeCourseLooker looker_;
+  std::vector<std::string> log_;
+  std::vector<msg::String> texts_;
+  std::vector<msg::Sighting> sightings_;
+  std::vector<msg::YellowLines> lines_;
+  std::vector<msg::Image> drawings_;
+  std::unique_ptr<transport::Publisher<msg::Image>> pictures_;
+  std::unique_ptr<transport::Publisher<msg::CameraInfo>> infos_;
+  std::unique_ptr<CourseTopics> topics_;
+};
+
+}  // namespace musher::vision

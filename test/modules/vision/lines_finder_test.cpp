@@ -1,0 +1,239 @@
+// Yellow lines in drawn pictures, each rule at its limits, and on the ground of the simulated
+// world.
+
+#include "musher/modules/vision/course/lines_finder.hpp"
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+#include "musher/test/modules/vision/course_pictures.hpp"
+
+namespace musher::vision::lines_finder_test {
+
+using ::testing::ElementsAre;
+
+LinesParameters WholePicture() {
+  LinesParameters parameters;
+  parameters.region = {};
+  return parameters;
+}
+
+// A line of 20 x 100 pixels whose centroid has that x; a second one for a second x.
+cv::Mat Upright(const std::vector<int>& middles, int y = 300) {
+  cv::Mat bgr = GreyPicture();
+  for (const int x : middles) bgr(cv::Rect(x - 10, y, 20, 100)).setTo(kYellow);
+  return bgr;
+}
+
+std::string Ycy(const std::vector<int>& middles) {
+  return FindLines(Upright(middles), WholePicture()).lines.ycy;
+}
+
+TEST(Lines, BesideTheMiddleOfTwoIsLeftOrRightBeyondTheThreshold) {
+  EXPECT_EQ(Ycy({100, 540}), "center");
+  // 0.08 of 640 pixels are 51.
+  EXPECT_EQ(Ycy({200, 540}), "center");
+  EXPECT_EQ(Ycy({203, 540}), "left");  // the middle at 375 is right of the robot
+  EXPECT_EQ(Ycy({100, 440}), "center");
+  EXPECT_EQ(Ycy({100, 436}), "right");
+}
+
+TEST(Lines, OnOneSideAreJudgedByTheirMiddleToo) {
+  EXPECT_EQ(Ycy({400, 600}), "left");
+  EXPECT_EQ(Ycy({40, 240}), "right");
+  EXPECT_EQ(Ycy({40, 240, 600}), "center");
+}
+
+TEST(Line, SeenAloneIsTheNearOne) {
+  EXPECT_EQ(Ycy({100}), "left");
+  EXPECT_EQ(Ycy({300}), "left");
+  EXPECT_EQ(Ycy({340}), "right");
+  EXPECT_EQ(Ycy({600}), "right");
+}
+
+TEST(Lines, ThatAreMissingAreNoneAndCenter) {
+  const msg::YellowLines none = FindLines(GreyPicture(), {}).lines;
+  EXPECT_EQ(none.contours, 0U);
+  EXPECT_EQ(none.ycy + none.dy + none.walk, "centercentercenter");
+  EXPECT_TRUE(std::isnan(none.middle_offset) && std::isnan(none.line_offset));
+  EXPECT_TRUE(std::isnan(none.bottom_gap_px));
+  EXPECT_EQ(none.area_px2, 0);
+  EXPECT_TRUE(none.edge_x.empty() && none.edge_y.empty());
+}
+
+TEST(Lines, SmallerThanTheLeastAreaDoNotCount) {
+  LinesParameters parameters = WholePicture();
+  parameters.least_area_px2 = 19 * 99;  // that an outline of 20 x 100 pixels encloses
+  EXPECT_EQ(FindLines(Upright({100, 500}), parameters).lines.contours, 2U);
+  EXPECT_FLOAT_EQ(FindLines(Upright({100, 500}), parameters).lines.area_px2, 2 * 19 * 99);
+  parameters.least_area_px2 += 1;
+  EXPECT_EQ(FindLines(Upright({100, 500}), parameters).lines.contours, 0U);
+}
+
+TEST(Lines, CountUpToTheMostOfThemAndTheLargestFirst) {
+  cv::Mat bgr = Upright({50, 150, 250, 350, 450});
+  bgr(cv::Rect(560, 300, 30, 100)).setTo(kYellow);
+  EXPECT_EQ(FindLines(bgr, WholePicture()).lines.contours, 5U);
+  LinesParameters one = WholePicture();
+  one.most_lines = 1;
+  EXPECT_EQ(FindLines(bgr, one).lines.ycy, "right");
+}
+
+// A line of 200 x 20 pixels whose middle row is y.
+msg::YellowLines Across(int y, const LinesParameters& parameters, int x = 220) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(x, y - 10, 200, 20)).setTo(kYellow);
+  return FindLines(bgr, parameters).lines;
+}
+
+TEST(Line, AcrossIsFrontOrBackOfItsTarget) {
+  // 0.15 of 480 rows are 72: from 168 to 312.
+  EXPECT_EQ(Across(240, WholePicture()).dy, "center");
+  EXPECT_EQ(Across(165, WholePicture()).dy, "front");
+  EXPECT_EQ(Across(171, WholePicture()).dy, "center");
+  EXPECT_EQ(Across(309, WholePicture()).dy, "center");
+  EXPECT_EQ(Across(315, WholePicture()).dy, "back");
+  LinesParameters nearer = WholePicture();
+  nearer.dy_target = 0.75;
+  EXPECT_EQ(Across(240, nearer).dy, "front");
+  EXPECT_NEAR(Across(240, nearer).line_offset, -0.25, 1e-3);
+  EXPECT_EQ(Across(360, nearer).dy, "center");
+}
+
+TEST(Line, ThatIsNearestToTheCentreLineIsTheOneOfDyAndWalk) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(20, 20, 200, 20)).setTo(kYellow);
+  bgr(cv::Rect(300, 400, 100, 20)).setTo(kYellow);
+  const msg::YellowLines lines = FindLines(bgr, WholePicture()).lines;
+  EXPECT_EQ(lines.dy, "back");
+  EXPECT_EQ(lines.bottom_gap_px, 60);
+}
+
+TEST(Line, OfAWalkIsBackNearTheBottomAndElseFrontWhenItIsAside) {
+  const auto walk = [](int y, int x) { return Across(y, WholePicture(), x).walk; };
+  EXPECT_EQ(walk(419, 220), "center");  // 51 rows below it
+  EXPECT_EQ(walk(421, 220), "back");
+  EXPECT_EQ(walk(300, 220 + 29), "center");
+  EXPECT_EQ(walk(300, 220 + 32), "front");
+  EXPECT_EQ(walk(300, 220 - 32), "front");
+  EXPECT_EQ(walk(421, 220 + 32), "back");
+}
+
+TEST(Lines, AreSearchedInTheRegionOnly) {
+  LinesParameters lower;
+  lower.region = {0.5, 1, 0, 1};
+  EXPECT_EQ(Across(200, lower).contours, 0U);
+  const msg::YellowLines lines = Across(360, lower);
+  EXPECT_EQ(lines.contours, 1U);
+  EXPECT_NEAR(lines.line_offset, 0, 1e-3);
+  EXPECT_EQ(lines.bottom_gap_px, 110);
+  EXPECT_NEAR(lines.edge_y.at(0), 369.5 / 480, 1e-4);
+}
+
+TEST(Edge, IsTheLowestPixelInEachColumnThatHasOne) {
+  LinesParameters four = WholePicture();
+  four.edge_columns = 4;  // at 80, 240, 400 and 560
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(200, 100, 100, 50)).setTo(kYellow);
+  bgr(cv::Rect(200, 200, 300, 50)).setTo(kYellow);
+  const msg::YellowLines lines = FindLines(bgr, four).lines;
+  EXPECT_THAT(lines.edge_x, ElementsAre(240.5F / 640, 400.5F / 640));
+  EXPECT_THAT(lines.edge_y, ElementsAre(249.5F / 480, 249.5F / 480));
+}
+
+TEST(Lines, NeedBrightEnoughYellow) {
+  LinesParameters whole = WholePicture();
+  for (const auto& [color, is_yellow] :
+       {std::pair(cv::Scalar(20, 206, 246), true), std::pair(cv::Scalar(40, 120, 140), true),
+        std::pair(cv::Scalar(225, 245, 255), false), std::pair(cv::Scalar(40, 200, 60), false),
+        std::pair(cv::Scalar(30, 60, 220), false)}) {
+    cv::Mat bgr = GreyPicture();
+    bgr(cv::Rect(100, 100, 100, 100)).setTo(color);
+    EXPECT_EQ(FindLines(bgr, whole).lines.contours, is_yellow ? 1U : 0U) << color;
+  }
+}
+
+RC_GTEST_PROP(LinesProperty, OfAMirroredPictureAreOnTheOtherSide, ()) {
+  cv::Mat bgr = GreyPicture();
+  const int count = *rc::gen::inRange(0, 4);
+  for (int i = 0; i < count; ++i) {
+    bgr(cv::Rect(*rc::gen::inRange(0, 600), *rc::gen::inRange(0, 380), 40, 100)).setTo(kYellow);
+  }
+  const msg::YellowLines lines = FindLines(bgr, {}).lines;
+  const msg::YellowLines mirrored = FindLines(Mirrored(bgr), {}).lines;
+  const std::string other = lines.ycy == "left"    ? "right"
+                            : lines.ycy == "right" ? "left"
+                                                   : "center";
+  RC_ASSERT(mirrored.ycy == other);
+  RC_ASSERT(mirrored.contours == lines.contours);
+}
+
+// A lane along x, 0.83 m wide.
+world::Scene Lane() {
+  world::Scene scene = Hall();
+  for (const double y : {-0.44, 0.44}) {
+    world::Line line;
+    line.points_m = {{-3, y}, {3, y}};
+    scene.lines.push_back(line);
+  }
+  return scene;
+}
+
+// The same, across the robot's heading.
+world::Pose2 At(double x_m, double y_m, double yaw_deg) {
+  return {{x_m, y_m}, yaw_deg * M_PI / 180};
+}
+
+TEST(LaneAhead, IsInTheMiddleLeftOrRightAsTheRobotStands) {
+  const world::Scene lane = Lane();
+  const auto ycy = [&](double y_m) {
+    return FindLines(SceneShot(lane, Eye::kFront, At(-2, y_m, 0)), {}).lines.ycy;
+  };
+  EXPECT_EQ(ycy(0), "center");
+  EXPECT_EQ(ycy(0.02), "center");
+  EXPECT_EQ(ycy(0.15), "left");
+  EXPECT_EQ(ycy(-0.15), "right");
+}
+
+TEST(LaneAcross, IsSeenByAFisheye) {
+  // The robot looks across the lane, so that the lane's lines run from left to right.
+  const world::Scene lane = Lane();
+  for (const auto& [eye, yaw_deg] : {std::pair(Eye::kRight, 0.0), std::pair(Eye::kLeft, 0.0)}) {
+    const msg::YellowLines lines = FindLines(SceneShot(lane, eye, At(0, 0, yaw_deg)), {}).lines;
+    EXPECT_EQ(lines.contours, 1U);
+    EXPECT_GE(lines.edge_x.size(), 12U);
+    EXPECT_NEAR(lines.middle_offset, 0, 0.08);
+  }
+}
+
+TEST(LineBeside, IsNearerToTheBottomTheNearerTheRobotIs) {
+  const world::Scene lane = Lane();
+  const auto middle = [&](double y_m) {
+    const msg::YellowLines lines = FindLines(SceneShot(lane, Eye::kRight, At(0, y_m, 0)), {}).lines;
+    EXPECT_FALSE(lines.edge_y.empty());
+    return lines.edge_y.empty() ? 0 : lines.edge_y[lines.edge_y.size() / 2];
+  };
+  EXPECT_LT(middle(0.1), middle(0));
+  EXPECT_LT(middle(0), middle(-0.1));
+}
+
+TEST(LaneOfASide, IsLeftOrRightInTheFisheyesPicture) {
+  // The robot stands across the lane: in the right picture, left is ahead.
+  const world::Scene lane = Lane();
+  const auto ycy = [&](Eye eye, double ahead_m) {
+    return FindLines(SceneShot(lane, eye, At(0, ahead_m - 0.22, 90)), {}).lines.ycy;
+  };
+  EXPECT_EQ(ycy(Eye::kRight, 0), "center");
+  EXPECT_EQ(ycy(Eye::kRight, 0.15), "left");
+  EXPECT_EQ(ycy(Eye::kRight, -0.15), "right");
+  EXPECT_EQ(ycy(Eye::kLeft, 0.15), "right");
+  EXPECT_EQ(ycy(Eye::kLeft, -0.15), "left");
+}
+
+TEST(Lines, AreNotFoundInNoise) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    EXPECT_EQ(FindLines(NoisePicture(seed), {}).lines.contours, 0U) << seed;
+  }
+}
+
+}  // namespace musher::vision::lines_finder_test

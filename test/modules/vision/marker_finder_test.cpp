@@ -1,0 +1,163 @@
+// Yellow signs and lights: drawn, and in the simulated world; and their track from picture to
+// picture.
+
+#include "musher/modules/vision/course/marker_finder.hpp"
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "musher/modules/vision/course/marker_tracker.hpp"
+#include "musher/test/modules/vision/course_pictures.hpp"
+
+namespace musher::vision::marker_finder_test {
+
+using Phase = MarkerTracker::Phase;
+
+cv::Mat WithDisc(const cv::Point& center, int radius) {
+  cv::Mat bgr = GreyPicture();
+  cv::circle(bgr, center, radius, kYellow, cv::FILLED, cv::LINE_AA);
+  return bgr;
+}
+
+TEST(Marker, IsRoundOrSquare) {
+  const auto disc = FindMarker(WithDisc({300, 100}, 30), {});
+  ASSERT_TRUE(disc);
+  EXPECT_TRUE(disc->round);
+  EXPECT_NEAR(disc->size_px, 61, 1.5);
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(200, 100, 60, 60)).setTo(kYellow);
+  const auto square = FindMarker(bgr, {});
+  ASSERT_TRUE(square);
+  EXPECT_FALSE(square->round);
+  EXPECT_NEAR(square->size_px, 60, 1);
+}
+
+TEST(Marker, IsSearchedWhereItHangs) {
+  EXPECT_TRUE(FindMarker(WithDisc({300, 214}, 30), {}));
+  EXPECT_FALSE(FindMarker(WithDisc({300, 218}, 30), {}));
+  EXPECT_FALSE(FindMarker(WithDisc({300, 20}, 30), {})) << "cut by the picture";
+}
+
+TEST(Marker, IsNeitherTooSmallNorTooLarge) {
+  EXPECT_FALSE(FindMarker(WithDisc({300, 100}, 6), {}));
+  EXPECT_TRUE(FindMarker(WithDisc({300, 100}, 10), {}));
+  EXPECT_TRUE(FindMarker(WithDisc({300, 100}, 65), {}));
+  EXPECT_FALSE(FindMarker(WithDisc({300, 100}, 72), {}));
+}
+
+TEST(Yellow, ThatIsALineOrATriangleOrAnArrowIsNoMarker) {
+  cv::Mat line = GreyPicture();
+  line(cv::Rect(100, 100, 200, 30)).setTo(kYellow);
+  cv::Mat triangle = GreyPicture();
+  cv::fillPoly(triangle, std::vector<Contour>{{{200, 100}, {280, 100}, {240, 170}}}, kYellow);
+  cv::Mat arrow = GreyPicture();
+  cv::fillPoly(arrow, std::vector{ArrowCorners({200, 80, 120, 90}, 0.4, 0.4)}, kYellow);
+  cv::Mat ring = WithDisc({300, 100}, 40);
+  cv::ellipse(ring, {300, 100}, {45, 45}, 0, 30, 150, kGrey, cv::FILLED);
+  for (const cv::Mat& bgr : {line, triangle, arrow, ring}) EXPECT_FALSE(FindMarker(bgr, {}));
+}
+
+TEST(Light, IsABallBeforeALineOfItsColour) {
+  cv::Mat bgr = WithDisc({300, 240}, 40);
+  bgr(cv::Rect(0, 236, 640, 12)).setTo(kYellow);
+  const auto light = FindMarker(bgr, LightParameters());
+  ASSERT_TRUE(light);
+  EXPECT_NEAR(light->size_px, 81, 6);
+  cv::Mat square = GreyPicture();
+  square(cv::Rect(300, 200, 80, 80)).setTo(kYellow);
+  EXPECT_FALSE(FindMarker(square, LightParameters()));
+}
+
+RC_GTEST_PROP(MarkerProperty, OfAMirroredPictureIsInTheMirroredPlace, ()) {
+  const cv::Mat bgr =
+      WithDisc({*rc::gen::inRange(0, 640), *rc::gen::inRange(0, 300)}, *rc::gen::inRange(3, 90));
+  const auto marker = FindMarker(bgr, {}), mirrored = FindMarker(Mirrored(bgr), {});
+  RC_ASSERT(marker.has_value() == mirrored.has_value());
+  if (marker) RC_ASSERT(std::abs(640 - marker->box.br().x - mirrored->box.x) <= 2);
+}
+
+double DistanceM(const cv::Mat& bgr, const Marker& marker) {
+  const Lens lens = PinholeOf(world::CameraSet().cameras[0].hfov_rad, 640, 480);
+  return DistanceBySizeM(lens, bgr.size(), marker.size_px, 0.2, 600);
+}
+
+// A sign of 0.2 m whose middle hangs 1 m over the ground, on a grey board behind it.
+TEST(HighSign, HasItsDistanceFromNearToFarAndTurned) {
+  const TempFolder folder;
+  cv::Mat round(300, 300, CV_8UC3, kGrey), square = round.clone();
+  cv::circle(round, {150, 150}, 100, kYellow, cv::FILLED, cv::LINE_AA);
+  square(cv::Rect(50, 50, 200, 200)).setTo(kYellow);
+  for (const auto& [name, picture] : {std::pair("round.png", round), {"square.png", square}}) {
+    cv::imwrite(folder / name, picture);
+    for (const double far_m : {2.5, 3.0, 4.0, 5.0}) {
+      for (const double yaw_deg : {-20.0, 0.0, 20.0}) {
+        world::Scene scene = Hall();
+        world::Board board = BoardAt(far_m, 0.3, yaw_deg, 0.65);
+        board.sign = {world::Sign::Kind::kPicture, folder / name};
+        scene.boards = {board};
+        const cv::Mat bgr = SceneShot(scene, Eye::kFront);
+        const auto marker = FindMarker(bgr, {});
+        ASSERT_TRUE(marker) << name << far_m << " m " << yaw_deg;
+        EXPECT_NEAR(DistanceM(bgr, *marker), far_m, 0.1 * far_m) << name << yaw_deg;
+      }
+    }
+  }
+}
+
+// A lamp in the way, at the height of the camera, and the lines of a lane behind it.
+TEST(LightInTheWay, HasItsDistanceFromNearToFar) {
+  for (const double far_m : {0.5, 0.7, 1.0, 2.0, 3.0}) {
+    world::Scene scene = Hall();
+    scene.balls = {{{kEyeM + far_m, 0.05, 0.35}, 0.1, {246, 206, 20}, true}};
+    for (const double y : {-0.44, 0.44}) {
+      world::Line line;
+      line.points_m = {{-3, y}, {6, y}};
+      scene.lines.push_back(line);
+    }
+    const cv::Mat bgr = SceneShot(scene, Eye::kFront);
+    const auto light = FindMarker(bgr, LightParameters());
+    ASSERT_TRUE(light) << far_m;
+    EXPECT_NEAR(DistanceM(bgr, *light), far_m, 0.08 * far_m);
+  }
+}
+
+TEST(Marker, IsNotFoundInNoise) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    EXPECT_FALSE(FindMarker(NoisePicture(seed), {})) << seed;
+    EXPECT_FALSE(FindMarker(NoisePicture(seed), LightParameters())) << seed;
+  }
+}
+
+TEST(MarkersTrack, BeginsAfterSightingsInARow) {
+  MarkerTracker tracker(2, 5);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kSearching);
+  EXPECT_EQ(tracker.OnPicture(false), Phase::kSearching);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kSearching);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+}
+
+TEST(MarkersTrack, EndsAfterFiveMissesInARow) {
+  MarkerTracker tracker(1, 5);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(tracker.OnPicture(false), Phase::kTracking);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(tracker.OnPicture(false), Phase::kTracking);
+  EXPECT_EQ(tracker.OnPicture(false), Phase::kDisappeared);
+  EXPECT_EQ(tracker.OnPicture(false), Phase::kDisappeared);
+}
+
+TEST(MarkersTrack, BeginsAgainAfterADisappearance) {
+  MarkerTracker tracker(2, 1);
+  for (const bool seen : {true, true, false}) tracker.OnPicture(seen);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kDisappeared);
+  EXPECT_EQ(tracker.OnPicture(true), Phase::kTracking);
+}
+
+TEST(MarkersTrack, IsSearchingUntilTheFirstSighting) {
+  MarkerTracker tracker(1, 2);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(tracker.OnPicture(false), Phase::kSearching);
+}
+
+}  // namespace musher::vision::marker_finder_test
