@@ -42,6 +42,15 @@ Color ColorOfBattery(double percent) {
   return percent < 50 ? Mix(kEmpty, kHalf, percent / 50) : Mix(kHalf, kFull, percent / 50 - 1);
 }
 
+Color ColorOfTime(double share) {
+  constexpr Color kStops[] = {
+      {44, 80, 190}, {24, 150, 190}, {52, 158, 84}, {226, 140, 30}, {200, 36, 60}};
+  constexpr double kParts = 4;
+  const double at = std::clamp(share, 0.0, 1.0) * kParts;
+  const auto part = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(kParts) - 1);
+  return Mix(kStops[part], kStops[part + 1], at - static_cast<double>(part));
+}
+
 Color ColorOfMotion(const std::string& motion) {
   for (const auto& [name, color] : kMotionColors) {
     if (motion == name) return color;

@@ -15,6 +15,8 @@ inline constexpr Color kInk{38, 42, 48};
 inline constexpr Color kGreyInk{112, 117, 124};
 inline constexpr Color kObstacle{196, 188, 174};
 inline constexpr Color kBoard{60, 72, 100};
+inline constexpr Color kZone{232, 238, 248};
+inline constexpr Color kZoneEdge{142, 160, 196};
 inline constexpr Color kPad{205, 233, 212};
 inline constexpr Color kPadEdge{58, 148, 92};
 inline constexpr Color kBumpRed{206, 42, 42};
@@ -26,6 +28,8 @@ inline constexpr Color kBatteryLine{40, 96, 170};
 Color ColorOfState(const std::string& state);
 // From red at 0 to green at 100.
 Color ColorOfBattery(double percent);
+// From blue at the beginning, 0, over green to red at the end, 1.
+Color ColorOfTime(double share);
 Color ColorOfMotion(const std::string& motion);
 
 // Dark letters on light colours, light ones on dark.

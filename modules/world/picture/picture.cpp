@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "musher/modules/world/paint/palette.hpp"
+#include "musher/modules/world/picture/legend.hpp"
 #include "musher/modules/world/picture/strip_chart.hpp"
 #include "musher/modules/world/picture/top_view.hpp"
 

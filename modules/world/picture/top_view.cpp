@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 
 #include "musher/modules/world/paint/palette.hpp"
 #include "musher/modules/world/picture/marks.hpp"
-#include "musher/modules/world/picture/strip_chart.hpp"
 #include "musher/modules/world/sensors/sensing.hpp"
 
 namespace musher::world {
@@ -46,6 +44,7 @@ class TopView {
 
   void Draw() {
     Ground();
+    for (const Zone& zone : scene_.zones) DrawZone(zone);
     for (const Pad& pad : scene_.pads) DrawPad(pad);
     for (const Line& line : scene_.lines) {
       canvas_.Polyline(At(line.points_m), line.color, std::max(line.width_m * scale_, 1.0));
@@ -127,6 +126,15 @@ class TopView {
     canvas_.Ring(At(center_m), radius_m * scale_, EdgeOf(color), 1.2);
   }
 
+  // In a light colour with its name: lines and the way are drawn over it.
+  void DrawZone(const Zone& zone) {
+    const std::vector<Pixel> corners = At(Corners(zone.center_m, zone.half_m, zone.yaw_rad));
+    canvas_.Fill(corners, kZone);
+    canvas_.Outline(corners, kZoneEdge, 1);
+    canvas_.Text(zone.name, At(zone.center_m) + Pixel(0, 4), kTinyLetters, kZoneEdge,
+                 Align::kCenter);
+  }
+
   // A stroke, with a short one in the direction it faces.
   void DrawBoard(const Board& board) {
     const Rotation2Dd turn(board.yaw_rad);
@@ -154,6 +162,7 @@ class TopView {
   // In pieces of one colour. Without a line where the body was carried.
   void Way() {
     const std::vector<Sample>& samples = world_.track().samples();
+    const bool by_time = scene_.picture.way == Picture::Way::kTime;
     std::vector<Pixel> piece = {At(samples.front().pose.position_m)};
     for (std::size_t i = 1; i < samples.size(); ++i) {
       const Sample& last = samples[i - 1];
@@ -163,14 +172,21 @@ class TopView {
           (sample.pose.position_m - last.pose.position_m).norm() > 0.3 + 2 * seconds;
       if (!carried) piece.push_back(At(sample.pose.position_m));
       if (carried || i + 1 == samples.size() || sample.machine_state != last.machine_state ||
-          std::abs(sample.battery_percent - battery_) > 2) {
+          std::abs(sample.battery_percent - battery_) > 2 || by_time) {
         if (piece.size() > 1) {
-          canvas_.Polyline(piece, ColorOfWay(world_.track(), last), kWayWidth);
+          const Color color =
+              by_time ? ColorOfTime(ShareOf(last, samples)) : ColorOfWay(world_.track(), last);
+          canvas_.Polyline(piece, color, kWayWidth);
         }
         piece = {At(sample.pose.position_m)};
         battery_ = sample.battery_percent;
       }
     }
+  }
+
+  static double ShareOf(const Sample& sample, const std::vector<Sample>& samples) {
+    const double end = std::chrono::duration<double>(samples.back().at).count();
+    return end > 0 ? std::chrono::duration<double>(sample.at).count() / end : 0;
   }
 
   void Cross(const Pixel& at, double half) {
@@ -270,85 +286,12 @@ class TopView {
   double battery_ = -1;
 };
 
-// Seconds spent in each state, in the order they first came.
-std::map<int, double> TimeInStates(const Track& track) {
-  std::map<int, double> seconds;
-  const std::vector<Sample>& samples = track.samples();
-  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-    seconds[samples[i].machine_state] +=
-        std::chrono::duration<double>(samples[i + 1].at - samples[i].at).count();
-  }
-  return seconds;
-}
-
 }  // namespace
 
 double DrawTopView(const World& world, const Pixel& corner, const Pixel& opposite, Canvas& canvas) {
   TopView view(world, corner, opposite, canvas);
   view.Draw();
   return view.right();
-}
-
-void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas) {
-  constexpr double kRow = 24;
-  const Track& track = world.track();
-  Pixel at = corner;
-  const auto title = [&](const std::string& text) {
-    canvas.Text(text, at, 13, kInk);
-    at.y() += kRow;
-  };
-  const auto row = [&](const std::string& text, const std::string& right = "") {
-    canvas.Text(text, at + Pixel(38, 0), kLetters, kInk);
-    canvas.Text(right, at + Pixel(200, 0), kLetters, kGreyInk, Align::kRight);
-    at.y() += kRow;
-  };
-  const auto swatch = [&](const Color& color) {
-    canvas.FillRect(at + Pixel(0, -9), at + Pixel(26, 1), color);
-  };
-  if (HasMachineState(track)) {
-    title("The way, by machine state");
-    for (const auto& [index, seconds] : TimeInStates(track)) {
-      const std::string& state = track.states().at(static_cast<std::size_t>(index));
-      if (state.empty() && seconds < 1) continue;
-      swatch(ColorOfState(state));
-      row(state.empty() ? "unknown" : state, ClockText(std::round(seconds)));
-    }
-  } else {
-    title("The way, by battery");
-    for (const int percent : {100, 50, 20, 0}) {
-      swatch(ColorOfBattery(percent));
-      row(std::to_string(percent) + " %");
-    }
-  }
-  at.y() += kRow / 2;
-  title("The place");
-  canvas.Outline({at + Pixel(4, -10), at + Pixel(22, -10), at + Pixel(22, 1), at + Pixel(4, 1)},
-                 kInk, 1.5);
-  row("where it began");
-  canvas.FillRect(at + Pixel(4, -10), at + Pixel(22, 1), kInk);
-  row("where it is");
-  if (!world.scene().boxes.empty() || !world.scene().circles.empty()) {
-    swatch(kObstacle);
-    row("obstacle");
-  }
-  if (!world.scene().boards.empty()) {
-    canvas.Line(at + Pixel(2, -4), at + Pixel(24, -4), kBoard, 2.5);
-    canvas.Line(at + Pixel(13, -4), at + Pixel(13, 1), kBoard, 1.5);
-    row("board, its front");
-  }
-  if (!world.scene().pads.empty()) {
-    swatch(kPad);
-    row("charging pad");
-  }
-  if (world.humanoid()) {
-    swatch(kSight);
-    row("what it can see");
-  }
-  if (!track.bumps().empty()) {
-    canvas.Line(at + Pixel(8, -9), at + Pixel(18, 1), kBumpRed, 2);
-    canvas.Line(at + Pixel(8, 1), at + Pixel(18, -9), kBumpRed, 2);
-    row("bump", std::to_string(track.bumps().size()));
-  }
 }
 
 }  // namespace musher::world

@@ -12,6 +12,4 @@ inline constexpr double kMapAxis = 34;  // height of the axis below the place
 // of it and below it inside. Returns its right edge.
 double DrawTopView(const World& world, const Pixel& corner, const Pixel& opposite, Canvas& canvas);
 
-void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas);
-
 }  // namespace musher::world

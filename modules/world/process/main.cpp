@@ -78,10 +78,12 @@ int WorldControlMain(int argc, char** argv) {
              "\n\nExit codes: 0 done; 1 no world, or it refused; 2 usage.");
   std::vector<std::string> words;
   std::string name_space;
+  bool json = false;
   double timeout_s = 5;
   constexpr double kLongestS = 3600;
   app.add_option("WORDS", words, "What, see below")->required()->type_name("");
   app.add_option("--namespace", name_space, "Of the topics")->envname("MUSHER_NAMESPACE");
+  app.add_flag("--json", json, "With referee: its report as JSON");
   app.add_option("--timeout", timeout_s, "How long to look for the world, in s; default 5")
       ->check(CLI::Range(0.1, kLongestS).description(""));
   app.allow_extras(false);
@@ -90,6 +92,7 @@ int WorldControlMain(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
+  if (json) words.emplace_back("--json");
   const auto command = musher::world::ParseWorldCommand(words);
   if (!command) {
     std::cerr << "musher-world: " << command.error().message << std::endl;

@@ -26,7 +26,9 @@ const char* const kWorldCommands =
     "  place X Y [YAW]     moves the body there, m and rad\n"
     "  speed FACTOR        how fast the world's time goes\n"
     "  pause on|off        whether it stands still\n"
-    "  draw                writes the picture, prints its path";
+    "  show|hide NAME      a ball with that name appears, or disappears\n"
+    "  draw                writes the picture, prints its path\n"
+    "  referee [--json]    prints the referee's report of this run";
 
 namespace {
 
@@ -80,6 +82,8 @@ std::optional<WorldCommand> ReadOne(const std::string& what, const std::string& 
     if (const auto down = Either(word, "down", "up")) return PowerKey{*down};
   } else if (what == "pause") {
     if (const auto on = Either(word, "on", "off")) return Pause{*on};
+  } else if (what == "show" || what == "hide") {
+    return Show{word, what == "show"};
   } else if (what == "touch") {
     if (const auto kind = TouchKind(word)) return Touch{*kind};
   }
@@ -91,6 +95,8 @@ std::optional<WorldCommand> ReadWords(const Words& words) {
   const std::string& what = words.front();
   if (what == "place") return ReadPlace(words);
   if (what == "draw" && words.size() == 1) return DrawNow{};
+  if (what == "referee" && words.size() == 1) return RefereeNow{};
+  if (what == "referee" && words.size() == 2 && words[1] == "--json") return RefereeNow{true};
   if (what == "say" && words.size() > 1) {
     Speech speech{words[1]};
     for (std::size_t i = 2; i < words.size(); ++i) speech.text += " " + words[i];
@@ -140,10 +146,16 @@ class CommandSender {
   Result<std::string> operator()(const Speed& command) {
     return Publish<msg::Float32>("speed", {static_cast<float>(command.factor)});
   }
+  Result<std::string> operator()(const Show& command) {
+    return Publish<msg::String>(command.shown ? "show" : "hide", {command.name});
+  }
   Result<std::string> operator()(const Pause& command) {
     return Call<msg::SetBool>("pause", {command.on});
   }
   Result<std::string> operator()(const DrawNow&) { return Call<msg::Trigger>("draw", {}); }
+  Result<std::string> operator()(const RefereeNow& command) {
+    return Call<msg::Trigger>(command.json ? "referee_json" : "referee", {});
+  }
 
  private:
   std::string Name(const std::string& name) const {

@@ -28,17 +28,21 @@ struct Pause {
   bool on = true;
 };
 struct DrawNow {};
-using WorldCommand =
-    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Pause, DrawNow>;
+struct RefereeNow {
+  bool json = false;  // else text
+};
+using WorldCommand = std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed,
+                                  Show, Pause, DrawNow, RefereeNow>;
 
 // Help text: one line for each command.
 extern const char* const kWorldCommands;
 
-// Parses the words after `tell`; an Error lists the expected ones.
+// Parses the words after `tell`, among them `--json`; an Error lists the expected ones.
 Result<WorldCommand> ParseWorldCommand(const std::vector<std::string>& words);
 
-// Sends the command to the world of that namespace. Returns its reply: the picture's file, usually
-// empty. Fails when there is no world within `timeout`, or when it refuses.
+// Sends the command to the world of that namespace. Returns its reply: the picture's file, the
+// referee's report, usually empty. Fails when there is no world within `timeout`, or when it
+// refuses.
 Result<std::string> SendWorldCommand(const WorldCommand& command, const std::string& name_space,
                                      Duration timeout);
 

@@ -13,6 +13,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/world/picture/picture.hpp"
 #include "musher/modules/world/process/world_messages.hpp"
+#include "musher/modules/world/simulation/referee_report.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::world {
@@ -82,6 +83,11 @@ void WorldHost::Listen() {
   });
   endpoints_.Subscribe<msg::String>("world/fault",
                                     [this](const auto& message) { SetFault(message.data); });
+  for (const bool shown : {true, false}) {
+    endpoints_.Subscribe<msg::String>(
+        shown ? "world/show" : "world/hide",
+        [this, shown](const auto& message) { Log(world_.SetShown(message.data, shown)); });
+  }
   endpoints_.Subscribe<msg::Float32>("world/speed",
                                      [this](const auto& message) { SetSpeed(message.data); });
   endpoints_.Subscribe<msg::LedState>(
@@ -106,6 +112,12 @@ void WorldHost::Serve() {
     pacer_.SetPaused(request.data, node_.loop().Now());
     request.data ? next_step_.reset() : SetSpeed(pacer_.factor());
     reply({true, ""});
+  });
+  endpoints_.Serve<msg::Trigger>("world/referee", [this](const auto&, auto reply) {
+    reply({true, RefereeText(world_.scene(), world_.referee(), world_.now())});
+  });
+  endpoints_.Serve<msg::Trigger>("world/referee_json", [this](const auto&, auto reply) {
+    reply({true, RefereeJson(world_.scene(), world_.referee(), world_.now())});
   });
   endpoints_.Serve<msg::Trigger>("world/draw", [this](const auto&, auto reply) {
     DrawPicture([reply = std::move(reply)](bool ok, const std::string& text) {

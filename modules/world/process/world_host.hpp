@@ -7,6 +7,7 @@
 //   world/touch            when it happens     world/press           a finger on the robot
 //   world/charge           cable in, or out    world/place           puts the body there
 //   world/draw, pause      services            world/fault, speed, led, motor_power
+//   world/referee, referee_json, the same      world/show, hide: a ball by its name
 //   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
 //   musher/machine_status  of the controller, for the picture
 //

@@ -227,6 +227,10 @@ struct Picture {
   std::string file = "world.png";  // relative: to the machine's state folder, alone to the cwd
   bool at_teardown = false;
   bool scan = false;  // what the lidar sees, as dots
+  // What the colour of the body's path shows: the machine's state, or the battery where there is no
+  // machine; or the time.
+  enum class Way { kState, kTime };
+  Way way = Way::kState;
 };
 
 struct Scene {

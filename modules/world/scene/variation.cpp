@@ -16,7 +16,7 @@ constexpr double kMostBrightness = 10;
 constexpr double kMostNoise = 64;
 constexpr double kRadInDeg = M_PI / 180;
 
-std::string Text(const char* format, double value) {
+std::string NumberAs(const char* format, double value) {
   char text[48];
   std::snprintf(text, sizeof(text), format, value);
   return text;
@@ -36,13 +36,13 @@ class Sampler {
   void Add(const std::string& name, double limit, double least, double most, double& value) {
     if (limit == 0) return;
     value = std::clamp(value + Deviation(name, limit), least, most);
-    Note(name, Text("%.4g", value));
+    Note(name, NumberAs("%.4g", value));
   }
 
   void AddAngle(const std::string& name, double limit_rad, double& value_rad) {
     if (limit_rad == 0) return;
     value_rad = std::remainder(value_rad + Deviation(name, limit_rad), 2 * M_PI);
-    Note(name, Text("%.1f", value_rad / kRadInDeg));
+    Note(name, NumberAs("%.1f", value_rad / kRadInDeg));
   }
 
   void Note(const std::string& name, const std::string& value) {
@@ -86,7 +86,7 @@ void Vary(const Variation& by, Scene& scene) {
     const double limit = by.odometry_yaw_drift_rad_per_m;
     body.odometry_yaw_drift_rad_per_m += sampler.Deviation("odometry_yaw_drift_deg_per_m", limit);
     sampler.Note("odometry_yaw_drift_deg_per_m",
-                 Text("%.2f", body.odometry_yaw_drift_rad_per_m / kRadInDeg));
+                 NumberAs("%.2f", body.odometry_yaw_drift_rad_per_m / kRadInDeg));
   }
   for (std::size_t i = 0; i < kCameras; ++i) {
     sampler.Add("camera." + std::string(kCameraNames[i]) + ".noise", by.camera_noise, 0, kMostNoise,

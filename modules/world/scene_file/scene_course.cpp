@@ -171,7 +171,7 @@ void ReadReferee(TableReader& root, const Choices& choices, Findings& findings, 
     }
     std::vector<std::string_view> names;
     for (const Zone& zone : scene.zones) names.emplace_back(zone.name);
-    const auto order = reader.Strings("order", {.may_repeat = true});
+    const auto order = reader.Strings("order", {.may_be_empty = true, .may_repeat = true});
     for (const Word& word : order.value_or(std::vector<Word>())) {
       const Word zone = choices.Resolve(reader, "order", word);
       referee.order.push_back(zone.text);

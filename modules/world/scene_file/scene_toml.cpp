@@ -156,6 +156,8 @@ class Reader {
     }
     Set(scene_.picture.at_teardown, reader.Bool("at_teardown"));
     Set(scene_.picture.scan, reader.Bool("scan"));
+    Set(scene_.picture.way, reader.Choice<Picture::Way>("way", {{"state", Picture::Way::kState},
+                                                                {"time", Picture::Way::kTime}}));
   }
 
   void ReadMotion(TableReader& reader) {

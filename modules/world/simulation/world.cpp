@@ -37,6 +37,7 @@ World::World(Scene scene)
       body_(*scene_),
       battery_(scene_->battery),
       guests_(*scene_),
+      referee_(*scene_, Seen()),
       hide_at_(scene_->balls.size()) {
   if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
   Record();
@@ -56,10 +57,12 @@ StepOutputs World::Step() {
   body_.Step(*scene_, supply_, now_, kStep, random_);
   if (body_.bumped() && !touching_) {
     track_.AddBump({now_, body_.pose().position_m});
+    referee_.Collide();
     outputs.log.push_back("the body bumped into something at " + At(body_.pose().position_m));
   }
   touching_ = body_.bumped();
   StepBalls(outputs);
+  referee_.Step(*scene_, Seen(), now_);
   if (humanoid_) humanoid_->Step(kStep);
   const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
   guests_.Step(*scene_, robot, now_, kStep);
@@ -96,6 +99,7 @@ std::optional<std::string> World::PutDown(const Pose2& at) {
   }
   Record();
   body_.PutDown({at.position_m, std::remainder(at.yaw_rad, 2 * M_PI)});
+  referee_.Carry(*scene_, Seen(), now_);
   Record();
   return std::nullopt;
 }
@@ -185,6 +189,14 @@ void World::SetShown(std::size_t ball, bool shown) {
   auto changed = std::make_shared<Scene>(*scene_);
   changed->balls[ball].shown = shown;
   scene_ = std::move(changed);
+}
+
+RobotSeen World::Seen() const {
+  constexpr double kNearlyM = 0.02;
+  const Activity activity = body_.activity();
+  const bool down = body_.attitude().height_m < scene_->body.lie_height_m + kNearlyM;
+  return {body_.pose(), down && (activity == Activity::kLying || activity == Activity::kOff),
+          body_.in_the_air()};
 }
 
 void World::Record() {

@@ -14,6 +14,7 @@
 #include "musher/modules/world/body/humanoid.hpp"
 #include "musher/modules/world/scene/scene.hpp"
 #include "musher/modules/world/simulation/guests.hpp"
+#include "musher/modules/world/simulation/referee.hpp"
 #include "musher/modules/world/simulation/track.hpp"
 
 namespace musher::world {
@@ -69,6 +70,7 @@ class World {
   Eigen::Isometry3d CameraPose(std::size_t index) const;
   bool on_pad() const;
   const Track& track() const { return track_; }
+  const Referee& referee() const { return referee_; }
   bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
 
  private:
@@ -76,6 +78,7 @@ class World {
   void StepBalls(StepOutputs& outputs);
   void SetShown(std::size_t ball, bool shown);
   void Record();
+  RobotSeen Seen() const;  // by the referee
 
   std::shared_ptr<const Scene> scene_;  // replaced when a ball appears or disappears
   Duration now_{};
@@ -84,6 +87,7 @@ class World {
   Battery battery_;
   std::optional<Humanoid> humanoid_;
   Guests guests_;
+  Referee referee_;
   Supply supply_;
   std::size_t next_event_ = 0;
   std::vector<std::optional<Duration>> hide_at_;  // of each ball that appeared by an approach

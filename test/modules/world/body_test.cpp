@@ -53,6 +53,19 @@ TEST_F(BodyTest, LosesTheShareOfItsSpeedThatTheGroundTakes) {
   EXPECT_NEAR(body().speed().x(), 0.45, 1e-4);
 }
 
+TEST_F(BodyTest, LosesAnotherShareOfItsYawRateIfTheSceneSaysSo) {
+  Scene scene = EmptyYard();
+  scene.body.slip = 0.1;
+  world_ = World(scene);
+  commander_.Walk({0.3, 0, 0.5}, Seconds(3));
+  EXPECT_NEAR(body().turn_rate().z(), 0.45, 1e-4) << "by default the same";
+  scene.body.yaw_slip = 0.2;
+  world_ = World(scene);
+  commander_.Walk({0.3, 0, 0.5}, Seconds(3));
+  EXPECT_NEAR(body().turn_rate().z(), 0.4, 1e-4);
+  EXPECT_NEAR(body().speed().x(), 0.27, 1e-4);
+}
+
 TEST_F(BodyTest, WalksNoFasterThanItsGaitCan) {
   commander_.Walk({9, -9, 9}, Seconds(3), 2);  // pronk
   EXPECT_NEAR(body().turn_rate().z(), 0.5, 1e-4);

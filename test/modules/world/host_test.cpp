@@ -304,6 +304,35 @@ TEST_F(WorldHostTest, RepliesWhyItCannotDraw) {
   EXPECT_THAT(drawn->message, HasSubstr("can't save"));
 }
 
+TEST_F(WorldHostTest, ShowsAndHidesABallByItsName) {
+  Scene scene = EmptyYard();
+  Ball lamp{{3, 0, 0.2}};
+  lamp.name = "lamp";
+  lamp.shown = false;
+  scene.balls = {lamp};
+  Open(scene);
+  Say("world/show", msg::String{"lamp"});
+  EXPECT_TRUE(host_->world().scene().balls[0].shown);
+  Say("world/hide", msg::String{"lamp"});
+  EXPECT_FALSE(host_->world().scene().balls[0].shown);
+  Say("world/show", msg::String{"sun"});
+  EXPECT_THAT(log_.back(), HasSubstr("no ball with the name \"sun\""));
+}
+
+TEST_F(WorldHostTest, RepliesWithTheRefereesReport) {
+  Scene scene = EmptyYard();
+  scene.zones = {{"GOAL", {5, 0}, {1, 1}}};
+  scene.referee.order = {"GOAL"};
+  Open(scene);
+  const auto text = CallService<msg::Trigger>("world/referee");
+  ASSERT_TRUE(text);
+  EXPECT_TRUE(text->success);
+  EXPECT_THAT(text->message, HasSubstr("still ahead: GOAL"));
+  const auto json = CallService<msg::Trigger>("world/referee_json");
+  ASSERT_TRUE(json);
+  EXPECT_THAT(json->message, HasSubstr(R"("ahead":["GOAL"])"));
+}
+
 TEST_F(WorldHostTest, RefusesAnImpossibleSpeedOfTime) {
   Open(EmptyYard());
   for (const float factor : {0.0F, -1.0F, 1000.0F, std::nanf("")}) {

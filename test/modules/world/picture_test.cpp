@@ -52,6 +52,27 @@ TEST_F(Picture, HasItsSizeAndIsNoEmptySheet) {
   EXPECT_GT(CountAbove(image, kGround), 100'000);
 }
 
+TEST_F(Picture, ShowsZonesWithTheirNames) {
+  Scene scene = EmptyYard();
+  EXPECT_LT(CountAbove(Of(World(scene)), kZone), 50);  // edges of letters
+  scene.zones = {{"GOAL", {5, 5}, {1, 1}}};
+  const cv::Mat image = Of(World(scene));
+  EXPECT_GT(CountAbove(image, kZone), 1000);
+  EXPECT_GT(CountAbove(image, kZoneEdge), 150);
+}
+
+TEST_F(Picture, ShowsTheTimeInTheColourOfTheWayIfTheSceneSaysSo) {
+  Scene scene = EmptyYard();
+  scene.picture.way = ::musher::world::Picture::Way::kTime;
+  World world(scene);
+  Commander commander(world);
+  commander.Walk({0.8, 0, 0}, Seconds(8));
+  const cv::Mat image = Of(world);
+  EXPECT_GT(CountAbove(image, ColorOfTime(0.5)), 10);
+  EXPECT_GT(CountAbove(image, ColorOfTime(0.25)), 10);
+  EXPECT_GT(CountAbove(image, ColorOfTime(0.75)), 10);
+}
+
 TEST_F(Picture, ShowsGuestsWhereTheyAreAndWhatAHumanoidSees) {
   const Color red{220, 20, 60};
   Scene scene = EmptyYard();

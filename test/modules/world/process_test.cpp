@@ -182,6 +182,14 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
   const auto drawn = sent({"draw"});
   ASSERT_TRUE(drawn) << drawn.error().message;
   EXPECT_EQ(drawn.value(), fs::canonical(folder_ / "world.png"));
+  const auto report = sent({"referee"});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_THAT(report.value(), ::testing::HasSubstr("collisions: "));
+  const auto json = sent({"referee", "--json"});
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_THAT(json.value(), ::testing::StartsWith("{\"name\":"));
+  EXPECT_TRUE(sent({"show", "lamp"}));
+  EXPECT_TRUE(sent({"hide", "lamp"}));
   for (const std::vector<std::string>& wrong :
        std::vector<std::vector<std::string>>{{"battery", "nan"},
                                              {"battery"},
@@ -189,6 +197,8 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
                                              {"place", "1"},
                                              {"dance"},
                                              {"say"},
+                                             {"show"},
+                                             {"referee", "json"},
                                              {"power-key", "left"}}) {
     EXPECT_FALSE(ParseWorldCommand(wrong)) << wrong[0];
   }
@@ -278,6 +288,24 @@ TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
   EXPECT_EQ(shoot("left"), 0);
   EXPECT_GT(fs::file_size(folder_ / "shot.png"), 10'000U);
   EXPECT_EQ(shoot("rear"), 2);
+}
+
+TEST_F(MusherWorld, TakesTheSeedAndTheChoicesOfARunFromItsCommandLine) {
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
+  std::ofstream(folder_ / "scene.toml") << "[choices]\ncode = [\"A-1\", \"A-2\"]\n";
+  const auto draw = [&](std::vector<std::string> more) {
+    exec::ChildSpec spec;
+    spec.argv = {BinDir() + "/musher-world", folder_ / "scene.toml", "--draw",
+                 folder_ / "world.png"};
+    spec.argv.insert(spec.argv.end(), more.begin(), more.end());
+    auto child = exec::Child::Start(spec, reaper.value());
+    return child ? child.value().Reap().number : -1;
+  };
+  EXPECT_EQ(draw({"--seed", "7", "--choose", "code=A-2"}), 0);
+  EXPECT_EQ(draw({"--choose", "code=A-3"}), 2);
+  EXPECT_EQ(draw({"--choose", "code"}), 2);
+  EXPECT_EQ(draw({"--seed", "-1"}), 2);
 }
 
 TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {

@@ -64,6 +64,16 @@ TEST(Ranging, MeetsABoardFromEitherSideAndNotFromItsEdge) {
   EXPECT_NEAR(DistanceAlong(scene, {2.01, -2, 0.3}, Heading(M_PI / 2), kMost), 12, 1e-9);
 }
 
+TEST(Ranging, PassesARoundBoardOutsideOfItsDisc) {
+  Scene scene = EmptyYard();
+  Board board{"", {2, 0}, M_PI, 0.4, 0.4, 0.1};
+  board.round = true;
+  scene.boards = {board};
+  EXPECT_DOUBLE_EQ(DistanceAlong(scene, {0, 0.19, 0.3}, Heading(0), kMost), 2);
+  EXPECT_DOUBLE_EQ(DistanceAlong(scene, {0, 0.13, 0.43}, Heading(0), kMost), 2);
+  EXPECT_GT(DistanceAlong(scene, {0, 0.16, 0.46}, Heading(0), kMost), 9);
+}
+
 TEST(Ranging, LooksOverWhatIsLowAndUnderWhatHangs) {
   Scene scene = EmptyYard();
   scene.boxes = {MakeBox({2, 0}, {0.5, 0.5}), MakeBox({-2, 0}, {0.5, 0.5})};

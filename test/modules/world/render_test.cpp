@@ -192,6 +192,35 @@ TEST(Render, ShowsTheFrontOfABoardTheRightWayRoundAndNothingOnItsBack) {
   EXPECT_FALSE(MiddleOf(back, IsBlue));
 }
 
+TEST(Render, ShowsOnlyTheDiscOfARoundBoard) {
+  Scene scene = RoughYard();
+  Board board{"", {1.5, 0}, M_PI, 0.4, 0.4, 0.1, kMagenta};
+  board.round = true;
+  scene.boards = {board};
+  const Image image = FrontShot(scene);
+  const auto is_board = [&](double y, double z) {
+    const std::uint8_t* bgr = image.At(PixelOf({1.5, y, z}).x(), PixelOf({1.5, y, z}).y());
+    return bgr[0] > 100 && bgr[1] < 50 && bgr[2] > 100;
+  };
+  EXPECT_TRUE(is_board(0, 0.3));
+  EXPECT_TRUE(is_board(0.12, 0.42));
+  EXPECT_TRUE(is_board(0.19, 0.3));
+  EXPECT_FALSE(is_board(0.16, 0.46));
+  EXPECT_FALSE(is_board(-0.16, 0.14));
+}
+
+TEST(Render, ShowsNoBallThatIsHidden) {
+  Scene scene = RoughYard();
+  scene.balls = {{{2, 0.3, 0.3}, 0.1, kMagenta, true}, {{2, -0.3, 0.3}, 0.1, kMagenta, true}};
+  View view = Standing();
+  view.hidden_balls = {0};
+  const auto middle = MiddleOf(ShotOf(scene, FrontCamera(), view), IsMagenta);
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(middle->x(), PixelOf({2, -0.3, 0.3}).x(), 2);
+  view.hidden_balls = {0, 1};
+  EXPECT_FALSE(MiddleOf(ShotOf(scene, FrontCamera(), view), IsMagenta));
+}
+
 TEST(Render, SmoothsTheEdgesOfThings) {
   Scene scene = RoughYard();
   scene.fence_height_m = 0;

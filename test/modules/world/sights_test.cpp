@@ -98,4 +98,27 @@ TEST(Text, IsWrittenAsLargeAsTheBoardAllowsInAnyLetters) {
   }
 }
 
+// The number of green pixels to the left of the board's middle, and to the right of it.
+std::pair<int, int> GreenOf(const std::string& arrow) {
+  const Image image = FrontShot(WithBoard({Sign::Kind::kArrow, arrow, 0, {32, 150, 60}}, 0.4, 1));
+  std::pair<int, int> green;
+  const int middle = PixelOf({1.27, 0, 0.4}).x();
+  for (int y = PixelOf({1.27, 0, 0.59}).y(); y < PixelOf({1.27, 0, 0.21}).y(); ++y) {
+    for (int x = PixelOf({1.27, 0.19, 0.4}).x(); x < PixelOf({1.27, -0.19, 0.4}).x(); ++x) {
+      const std::uint8_t* bgr = image.At(x, y);
+      if (bgr[1] > bgr[0] + 40 && bgr[1] > bgr[2] + 40) ++(x < middle ? green.first : green.second);
+    }
+  }
+  return green;
+}
+
+TEST(Arrow, HasItsHeadOnTheSideOfItsDirection) {
+  const auto [left_of_left, right_of_left] = GreenOf("left");
+  EXPECT_GT(left_of_left, 1.2 * right_of_left);
+  EXPECT_GT(right_of_left, 1000);
+  const auto [left_of_right, right_of_right] = GreenOf("right");
+  EXPECT_NEAR(left_of_right, right_of_left, 0.05 * right_of_left);
+  EXPECT_NEAR(right_of_right, left_of_left, 0.05 * left_of_left);
+}
+
 }  // namespace musher::world::sights_test
