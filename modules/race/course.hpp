@@ -235,6 +235,20 @@ struct CourseCommand {
   int value = 0;
 };
 
+// How a self-check treats another program.
+enum class Need : std::uint8_t { kRequired, kOptional, kNone };
+
+// The actuator around the course.
+struct RobotRules {
+  bool from_start = false;                   // after a pause; else where it was
+  std::string record;                        // a file; empty: nothing is recorded
+  Duration self_check = Milliseconds(5000);  // of the steady clock, until all programs are there
+  Need motion = Need::kRequired;
+  Need cameras = Need::kRequired;  // the publishers of all detectors
+  Need walker = Need::kRequired;
+  Need audio = Need::kOptional;
+};
+
 enum class Language : std::uint8_t { kChinese, kEnglish };
 
 struct Course {
@@ -246,6 +260,7 @@ struct Course {
   Index stand = 0;  // the result command before an interrupted movement continues
   CheckRules check;
   BodyRules body;
+  RobotRules robot;
   std::optional<LightRule> light;
   std::vector<Detector> detectors;
   std::vector<Movement> movements;

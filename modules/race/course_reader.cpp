@@ -1,6 +1,7 @@
 #include "musher/modules/race/course_reader.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "musher/base/toml/file.hpp"
@@ -17,8 +18,11 @@ constexpr std::int64_t kMostMotion = 99'999;
 
 class CourseReader {
  public:
-  CourseReader(const Table& table, Findings& findings)
-      : root_(table, {1, 1}, "", findings), findings_(findings), reading_{{}, findings, {}} {}
+  CourseReader(const Table& table, const std::string& path, Findings& findings)
+      : folder_(config_toml::FolderOf(path)),
+        root_(table, {1, 1}, "", findings),
+        findings_(findings),
+        reading_{{}, findings, {}} {}
 
   Course Read() {
     Collect();
@@ -27,6 +31,7 @@ class CourseReader {
     Each("result", course().results, [this](auto& t, auto& r) { ReadResult(t, r); });
     ReadTop();
     In("checks", [this](TableReader& t) { ReadCheckRules(t); });
+    In("robot", [this](TableReader& t) { ReadRobot(t); });
     In("body", [this](TableReader& t) {
       Take(t, "silent_ms", course().body.silent, 0);
       Take(t, "refused_ms", course().body.refused);
@@ -145,6 +150,27 @@ class CourseReader {
     course().language =
         root_.Choice<Language>("language", {{"zh", Language::kChinese}, {"en", Language::kEnglish}})
             .value_or(course().language);
+  }
+
+  void ReadRobot(TableReader& table) {
+    RobotRules& robot = course().robot;
+    robot.from_start = table.Choice<bool>("resume", {{"where_it_was", false}, {"start", true}})
+                           .value_or(robot.from_start);
+    if (const auto file = table.String("record"); file && !file->text.empty()) {
+      robot.record = config_toml::Absolute(folder_, file->text);
+    }
+    Take(table, "self_check_ms", robot.self_check);
+    const auto need = [&table](const char* key, Need& taken) {
+      taken = table
+                  .Choice<Need>(key, {{"required", Need::kRequired},
+                                      {"optional", Need::kOptional},
+                                      {"none", Need::kNone}})
+                  .value_or(taken);
+    };
+    need("motion", robot.motion);
+    need("cameras", robot.cameras);
+    need("walker", robot.walker);
+    need("audio", robot.audio);
   }
 
   void ReadDetector(TableReader& table, Detector& detector) {
@@ -352,6 +378,7 @@ class CourseReader {
     command.value = static_cast<int>(table.Integer("to", 0, kMostSteps).value_or(0));
   }
 
+  const std::filesystem::path folder_;
   TableReader root_;
   Findings& findings_;
   Reading reading_;
@@ -361,8 +388,9 @@ class CourseReader {
 
 CourseReading ReadCourseText(std::string_view text, const std::string& path) {
   return config_toml::ReadTextWith<CourseReading>(
-      text, path,
-      [](const Table& root, Findings& findings) { return CourseReader(root, findings).Read(); });
+      text, path, [&](const Table& root, Findings& findings) {
+        return CourseReader(root, path, findings).Read();
+      });
 }
 
 CourseReading ReadCourseFile(const std::string& path) {

@@ -1,0 +1,228 @@
+#include "musher/modules/race/race_robot.hpp"
+
+#include <utility>
+
+#include "musher/actuator/program/await.hpp"
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/race/topic_names.hpp"
+
+namespace musher::race {
+namespace {
+
+constexpr double kRateHz = 20;  // of servo frames, within the motion manager's watchdog of 200 ms
+constexpr Duration kInfoPeriod = Milliseconds(100);
+// Of the steady clock, where a reply is lost; the course's limits are of the machine's clock.
+constexpr Duration kLongestCall = std::chrono::minutes(5);
+constexpr const char* kModuleName = "race";
+
+FsmActuator::Options OptionsOf(const Course& course) {
+  FsmActuator::Options options;
+  options.rate_hz = kRateHz;
+  options.resume =
+      course.robot.from_start ? FsmActuator::Resume::kFromStart : FsmActuator::Resume::kWhereItWas;
+  return options;
+}
+
+std::string Joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+}  // namespace
+
+RaceRobot::RaceRobot(const std::string& actuator_name, Course course)
+    : FsmActuator(actuator_name, OptionsOf(course)), race_(std::move(course), *this) {}
+
+RaceRobot::~RaceRobot() = default;
+
+Result<> RaceRobot::BuildMachine(fsm::Machine& machine) {
+  if (Result<> built = race_.Build(machine); !built) return built;
+  return race_.course().robot.record.empty() ? Ok() : Record(machine);
+}
+
+Result<> RaceRobot::Record(fsm::Machine& machine) {
+  auto file = RecordFile::Open(race_.course().robot.record);
+  if (!file) return file.error();
+  record_ = std::move(file).value();
+  recorder_ = std::make_unique<fsm::Recorder>(machine, [this](std::string_view line) {
+    const bool good = record_->good();
+    record_->Write(line);
+    if (good && !record_->good()) Log("the recording ends here: its file cannot be written to");
+  });
+  race_.RecordTo(*recorder_);
+  return Ok();
+}
+
+void RaceRobot::OpenTopics(transport::Endpoints& topics) {
+  const auto wire = std::make_shared<Wire>();
+  wire->info = topics.Advertise<msg::String>(topic::kInfo);
+  wire->servo = topics.Advertise<msg::MotionServoCmd>(topic::kServo);
+  wire->motion = topics.OpenClient<msg::MotionResultCmd>(topic::kMotion);
+  wire->speech = topics.OpenClient<msg::AudioTextPlay>(topic::kSpeech);
+  OpenWalkers(topics, *wire);
+  Subscribe(topics);
+  if (!topics.opened()) return;  // SetUp fails with it
+  wire->detectors = std::make_unique<Detectors>(topics.node(), machine_config().name_space,
+                                                race_.course(), DetectorHandlers());
+  wire_ = wire;
+  topics.Keep(wire);
+  topics.Every(kInfoPeriod, [this] {
+    race_.PassTime(Now());
+    const auto open = wire_.lock();
+    if (open) static_cast<void>(open->info->Publish({race_.InfoText()}));
+  });
+}
+
+void RaceRobot::OpenWalkers(transport::Endpoints& topics, Wire& wire) {
+  const std::vector<LaneWalk>& walks = race_.course().walks;
+  for (Index i = 0; i < walks.size(); ++i) {
+    wire.walkers.push_back(topics.Advertise<msg::String>(walks[i].command));
+    wire.walker_statuses.push_back(topics.Subscribe<msg::String>(
+        walks[i].status,
+        [this, i](const auto& status) { race_.OnWalkerStatus(i, status.data, Now()); }));
+  }
+}
+
+void RaceRobot::Subscribe(transport::Endpoints& topics) {
+  topics.Subscribe<msg::String>(topic::kCommand,
+                                [this](const auto& text) { race_.OnCommand(text.data, Now()); });
+  topics.Subscribe<msg::MotionStatus>(topic::kBody, [this](const auto& body) {
+    race_.OnBody(body.switch_status, body.motion_id, Now());
+  });
+  topics.Subscribe<msg::MotionServoResponse>(topic::kServoReply, [this](const auto& reply) {
+    race_.OnServoReply(reply.result, reply.code, Now());
+  });
+}
+
+Detectors::Handlers RaceRobot::DetectorHandlers() {
+  return {.on_sighting =
+              [this](Index detector, const msg::Sighting& found) {
+                race_.OnSighting(detector, {found.seen, found.distance_m, found.phase, found.text},
+                                 TakenAt(found.header.stamp), Now());
+              },
+          .on_lines =
+              [this](Index detector, const msg::YellowLines& lines) {
+                race_.OnLines(detector, lines.contours, lines.ycy, lines.dy,
+                              TakenAt(lines.header.stamp), Now());
+              },
+          .log = [this](const std::string& line) { Log(line); }};
+}
+
+Time RaceRobot::TakenAt(const msg::Stamp& stamp) const {
+  if (stamp == msg::Stamp{}) return Now();  // a publisher without a clock
+  return Now() - (msg::FromStamp(Stamp()) - msg::FromStamp(stamp));
+}
+
+// Programs that were started just now may not have been discovered yet. The detectors are opened
+// for it, and closed again.
+Result<> RaceRobot::SelfCheck() {
+  const RobotRules& rules = race_.course().robot;
+  CheckVerdict verdict;
+  const auto open_all = [this](bool open) {
+    RunOnLoop([this, open] {
+      if (const auto wire = wire_.lock()) wire->detectors->OpenAll(open);
+    });
+  };
+  if (!node()) return Ok();
+  if (rules.cameras != Need::kNone) open_all(true);
+  const auto look = [&]() -> Result<> {
+    verdict = EvaluateSelfCheck(Look(), rules);
+    if (!verdict.result || verdict.missing.empty()) return verdict.result;
+    return Error{kCodeFailed, verdict.missing};
+  };
+  static_cast<void>(
+      program::AwaitOnLoop(*node(), rules.self_check, look, [this] { return StopRequested(); }));
+  open_all(false);
+  if (!verdict.missing.empty()) Log("self-check: without " + verdict.missing);
+  return verdict.result;
+}
+
+MissingParts RaceRobot::Look() {
+  const auto wire = wire_.lock();
+  if (!wire) return {};
+  MissingParts found;
+  if (!wire->motion->Ready()) found.motion = "no service " + std::string(topic::kMotion);
+  if (!wire->speech->Ready()) found.audio = "no service " + std::string(topic::kSpeech);
+  if (const auto missing = wire->detectors->Missing(); !missing.empty()) {
+    found.cameras = "no publisher of " + Joined(missing);
+  }
+  std::vector<std::string> walkers;
+  for (Index i = 0; i < wire->walker_statuses.size(); ++i) {
+    if (wire->walker_statuses[i]->MatchedWriters() > 0) continue;
+    walkers.push_back(race_.course().walks[i].status);
+  }
+  if (!walkers.empty()) found.walker = "no publisher of " + Joined(walkers);
+  return found;
+}
+
+void RaceRobot::Walk(const ServoFrame& frame) {
+  const auto wire = wire_.lock();
+  if (!wire) return;
+  msg::MotionServoCmd command;
+  command.motion_id = frame.motion_id;
+  command.cmd_type = frame.end ? msg::MotionServoCmd::kEnd : msg::MotionServoCmd::kData;
+  command.cmd_source = msg::MotionSource::kAlgo;
+  command.vel_des = {static_cast<float>(frame.twist.forward_m_s),
+                     static_cast<float>(frame.twist.left_m_s),
+                     static_cast<float>(frame.twist.yaw_rad_s)};
+  for (auto* three : {&command.rpy_des, &command.pos_des, &command.ctrl_point}) *three = {0, 0, 0};
+  for (auto* six : {&command.acc_des, &command.foot_pose}) six->assign(6, 0);
+  command.step_height = {static_cast<float>(frame.step_height_m[0]),
+                         static_cast<float>(frame.step_height_m[1])};
+  static_cast<void>(wire->servo->Publish(command));
+}
+
+void RaceRobot::Move(std::int32_t motion_id, std::uint64_t number) {
+  const auto wire = wire_.lock();
+  if (!wire) return;
+  msg::MotionResultCmd::Request request;
+  request.motion_id = motion_id;
+  request.cmd_source = msg::MotionSource::kAlgo;
+  wire->motion->Call(request, kLongestCall, [this, number](const auto& answer) {
+    if (!answer) return race_.OnMotionDone(number, answer.error(), Now());
+    const auto& reply = answer.value();
+    const bool done = reply.result && reply.code == kCodeOk;
+    const std::int32_t code = reply.code == kCodeOk ? kCodeFailed : reply.code;
+    race_.OnMotionDone(
+        number,
+        done ? Result<>() : Error{code, "the body is in motion " + std::to_string(reply.motion_id)},
+        Now());
+  });
+}
+
+void RaceRobot::CommandWalker(const LaneWalk& walk, bool start) {
+  const auto wire = wire_.lock();
+  const auto index = FindByName(race_.course().walks, walk.name);
+  if (wire && index) static_cast<void>(wire->walkers[*index]->Publish({start ? "START" : "STOP"}));
+}
+
+void RaceRobot::Watch(const std::vector<bool>& detectors) {
+  if (const auto wire = wire_.lock()) wire->detectors->Watch(detectors);
+}
+
+void RaceRobot::Say(const std::string& text, std::uint64_t number) {
+  const auto wire = wire_.lock();
+  if (!wire) return;
+  msg::AudioTextPlay::Request request;
+  request.module_name = kModuleName;
+  request.is_online = true;
+  request.text = text;
+  wire->speech->Call(request, kLongestCall, [this, number](const auto& answer) {
+    if (!answer) return race_.OnSpoken(number, answer.error(), Now());
+    const auto& reply = answer.value();
+    const bool spoken = reply.status == msg::AudioTextPlay::kFinished;
+    race_.OnSpoken(number,
+                   spoken ? Result<>()
+                          : Error{reply.code == kCodeOk ? kCodeFailed : reply.code,
+                                  "the audio manager has not spoken it"},
+                   Now());
+  });
+}
+
+void RaceRobot::ShowState(int number) {
+  const auto wire = wire_.lock();
+  if (wire) static_cast<void>(wire->info->Publish({"State:" + std::to_string(number)}));
+}
+
+}  // namespace musher::race

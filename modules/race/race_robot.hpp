@@ -1,0 +1,72 @@
+#pragma once
+// The actuator `race`: the race on its topics and services. See README.md in this folder.
+//
+//   Active                                     the race runs, or continues where it was
+//   DeActive, Protected, LowPower, OTA, Error  it stands still: every servo stream is ended
+//   an emergency stop                          the same
+//
+// Threads: those of FsmActuator.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/application/fsm_actuator.hpp"
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/race/detectors.hpp"
+#include "musher/modules/race/race.hpp"
+#include "musher/modules/race/record_file.hpp"
+#include "musher/modules/race/self_check.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::race {
+
+class RaceRobot : public FsmActuator, private RaceOutputs {
+ public:
+  RaceRobot(const std::string& actuator_name, Course course);
+  ~RaceRobot() override;
+
+ private:
+  // The endpoints while the topics are open.
+  struct Wire {
+    transport::Publisher<msg::String>* info = nullptr;
+    transport::Publisher<msg::MotionServoCmd>* servo = nullptr;
+    transport::Client<msg::MotionResultCmd>* motion = nullptr;
+    transport::Client<msg::AudioTextPlay>* speech = nullptr;
+    std::vector<transport::Publisher<msg::String>*> walkers;  // by walk
+    std::vector<transport::Subscription*> walker_statuses;
+    std::unique_ptr<Detectors> detectors;
+  };
+
+  Result<> BuildMachine(fsm::Machine& machine) override;
+  void OpenTopics(transport::Endpoints& topics) override;
+  Result<> SelfCheck() override;
+  void AfterTick(Time /*now*/) override { race_.AfterTick(); }
+  void OnPause() override { race_.Rest(Now()); }
+  void OnResume() override { race_.Resume(Now()); }
+
+  Result<> Record(fsm::Machine& machine);
+  void Subscribe(transport::Endpoints& topics);
+  void OpenWalkers(transport::Endpoints& topics, Wire& wire);
+  Detectors::Handlers DetectorHandlers();
+  // The time of a picture, of the machine's clock.
+  Time TakenAt(const msg::Stamp& stamp) const;
+  MissingParts Look();
+
+  void Walk(const ServoFrame& frame) override;
+  void Move(std::int32_t motion_id, std::uint64_t number) override;
+  void CommandWalker(const LaneWalk& walk, bool start) override;
+  void Watch(const std::vector<bool>& detectors) override;
+  void Say(const std::string& text, std::uint64_t number) override;
+  void ShowState(int number) override;
+  void Log(const std::string& line) override { FsmActuator::Log(line); }
+
+  std::unique_ptr<RecordFile> record_;  // before the members that write to it
+  std::unique_ptr<fsm::Recorder> recorder_;
+  Race race_;
+  std::weak_ptr<Wire> wire_;
+};
+
+}  // namespace musher::race

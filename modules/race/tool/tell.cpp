@@ -1,0 +1,72 @@
+// musher-race tell START: publishes a command of a running race, without ROS.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "musher/actuator/program/command_line_tool.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/race/tool/tool.hpp"
+#include "musher/modules/race/topic_names.hpp"
+
+namespace musher::race::tool {
+namespace {
+
+using program::ExitCode;
+using program::ToolLink;
+
+constexpr const char* kFooter = R"(
+Examples:
+  musher-race tell command START           begins the race
+  musher-race tell START                   the same
+  musher-race tell START:IN_QRB            to this state, by its name or number
+  musher-race tell SET_QR_A:A-2            the text of a board; SET_QR_B:B-1, SET_ARROW:left
+  musher-race tell RESET                   to START, with all results forgotten
+
+Exit codes: 0 published; 1 no subscriber (reason on stderr); 2 usage; 130 interrupted.
+Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
+
+int Fail(ExitCode exit, const std::string& message) {
+  std::cerr << "musher-race: " << message << std::endl;
+  return static_cast<int>(exit);
+}
+
+int Publish(ToolLink& link, const std::string& text) {
+  const std::string topic = link.Name(topic::kCommand);
+  const auto publisher = transport::MakePublisher<msg::String>(link.node(), topic);
+  if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
+  const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
+  if (!link.RunUntil(matched, link.discovery())) {
+    if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
+    return Fail(ExitCode::kNotDone, "no subscriber of " + topic + "; is the race running?");
+  }
+  Result<> sent = publisher.value()->Publish({text});
+  if (sent) sent = publisher.value()->Flush(link.discovery());
+  if (!sent) return Fail(ExitCode::kNotDone, sent.error().message);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+int PublishCommand(int argc, const char* const* argv) {
+  CLI::App app("Publishes a command of a running race.", "musher-race tell");
+  program::ToolOptions options;
+  program::SetUpCommandLineTool(app, options, "Not used by this tool", kFooter);
+  std::string text;
+  CLI::App* command = app.add_subcommand("command", "The command's text");
+  command->add_option("TEXT", text, "START, STOP, RESET, START:<state>, SET_QR_A:A-1, …")
+      ->required();
+  // `tell START` is `tell command START`.
+  std::vector<const char*> words(argv, argv + argc);
+  const bool is_text = argc > 1 && argv[1][0] != '-' && std::string_view(argv[1]) != "command";
+  if (is_text) words.insert(words.begin() + 1, "command");
+  if (const auto end = program::Parse(app, static_cast<int>(words.size()), words.data(), options)) {
+    return program::Say(*end, "musher-race");
+  }
+  const auto link = ToolLink::Open(options);
+  if (!link) return Fail(ExitCode::kUsage, link.error().message);
+  const int exit = Publish(*link.value(), text);
+  if (options.json) std::cout << (exit == 0 ? "{\"told\": true}" : "{\"told\": false}") << "\n";
+  return exit;
+}
+
+}  // namespace musher::race::tool
