@@ -1,0 +1,265 @@
+#include "musher/modules/line_walker/line_walker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "musher/base/code.hpp"
+#include "musher/messages/stamp.hpp"
+
+namespace musher::line_walker {
+namespace {
+
+constexpr std::size_t kSidePoints = 60;
+constexpr std::size_t kFrontPoints = 160;
+constexpr double kApproach_per_s = 1.0;  // forward velocity for each metre to the end
+
+std::string Ms(Duration time) {
+  return std::to_string(ToMilliseconds(time)) + " ms";
+}
+
+double Seconds(Duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+// In the frame in which `pose` is.
+Pose InFrameOf(const Pose& pose, const GroundPoint& point, double heading_rad) {
+  const Pose moved = Moved({pose.x_m, pose.y_m, pose.yaw_rad}, {point.x_m, point.y_m, 0}, 1);
+  return {moved.x_m, moved.y_m, Wrapped(pose.yaw_rad + heading_rad)};
+}
+
+// Along the line's lane, from `pose` to the line.
+double Along(const Pose& line, const Pose& pose) {
+  return std::cos(line.yaw_rad) * (line.x_m - pose.x_m) +
+         std::sin(line.yaw_rad) * (line.y_m - pose.y_m);
+}
+
+}  // namespace
+
+CameraSet::CameraSet() {
+  left = {true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI};
+  right = {true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI};
+  front = {false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree};
+}
+
+std::string_view NameOf(End end) {
+  switch (end) {
+    case End::kCourseEnd:
+      return "course_end";
+    case End::kTimeLimit:
+      return "time_limit";
+    case End::kLost:
+      return "lost";
+    case End::kStopped:
+      return "stopped";
+    case End::kSilent:
+      return "silent";
+    case End::kRefused:
+      return "refused";
+  }
+  return "stopped";
+}
+
+bool LineWalker::Start(Time now) {
+  if (active()) return false;
+  lane_.Forget();
+  left_ = {};
+  right_ = {};
+  end_line_.reset();
+  end_pictures_ = 0;
+  refused_since_.reset();
+  state_ = State::kAdjusting;
+  started_at_ = now;
+  ended_at_.reset();
+  end_.reset();
+  reason_.clear();
+  framed_ = false;
+  return true;
+}
+
+void LineWalker::Stop(Time now, const std::string& why) {
+  if (active()) Finish(End::kStopped, why, now);
+}
+
+void LineWalker::Finish(End end, std::string reason, Time now) {
+  state_ = State::kIdle;
+  ended_at_ = now;
+  end_ = end;
+  reason_ = std::move(reason);
+  owes_end_ = std::exchange(framed_, false);
+}
+
+void LineWalker::OnOdometry(const msg::Odometry& odometry, Time now) {
+  const OdometryTrack::Taken taken = track_.Take(odometry);
+  if (taken == OdometryTrack::Taken::kInvalid) return;
+  odometry_at_ = now;
+  if (taken == OdometryTrack::Taken::kGood) return;
+  lane_.Forget();
+  end_line_.reset();
+  end_pictures_ = 0;
+}
+
+void LineWalker::OnLines(View view, const msg::YellowLines& lines, Time now) {
+  if (!active()) return;
+  switch (view) {
+    case View::kLeft:
+      return OnSide(Side::kLeft, lines, now);
+    case View::kRight:
+      return OnSide(Side::kRight, lines, now);
+    case View::kFront:
+      return OnFront(lines);
+  }
+}
+
+void LineWalker::OnSide(Side side, const msg::YellowLines& lines, Time now) {
+  const bool left = side == Side::kLeft;
+  Sight& sight = left ? left_ : right_;
+  sight.picture_at = now;
+  if (track_.empty()) return;
+  const CameraSet& cameras = rules_.cameras;
+  const auto points = EdgeOnGround(left ? cameras.left : cameras.right, cameras.trunk_height_m,
+                                   cameras.farthest_m, lines, kSidePoints);
+  const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
+  const double curvature = lane_.known() ? lane_.At(pose).curvature_per_m : 0;
+  const auto line = FitSideLine(points, side, rules_.fit, curvature);
+  if (!line) return;
+  const bool alone = !Seen(left ? right_ : left_, now);
+  if (lane_.See(pose, *line, side, alone)) sight.line_at = now;
+}
+
+void LineWalker::OnFront(const msg::YellowLines& lines) {
+  if (track_.empty() || !lane_.known()) return;
+  const CameraSet& cameras = rules_.cameras;
+  const auto points =
+      EdgeOnGround(cameras.front, cameras.trunk_height_m, cameras.farthest_m, lines, kFrontPoints);
+  const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
+  const auto found = FindEndLine(points, -lane_.At(pose).heading_rad, rules_.end);
+  const bool counts = end_pictures_ >= rules_.end_pictures;
+  if (!found) {
+    if (!counts) end_pictures_ = 0;
+    return;
+  }
+  const Pose line = InFrameOf(pose, found->middle, found->heading_rad);
+  const bool same = end_line_ && std::abs(Along(*end_line_, line)) <= rules_.end_jump_m;
+  if (counts && !same) return;
+  end_pictures_ = same ? std::min(end_pictures_ + 1, rules_.end_pictures) : 1;
+  end_line_ = line;
+}
+
+void LineWalker::OnResponse(const msg::MotionServoResponse& response, Time now) {
+  if (!active() || !framed_) return;
+  if (response.code == kCodeOk) {
+    refused_since_.reset();
+    return;
+  }
+  if (!refused_since_) refused_since_ = now;
+  refused_code_ = response.code;
+}
+
+bool LineWalker::Within(const std::optional<Time>& at, Duration time, Time now) const {
+  return at && now - *at <= time;
+}
+
+bool LineWalker::Seen(const Sight& sight, Time now) const {
+  return Within(sight.line_at, rules_.fresh, now);
+}
+
+bool LineWalker::ImagesReady(Time now) const {
+  return Within(left_.picture_at, rules_.stale, now) ||
+         Within(right_.picture_at, rules_.stale, now);
+}
+
+std::optional<InLane> LineWalker::in_lane() const {
+  if (!lane_.known() || track_.empty()) return std::nullopt;
+  return lane_.At(track_.pose());
+}
+
+std::optional<double> LineWalker::to_end_m() const {
+  if (end_pictures_ < rules_.end_pictures || track_.empty()) return std::nullopt;
+  return Along(*end_line_, track_.pose());
+}
+
+void LineWalker::CheckEnds(Time now) {
+  const Duration runtime = now - started_at_;
+  if (runtime >= rules_.time_limit) {
+    return Finish(End::kTimeLimit, "the time limit of " + Ms(rules_.time_limit) + " is over", now);
+  }
+  if (refused_since_ && now - *refused_since_ >= rules_.refused) {
+    return Finish(End::kRefused, "the motion manager refuses with " + std::to_string(refused_code_),
+                  now);
+  }
+  const bool waiting = runtime < rules_.start_wait && !framed_;
+  if (!waiting && !Within(odometry_at_, rules_.stale, now)) {
+    return Finish(End::kSilent, "no odometry for " + Ms(rules_.stale), now);
+  }
+  if (const auto to_end = to_end_m()) {
+    if (*to_end > rules_.end_gap_m) return;  // by odometry, also where the lines have ended
+    return Finish(End::kCourseEnd, "the end line is reached", now);
+  }
+  if (waiting) return;
+  if (!ImagesReady(now)) {
+    return Finish(End::kSilent, "no pictures of the left and right line for " + Ms(rules_.stale),
+                  now);
+  }
+  const Duration longest = rules_.fresh + rules_.lost;
+  const bool seen = Within(left_.line_at, longest, now) || Within(right_.line_at, longest, now);
+  if (!seen) {
+    Finish(End::kLost, "no line is seen on either side for " + Ms(rules_.lost), now);
+  }
+}
+
+std::optional<LineWalker::Step> LineWalker::EndFrame() {
+  if (!std::exchange(owes_end_, false)) return std::nullopt;
+  return Step{{}, true};
+}
+
+std::optional<LineWalker::Step> LineWalker::Tick(Time now) {
+  if (active()) CheckEnds(now);
+  // The frame of a walk that has ended comes before those of the next one.
+  if (owes_end_ || !active()) return EndFrame();
+  const bool ready = lane_.known() && Within(odometry_at_, rules_.stale, now);
+  if (!ready && !framed_) return std::nullopt;  // it stands
+  if (!ready) {
+    state_ = State::kAdjusting;
+    return Step{};
+  }
+  framed_ = true;
+  return Step{Command(now), false};
+}
+
+Velocity LineWalker::Command(Time now) {
+  const Pose then = Moved(track_.pose(), track_.velocity(), Seconds(rules_.lead));
+  const InLane in_lane = lane_.At(then);
+  const bool seen = Seen(left_, now) || Seen(right_, now);
+  const auto to_end = to_end_m();
+  double at_most = seen || to_end ? rules_.steering.forward_m_s : rules_.lost_m_s;
+  if (to_end) {
+    const double gap = std::max(0.0, *to_end - rules_.end_gap_m);
+    at_most = std::min(at_most, std::max(rules_.steering.slow_m_s, kApproach_per_s * gap));
+  }
+  const bool beside = std::abs(in_lane.offset_m) > rules_.adjust_m ||
+                      std::abs(in_lane.heading_rad) > rules_.adjust_rad;
+  state_ = beside || !(seen || to_end) ? State::kAdjusting : State::kWalking;
+  return Steer(in_lane, at_most, rules_.steering);
+}
+
+Duration LineWalker::Runtime(Time now) const {
+  if (active()) return now - started_at_;
+  return ended_at_ ? *ended_at_ - started_at_ : Duration(0);
+}
+
+std::string LineWalker::StatusText(Time now) const {
+  const char* const state = state_ == State::kIdle      ? "IDLE"
+                            : state_ == State::kWalking ? "WALKING"
+                                                        : "ADJUSTING";
+  char runtime[32];
+  std::snprintf(runtime, sizeof runtime, "%.1fs", Seconds(Runtime(now)));
+  std::string text = std::string("State:") + state + ",Active:" + (active() ? "True" : "False") +
+                     ",ImagesReady:" + (ImagesReady(now) ? "True" : "False") +
+                     ",Runtime:" + runtime;
+  if (end_) text += ",End:" + std::string(NameOf(*end_));
+  return text;
+}
+
+}  // namespace musher::line_walker

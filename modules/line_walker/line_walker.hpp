@@ -1,0 +1,157 @@
+#pragma once
+// Walks in a lane between two yellow lines, from START to the lane's end line. Pure: messages and
+// the time go in, velocities and the status come out. README.md has the rules.
+//
+//   IDLE --Start()--> ADJUSTING <--> WALKING --an End--> IDLE
+//
+//   ADJUSTING  no line is seen yet (it stands) or any more (it walks slowly by odometry), or the
+//   body
+//              is beside the middle or turned by more than a tolerance: it walks and corrects
+//   WALKING    in the middle
+//
+// After an End the walker does nothing until Start(). Times: `now` is the machine's, for waits; the
+// stamps of pictures and odometry relate the two to each other. Frame of ground.hpp.
+//
+// Threads: one.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "musher/base/time.hpp"
+#include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/modules/line_walker/end_line.hpp"
+#include "musher/modules/line_walker/ground.hpp"
+#include "musher/modules/line_walker/lane.hpp"
+#include "musher/modules/line_walker/line_fit.hpp"
+#include "musher/modules/line_walker/odometry_track.hpp"
+#include "musher/modules/line_walker/steering.hpp"
+
+namespace musher::line_walker {
+
+enum class View : std::uint8_t { kLeft, kRight, kFront };
+
+struct CameraSet {
+  double trunk_height_m = 0.29;
+  double farthest_m = 2;  // from the body's middle: points beyond are not used
+  MountedCamera left;
+  MountedCamera right;
+  MountedCamera front;
+
+  CameraSet();  // CyberDog's, as config/scenes/yard.toml mounts them
+};
+
+struct WalkRules {
+  CameraSet cameras;
+  FitRules fit;
+  EndRules end;
+  LaneRules lane;
+  SteeringRules steering;
+  Duration lead = Milliseconds(200);           // the body follows a velocity so late
+  Duration picture_delay = Milliseconds(150);  // of a picture without a comparable stamp
+  Duration start_wait = Milliseconds(5000);    // for lines and odometry, standing
+  Duration stale = Milliseconds(1000);         // without pictures of both sides, or odometry
+  Duration fresh = Milliseconds(350);          // a line is seen for so long after its picture
+  Duration lost = Milliseconds(2000);          // without both lines, after `fresh`
+  double lost_m_s = 0.15;                      // at most, meanwhile
+  Duration time_limit = Milliseconds(60000);   // of a walk
+  double end_gap_m = 0.45;                     // from the body's middle to the end line at the end
+  int end_pictures = 2;                        // that show the end line, before it counts
+  double end_jump_m = 0.15;                    // at most between them
+  Duration refused = Milliseconds(500);        // motion refuses for so long
+  double adjust_m = 0.08;                      // ADJUSTING beside the middle by more
+  double adjust_rad = kDegree * 12;            // or turned by more
+};
+
+// Why a walk has ended.
+enum class End : std::uint8_t {
+  kCourseEnd,
+  kTimeLimit,
+  kLost,     // both lines
+  kStopped,  // by STOP, by a state other than Active, or by an emergency stop
+  kSilent,   // no pictures of lines, or no odometry
+  kRefused,  // by the motion manager
+};
+std::string_view NameOf(End end);
+
+class LineWalker {
+ public:
+  // One frame to the motion manager. `end`: the last one of a walk, with no velocity.
+  struct Step {
+    Velocity velocity;
+    bool end = false;
+  };
+  enum class State : std::uint8_t { kIdle, kWalking, kAdjusting };
+
+  explicit LineWalker(const WalkRules& rules) : rules_(rules), lane_(rules.lane) {}
+
+  // False, without an effect, while it walks.
+  bool Start(Time now);
+  // Without an effect while it does not walk. The next Tick() gives the last frame.
+  void Stop(Time now, const std::string& why = "STOP");
+
+  // Ignored while it does not walk.
+  void OnLines(View view, const msg::YellowLines& lines, Time now);
+  void OnResponse(const msg::MotionServoResponse& response, Time now);
+  // Always, so that a walk can begin at once.
+  void OnOdometry(const msg::Odometry& odometry, Time now);
+
+  // To be called at the rate of frames, and after Stop(). Gives frames once a line has been seen;
+  // after the end exactly one with `end`, unless no frame preceded it.
+  std::optional<Step> Tick(Time now);
+
+  State state() const { return state_; }
+  bool active() const { return state_ != State::kIdle; }
+  const std::optional<End>& end() const {
+    return end_;
+  }  // of the last walk; nothing while it walks
+  // Why, for people: "no picture of a line for 1000 ms".
+  const std::string& reason() const { return reason_; }
+  // As of the newest odometry; nothing before a line is seen.
+  std::optional<InLane> in_lane() const;
+  // Metres from the body's middle to the end line; nothing before it is seen.
+  std::optional<double> to_end_m() const;
+  bool ImagesReady(Time now) const;
+  Duration Runtime(Time now) const;
+  // "State:WALKING,Active:True,ImagesReady:True,Runtime:3.2s", and ",End:course_end" after an end.
+  std::string StatusText(Time now) const;
+
+ private:
+  struct Sight {
+    std::optional<Time> picture_at;  // of the newest message
+    std::optional<Time> line_at;     // of the newest line that was believed
+  };
+
+  void OnSide(Side side, const msg::YellowLines& lines, Time now);
+  void OnFront(const msg::YellowLines& lines);
+  bool Seen(const Sight& sight, Time now) const;
+  bool Within(const std::optional<Time>& at, Duration time, Time now) const;
+  std::optional<Step> EndFrame();
+  // Ends the walk where a rule says so.
+  void CheckEnds(Time now);
+  void Finish(End end, std::string reason, Time now);
+  Velocity Command(Time now);
+
+  WalkRules rules_;
+  OdometryTrack track_;
+  std::optional<Time> odometry_at_;
+  LaneEstimate lane_;
+  Sight left_;
+  Sight right_;
+  std::optional<Pose> end_line_;  // in the odometry's frame; yaw: of the lane that ends there
+  int end_pictures_ = 0;
+  std::optional<Time> refused_since_;
+  std::int32_t refused_code_ = 0;
+  State state_ = State::kIdle;
+  Time started_at_;
+  std::optional<Time> ended_at_;
+  std::optional<End> end_;
+  std::string reason_;
+  bool framed_ = false;    // a frame was given in this walk
+  bool owes_end_ = false;  // the last frame is still to be given
+};
+
+}  // namespace musher::line_walker

@@ -1,0 +1,88 @@
+#include "musher/modules/line_walker/odometry_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "musher/messages/stamp.hpp"
+
+namespace musher::line_walker {
+namespace {
+
+constexpr std::int64_t kKept_ns = 3'000'000'000;
+constexpr std::int64_t kOtherClock_ns = 500'000'000;  // a stamp that much newer is of another clock
+constexpr double kJump_m = 0.5;                       // between two samples
+
+std::optional<Pose> PoseOf(const msg::Odometry& odometry) {
+  const auto& at = odometry.pose.pose.position;
+  const auto& turn = odometry.pose.pose.orientation;
+  const double norm = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w;
+  if (!std::isfinite(at.x) || !std::isfinite(at.y) || !(norm > 0.5 && norm < 2)) {
+    return std::nullopt;
+  }
+  return Pose{at.x, at.y,
+              std::atan2(2 * (turn.w * turn.z + turn.x * turn.y),
+                         norm - 2 * (turn.y * turn.y + turn.z * turn.z))};
+}
+
+double Finite(double value) {
+  return std::isfinite(value) ? value : 0;
+}
+
+Pose Between(const Pose& a, const Pose& b, double share) {
+  return {a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
+          a.yaw_rad + share * Wrapped(b.yaw_rad - a.yaw_rad)};
+}
+
+}  // namespace
+
+double Wrapped(double angle_rad) {
+  return std::remainder(angle_rad, 2 * M_PI);
+}
+
+Pose Moved(const Pose& pose, const Velocity& velocity, double seconds) {
+  const double yaw = pose.yaw_rad + velocity.yaw_rad_s * seconds / 2;
+  return {pose.x_m +
+              seconds * (velocity.forward_m_s * std::cos(yaw) - velocity.left_m_s * std::sin(yaw)),
+          pose.y_m +
+              seconds * (velocity.forward_m_s * std::sin(yaw) + velocity.left_m_s * std::cos(yaw)),
+          pose.yaw_rad + velocity.yaw_rad_s * seconds};
+}
+
+OdometryTrack::Taken OdometryTrack::Take(const msg::Odometry& odometry) {
+  const auto pose = PoseOf(odometry);
+  if (!pose) return Taken::kInvalid;
+  const auto& twist = odometry.twist.twist;
+  const std::int64_t stamp_ns = msg::FromStamp(odometry.header.stamp).count();
+  Taken taken = Taken::kGood;
+  if (!samples_.empty()) {
+    const Sample& last = samples_.back();
+    const double moved_m = std::hypot(pose->x_m - last.pose.x_m, pose->y_m - last.pose.y_m);
+    if (stamp_ns < last.stamp_ns || moved_m > kJump_m) {
+      samples_.clear();
+      taken = Taken::kJump;
+    }
+  }
+  samples_.push_back(
+      {stamp_ns, *pose, {Finite(twist.linear.x), Finite(twist.linear.y), Finite(twist.angular.z)}});
+  while (samples_.front().stamp_ns < stamp_ns - kKept_ns) samples_.pop_front();
+  return taken;
+}
+
+Pose OdometryTrack::At(std::int64_t stamp_ns, Duration otherwise) const {
+  const std::int64_t oldest = samples_.front().stamp_ns;
+  const std::int64_t newest = samples_.back().stamp_ns;
+  if (stamp_ns < oldest || stamp_ns > newest + kOtherClock_ns) {
+    stamp_ns = newest - otherwise.count();
+  }
+  const auto after = std::lower_bound(
+      samples_.begin(), samples_.end(), stamp_ns,
+      [](const Sample& sample, std::int64_t stamp) { return sample.stamp_ns < stamp; });
+  if (after == samples_.begin()) return samples_.front().pose;
+  if (after == samples_.end()) return samples_.back().pose;
+  const Sample& before = *std::prev(after);
+  const auto span = double(after->stamp_ns - before.stamp_ns);
+  if (span <= 0) return after->pose;
+  return Between(before.pose, after->pose, double(stamp_ns - before.stamp_ns) / span);
+}
+
+}  // namespace musher::line_walker

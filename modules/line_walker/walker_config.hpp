@@ -1,0 +1,45 @@
+#pragma once
+// The config of the line walker, a TOML file; config/line_walker/walker.toml explains its keys.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
+#include "musher/modules/line_walker/line_walker.hpp"
+
+namespace musher::line_walker {
+
+// Names of topics; relative ones are in the machine's namespace.
+struct TopicNames {
+  std::string left = "/yellow_line_detector/left";
+  std::string right = "/yellow_line_detector/right";
+  std::string front = "/yellow_line_detector/rgb";
+  std::string command = "/yellow_line_walker/command";
+  std::string status = "/yellow_line_walker/status";
+  std::string odometry = "odom_out";
+  std::string servo = "motion_servo_cmd";
+  std::string servo_response = "motion_servo_response";
+};
+
+struct WalkerConfig {
+  TopicNames topics;
+  double step_height_m = 0.05;
+  Duration self_check_time = Milliseconds(5000);  // of the steady clock
+  WalkRules walk;
+};
+
+struct WalkerReading {
+  std::optional<WalkerConfig> config;   // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+WalkerReading ReadWalkerFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+WalkerReading ReadWalkerText(std::string_view text, const std::string& path);
+
+}  // namespace musher::line_walker

@@ -1,0 +1,182 @@
+#include "musher/modules/line_walker/walker_topics.hpp"
+
+#include <cstdio>
+#include <utility>
+
+namespace musher::line_walker {
+namespace {
+
+constexpr Duration kFramePeriod = Milliseconds(50);
+constexpr Duration kStatusPeriod = Milliseconds(100);
+constexpr Duration kQuiet = std::chrono::seconds(2);  // between warnings of one kind
+constexpr std::size_t kLongestWord = 40;              // of a refused command, in the log
+
+Error Failed(const std::string& what) {
+  return {MakeCode(ModuleCode::kFollow, KeyCode::kSelfCheckFailed), what};
+}
+
+// Printable and short: the word comes from outside.
+std::string Quoted(const std::string& word) {
+  std::string quoted = "\"";
+  for (const char letter : word.substr(0, kLongestWord)) {
+    const bool plain = letter >= ' ' && letter <= '~' && letter != '"';
+    quoted += plain ? letter : '?';
+  }
+  return quoted + (word.size() > kLongestWord ? "…\"" : "\"");
+}
+
+std::string SecondsText(Duration time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(time).count());
+  return text;
+}
+
+}  // namespace
+
+WalkerTopics::WalkerTopics(const Dependencies& dependencies, WalkerConfig config)
+    : dependencies_(dependencies),
+      config_(std::move(config)),
+      warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuiet),
+      walker_(config_.walk),
+      endpoints_(dependencies.node, dependencies.name_space) {}
+
+Result<std::unique_ptr<WalkerTopics>> WalkerTopics::Make(const Dependencies& dependencies,
+                                                         const WalkerConfig& config) {
+  std::unique_ptr<WalkerTopics> topics(new WalkerTopics(dependencies, config));
+  if (Result<> opened = topics->Open(); !opened) return opened.error();
+  return topics;
+}
+
+Result<> WalkerTopics::Open() {
+  const TopicNames& names = config_.topics;
+  transport::Clock& clock = dependencies_.clock;
+  status_ = endpoints_.Advertise<msg::String>(names.status);
+  servo_ = endpoints_.Advertise<msg::MotionServoCmd>(names.servo, transport::kSystemDefaultQos);
+  endpoints_.Subscribe<msg::MotionServoResponse>(
+      names.servo_response, [this, &clock](const msg::MotionServoResponse& response) {
+        walker_.OnResponse(response, clock.Now());
+      });
+  endpoints_.Subscribe<msg::Odometry>(
+      names.odometry,
+      [this, &clock](const msg::Odometry& odometry) { walker_.OnOdometry(odometry, clock.Now()); },
+      transport::kSensorDataQos);
+  endpoints_.Subscribe<msg::String>(names.command,
+                                    [this](const msg::String& word) { OnCommand(word.data); });
+  if (!endpoints_.opened()) return endpoints_.opened();
+  status_timer_ = clock.Every(kStatusPeriod, [this] { PublishStatus(); });
+  return Ok();
+}
+
+void WalkerTopics::OnCommand(const std::string& word) {
+  if (word == "START") return OnStart();
+  if (word == "STOP") {
+    if (walker_.active()) EndWalk("STOP");
+    return;
+  }
+  warnings_.Log("word", "unknown command " + Quoted(word) + " refused: expected START or STOP",
+                dependencies_.clock.Now());
+}
+
+void WalkerTopics::OnStart() {
+  const Time now = dependencies_.clock.Now();
+  if (!permitted_) return warnings_.Log("state", "START refused: " + not_permitted_, now);
+  if (walker_.active()) return warnings_.Log("twice", "START ignored: it walks already", now);
+  if (!lines_) {
+    if (const Result<> opened = Subscribe(); !opened) {
+      return warnings_.Log("lines", "START refused: " + opened.error().message, now);
+    }
+  }
+  walker_.Start(now);
+  ticks_ = dependencies_.clock.Every(kFramePeriod, [this] { Tick(); });
+  Log(LogLevel::kInfo, "START: walking in the lane");
+  PublishStatus();
+}
+
+void WalkerTopics::EndWalk(const std::string& why) {
+  if (!walker_.active()) return;
+  walker_.Stop(dependencies_.clock.Now(), why);
+  Tick();
+}
+
+void WalkerTopics::Permit(bool permitted, const std::string& why) {
+  permitted_ = permitted;
+  if (permitted) return;
+  not_permitted_ = why;
+  EndWalk(why);
+}
+
+transport::Subscription* WalkerTopics::SubscribeTo(const std::string& topic, View view) {
+  return lines_->endpoints.Subscribe<msg::YellowLines>(
+      topic,
+      [this, view](const msg::YellowLines& lines) {
+        walker_.OnLines(view, lines, dependencies_.clock.Now());
+      },
+      transport::kSensorDataQos);
+}
+
+Result<> WalkerTopics::Subscribe() {
+  lines_ = std::make_unique<Lines>(dependencies_);
+  lines_->left = SubscribeTo(config_.topics.left, View::kLeft);
+  lines_->right = SubscribeTo(config_.topics.right, View::kRight);
+  lines_->front = SubscribeTo(config_.topics.front, View::kFront);
+  Result<> opened = lines_->endpoints.opened();
+  if (!opened) lines_.reset();
+  return opened;
+}
+
+void WalkerTopics::Tick() {
+  if (const auto step = walker_.Tick(dependencies_.clock.Now())) Publish(*step);
+  if (!walker_.active()) Conclude();
+}
+
+void WalkerTopics::Conclude() {
+  ticks_.reset();
+  if (!checked_) lines_.reset();
+  const End end = walker_.end().value_or(End::kStopped);
+  const bool fine = end == End::kCourseEnd || end == End::kStopped;
+  Log(fine ? LogLevel::kInfo : LogLevel::kWarning,
+      "the walk has ended after " + SecondsText(walker_.Runtime(dependencies_.clock.Now())) + ", " +
+          std::string(NameOf(end)) + ": " + walker_.reason());
+  PublishStatus();
+}
+
+void WalkerTopics::Publish(const LineWalker::Step& step) {
+  msg::MotionServoCmd frame;
+  frame.motion_id = msg::MotionId::kWalkUserTrot;
+  frame.cmd_type = step.end ? msg::MotionServoCmd::kEnd : msg::MotionServoCmd::kData;
+  frame.cmd_source = msg::MotionSource::kAlgo;
+  frame.vel_des = {static_cast<float>(step.velocity.forward_m_s),
+                   static_cast<float>(step.velocity.left_m_s),
+                   static_cast<float>(step.velocity.yaw_rad_s)};
+  const auto height = static_cast<float>(config_.step_height_m);
+  frame.step_height = {height, height};
+  static_cast<void>(servo_->Publish(frame));  // without frames the motion manager stops the body
+}
+
+void WalkerTopics::PublishStatus() {
+  const Time now = dependencies_.clock.Now();
+  warnings_.Tick(now);
+  static_cast<void>(status_->Publish({walker_.StatusText(now)}));
+}
+
+Result<> WalkerTopics::SetChecked(bool checked) {
+  checked_ = checked;
+  if (checked && !lines_) return Subscribe();
+  if (!checked && !walker_.active()) lines_.reset();
+  return Ok();
+}
+
+Result<> WalkerTopics::Check() const {
+  const TopicNames& names = config_.topics;
+  std::string missing;
+  const auto need = [&missing](bool there, const std::string& what) {
+    if (!there) missing += (missing.empty() ? "no " : ", no ") + what;
+  };
+  need(servo_->MatchedReaders() > 0, "subscriber of " + names.servo);
+  need(lines_ && lines_->left->MatchedWriters() > 0, "publisher of " + names.left);
+  need(lines_ && lines_->right->MatchedWriters() > 0, "publisher of " + names.right);
+  need(lines_ && lines_->front->MatchedWriters() > 0, "publisher of " + names.front);
+  return missing.empty() ? Ok() : Result<>(Failed(missing));
+}
+
+}  // namespace musher::line_walker
