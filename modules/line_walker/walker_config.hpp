@@ -16,7 +16,7 @@ namespace musher::line_walker {
 struct TopicNames {
   std::string left = "/yellow_line_detector/left";
   std::string right = "/yellow_line_detector/right";
-  std::string front = "/yellow_line_detector/rgb";
+  std::string front = "/yellow_line_detector/front";
   std::string command = "/yellow_line_walker/command";
   std::string status = "/yellow_line_walker/status";
   std::string odometry = "odom_out";

@@ -34,6 +34,7 @@ class ParametersReader {
     // An offset from the target is below 1, and from the middle below 0.5.
     Number("dy_threshold", 0, 0.5, lines.dy_threshold);
     Number("dy_target", 0, 1, lines.dy_target);
+    Number("ycy_center", 0, 1, lines.ycy_center);
     Number("walk_bottom_px", 0, 8192, lines.walk_bottom_px);
     Number("walk_x_px", 0, 8192, lines.walk_x_px);
     Integer("edge_columns", 2, 640, lines.edge_columns);

@@ -36,12 +36,12 @@ std::vector<YellowLine> LinesOf(const cv::Mat& mask, const LinesParameters& para
 }
 
 // From the centre, as a share of the width.
-double MiddleOffset(const std::vector<YellowLine>& lines, int width) {
+double MiddleOffset(const std::vector<YellowLine>& lines, int width, double center) {
   const auto [left, right] = std::minmax_element(
       lines.begin(), lines.end(),
       [](const auto& one, const auto& other) { return one.centroid.x < other.centroid.x; });
-  // Of the middles of pixels: (width - 1) / 2 is the centre.
-  return ((left->centroid.x + right->centroid.x) / 2 - (width - 1) / 2.0) / width;
+  // Of the middles of pixels: (width - 1) / 2 is that of the region.
+  return ((left->centroid.x + right->centroid.x) / 2 - (width - 1) / 2.0) / width - (center - 0.5);
 }
 
 std::string Ycy(double middle_offset, bool single, double threshold) {
@@ -89,7 +89,7 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   message.middle_offset = message.line_offset = message.bottom_gap_px = kUnknown;
   if (lines.empty()) return found;
 
-  const double middle_offset = MiddleOffset(lines, region.width);
+  const double middle_offset = MiddleOffset(lines, region.width, parameters.ycy_center);
   message.middle_offset = static_cast<float>(middle_offset);
   message.ycy = Ycy(middle_offset, lines.size() == 1, parameters.ycy_threshold);
 

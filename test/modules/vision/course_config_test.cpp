@@ -38,7 +38,7 @@ TEST(CourseConfig, OfTheRepositoryIsGood) {
   for (const CourseEntry& entry : reading.config->detectors) names.push_back(entry.name);
   EXPECT_THAT(names, ElementsAre("qr_detector", "green_arrow_detector", "red_barrier_detector",
                                  "yellow_marker_detector", "yellow_light_detector", "left", "right",
-                                 "rgb"));
+                                 "front"));
 }
 
 TEST(CourseConfig, HasTheDefaultsOfTheKind) {

@@ -1,4 +1,4 @@
-#include "musher/test/modules/race/simulated_dog.hpp"
+#include "musher/test/modules/race/drive/simulated_dog.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -14,7 +14,7 @@ using namespace motion;
 namespace {
 
 MotionTable TheTable() {
-  auto reading = ReadTableFile(musher::testing::SourceDir() + "/config/motion/motions.toml");
+  auto reading = ReadTableFile(SourceDir() + "/config/motion/motions.toml");
   return std::move(*reading.table);
 }
 

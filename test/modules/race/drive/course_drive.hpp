@@ -21,7 +21,7 @@
 #include "musher/modules/race/race.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/modules/world/render/render.hpp"
-#include "musher/test/modules/race/simulated_dog.hpp"
+#include "musher/test/modules/race/drive/simulated_dog.hpp"
 
 namespace musher::race::testing {
 
@@ -52,6 +52,10 @@ class CourseDrive : private RaceOutputs {
 
   // From START to END, to ERROR, or to the limit.
   DriveResult Run();
+
+  // What each detector of lines finds from a standing robot at a pose, a line for each: to tune the
+  // regions and targets of config/vision/course.toml.
+  std::vector<std::string> LinesFrom(const world::Pose2& pose);
 
  private:
   // A detector of the vision module, and who gets what it finds.

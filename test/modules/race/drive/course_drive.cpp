@@ -1,4 +1,4 @@
-#include "musher/test/modules/race/course_drive.hpp"
+#include "musher/test/modules/race/drive/course_drive.hpp"
 
 #include <fmt/format.h>
 
@@ -24,14 +24,14 @@ constexpr std::array<std::string_view, world::kCameras> kTopics{"image_rgb", "im
                                                                 "image_right"};
 
 std::string Config(const std::string& name) {
-  return musher::testing::SourceDir() + "/config/" + name;
+  return SourceDir() + "/config/" + name;
 }
 
 // A file of the product that is not right is a fault of the product.
 template <class Reading>
 auto Valid(const Reading& reading, const auto& value) {
   std::string all;
-  for (const Diagnostic& each : reading.diagnostics) all += ToText(each) + "\n";
+  for (const Diagnostic& each : reading.diagnostics) all += FormatDiagnostic(each) + "\n";
   if (!value) throw std::runtime_error(all);
   return *value;
 }
@@ -124,6 +124,27 @@ DriveResult CourseDrive::Run() {
   result_.pictures = shots_;
   result_.world = dog_.world();
   return std::move(result_);
+}
+
+std::vector<std::string> CourseDrive::LinesFrom(const world::Pose2& pose) {
+  std::vector<std::string> found;
+  for (Eye& eye : eyes_) {
+    if (eye.entry.kind != vision::CourseKind::kLines) continue;
+    world::View view = world::ViewOf(dog_.world(), eye.camera);
+    view.body = pose;
+    view.attitude = {dog_.world().scene().body.stand_height_m, 0, 0};
+    const world::Image image = cameras_[eye.camera]->Shoot(*scenery_, view);
+    const vision::CourseSight sight = eye.detector->Look(MatOf(image), 1, std::nullopt);
+    const msg::YellowLines& lines = *sight.lines;
+    found.push_back(fmt::format("{:12} {} lines, ycy {:6} {:+.3f}, dy {:6} {:+.3f}", eye.entry.name,
+                                lines.contours, lines.ycy, lines.middle_offset, lines.dy,
+                                lines.line_offset));
+    if (settings_.pictures.empty()) continue;
+    cv::Mat drawn = MatOf(image).clone();
+    eye.detector->Draw(drawn);
+    cv::imwrite(settings_.pictures + "/" + eye.entry.name + ".png", drawn);
+  }
+  return found;
 }
 
 void CourseDrive::Step() {
