@@ -98,7 +98,7 @@ Scene WithLine(double width_m = 0.05) {
   Line line;
   line.points_m = {{1, -5}, {1, 5}};
   line.width_m = width_m;
-  line.judged = true;
+  line.watched = true;
   scene.lines = {line};
   return scene;
 }
@@ -133,7 +133,7 @@ TEST_F(RefereeTest, CountsAFootThatGoesOverALineOnceAndAsAWholeFoot) {
 
 TEST_F(RefereeTest, IgnoresOtherLinesAndFeetInTheAir) {
   Scene scene = WithLine();
-  scene.lines[0].judged = false;
+  scene.lines[0].watched = false;
   Watch(scene);
   Go(0.8);
   EXPECT_EQ(referee_->touch_count(), 0U);
