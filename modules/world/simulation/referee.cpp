@@ -66,6 +66,7 @@ void Referee::Step(const Scene& scene, const RobotSeen& robot, Duration now) {
 
 void Referee::Carry(const Scene& scene, const RobotSeen& robot, Duration now) {
   ++carried_;
+  start_m_ = robot.pose.position_m;
   feet_ = {};  // a contact ends
   FindZones(scene, robot, now);
   FindLines(scene, robot, now);
