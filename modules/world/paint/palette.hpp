@@ -17,6 +17,7 @@ inline constexpr Color kObstacle{196, 188, 174};
 inline constexpr Color kBoard{60, 72, 100};
 inline constexpr Color kZone{232, 238, 248};
 inline constexpr Color kZoneEdge{142, 160, 196};
+inline constexpr Color kZoneName{84, 104, 148};
 inline constexpr Color kPad{205, 233, 212};
 inline constexpr Color kPadEdge{58, 148, 92};
 inline constexpr Color kBumpRed{206, 42, 42};

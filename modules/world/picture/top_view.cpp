@@ -131,8 +131,10 @@ class TopView {
     const std::vector<Pixel> corners = At(Corners(zone.center_m, zone.half_m, zone.yaw_rad));
     canvas_.Fill(corners, kZone);
     canvas_.Outline(corners, kZoneEdge, 1);
-    canvas_.Text(zone.name, At(zone.center_m) + Pixel(0, 4), kTinyLetters, kZoneEdge,
-                 Align::kCenter);
+    const auto corner = std::min_element(
+        corners.begin(), corners.end(),
+        [](const Pixel& a, const Pixel& b) { return a.x() + a.y() < b.x() + b.y(); });
+    canvas_.Text(zone.name, *corner + Pixel(3, 10), kTinyLetters - 2, kZoneName);
   }
 
   // A stroke, with a short one in the direction it faces.

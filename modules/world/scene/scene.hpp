@@ -91,7 +91,7 @@ struct Line {
   std::vector<Eigen::Vector2d> points_m;  // the first one again at the end of a closed one
   double width_m = 0.05;
   Color color{246, 206, 20};
-  bool judged = false;  // the referee reports every foot on it
+  bool watched = false;  // the referee reports every foot on it
 };
 
 // A square on the ground on which the battery charges.

@@ -151,7 +151,7 @@ class Things {
     Line line;
     Set(line.width_m, keys::Length(reader, "width_m"));
     Set(line.color, keys::ReadColor(reader, "color", findings_));
-    Set(line.judged, reader.Bool("judged"));
+    Set(line.watched, reader.Bool("watched"));
     const bool closed = reader.Bool("closed").value_or(false);
     if (reader.Has("points_m") == reader.Has("center_m")) {
       findings_.Error(reader.at(), reader.path() +

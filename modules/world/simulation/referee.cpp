@@ -66,6 +66,7 @@ void Referee::Step(const Scene& scene, const RobotSeen& robot, Duration now) {
 
 void Referee::Carry(const Scene& scene, const RobotSeen& robot, Duration now) {
   ++carried_;
+  start_m_ = robot.pose.position_m;
   feet_ = {};  // a contact ends
   FindZones(scene, robot, now);
   FindLines(scene, robot, now);
@@ -89,7 +90,7 @@ void Referee::FindLines(const Scene& scene, const RobotSeen& robot, Duration now
     LineTouch touch{foot, 0, now, now, 0, FootOf(scene.referee, robot.pose, foot), false};
     for (std::size_t i = 0; !robot.in_the_air && i < scene.lines.size(); ++i) {
       const Line& line = scene.lines[i];
-      if (!line.judged) continue;
+      if (!line.watched) continue;
       const double reach = (scene.referee.foot_m + line.width_m) / 2;
       const double depth = reach - DistanceTo(line, touch.where_m);
       if (depth <= std::max(touch.depth_m, kRoundingM)) continue;

@@ -1,6 +1,6 @@
 #pragma once
 // Watches a run of a course, unseen by the robot: which zones it reaches and in which order, where
-// its feet are on judged lines, its collisions.
+// its feet are on watched lines, its collisions.
 //
 //   watching - the whole order of zones reached -> finished; it keeps counting
 //
@@ -24,7 +24,7 @@ namespace musher::world {
 inline constexpr std::array<const char*, 4> kFeet{"left fore", "right fore", "left hind",
                                                   "right hind"};
 
-// A foot on judged lines, from its first contact to its last.
+// A foot on watched lines, from its first contact to its last.
 struct LineTouch {
   std::size_t foot = 0;  // of kFeet
   std::size_t line = 0;  // the one it overlapped most, an index into Scene::lines

@@ -115,15 +115,14 @@ std::string RefereeText(const Scene& scene, const Referee& referee, Duration now
   text += "missing: " + Joined(zones.missing) + "\n";
   if (!zones.ahead.empty()) text += "still ahead: " + Joined(zones.ahead) + "\n";
   text += "lay down out of turn in: " + Joined(zones.out_of_turn) + "\n";
-  text += Format("a foot on a line: %zu times, %zu of them with the whole foot\n",
-                 referee.touch_count(), referee.whole_foot_count());
+  text += Format("feet on lines: %zu, with the whole foot: %zu\n", referee.touch_count(),
+                 referee.whole_foot_count());
   if (const LineTouch* deepest = Deepest(referee)) {
     text += Format("the deepest: %.3f m, the %s foot at (%.2f m, %.2f m) at %.1f s\n",
                    deepest->depth_m, kFeet.at(deepest->foot), deepest->where_m.x(),
                    deepest->where_m.y(), InSeconds(deepest->from));
   }
-  text +=
-      Format("collisions: %zu\nmoved by hand: %zu times", referee.collisions(), referee.carried());
+  text += Format("collisions: %zu\nmoved by hand: %zu", referee.collisions(), referee.carried());
   return text;
 }
 

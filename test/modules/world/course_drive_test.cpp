@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "musher/modules/world/picture/picture.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/modules/world/simulation/referee_report.hpp"
 #include "musher/test/modules/world/scenes.hpp"
@@ -143,7 +142,6 @@ TEST(CourseDrive, ReachesAllZonesInOrderWithNoFootOnALineInEveryRun) {
         const Referee& referee = world.referee();
         EXPECT_TRUE(referee.finished() && referee.touch_count() == 0 && referee.collisions() == 0)
             << RefereeText(world.scene(), referee, world.now());
-        if (const char* f = std::getenv("COURSE_PNG")) (void)Draw(world, f);
       }
     }
   }

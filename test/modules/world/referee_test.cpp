@@ -98,7 +98,7 @@ Scene WithLine(double width_m = 0.05) {
   Line line;
   line.points_m = {{1, -5}, {1, 5}};
   line.width_m = width_m;
-  line.judged = true;
+  line.watched = true;
   scene.lines = {line};
   return scene;
 }
@@ -133,7 +133,7 @@ TEST_F(RefereeTest, CountsAFootThatGoesOverALineOnceAndAsAWholeFoot) {
 
 TEST_F(RefereeTest, IgnoresOtherLinesAndFeetInTheAir) {
   Scene scene = WithLine();
-  scene.lines[0].judged = false;
+  scene.lines[0].watched = false;
   Watch(scene);
   Go(0.8);
   EXPECT_EQ(referee_->touch_count(), 0U);
@@ -175,12 +175,21 @@ TEST(RefereeOfAWorld, WatchesTheRealBodyFromItsFirstMoveToItsEnd) {
   const std::string text = RefereeText(world.scene(), world.referee(), world.now());
   EXPECT_THAT(text, HasSubstr("finished after "));
   EXPECT_THAT(text, HasSubstr("reached in order: START (0.0 s), GOAL ("));
-  EXPECT_THAT(text, HasSubstr("a foot on a line: 4 times, 4 of them with the whole foot"));
+  EXPECT_THAT(text, HasSubstr("feet on lines: 4, with the whole foot: 4"));
   const std::string json = RefereeJson(world.scene(), world.referee(), world.now());
   EXPECT_THAT(json, HasSubstr(R"({"name":"lane \"1\"","seed":1,"sampled":{},"finished":true,)"));
   EXPECT_THAT(json, HasSubstr(R"({"zone":"START","at_s":0.00,"in_order":true})"));
   EXPECT_THAT(json, HasSubstr(R"("missing":[],"ahead":[],"out_of_turn":[])"));
   EXPECT_THAT(json, HasSubstr(R"("collisions":0,"moved_by_hand":0})"));
+}
+
+TEST(RefereeOfAWorld, BeginsWithTheFirstStepAfterTheRobotWasMovedByHand) {
+  World world(EmptyYard());
+  EXPECT_FALSE(world.PutDown({{3, 0}, 0}));
+  Pass(world, Seconds(1));
+  EXPECT_FALSE(world.referee().began());
+  Commander(world).Walk({0.5, 0, 0}, Seconds(1));
+  EXPECT_TRUE(world.referee().began());
 }
 
 TEST(RefereeOfAWorld, CountsCollisionsAndBeingMovedByHandWithoutAFootOnALine) {
@@ -194,7 +203,7 @@ TEST(RefereeOfAWorld, CountsCollisionsAndBeingMovedByHandWithoutAFootOnALine) {
   EXPECT_EQ(world.referee().carried(), 1U);
   EXPECT_EQ(world.referee().touch_count(), 0U);
   EXPECT_THAT(RefereeText(world.scene(), world.referee(), world.now()),
-              HasSubstr("collisions: 1\nmoved by hand: 1 times"));
+              HasSubstr("collisions: 1\nmoved by hand: 1"));
 }
 
 }  // namespace musher::world::referee_test
