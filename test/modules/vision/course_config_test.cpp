@@ -50,12 +50,9 @@ kind = "qr"
 name = "left"
 kind = "lines"
 picture = "image_left"
-[[detectors]]
-name = "bar"
-kind = "barrier"
 )");
   EXPECT_TRUE(config.detect_faces);
-  ASSERT_THAT(config.detectors, SizeIs(3));
+  ASSERT_THAT(config.detectors, SizeIs(2));
   const CourseEntry& board = config.detectors[0];
   EXPECT_EQ(board.picture, "image_rgb");
   EXPECT_EQ(board.CameraInfoTopic(), "image_rgb/camera_info");
@@ -63,13 +60,11 @@ kind = "barrier"
   EXPECT_EQ(board.Outputs().text, "/qr_detector/qr_info");
   EXPECT_EQ(board.Outputs().sighting, "/qr_detector/sighting");
   EXPECT_EQ(board.Outputs().debug_image, "/qr_detector/debug_image");
-  EXPECT_FALSE(board.NeedsLens());
   const CourseEntry& left = config.detectors[1];
   EXPECT_EQ(left.CameraInfoTopic(), "image_left/camera_info");
   EXPECT_EQ(left.Outputs().lines, "/yellow_line_detector/left");
   EXPECT_EQ(left.Outputs().debug_image, "/yellow_line_detector/left/debug_image");
   EXPECT_FALSE(left.Outputs().text);
-  EXPECT_TRUE(config.detectors[2].NeedsLens());
 }
 
 TEST(CourseConfig, HasTheValuesOfTheFile) {
