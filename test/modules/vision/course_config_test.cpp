@@ -155,7 +155,7 @@ kind = "qr"
 parameters.words = ["left", "right"]
 parameters.min_repeats = 2
 parameters.letters = false
-parameters.letters_every = 3
+parameters.thorough_every = 3
 parameters.language = "eng+chi_sim"
 parameters.least_confidence = 50
 parameters.page_modes = [6, 7]
@@ -175,8 +175,15 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
   light.focal_px = 500;
   light.sightings = 3;
   light.misses = 4;
-  const QrParameters qr = {{"left", "right"}, 2,  false,  3,
-                           "eng+chi_sim",     50, {6, 7}, {{0.1, 0.2, 0, 1}, {0, 1, 0.5, 1}}};
+  QrParameters qr;
+  qr.words = {"left", "right"};
+  qr.min_repeats = 2;
+  qr.thorough_every = 3;
+  qr.letters = false;
+  qr.language = "eng+chi_sim";
+  qr.least_confidence = 50;
+  qr.page_modes = {6, 7};
+  qr.regions = {{0.1, 0.2, 0, 1}, {0, 1, 0.5, 1}};
   const std::vector<CourseParameters> expected = {lines, arrow, barrier, light, qr};
   ASSERT_EQ(config.detectors.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
