@@ -166,10 +166,6 @@ CourseOutputs CourseEntry::Outputs() const {
   return outputs;
 }
 
-bool CourseEntry::NeedsLens() const {
-  return kind == CourseKind::kBarrier || kind == CourseKind::kMarker || kind == CourseKind::kLight;
-}
-
 std::vector<CourseEntry> ReadCourseEntries(TableReader& root, Findings& findings,
                                            const std::vector<std::string>& taken) {
   EntriesReader reader(findings, taken);

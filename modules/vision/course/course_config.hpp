@@ -58,8 +58,6 @@ struct CourseEntry {
     return camera_info.empty() ? picture + "/camera_info" : camera_info;
   }
   CourseOutputs Outputs() const;
-  // Its results have a distance, which needs a lens.
-  bool NeedsLens() const;
 };
 
 // The tables [[detectors]] of the file; `taken` are topics that the file's other parts publish.

@@ -18,8 +18,8 @@ CourseDetection::CourseDetection(const Dependencies& dependencies, const CourseE
       thread_(dependencies.node.loop(),
               [make = entry.making.make] { return CourseProcessor::Make(make); }, entry.look,
               {.on_result =
-                   [this](LookResult<CourseProcessor> result) {
-                     if (topics_) topics_->OnResult(std::move(result));
+                   [this](const LookResult<CourseProcessor>& result) {
+                     if (topics_) topics_->OnResult(result);
                    },
                .on_left_out = [this] { topics_->OnLeftOut(); },
                .checkpoint = events.checkpoint,

@@ -97,8 +97,8 @@ class ParametersReader {
       }
     }
     Integer("min_repeats", 1, kMostPictures, qr.min_repeats);
+    Integer("thorough_every", 1, kMostPictures, qr.thorough_every);
     qr.letters = reader_.Bool("letters").value_or(qr.letters);
-    Integer("letters_every", 1, kMostPictures, qr.letters_every);
     if (const auto language = reader_.String("language")) {
       qr.language = language->text;
       if (qr.language.empty() || qr.language.find('/') != std::string::npos) {

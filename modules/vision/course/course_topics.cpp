@@ -13,7 +13,7 @@ FeedRules FeedRulesOf(const CourseEntry& entry, Duration silence) {
   return {.picture = entry.picture,
           .camera_info = entry.CameraInfoTopic(),
           .hfov_rad = entry.hfov_rad,
-          .needs_lens = entry.NeedsLens(),
+          .needs_lens = false,
           .rate_hz = entry.rate_hz,
           .silence = silence,
           .hang = entry.look.hang};
@@ -95,7 +95,7 @@ void CourseTopics::OnShot(Shot shot) {
   looker_.Look(std::move(course));
 }
 
-void CourseTopics::OnResult(LookResult<CourseProcessor> result) {
+void CourseTopics::OnResult(const LookResult<CourseProcessor>& result) {
   if (!feed_.OnResult(result.stamp_ns, result.found ? Result<>() : result.found.error())) return;
   const CourseFound& found = result.found.value();
   if (!on_ || found.run != run_) return;

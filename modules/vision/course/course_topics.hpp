@@ -42,7 +42,7 @@ class CourseTopics {
   Result<> Check() const { return feed_.Check(); }
 
   // Called by the looker.
-  void OnResult(LookResult<CourseProcessor> result);
+  void OnResult(const LookResult<CourseProcessor>& result);
   void OnLeftOut() { ++left_out_; }
 
   bool looks() const { return feed_.on(); }

@@ -14,45 +14,19 @@ extern "C" void omp_set_max_active_levels(int levels);
 namespace musher::vision {
 namespace {
 
-cv::Rect WithMargin(const cv::Rect& line, const cv::Size& picture) {
-  const int margin = std::max(1, line.height / 10);
-  return cv::Rect(line.x - margin, line.y - margin, line.width + 2 * margin,
-                  line.height + 2 * margin) &
-         cv::Rect({0, 0}, picture);
-}
-
 // Dark letters of the height that is read best, on white, with a rim.
-cv::Mat LinePicture(const cv::Mat& grey, int letter_px) {
+cv::Mat LinePicture(const cv::Mat& grey, const cv::Rect& line) {
   constexpr double kLetterPx = 30;
   constexpr int kRimPx = 20;
-  const double scale = kLetterPx / letter_px;
+  const cv::Rect crop = cv::Rect(line.x - 1, line.y - 1, line.width + 2, line.height + 2) &
+                        cv::Rect({0, 0}, grey.size());
+  const double scale = kLetterPx / line.height;
   cv::Mat letters;
-  cv::resize(grey, letters, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+  cv::resize(grey(crop), letters, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   cv::threshold(letters, letters, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
   cv::copyMakeBorder(letters, letters, kRimPx, kRimPx, kRimPx, kRimPx, cv::BORDER_CONSTANT,
                      cv::Scalar(255));
   return letters;
-}
-
-// The signs that the plate surrounds.
-cv::Mat SurroundedSigns(const cv::Mat& grey, const Plate& plate) {
-  return LinePicture(grey(WithMargin(plate.line, grey.size())), plate.line.height);
-}
-
-// All between the edges of the plate, on these rows; what is beside the plate is white.
-cv::Mat AllSigns(const cv::Mat& grey, const Plate& plate) {
-  cv::Rect rows = cv::boundingRect(plate.outline);
-  rows.y = plate.line.y;
-  rows.height = plate.line.height;
-  rows = WithMargin(rows, grey.size());
-  cv::Mat inside = cv::Mat::zeros(rows.size(), CV_8UC1);
-  Contour outline = plate.outline;
-  for (cv::Point& point : outline) point -= rows.tl();
-  cv::fillConvexPoly(inside, outline, cv::Scalar(255));
-  cv::erode(inside, inside, {});
-  cv::Mat signs(rows.size(), CV_8UC1, cv::Scalar(255));
-  grey(rows).copyTo(signs, inside);
-  return LinePicture(signs, plate.line.height);
 }
 
 cv::Mat RegionPicture(const cv::Mat& grey, const cv::Rect& region) {
@@ -129,10 +103,8 @@ std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
     }
     return std::nullopt;
   };
-  for (const Plate& plate : FindPlates(grey)) {
-    auto word = word_in(SurroundedSigns(grey, plate));
-    if (!word) word = word_in(AllSigns(grey, plate));
-    if (word) return LettersFound{*word, plate.line};
+  for (const cv::Rect& line : FindTextLines(grey)) {
+    if (const auto word = word_in(LinePicture(grey, line))) return LettersFound{*word, line};
   }
   for (const Region& region : parameters_.regions) {
     const cv::Rect box = RectOf(region, grey.size());

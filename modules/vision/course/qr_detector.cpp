@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -18,12 +19,16 @@ class QrDetector : public CourseDetector {
     sight.sighting = NoSighting();
     box_ = {};
     shown_.clear();
+    auto code = FindCode(bgr);
+    const bool is_thorough =
+        !code && without_code_++ % std::max(1, parameters_.thorough_every) == 0;
+    if (!code && !is_thorough) return sight;
+    if (!code) code = FindCodeThoroughly(bgr);
     std::optional<std::string> word;
-    if (const auto code = FindCode(bgr)) {
+    if (code) {
       word = WordOfCode(code->content, parameters_.words);
       Show(word ? *word : Excerpt(code->content), code->box, bgr, sight);
-    } else {
-      if (!IsLetterPicture()) return sight;
+    } else if (parameters_.letters) {
       if (const auto letters = Reader().Read(bgr)) {
         word = letters->word;
         Show(*word, letters->box, bgr, sight);
@@ -46,12 +51,6 @@ class QrDetector : public CourseDetector {
     sight.sighting->text = text;
   }
 
-  // The first one without a code, then each so many.
-  bool IsLetterPicture() {
-    if (!parameters_.letters) return false;
-    return without_code_++ % std::max(1, parameters_.letters_every) == 0;
-  }
-
   LetterReader& Reader() {
     if (!reader_) {
       auto made = LetterReader::Make(parameters_);
@@ -64,7 +63,7 @@ class QrDetector : public CourseDetector {
   const QrParameters parameters_;
   std::unique_ptr<LetterReader> reader_;
   WordRepeats repeats_;
-  unsigned without_code_ = 0;
+  unsigned without_code_ = 0;  // pictures
   cv::Rect box_;
   std::string shown_;
 };

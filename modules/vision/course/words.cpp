@@ -25,7 +25,7 @@ std::string Essence(std::string_view text) {
       continue;
     }
     const auto upper = static_cast<char>(std::toupper(c));
-    if (upper == 'I' || upper == 'L' || upper == '|') {
+    if (upper == 'I' || upper == 'L') {
       essence += '1';
     } else if (upper == 'Z') {
       essence += '2';

@@ -73,7 +73,7 @@ class CourseLooking {
     cv::VideoCapture film(file);
     cv::Mat last;
     cv::Mat mat;
-    std::int64_t stamp_ns = 0;
+    std::int64_t stamp_ns = -1;
     while (film.read(mat)) {
       const auto at_ns = static_cast<std::int64_t>(film.get(cv::CAP_PROP_POS_MSEC) * 1e6);
       stamp_ns = at_ns > stamp_ns ? at_ns : stamp_ns + kPictureNs;

@@ -50,12 +50,9 @@ kind = "qr"
 name = "left"
 kind = "lines"
 picture = "image_left"
-[[detectors]]
-name = "bar"
-kind = "barrier"
 )");
   EXPECT_TRUE(config.detect_faces);
-  ASSERT_THAT(config.detectors, SizeIs(3));
+  ASSERT_THAT(config.detectors, SizeIs(2));
   const CourseEntry& board = config.detectors[0];
   EXPECT_EQ(board.picture, "image_rgb");
   EXPECT_EQ(board.CameraInfoTopic(), "image_rgb/camera_info");
@@ -63,13 +60,11 @@ kind = "barrier"
   EXPECT_EQ(board.Outputs().text, "/qr_detector/qr_info");
   EXPECT_EQ(board.Outputs().sighting, "/qr_detector/sighting");
   EXPECT_EQ(board.Outputs().debug_image, "/qr_detector/debug_image");
-  EXPECT_FALSE(board.NeedsLens());
   const CourseEntry& left = config.detectors[1];
   EXPECT_EQ(left.CameraInfoTopic(), "image_left/camera_info");
   EXPECT_EQ(left.Outputs().lines, "/yellow_line_detector/left");
   EXPECT_EQ(left.Outputs().debug_image, "/yellow_line_detector/left/debug_image");
   EXPECT_FALSE(left.Outputs().text);
-  EXPECT_TRUE(config.detectors[2].NeedsLens());
 }
 
 TEST(CourseConfig, HasTheValuesOfTheFile) {
@@ -160,7 +155,7 @@ kind = "qr"
 parameters.words = ["left", "right"]
 parameters.min_repeats = 2
 parameters.letters = false
-parameters.letters_every = 3
+parameters.thorough_every = 3
 parameters.language = "eng+chi_sim"
 parameters.least_confidence = 50
 parameters.page_modes = [6, 7]
@@ -180,8 +175,15 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
   light.focal_px = 500;
   light.sightings = 3;
   light.misses = 4;
-  const QrParameters qr = {{"left", "right"}, 2,  false,  3,
-                           "eng+chi_sim",     50, {6, 7}, {{0.1, 0.2, 0, 1}, {0, 1, 0.5, 1}}};
+  QrParameters qr;
+  qr.words = {"left", "right"};
+  qr.min_repeats = 2;
+  qr.thorough_every = 3;
+  qr.letters = false;
+  qr.language = "eng+chi_sim";
+  qr.least_confidence = 50;
+  qr.page_modes = {6, 7};
+  qr.regions = {{0.1, 0.2, 0, 1}, {0, 1, 0.5, 1}};
   const std::vector<CourseParameters> expected = {lines, arrow, barrier, light, qr};
   ASSERT_EQ(config.detectors.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {

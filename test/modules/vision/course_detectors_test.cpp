@@ -32,7 +32,7 @@ cv::Mat WithCode(const std::string& content) {
 
 cv::Mat WithDisc(int radius) {
   cv::Mat bgr = GreyPicture();
-  cv::circle(bgr, {300, 150}, radius, kYellow, cv::FILLED);
+  cv::circle(bgr, {300, 150}, radius, kYellow, cv::FILLED, cv::LINE_AA);
   return bgr;
 }
 
@@ -140,7 +140,7 @@ TEST(QrDetector, ReadsLettersInEachSoManyPicturesWithoutACode) {
   cv::Mat bgr(480, 640, CV_8UC3, kWhite);
   cv::putText(bgr, "B-1", {220, 260}, cv::FONT_HERSHEY_SIMPLEX, 3, {20, 20, 20}, 8, cv::LINE_AA);
   QrParameters parameters;
-  parameters.letters_every = 3;
+  parameters.thorough_every = 3;
   Series codes(MakeQrDetector(parameters));
   for (int i = 0; i < 7; ++i) {
     const CourseSight sight = codes.Look(bgr);

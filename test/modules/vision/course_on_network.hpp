@@ -58,8 +58,8 @@ class CourseTopicsTest : public ::testing::Test {
     sighting.seen = true;
     sighting.text = "A-1";
     looker_.found.sight = {sighting, std::nullopt, "A-1"};
-    looker_.on_result = [this](LookResult<CourseProcessor> result) {
-      topics_->OnResult(std::move(result));
+    looker_.on_result = [this](const LookResult<CourseProcessor>& result) {
+      topics_->OnResult(result);
     };
     pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
                                                           transport::kSensorDataQos));

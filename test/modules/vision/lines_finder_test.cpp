@@ -186,13 +186,17 @@ world::Pose2 At(double x_m, double y_m, double yaw_deg) {
 
 TEST(LaneAhead, IsInTheMiddleLeftOrRightAsTheRobotStands) {
   const world::Scene lane = Lane();
-  const auto ycy = [&](double y_m) {
-    return FindLines(SceneShot(lane, Eye::kFront, At(-2, y_m, 0)), {}).lines.ycy;
+  const auto lines = [&](double y_m, double threshold) {
+    LinesParameters parameters;
+    parameters.ycy_threshold = threshold;
+    return FindLines(SceneShot(lane, Eye::kFront, At(-2, y_m, 0)), parameters).lines;
   };
-  EXPECT_EQ(ycy(0), "center");
-  EXPECT_EQ(ycy(0.02), "center");
-  EXPECT_EQ(ycy(0.15), "left");
-  EXPECT_EQ(ycy(-0.15), "right");
+  EXPECT_EQ(lines(0, 0.04).ycy, "center");
+  EXPECT_EQ(lines(0.1, 0.04).ycy, "left");
+  EXPECT_EQ(lines(-0.1, 0.04).ycy, "right");
+  EXPECT_EQ(lines(0.15, 0.08).ycy, "center");
+  EXPECT_EQ(lines(0.21, 0.08).ycy, "left");
+  EXPECT_NEAR(lines(0.1, 0.08).middle_offset, 0.05, 0.01);
 }
 
 TEST(LaneAcross, IsSeenByAFisheye) {
@@ -220,14 +224,16 @@ TEST(LineBeside, IsNearerToTheBottomTheNearerTheRobotIs) {
 TEST(LaneOfASide, IsLeftOrRightInTheFisheyesPicture) {
   // The robot stands across the lane: in the right picture, left is ahead.
   const world::Scene lane = Lane();
+  LinesParameters parameters;
+  parameters.ycy_threshold = 0.03;
   const auto ycy = [&](Eye eye, double ahead_m) {
-    return FindLines(SceneShot(lane, eye, At(0, ahead_m - 0.22, 90)), {}).lines.ycy;
+    return FindLines(SceneShot(lane, eye, At(0, ahead_m - 0.22, 90)), parameters).lines.ycy;
   };
   EXPECT_EQ(ycy(Eye::kRight, 0), "center");
-  EXPECT_EQ(ycy(Eye::kRight, 0.15), "left");
-  EXPECT_EQ(ycy(Eye::kRight, -0.15), "right");
-  EXPECT_EQ(ycy(Eye::kLeft, 0.15), "right");
-  EXPECT_EQ(ycy(Eye::kLeft, -0.15), "left");
+  EXPECT_EQ(ycy(Eye::kRight, 0.1), "left");
+  EXPECT_EQ(ycy(Eye::kRight, -0.1), "right");
+  EXPECT_EQ(ycy(Eye::kLeft, 0.1), "right");
+  EXPECT_EQ(ycy(Eye::kLeft, -0.1), "left");
 }
 
 TEST(Lines, AreNotFoundInNoise) {

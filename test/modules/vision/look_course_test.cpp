@@ -36,7 +36,7 @@ class SecondSight : public CourseDetector {
 
  private:
   int looks_ = 0;
-  std::int64_t last_ns_ = 0;
+  std::int64_t last_ns_ = -1;
 };
 
 class LookAtCourse : public ::testing::Test {
