@@ -141,10 +141,12 @@ class CourseReader {
     TakeReference(root_, "start", "state", course().states, course().start);
     TakeReference(root_, "end", "state", course().states, course().end);
     TakeReference(root_, "error", "state", course().states, course().error);
-    TakeReference(root_, "stand", "movement", course().movements, course().stand);
-    if (root_.Has("stand") && !course().movements.empty() &&
-        course().movements[course().stand].walks) {
-      root_.Fault(root_.At("stand"), "stand", "expected one motion, found a walk");
+    root_.Require("stand", "the name of a movement");
+    if (const auto stand = Reference(root_, "stand", "movement", course().movements)) {
+      course().stand = *stand;
+      if (course().movements[*stand].walks) {
+        root_.Fault(root_.At("stand"), "stand", "expected one motion, found a walk");
+      }
     }
     Take(root_, "step_ms", course().step, 50);
     course().language =
