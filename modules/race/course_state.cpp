@@ -17,6 +17,7 @@ void Race::CourseState::Declare(fsm::Transitions& transitions) {
     if (way.to == kInterrupted) continue;
     to(way.to, is_start() ? "the command START" : Condition(way));
   }
+  if (index_ == course.error) to(course.start, "the command STOP or RESET");
   for (const Index state : Successors(course, index_)) {
     if (ids_[state] != fsm::kNoState) continue;
     const bool fault = state == rule.on_fault;
