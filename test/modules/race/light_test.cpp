@@ -94,6 +94,38 @@ TEST(YellowLight, StopsAgainAfterTenSecondsInSight) {
   EXPECT_GE(rig.now - again, Milliseconds(9900));
 }
 
+TEST(YellowLight, DoesNotCountTheStepsUntilTheBarrierTwice) {
+  Lamp rig;
+  int frames = 0;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    frames = 0;
+    for (const int stream : rig.field.frames_of_stream) frames += stream;
+    if (detector == "light") return {frames >= 21 * 4 + 40 && frames < 21 * 4 + 60, 0.5, "", ""};
+    return {true, 1, detector == "barrier" && frames >= 21 * 4 + 120 ? "top" : "seen", ""};
+  };
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP"));
+  ASSERT_TRUE(rig.RunTo("IN_L1"));
+  EXPECT_TRUE(rig.field.Logged("S2_TO_L1: barrier after 30 steps"));
+  EXPECT_TRUE(rig.RunTo("L1_TO_QRB"));
+}
+
+TEST(YellowLight, StaysInterruptedOverAPause) {
+  Lamp rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(2000));
+  rig.seen = true;
+  ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_COUNTDOWN", Milliseconds(2000)));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(std::chrono::seconds(5));
+  rig.race->Resume(rig.now);
+  EXPECT_TRUE(rig.RunTo("IN_A1"));
+  const int frames = rig.field.frames_of_stream[0] + rig.field.frames_of_stream[1];
+  EXPECT_GE(frames, 23 * 4);
+  EXPECT_LE(frames, 23 * 4 + 1);
+}
+
 TEST(YellowLight, WithoutAnInterruptedMovementLeadsToTheError) {
   Lamp rig;
   rig.Command("START:38");
