@@ -49,7 +49,7 @@ TEST(RaceFault, OfASilentMotionBoardLeadsToTheError) {
   Rig rig;
   rig.script.body_reports = false;
   rig.Command("START:QRA_TO_A1");
-  ExpectError(rig, Milliseconds(2500), "no motion_status for 2000 ms");
+  ExpectError(rig, Milliseconds(3200), "no motion_status for 2000 ms");
 }
 
 TEST(RaceFault, OfRefusedServoFramesLeadsToTheError) {

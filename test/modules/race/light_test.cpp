@@ -87,7 +87,7 @@ TEST(YellowLight, StopsAgainAfterTenSecondsInSight) {
   Lamp rig;
   rig.seen = true;
   rig.Command("START:L1_TO_QRB");
-  ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP", Milliseconds(500)));
+  ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP", Milliseconds(1500)));
   ASSERT_TRUE(rig.RunTo("L1_TO_QRB", Milliseconds(8000)));
   const Time again = rig.now;
   ASSERT_TRUE(rig.RunTo("YELLOW_LIGHT_STOP", Milliseconds(12'000)));
