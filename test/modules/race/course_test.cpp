@@ -153,6 +153,11 @@ TEST(CourseFile, OfNothingAsksForItsKeys) {
   EXPECT_THAT(ReadCourseFile("/no/such/course.toml").diagnostics, ::testing::SizeIs(1));
 }
 
+TEST(CourseFile, BuildsAMachineWithoutWarnings) {
+  Rig rig;
+  EXPECT_THAT(rig.machine->warnings(), IsEmpty());
+}
+
 TEST(CourseFile, IsSummarised) {
   EXPECT_THAT(Summary(TheCourse()), HasSubstr("42 states"));
 }
