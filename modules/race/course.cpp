@@ -67,7 +67,7 @@ Duration LongestStay(const Course& course, Index state) {
   return stay;
 }
 
-std::vector<Index> Successors(const Course& course, Index state) {
+std::vector<Index> Successors(const Course& course, Index state, bool back) {
   const StateRule& rule = course.states[state];
   std::vector<Index> all;
   const auto add = [&all](Index target) {
@@ -81,7 +81,7 @@ std::vector<Index> Successors(const Course& course, Index state) {
       add(way.to);
       continue;
     }
-    for (Index i = 0; i < course.states.size(); ++i) {
+    for (Index i = 0; back && i < course.states.size(); ++i) {
       if (course.states[i].light) add(i);
     }
   }

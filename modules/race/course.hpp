@@ -288,7 +288,7 @@ std::optional<Index> FindByName(const Things& things, std::string_view name) {
 Duration LongestStay(const Course& course, Index state);
 
 // The states that a state may lead to, without repetition: by its ways, its limits, the light and
-// faults.
-std::vector<Index> Successors(const Course& course, Index state);
+// faults. `back`: with those that a light may have interrupted, of a state that leads back.
+std::vector<Index> Successors(const Course& course, Index state, bool back = true);
 
 }  // namespace musher::race

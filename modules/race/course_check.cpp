@@ -75,7 +75,7 @@ class Checking {
     while (!open.empty()) {
       const Index state = open.back();
       open.pop_back();
-      for (const Index next : Successors(course_, state)) {
+      for (const Index next : Successors(course_, state, false)) {
         if (reached[next]) continue;
         reached[next] = true;
         open.push_back(next);
@@ -137,7 +137,7 @@ class Checking {
     }
     for (const Case& at : cases) {
       if (std::ranges::any_of(ways, [&](const Way& way) { return Holds(way, at); })) continue;
-      return Fail(reading_.places[state].next, state, "has no way for " + Text(at, ways));
+      return Fail(reading_.places[state].next, state, "has no way in the case " + Text(at, ways));
     }
   }
 
@@ -168,7 +168,7 @@ class Checking {
   std::vector<Index> Predecessors(Index state) const {
     std::vector<Index> before;
     for (Index i = 0; i < course_.states.size(); ++i) {
-      const std::vector<Index> next = Successors(course_, i);
+      const std::vector<Index> next = Successors(course_, i, false);
       if (std::ranges::find(next, state) != next.end()) before.push_back(i);
     }
     return before;
@@ -186,7 +186,7 @@ class Checking {
       add(course_.counters[counter] + " = " + std::to_string(count));
     }
     if (std::ranges::any_of(ways, [](const Way& way) { return !way.from.empty(); })) {
-      add("from " + At(at.from).name);
+      add("from = " + At(at.from).name);
     }
     return text;
   }

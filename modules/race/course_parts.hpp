@@ -1,7 +1,8 @@
 #pragma once
 // What the readers of a course's tables share: names, references and their positions. Internal to
-// course_reader.cpp, state_reader.cpp and course_check.cpp.
+// course_reader.cpp, table_readers.cpp, state_reader.cpp and course_check.cpp.
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -68,6 +69,15 @@ std::optional<Stretch> StretchAt(TableReader& table, std::string_view key, Readi
 
 // The key `otherwise`.
 void ReadOtherwise(TableReader& table, Otherwise& otherwise, const Reading& reading);
+
+// Takes the time of the key, where it has one.
+void Take(TableReader& table, const char* key, Duration& time, std::int64_t least_ms = 1);
+
+// The bodies of [robot], [movement.NAME], [result.NAME] and [speech.NAME]. table_readers.cpp.
+void ReadRobot(TableReader& table, const std::filesystem::path& folder, RobotRules& robot);
+void ReadMovement(TableReader& table, Movement& movement);
+void ReadResult(TableReader& table, ResultRule& result);
+void ReadSpeech(TableReader& table, Speech& speech, Reading& reading);
 
 // The body of [state.NAME].
 void ReadState(TableReader& table, StateRule& state, StatePlace& place, Reading& reading);

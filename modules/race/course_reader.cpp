@@ -13,9 +13,6 @@ namespace {
 
 using namespace parts;  // NOLINT(google-build-using-namespace): this file is one of its parts
 
-constexpr std::int64_t kMostNumber = 999;  // of a state
-constexpr std::int64_t kMostMotion = 99'999;
-
 class CourseReader {
  public:
   CourseReader(const Table& table, const std::string& path, Findings& findings)
@@ -27,11 +24,11 @@ class CourseReader {
   Course Read() {
     Collect();
     Each("detector", course().detectors, [this](auto& t, auto& d) { ReadDetector(t, d); });
-    Each("movement", course().movements, [this](auto& t, auto& m) { ReadMovement(t, m); });
-    Each("result", course().results, [this](auto& t, auto& r) { ReadResult(t, r); });
+    Each("movement", course().movements, ReadMovement);
+    Each("result", course().results, ReadResult);
     ReadTop();
     In("checks", [this](TableReader& t) { ReadCheckRules(t); });
-    In("robot", [this](TableReader& t) { ReadRobot(t); });
+    In("robot", [this](TableReader& t) { ReadRobot(t, folder_, course().robot); });
     In("body", [this](TableReader& t) {
       Take(t, "silent_ms", course().body.silent, 0);
       Take(t, "refused_ms", course().body.refused);
@@ -40,7 +37,7 @@ class CourseReader {
     Each("wait", course().waits, [this](auto& t, auto& w) { ReadWait(t, w); });
     Each("until", course().untils, [this](auto& t, auto& u) { ReadUntil(t, u); });
     Each("walk", course().walks, [this](auto& t, auto& w) { ReadWalk(t, w); });
-    Each("speech", course().speeches, [this](auto& t, auto& s) { ReadSpeech(t, s); });
+    Each("speech", course().speeches, [this](auto& t, auto& s) { ReadSpeech(t, s, reading_); });
     In("light", [this](TableReader& t) { ReadLight(t); });
     Each("command", course().commands, [this](auto& t, auto& c) { ReadCommand(t, c); });
     Index state = 0;
@@ -116,9 +113,6 @@ class CourseReader {
     reader.RefuseOthers();
   }
 
-  void Take(TableReader& table, const char* key, Duration& time, std::int64_t least_ms = 1) {
-    time = table.Time(key, least_ms).value_or(time);
-  }
   template <class Thing>
   void TakeReference(TableReader& table, const char* key, const char* kind,
                      const std::vector<Thing>& things, Index& index) {
@@ -141,36 +135,17 @@ class CourseReader {
     TakeReference(root_, "start", "state", course().states, course().start);
     TakeReference(root_, "end", "state", course().states, course().end);
     TakeReference(root_, "error", "state", course().states, course().error);
-    TakeReference(root_, "stand", "movement", course().movements, course().stand);
-    if (root_.Has("stand") && !course().movements.empty() &&
-        course().movements[course().stand].walks) {
-      root_.Fault(root_.At("stand"), "stand", "expected one motion, found a walk");
+    root_.Require("stand", "the name of a movement");
+    if (const auto stand = Reference(root_, "stand", "movement", course().movements)) {
+      course().stand = *stand;
+      if (course().movements[*stand].walks) {
+        root_.Fault(root_.At("stand"), "stand", "expected one motion, found a walk");
+      }
     }
     Take(root_, "step_ms", course().step, 50);
     course().language =
         root_.Choice<Language>("language", {{"zh", Language::kChinese}, {"en", Language::kEnglish}})
             .value_or(course().language);
-  }
-
-  void ReadRobot(TableReader& table) {
-    RobotRules& robot = course().robot;
-    robot.from_start = table.Choice<bool>("resume", {{"where_it_was", false}, {"start", true}})
-                           .value_or(robot.from_start);
-    if (const auto file = table.String("record"); file && !file->text.empty()) {
-      robot.record = config_toml::Absolute(folder_, file->text);
-    }
-    Take(table, "self_check_ms", robot.self_check);
-    const auto need = [&table](const char* key, Need& taken) {
-      taken = table
-                  .Choice<Need>(key, {{"required", Need::kRequired},
-                                      {"optional", Need::kOptional},
-                                      {"none", Need::kNone}})
-                  .value_or(taken);
-    };
-    need("motion", robot.motion);
-    need("cameras", robot.cameras);
-    need("walker", robot.walker);
-    need("audio", robot.audio);
   }
 
   void ReadDetector(TableReader& table, Detector& detector) {
@@ -180,57 +155,6 @@ class CourseReader {
     detector.kind =
         table.Choice<Kind>("type", {{"sighting", Kind::kSighting}, {"lines", Kind::kLines}})
             .value_or(detector.kind);
-  }
-
-  std::vector<double> Numbers(TableReader& table, const char* key, std::size_t size, double least,
-                              double most, const char* expected) {
-    const config_toml::Value* value = table.Get(key);
-    if (value == nullptr) return {};
-    std::vector<double> numbers;
-    if (const auto* array = value->As<config_toml::Array>()) {
-      for (const config_toml::Value& item : *array) {
-        const auto* real = item.As<double>();
-        const auto* integer = item.As<std::int64_t>();
-        if (real == nullptr && integer == nullptr) break;
-        const double number = real != nullptr ? *real : static_cast<double>(*integer);
-        if (number >= least && number <= most) numbers.push_back(number);
-      }
-      if (numbers.size() == size && array->size() == size) return numbers;
-    }
-    table.Fault(value->at, key, expected);
-    return {};
-  }
-
-  void ReadMovement(TableReader& table, Movement& movement) {
-    movement.walks = table.Has("twist");
-    table.Require("motion", "the id of a motion");
-    movement.motion_id = static_cast<std::int32_t>(
-        table.Integer("motion", 0, kMostMotion).value_or(movement.motion_id));
-    if (!movement.walks) {
-      Take(table, "before_ms", movement.before, 0);
-      Take(table, "after_ms", movement.after, 0);
-      return Take(table, "limit_ms", movement.limit);
-    }
-    const auto twist = Numbers(table, "twist", 3, -2, 2,
-                               "expected [ahead m/s, to the left m/s, yaw rad/s], each -2 to 2");
-    if (twist.size() == 3) movement.twist = {twist[0], twist[1], twist[2]};
-    const auto height =
-        Numbers(table, "step_height_m", 2, 0, 0.3, "expected [front m, rear m], each 0 to 0.3");
-    if (height.size() == 2) movement.step_height_m = {height[0], height[1]};
-    movement.count = Count(table, "count").value_or(movement.count);
-  }
-
-  void ReadResult(TableReader& table, ResultRule& result) {
-    table.Require("values", "its values, as in [\"left\", \"right\"]");
-    if (const auto values = table.Strings("values")) {
-      for (const auto& value : *values) result.values.push_back(value.text);
-    }
-    if (const auto word = table.String("default")) {
-      result.by_default = Refer(table, "default", "value", *word, result.values);
-    }
-    if (const auto command = table.String("command")) result.command = command->text;
-    result.once = table.Bool("once").value_or(false);
-    result.shown = table.Bool("shown").value_or(false);
   }
 
   void ReadCheckRules(TableReader& table) {
@@ -322,42 +246,6 @@ class CourseReader {
     Take(table, "limit_ms", walk.limit);
     Take(table, "silent_ms", walk.silent);
     RefuseDefault(table, walk.otherwise);
-  }
-
-  Phrase ReadPhrase(TableReader& table) {
-    Phrase phrase;
-    table.Require("zh", "the text in Chinese");
-    table.Require("en", "the text in English");
-    if (const auto word = table.String("zh")) phrase.chinese = word->text;
-    if (const auto word = table.String("en")) phrase.english = word->text;
-    table.RefuseOthers();
-    return phrase;
-  }
-
-  void ReadSpeech(TableReader& table, Speech& speech) {
-    Take(table, "limit_ms", speech.limit);
-    Take(table, "every_ms", speech.every, 0);
-    table.Require("texts", "what is said, as in [{ zh = \"五\", en = \"Five\" }]");
-    speech.result = Reference(table, "result", "result", course().results);
-    if (!table.Has("result")) {
-      for (const config_toml::Value* text : table.Tables("texts")) {
-        TableReader reader(*text->As<Table>(), text->at, table.path() + ".texts", findings_);
-        speech.phrases.push_back(ReadPhrase(reader));
-      }
-      return;
-    }
-    const Table* texts = table.SubTable("texts");
-    if (texts == nullptr || !speech.result) return;
-    TableReader reader(*texts, table.At("texts"), table.path() + ".texts", findings_);
-    const std::vector<std::string>& values = course().results[*speech.result].values;
-    for (Index value = 0; value < values.size(); ++value) {
-      const Table* text = reader.SubTable(values[value]);
-      if (text == nullptr) continue;  // of this value nothing is said
-      TableReader phrase(*text, reader.At(values[value]), reader.path() + "." + values[value],
-                         findings_);
-      speech.of_values.push_back({value, ReadPhrase(phrase)});
-    }
-    reader.RefuseOthers();
   }
 
   void ReadLight(TableReader& table) {

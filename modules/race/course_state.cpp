@@ -17,6 +17,7 @@ void Race::CourseState::Declare(fsm::Transitions& transitions) {
     if (way.to == kInterrupted) continue;
     to(way.to, is_start() ? "the command START" : Condition(way));
   }
+  if (index_ == course.error) to(course.start, "the command STOP or RESET");
   for (const Index state : Successors(course, index_)) {
     if (ids_[state] != fsm::kNoState) continue;
     const bool fault = state == rule.on_fault;
@@ -59,11 +60,11 @@ fsm::Next Race::CourseState::Go(Index state) const {
 fsm::Next Race::CourseState::OnCommand(fsm::EventId command) {
   if (command == stop_) {
     race_.Execute(command::kStop);
+  } else if (race_.memory().completed()) {
+    race_.Refuse("START", "START is refused: the task is completed; send RESET before");
   } else if (!is_start()) {
     race_.Refuse("START", "START is refused in " + race_.course_.states[index_].name +
                               ": the race is under way; send STOP or RESET before");
-  } else if (race_.memory().completed()) {
-    race_.Refuse("START", "START is refused: the task is completed; send RESET before");
   } else {
     return Go(race_.course_.states[index_].ways[0].to);
   }

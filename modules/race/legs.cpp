@@ -32,6 +32,7 @@ void Legs::Continue(const WalkProgress& walk) {
   EndStream();
   motion_.reset();
   walk_ = walk;
+  if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, {}, 0};
 }
 
 void Legs::Move(Index movement, Duration now) {
@@ -49,7 +50,7 @@ bool Legs::Advance(Duration now, Time time) {
 }
 
 bool Legs::AdvanceWalk(Duration now, Time time) {
-  if (busy()) return false;  // the body is not free yet
+  if (busy() || stands_) return false;  // the body is not free yet
   if (!streaming_) {
     streaming_ = true;
     stream_from_ = body_heard_at_ = now;

@@ -5,7 +5,8 @@
 //   a motion   its pause before, the call, its reply, its pause after
 //
 // A pause ends the stream; the walk continues with what is left of it. A motion that failed in a
-// pause is repeated. Before anything continues the robot stands up, unless it was lying.
+// pause is repeated. Before anything continues the robot stands up, unless it was lying; and before
+// a walk where it is lying, because a command has led there.
 //
 // Times are those of the machine, which stands still in a pause. One thread.
 

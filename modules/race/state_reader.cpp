@@ -78,7 +78,7 @@ class StateReader {
     if (what == "say") return Add<SayStep>(step, "say", course().speeches);
     if (what == "until") return ReadUntil(step);
     if (what == "set" || what == "add") return ReadCount(step, what == "add");
-    // The unknown key is reported with what it may be.
+    step.Require("move", "a step, as in { move = \"forward\", count = 12 } or { check = … }");
   }
 
   template <class Kind, class Thing>

@@ -1,0 +1,183 @@
+// Commands on /state_machine/start_command.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/modules/race/race_rig.hpp"
+
+namespace musher::race::command_test {
+
+using ::testing::ElementsAre;
+
+TEST(Command, StartBeginsTheRaceOnce) {
+  Rig rig;
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:0,QRResult:None,TaskCompleted:False");
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_TRUE(rig.field.Logged("START is refused in START_TO_QRA: the race is under way"));
+  EXPECT_EQ(rig.field.motions.size(), 1U);
+}
+
+TEST(Command, StartAfterTheEndNeedsAReset) {
+  Rig rig;
+  rig.Command("START:END");
+  rig.Tick();
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:45,QRResult:None,TaskCompleted:True");
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "END");
+  rig.Command("STOP");
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_TRUE(rig.field.Logged("START is refused: the task is completed; send RESET before"));
+  rig.Command("RESET");
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:0,QRResult:None,TaskCompleted:False");
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+}
+
+TEST(Command, StartWithANameOrANumberGoesThereFromAnywhere) {
+  Rig rig;
+  rig.Command("START:IN_S2");
+  EXPECT_EQ(rig.state(), "IN_S2");
+  rig.Command(" START:10 \n");
+  EXPECT_EQ(rig.state(), "S1_TO_S2");
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(1000));
+  EXPECT_TRUE(rig.field.streaming);
+  rig.Command("START:IN_S2");
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_EQ(rig.field.ends, 1);
+  EXPECT_THAT(rig.field.states, ElementsAre(0, 11, 10, 3, 11));
+}
+
+TEST(Command, StopEndsTheMovementAndGoesToStart) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(1000));
+  rig.Command("SET_QR_B:B-2");
+  rig.Command("STOP");
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_EQ(rig.field.ends, 1);
+  rig.Run(std::chrono::seconds(5));
+  EXPECT_EQ(rig.field.streams, 1);
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:1,QRResult:B-2,TaskCompleted:False");
+}
+
+TEST(Command, ResetForgetsResultsAndCounters) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  rig.Run(std::chrono::seconds(25));
+  rig.Command("SET_QR_A:A-2");
+  const Index z1 = 4;
+  ASSERT_EQ(rig.course_.counters[z1], "z1");
+  EXPECT_EQ(rig.race->memory().Count(z1), 2);
+  rig.Command("RESET");
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_EQ(rig.race->memory().Count(z1), 0);
+  EXPECT_EQ(rig.race->InfoText(), "CurrentState:0,QRResult:None,TaskCompleted:False");
+}
+
+TEST(Command, ResetDuringALieDownWaitsForItsReply) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.size() == 1; }));
+  rig.Command("RESET");
+  rig.Run(std::chrono::seconds(3));
+  EXPECT_EQ(rig.state(), "IN_A1");
+  rig.race->OnMotionDone(rig.field.calls.front(), Ok(), rig.now);
+  EXPECT_EQ(rig.state(), "START");
+  rig.Command("START");
+  rig.Tick(3);
+  EXPECT_THAT(rig.field.motions, ElementsAre(101, 111));
+}
+
+TEST(Command, ResetDuringALieDownThatIsNotAnsweredGoesAfterItsLimit) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.size() == 1; }));
+  rig.Command("RESET");
+  EXPECT_TRUE(rig.RunTo("START", std::chrono::seconds(21)));
+}
+
+TEST(Command, SetOfAResultIsUsedAtOnce) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  rig.Tick(3);
+  rig.Command("SET_QR_A:A-2");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A2", Milliseconds(1000)));
+  rig.Command("START:IN_QRB");
+  rig.Tick(3);
+  rig.Command("SET_QR_B_DEFAULT");
+  ASSERT_TRUE(rig.RunTo("QRB_TO_B1", Milliseconds(1000)));
+  rig.Command("START:IN_S2");
+  rig.Command("SET_ARROW:left");
+  rig.Command("SET_ARROW:right");
+  EXPECT_TRUE(rig.field.Logged("SET_ARROW is refused: arrow is already left"));
+  ASSERT_TRUE(rig.RunTo("S2_TO_L1", Milliseconds(1000)));
+}
+
+TEST(Command, ExitOfZoneBLeavesABayAtOnceOnTheSideOppositeToTheArrow) {
+  Rig rig;
+  rig.Command("SET_ARROW:left");
+  rig.Command("START:IN_B1");
+  rig.Run(Milliseconds(5200));
+  EXPECT_THAT(rig.field.motions, ElementsAre(101));
+  rig.Command("EXIT_B_ZONE");
+  ASSERT_TRUE(rig.RunTo("B1_TO_R1", Milliseconds(1500)));  // after the reply of the lie-down
+  rig.Command("RESET");
+  rig.Command("START:IN_B2");
+  rig.Run(Milliseconds(1000));
+  rig.Command("EXIT_B_ZONE");
+  EXPECT_TRUE(rig.RunTo("B2_TO_L1", Milliseconds(200)));
+}
+
+TEST(Command, ExitOfZoneBOnTheWayToTheOtherBayLeavesFromThere) {
+  Rig rig;
+  rig.Command("SET_ARROW:right");
+  rig.Command("START:B1_TO_B2");
+  rig.Run(Milliseconds(3000));
+  rig.Command("EXIT_B_ZONE");
+  ASSERT_TRUE(rig.RunTo("IN_B2"));
+  EXPECT_TRUE(rig.RunTo("B2_TO_L1"));
+  rig.Command("EXIT_B_ZONE");
+  EXPECT_TRUE(rig.field.Logged("EXIT_B_ZONE is refused in B2_TO_L1"));
+}
+
+TEST(Command, ThatIsUnknownIsRefusedAndLoggedAtALimitedRate) {
+  Rig rig;
+  for (int i = 0; i < 1000; ++i) rig.Command("STRAT");
+  EXPECT_TRUE(rig.field.Logged("there is no command 'STRAT'; did you mean 'START'?"));
+  EXPECT_LE(rig.field.log.size(), 2U);
+  rig.Run(Milliseconds(2100));
+  EXPECT_TRUE(rig.field.Logged("more)"));
+  rig.Command("SET_QR_A:C-9");
+  rig.Command("START:NOWHERE");
+  rig.Command("START:40");
+  rig.Command("");
+  rig.Command(std::string(5000, 'x'));
+  rig.Run(Milliseconds(2100));
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_EQ(rig.field.streams, 0);
+}
+
+TEST(Command, StartIsRefusedInAPause) {
+  Rig rig;
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Command("START");
+  rig.Command("START:IN_S2");
+  EXPECT_EQ(rig.state(), "START");
+  EXPECT_TRUE(rig.field.Logged("START is refused: the robot is not in a state that runs the race"));
+}
+
+}  // namespace musher::race::command_test

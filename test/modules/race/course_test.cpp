@@ -1,0 +1,165 @@
+// Courses, read and checked.
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "musher/test/modules/race/race_rig.hpp"
+
+namespace musher::race::course_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::string TextOf(const std::string& file) {
+  std::ifstream stream(file);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::string Shipped() {
+  return TextOf(CourseFile());
+}
+
+// The diagnostics of the shipped course with `old` replaced by `with`.
+std::vector<std::string> Faults(const std::string& old, const std::string& with) {
+  std::string text = Shipped();
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  if (at == std::string::npos) return {};
+  text.replace(at, old.size(), with);
+  std::vector<std::string> lines;
+  for (const Diagnostic& diagnostic : ReadCourseText(text, "course.toml").diagnostics) {
+    lines.push_back(FormatDiagnostic(diagnostic));
+  }
+  return lines;
+}
+
+const StateRule& State(const Course& course, const char* name) {
+  return course.states[FindByName(course.states, name).value()];
+}
+
+// A golden file has the diagnostics of a course with errors.
+void ExpectGolden(const std::string& name) {
+  const std::string folder = SourceDir() + "/test/modules/race/courses/";
+  std::string found;
+  for (const Diagnostic& fault :
+       ReadCourseText(TextOf(folder + name + ".toml"), name + ".toml").diagnostics) {
+    found += FormatDiagnostic(fault) + "\n";
+  }
+  EXPECT_EQ(found, TextOf(folder + name + ".txt")) << folder << name << ".txt";
+}
+
+TEST(CourseFile, HasTheNumbersAndNamesOfAllStates) {
+  const Course& course = TheCourse();
+  std::map<int, std::string> names;
+  for (const StateRule& state : course.states) names[state.number] = state.name;
+  ASSERT_EQ(names.size(), 42U);
+  for (int i = 0; i <= 39; ++i) EXPECT_TRUE(names.contains(i)) << i;
+  EXPECT_EQ(names[0], "START");
+  EXPECT_EQ(names[17], "R1_TO_QRB");
+  EXPECT_EQ(names[31], "IN_S2_R");
+  EXPECT_EQ(names[37], "A2_TO_START");
+  EXPECT_EQ(names[39], "YELLOW_LIGHT_COUNTDOWN");
+  EXPECT_EQ(names[45], "END");
+  EXPECT_EQ(names[46], "ERROR");
+}
+
+TEST(CourseFile, HasTheTwistOfEachMovement) {
+  const Course& course = TheCourse();
+  const auto twist = [&](const char* name) {
+    return course.movements[FindByName(course.movements, name).value()].twist;
+  };
+  EXPECT_EQ(twist("forward"), (Twist{0.4, 0, 0}));
+  EXPECT_EQ(twist("backward"), (Twist{-0.3, 0, 0}));
+  EXPECT_EQ(twist("right"), (Twist{0, -0.3, 0}));
+  EXPECT_EQ(twist("left"), (Twist{0, 0.3, 0}));
+  EXPECT_EQ(twist("turn_right"), (Twist{0, 0, -0.9}));
+  EXPECT_EQ(twist("turn_left"), (Twist{0, 0, 0.9}));
+}
+
+TEST(CourseFile, IsChangedInItsNumbersWithoutCompiling) {
+  std::string text = Shipped();
+  const std::string old = "count = 23, less = \"z1\"";
+  text.replace(text.find(old, text.find("[state.QRA_TO_A1]")), old.size(),
+               "count = 25, less = \"z1\"");
+  const CourseReading reading = ReadCourseText(text, "course.toml");
+  ASSERT_TRUE(reading.course);
+  const auto& step = std::get<MoveStep>(State(*reading.course, "QRA_TO_A1").steps[0]);
+  EXPECT_EQ(step.count, 25);
+}
+
+TEST(CourseFile, HasAnotherBayWithoutCompiling) {
+  std::string text = Shipped();
+  const auto change = [&text](const std::string& old, const std::string& with) {
+    text.replace(text.find(old), old.size(), with);
+  };
+  change("values = [\"A-1\", \"A-2\"]", "values = [\"A-1\", \"A-2\", \"A-3\"]");
+  change("{ result = \"qr_a\", is = \"A-2\", to = \"QRA_TO_A2\" },",
+         "{ result = \"qr_a\", is = \"A-2\", to = \"QRA_TO_A2\" },\n"
+         "  { result = \"qr_a\", is = \"A-3\", to = \"IN_A3\" },");
+  text += "\n[state.IN_A3]\nnumber = 50\nsteps = [{ move = \"lie_down\" }]\nnext = \"A2_TO_S1\"\n";
+  const CourseReading reading = ReadCourseText(text, "course.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.course);
+  Rig rig(*reading.course);
+  rig.Command("START:IN_QR_A");
+  rig.Command("SET_QR_A:A-3");
+  EXPECT_TRUE(rig.RunTo("IN_A3", std::chrono::seconds(5)));
+}
+
+TEST(CourseFile, ReportsAValueWithoutAWay) {
+  EXPECT_THAT(Faults("  { result = \"arrow\", is = \"right\", to = \"S2_TO_R1\" },\n", ""),
+              ElementsAre(HasSubstr("error: state.IN_S2: has no way in the case arrow = \"right\""),
+                          HasSubstr("error: state.S2_TO_R1: is unreachable")));
+}
+
+TEST(CourseFile, ReportsAMisspelledWord) {
+  EXPECT_THAT(Faults("on = 303\ntwist = [0.4", "on = 303\ntwits = [0.4"),
+              ::testing::Contains(HasSubstr("unknown key \"twits\"; did you mean \"twist\"?")));
+  EXPECT_THAT(Faults("next = \"IN_QR_A\"", "next = \"IN_QRA\""),
+              ElementsAre(HasSubstr("there is no state 'IN_QRA'; did you mean 'IN_QR_A'?")));
+  EXPECT_THAT(Faults("{ check = \"right_ycy\" }", "{ check = \"right_ycx\" }"),
+              ElementsAre(HasSubstr("there is no check 'right_ycx'; did you mean 'right_ycy'?")));
+}
+
+TEST(CourseFile, ReportsCountsThatAreNone) {
+  EXPECT_THAT(Faults("count = 12 }", "count = 0 }"),
+              ElementsAre(HasSubstr("expected an integer from 1 to 10000 steps, found 0")));
+  EXPECT_THAT(Faults("count = 12 }", "count = -3 }"),
+              ElementsAre(HasSubstr("expected an integer from 1 to 10000 steps, found -3")));
+  EXPECT_THAT(Faults("count = 12 }", "count = 10001 }"),
+              ElementsAre(HasSubstr("expected an integer from 1 to 10000 steps, found 10001")));
+}
+
+TEST(CourseFile, ReportsEveryUnknownNameAtOnce) {
+  ExpectGolden("unknown_names");
+}
+
+TEST(CourseFile, ReportsEveryStateThatGetsStuck) {
+  ExpectGolden("stuck");
+}
+
+TEST(CourseFile, OfNothingAsksForItsKeys) {
+  std::vector<std::string> lines;
+  for (const Diagnostic& fault : ReadCourseText("", "course.toml").diagnostics) {
+    lines.push_back(fault.message);
+  }
+  EXPECT_THAT(lines, ::testing::Contains(HasSubstr("the key \"state\" is missing")));
+  EXPECT_THAT(lines, ::testing::Contains(HasSubstr("the key \"start\" is missing")));
+  EXPECT_THAT(ReadCourseFile("/no/such/course.toml").diagnostics, ::testing::SizeIs(1));
+}
+
+TEST(CourseFile, BuildsAMachineWithoutWarnings) {
+  Rig rig;
+  EXPECT_THAT(rig.machine->warnings(), IsEmpty());
+}
+
+TEST(CourseFile, IsSummarised) {
+  EXPECT_THAT(Summary(TheCourse()), HasSubstr("42 states"));
+}
+
+}  // namespace musher::race::course_test

@@ -1,0 +1,150 @@
+// Faults: what fails, the reason, and the state ERROR, which lies down.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/modules/race/race_rig.hpp"
+
+namespace musher::race::fault_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+void ExpectError(Rig& rig, Duration within, const std::string& reason) {
+  ASSERT_TRUE(rig.RunTo("ERROR", within)) << rig.state();
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("CurrentState:46,"));
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr(reason));
+  EXPECT_FALSE(rig.field.streaming);
+  const std::size_t motions = rig.field.motions.size();
+  ASSERT_TRUE(
+      rig.RunUntil([&] { return rig.field.motions.size() > motions; }, std::chrono::seconds(40)));
+  EXPECT_EQ(rig.field.motions.back(), 101);
+}
+
+TEST(RaceFault, OfAMotionLeadsToTheError) {
+  Rig rig;
+  rig.script.motion = [](std::int32_t) { return Error{3028, "it did not end"}; };
+  rig.Command("START");
+  ExpectError(rig, std::chrono::seconds(2), "the motion stand (111) failed: 3028");
+  rig.Run(std::chrono::seconds(60));  // the lie-down fails, too, and is not repeated
+  EXPECT_EQ(rig.state(), "ERROR");
+  EXPECT_THAT(rig.field.motions, ElementsAre(111, 101));
+}
+
+TEST(RaceFault, OfAMotionWithoutAReplyLeadsToTheErrorAfterItsLimit) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("START");
+  ExpectError(rig, std::chrono::seconds(21), "no reply within 20000 ms");
+}
+
+TEST(RaceFault, OfAFallenBodyLeadsToTheErrorWithinHalfASecond) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(1000));
+  rig.script.body_status = 8;
+  ExpectError(rig, Milliseconds(500), "QRA_TO_A1: the body reports: fallen (switch_status 8)");
+}
+
+TEST(RaceFault, OfASilentMotionBoardLeadsToTheError) {
+  Rig rig;
+  rig.script.body_reports = false;
+  rig.Command("START:QRA_TO_A1");
+  ExpectError(rig, Milliseconds(3200), "no motion_status for 2000 ms");
+}
+
+TEST(RaceFault, OfRefusedServoFramesLeadsToTheError) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(500));
+  rig.race->OnServoReply(false, 3001, rig.now);
+  rig.Run(Milliseconds(300));
+  rig.race->OnServoReply(true, 0, rig.now);
+  rig.Run(Milliseconds(1000));
+  EXPECT_EQ(rig.state(), "QRA_TO_A1");
+  rig.race->OnServoReply(false, 3001, rig.now);
+  ExpectError(rig, Milliseconds(1500), "the motion manager refuses to walk: 3001");
+}
+
+TEST(RaceFault, OfASilentCameraLeadsToTheError) {
+  Rig rig;
+  rig.script.cameras = false;
+  rig.Command("START:IN_QR_A");
+  ExpectError(rig, std::chrono::seconds(11), "no sample of the detector qr for 10000 ms");
+}
+
+TEST(RaceFault, OfALostWalkerLeadsToTheError) {
+  Rig rig;
+  rig.script.walker = [](Duration) { return std::string(); };
+  rig.Command("START:S1_TO_S2");
+  ExpectError(rig, std::chrono::seconds(4), "the line walker is lost");
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
+TEST(RaceFault, OfAWalkerThatLosesItsLineLeadsToTheError) {
+  Rig rig;
+  rig.script.walker = [](Duration walked) -> std::string {
+    return walked < Milliseconds(2000) ? "State:WALKING" : "State:IDLE,Active:False,End:lost";
+  };
+  rig.Command("START:S1_TO_S2");
+  ExpectError(rig, std::chrono::seconds(4), "the line walker has ended with lost");
+}
+
+TEST(RaceFault, OfAWalkerThatNeverArrivesLeadsToTheErrorAfterItsLimit) {
+  Rig rig;
+  rig.script.walker = [](Duration) { return std::string("State:WALKING"); };
+  rig.Command("START:S1_TO_S2");
+  ExpectError(rig, std::chrono::seconds(61), "has not reached the end within 60000 ms");
+}
+
+TEST(RaceFault, LeadsToTheStateThatAKeyNames) {
+  const CourseReading reading = ReadCourseText(
+      R"(
+start = "START"
+end = "END"
+error = "ERROR"
+stand = "stand"
+[movement.stand]
+motion = 111
+[state.START]
+number = 0
+next = "DRIVE"
+[state.DRIVE]
+number = 1
+steps = [{ move = "stand" }]
+on_fault = "REST"
+next = "END"
+[state.REST]
+number = 2
+next = "END"
+[state.END]
+number = 3
+[state.ERROR]
+number = 4
+)",
+      "small.toml");
+  ASSERT_TRUE(reading.course);
+  Rig rig(*reading.course);
+  rig.script.motion = [](std::int32_t) { return Error{3028, "it did not end"}; };
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunTo("END", std::chrono::seconds(5)));
+  EXPECT_THAT(rig.visited, ElementsAre("DRIVE", "REST", "END"));
+}
+
+TEST(RaceFault, IsLeftByAReset) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(1000));
+  rig.script.body_status = 8;
+  ASSERT_TRUE(rig.RunTo("ERROR", Milliseconds(500)));
+  rig.script.body_status = 0;
+  rig.Run(std::chrono::seconds(30));
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "ERROR");
+  rig.Command("RESET");
+  rig.Command("START");
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "START_TO_QRA");
+}
+
+}  // namespace musher::race::fault_test

@@ -1,0 +1,112 @@
+// Pauses: LowPower, Protected, an emergency stop. The race continues where it was.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/modules/race/race_rig.hpp"
+
+namespace musher::race::pause_test {
+
+using ::testing::ElementsAre;
+
+void PauseFor(Rig& rig, Duration time) {
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Run(time);
+  rig.race->Resume(rig.now);
+}
+
+TEST(Pause, EndsTheStreamAndContinuesWithTheRestAfterStandingUp) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(2000));
+  rig.race->Rest(rig.now);
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_EQ(rig.field.ends, 1);
+  rig.race->Rest(rig.now);  // idempotent
+  EXPECT_EQ(rig.field.ends, 1);
+  rig.machine->Pause();
+  rig.Run(std::chrono::minutes(10));
+  rig.race->Resume(rig.now);
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
+  EXPECT_THAT(rig.field.motions, ElementsAre(111, 111));
+  const int frames = rig.field.frames_of_stream[0] + rig.field.frames_of_stream[1];
+  EXPECT_GE(frames, 23 * 4);
+  EXPECT_LE(frames, 23 * 4 + 1);
+  EXPECT_TRUE(rig.RunTo("IN_A1"));
+}
+
+TEST(Pause, ClosesTheDetectorsAndStopsTheWalker) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  rig.Run(Milliseconds(500));
+  ASSERT_TRUE(rig.Wants("qr"));
+  rig.race->Rest(rig.now);
+  EXPECT_FALSE(rig.Wants("qr"));
+  rig.race->Resume(rig.now);
+  rig.Command("START:S1_TO_S2");
+  rig.Run(Milliseconds(2000));
+  PauseFor(rig, std::chrono::seconds(30));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+  ASSERT_TRUE(rig.RunTo("IN_S2"));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP", "START", "STOP"));
+}
+
+TEST(Pause, RepeatsAMotionThatFailedByIt) {
+  Rig rig;
+  rig.script.motion_replies = false;
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.motions.size() == 1; }));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.race->OnMotionDone(rig.field.calls.front(), Error{3003, "DeActive"}, rig.now);
+  rig.field.calls.clear();
+  rig.Run(std::chrono::seconds(5));
+  rig.script.motion_replies = true;
+  rig.race->Resume(rig.now);
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+  EXPECT_THAT(rig.field.motions, ElementsAre(111, 111));
+}
+
+TEST(Pause, OfALyingRobotDoesNotMakeItStand) {
+  Rig rig;
+  rig.script.speech_replies = false;
+  rig.Command("START:IN_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return !rig.field.spoken.empty(); }));
+  PauseFor(rig, std::chrono::seconds(5));
+  rig.Run(Milliseconds(2000));
+  EXPECT_THAT(rig.field.motions, ElementsAre(101));
+  EXPECT_THAT(rig.field.spoken, ElementsAre("已到达库位", "已到达库位"));
+}
+
+TEST(Pause, DoesNotCountTowardsALimit) {
+  Rig rig;
+  rig.Command("START:IN_QRB");
+  rig.Run(std::chrono::seconds(30));
+  PauseFor(rig, std::chrono::minutes(5));
+  rig.Run(std::chrono::seconds(25));
+  EXPECT_EQ(rig.state(), "IN_QRB");
+  EXPECT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(10)));
+}
+
+TEST(Pause, AcceptsResetAndStop) {
+  Rig rig;
+  rig.Command("START:IN_QRB");
+  rig.Run(std::chrono::seconds(1));
+  rig.race->Rest(rig.now);
+  rig.machine->Pause();
+  rig.Command("STOP");
+  EXPECT_EQ(rig.state(), "START");
+}
+
+TEST(Pause, OfTheMachineAtItsEndEndsTheStream) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(1000));
+  ASSERT_TRUE(rig.field.streaming);
+  EXPECT_TRUE(rig.machine->Stop());
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_EQ(rig.field.ends, 1);
+  EXPECT_FALSE(rig.Wants("right_lines"));
+}
+
+}  // namespace musher::race::pause_test

@@ -1,0 +1,325 @@
+// musher-race as a controller and an operator use it: the real program over DDS, with fakes of the
+// body, the voice, two detectors and the line walker.
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+
+#include "musher/base/unique_fd.hpp"
+#include "musher/messages/musher_msgs/sighting.hpp"
+#include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/stamp.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::race::race_process_test {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
+                                             "Active",   "DeActive", "Protected",
+                                             "LowPower", "OTA",      "Error"};
+
+constexpr const char* kCourse = R"(
+start = "START"
+end = "END"
+error = "ERROR"
+stand = "stand"
+[robot]
+self_check_ms = 2000
+record = "race.record"
+[detector.qr]
+topic = "/qr_detector/sighting"
+type = "sighting"
+[detector.lines]
+topic = "/yellow_line_detector/rgb"
+type = "lines"
+[movement.forward]
+motion = 303
+twist = [0.4, 0.0, 0.0]
+[movement.stand]
+motion = 111
+[movement.lie_down]
+motion = 101
+[result.qr_a]
+values = ["A-1", "A-2"]
+command = "SET_QR_A"
+shown = true
+[check.ahead]
+detector = "lines"
+word = "ycy"
+[wait.qr_a]
+detector = "qr"
+result = "qr_a"
+limit_ms = 20000
+otherwise = "ERROR"
+[walk.lane]
+command = "/yellow_line_walker/command"
+status = "/yellow_line_walker/status"
+otherwise = "ERROR"
+[speech.qr_a]
+result = "qr_a"
+texts."A-2" = { zh = "A区库位2", en = "Zone A, bay 2" }
+[state.START]
+number = 0
+next = "DRIVE"
+[state.DRIVE]
+number = 1
+steps = [{ move = "stand" }, { move = "forward", count = 3 }, { check = "ahead" }]
+next = "BOARD"
+[state.BOARD]
+number = 2
+steps = [{ wait = "qr_a" }, { say = "qr_a" }]
+next = "LANE"
+[state.LANE]
+number = 3
+steps = [{ walk = "lane" }]
+next = "END"
+[state.END]
+number = 45
+[state.ERROR]
+number = 46
+steps = [{ move = "lie_down" }]
+)";
+
+class RaceProcess : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    info_ = Subscribe("state_machine/state_info", [this](const std::string& text) {
+      infos_.push_back(text);
+      if (text.starts_with("State:")) states_.push_back(text);
+    });
+    walker_command_ = Subscribe("yellow_line_walker/command",
+                                [this](const std::string& text) { walker_.push_back(text); });
+    servo_ =
+        transport::MakeSubscription<msg::MotionServoCmd>(
+            peer_.node(), "motion_servo_cmd",
+            [this](const msg::MotionServoCmd& frame, const auto&) { frames_.push_back(frame); },
+            transport::Qos{.depth = 0})
+            .value();
+    command_ = Publisher<msg::String>("state_machine/start_command");
+    walker_status_ = Publisher<msg::String>("yellow_line_walker/status");
+    lines_ = Publisher<msg::YellowLines>("yellow_line_detector/rgb");
+    body_ = Publisher<msg::MotionStatus>("motion_status");
+    motion_ = transport::MakeServer<msg::MotionResultCmd>(
+                  peer_.node(), "motion_result_cmd",
+                  [this](const auto& request, const auto& reply, auto) {
+                    motions_.push_back(request.motion_id);
+                    msg::MotionResultCmd::Response done;
+                    done.motion_id = request.motion_id;
+                    done.result = motion_code_ == 0;
+                    done.code = motion_code_;
+                    reply(done);
+                  })
+                  .value();
+    speech_ = transport::MakeServer<msg::AudioTextPlay>(
+                  peer_.node(), "speech_text_play",
+                  [this](const auto& request, const auto& reply, auto) {
+                    EXPECT_TRUE(request.is_online);
+                    spoken_.push_back(request.text);
+                    reply({});
+                  })
+                  .value();
+    OpenQr();
+    turns_ = peer_.node().loop().Every(Milliseconds(100), [this] { Publish(); });
+  }
+  void OpenQr() { qr_ = Publisher<msg::Sighting>("qr_detector/sighting"); }
+
+  void StartActive() {
+    peer_.Start(kCourse);
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    ASSERT_TRUE(peer_.Until([&] {
+      return command_->MatchedReaders() == 1 && info_->MatchedWriters() == 1 &&
+             servo_->MatchedWriters() == 1 && walker_command_->MatchedWriters() == 1;
+    }));
+    ExpectDone("SelfCheck");
+    ExpectDone("Active");
+  }
+  void ExpectDone(const State& state) {
+    const auto done = peer_.Switch(state);
+    ASSERT_TRUE(done) << state;
+    EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictDone)
+        << state << ": " << done.value().message << peer_.Output();
+  }
+  void Command(const std::string& text) { ASSERT_TRUE(command_->Publish({text})); }
+  bool AwaitState(const std::string& text) {
+    return peer_.Until([&] { return std::ranges::find(states_, text) != states_.end(); });
+  }
+  int Ends() const {
+    return static_cast<int>(
+        std::ranges::count(frames_, msg::MotionServoCmd::kEnd, &msg::MotionServoCmd::cmd_type));
+  }
+  // Runs the program as a person does; its output is in output_.
+  int Run(const std::vector<std::string>& words) {
+    exec::ChildSpec spec;
+    spec.argv = {BinDir() + "/musher-race"};
+    spec.argv.insert(spec.argv.end(), words.begin(), words.end());
+    spec.cwd = peer_.folder().path();
+    const std::string output = peer_.folder() / "said";
+    const UniqueFd file(open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    exec::Child child = exec::Child::Start(spec, reaper_, file.get()).value();
+    const bool ended = peer_.Until([&] { return child.Ended(); });
+    std::ifstream stream(output);
+    output_ = {std::istreambuf_iterator<char>(stream), {}};
+    return ended ? child.Reap().number : -1000;
+  }
+
+  test::ActuatorPeer peer_{"race", kAllStates, "musher-race"};
+  const exec::Reaper reaper_ = exec::Reaper::Start().value();
+  std::string output_;
+  std::int32_t motion_code_ = 0;
+  std::string walker_says_ = "State:IDLE,Active:False";
+  std::vector<std::string> infos_;
+  std::vector<std::string> states_;
+  std::vector<std::string> walker_;
+  std::vector<std::string> spoken_;
+  std::vector<std::int32_t> motions_;
+  std::vector<msg::MotionServoCmd> frames_;
+  std::unique_ptr<transport::Publisher<msg::Sighting>> qr_;
+
+ private:
+  std::unique_ptr<transport::Subscription> Subscribe(const std::string& topic,
+                                                     std::function<void(const std::string&)> take) {
+    return transport::MakeSubscription<msg::String>(
+               peer_.node(), topic,
+               [take = std::move(take)](const msg::String& text, const auto&) { take(text.data); },
+               transport::Qos{.depth = 0})
+        .value();
+  }
+  template <msg::Message M>
+  std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
+    return transport::MakePublisher<M>(peer_.node(), topic).value();
+  }
+  void Publish() {
+    if (qr_) {
+      msg::Sighting sighting;
+      sighting.header.stamp = Stamp();
+      sighting.seen = true;
+      sighting.text = "A-2";
+      static_cast<void>(qr_->Publish(sighting));
+    }
+    msg::YellowLines lines;
+    lines.header.stamp = Stamp();
+    lines.contours = 2;
+    lines.ycy = lines.dy = lines.walk = "center";
+    static_cast<void>(lines_->Publish(lines));
+    const bool walks = !walker_.empty() && walker_.back() == "START";
+    static_cast<void>(walker_status_->Publish({walks ? walker_says_ : "State:IDLE,Active:False"}));
+    msg::MotionStatus body;
+    body.motion_id = msg::MotionId::kWalkUserTrot;
+    static_cast<void>(body_->Publish(body));
+  }
+  static msg::Stamp Stamp() {
+    return msg::ToStamp(std::chrono::system_clock::now().time_since_epoch());
+  }
+
+ protected:
+  std::unique_ptr<transport::Publisher<msg::String>> command_;
+  std::unique_ptr<transport::Publisher<msg::String>> walker_status_;
+  std::unique_ptr<transport::Publisher<msg::YellowLines>> lines_;
+  std::unique_ptr<transport::Publisher<msg::MotionStatus>> body_;
+  std::unique_ptr<transport::Server<msg::MotionResultCmd>> motion_;
+  std::unique_ptr<transport::Server<msg::AudioTextPlay>> speech_;
+  std::unique_ptr<transport::Subscription> info_;
+  std::unique_ptr<transport::Subscription> walker_command_;
+  std::unique_ptr<transport::Subscription> servo_;
+  transport::LoopHandlePtr turns_;
+};
+
+TEST_F(RaceProcess, RunsACourseToItsEndAndReplaysItsRecording) {
+  walker_says_ = "State:WALKING,Active:True";
+  StartActive();
+  ASSERT_TRUE(peer_.Until([&] { return qr_->MatchedReaders() == 0; }));  // not needed yet
+  Command("START");
+  ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
+  ASSERT_TRUE(peer_.Until([&] { return walker_.size() == 1; }));
+  ASSERT_TRUE(peer_.Until([&] { return qr_->MatchedReaders() == 0; }));  // not needed any more
+  const std::size_t count = infos_.size();
+  ASSERT_TRUE(peer_.Until([&] { return infos_.size() > count + 10; }));
+  walker_says_ = "State:IDLE,Active:False,End:course_end";
+  ASSERT_TRUE(AwaitState("State:45")) << peer_.Output();
+  ASSERT_TRUE(peer_.Until(
+      [&] { return infos_.back() == "CurrentState:45,QRResult:A-2,TaskCompleted:True"; }));
+  EXPECT_THAT(walker_, ElementsAre("START", "STOP"));
+  EXPECT_THAT(motions_, ElementsAre(111));
+  EXPECT_THAT(spoken_, ElementsAre("A区库位2"));
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_EQ(frames_.back().cmd_type, msg::MotionServoCmd::kEnd);
+  EXPECT_EQ(frames_.front().cmd_type, msg::MotionServoCmd::kData);
+  EXPECT_EQ(frames_.front().motion_id, 303);
+  EXPECT_EQ(frames_.front().cmd_source, msg::MotionSource::kAlgo);
+  EXPECT_THAT(frames_.front().vel_des, ElementsAre(0.4F, 0.0F, 0.0F));
+  EXPECT_THAT(frames_.front().step_height, ElementsAre(0.05F, 0.05F));
+  ExpectDone("TearDown");
+  ASSERT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  EXPECT_EQ(Run({"replay", "race.record", "race.toml"}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("LANE -> END"));
+  EXPECT_THAT(output_, HasSubstr("identical"));
+}
+
+TEST_F(RaceProcess, PausesInLowPowerAndContinuesInActive) {
+  walker_says_ = "State:WALKING,Active:True";
+  StartActive();
+  Command("START:LANE");
+  ASSERT_TRUE(peer_.Until([&] { return walker_.size() == 1; })) << peer_.Output();
+  ExpectDone("LowPower");
+  ASSERT_TRUE(peer_.Until([&] { return walker_.size() == 2; }));
+  EXPECT_EQ(walker_.back(), "STOP");
+  ExpectDone("Active");
+  ASSERT_TRUE(peer_.Until([&] { return walker_.size() == 3; }));
+  EXPECT_EQ(walker_.back(), "START");
+}
+
+TEST_F(RaceProcess, GoesToErrorWithTheReasonWhenAMotionFails) {
+  motion_code_ = 3035;
+  StartActive();
+  Command("START");
+  ASSERT_TRUE(AwaitState("State:46")) << peer_.Output();
+  ASSERT_TRUE(peer_.Until([&] {
+    return infos_.back().find("Reason:DRIVE: the motion stand (111) failed: 3035") !=
+           std::string::npos;
+  })) << infos_.back();
+  ASSERT_TRUE(peer_.Until([&] { return motions_.size() == 2; }));
+  EXPECT_THAT(motions_, ElementsAre(111, 101));
+}
+
+TEST_F(RaceProcess, FailsItsSelfCheckWithTheDetectorThatIsMissing) {
+  qr_.reset();
+  peer_.Start(kCourse);
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  const auto done = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(done);
+  EXPECT_NE(done.value().verdict, msg::ActuatorCommand::kVerdictDone);
+  EXPECT_THAT(done.value().message, HasSubstr("cameras: no publisher of /qr_detector/sighting"));
+  OpenQr();
+  ExpectDone("SelfCheck");
+}
+
+TEST_F(RaceProcess, TakesCommandsOfItsTool) {
+  StartActive();
+  EXPECT_EQ(Run({"tell", "SET_QR_A:A-1"}), 0) << output_;
+  EXPECT_EQ(Run({"tell", "command", "START:BOARD", "--json"}), 0) << output_;
+  EXPECT_EQ(output_, "{\"told\": true}\n");
+  ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
+  EXPECT_THAT(infos_, Contains(HasSubstr("QRResult:A-1")));
+  EXPECT_EQ(Run({"tell"}), 2);
+}
+
+TEST_F(RaceProcess, ChecksACourse) {
+  EXPECT_EQ(Run({"check", SourceDir() + "/config/race/course.toml"}), 0);
+  EXPECT_THAT(output_, HasSubstr("42 states"));
+  EXPECT_EQ(Run({"check", SourceDir() + "/test/modules/race/courses/stuck.toml"}), 2);
+  EXPECT_THAT(output_, HasSubstr("stuck.toml:24:8: error: state.FORK: has no way in the case"));
+  EXPECT_EQ(Run({"check"}), 2);
+}
+
+}  // namespace musher::race::race_process_test

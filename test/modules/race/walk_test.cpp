@@ -1,0 +1,284 @@
+// Movements: servo streams in steps, remainders, corrections, walks until a sight.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/modules/race/race_rig.hpp"
+
+namespace musher::race::walk_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr int kFramesOfAStep = 4;  // 200 ms at 20 Hz
+
+TEST(Walk, OfTwelveStepsHas48FramesAndOneEnd) {
+  Rig rig;
+  rig.Command("START");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  EXPECT_THAT(rig.field.motions, ElementsAre(111));
+  EXPECT_THAT(rig.field.frames_of_stream, ElementsAre(12 * kFramesOfAStep));
+  const ServoFrame& frame = rig.field.frames.front();
+  EXPECT_EQ(frame.motion_id, 303);
+  EXPECT_EQ(frame.twist, (Twist{0.4, 0, 0}));
+  EXPECT_THAT(frame.step_height_m, ElementsAre(0.05, 0.05));
+  EXPECT_TRUE(rig.field.frames.back().end);
+}
+
+TEST(Walk, LastsAsLongAtAnUnevenPace) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+  const Time begin = rig.now;
+  const std::vector<int> steps_ms = {50, 51, 90, 10};
+  for (std::size_t i = 0; rig.field.ends == 0 && i < 1000; ++i) {
+    rig.now += Milliseconds(steps_ms[i % steps_ms.size()]);
+    rig.race->OnBody(0, 303, rig.now);
+    rig.machine->RunOnce(rig.now);
+  }
+  EXPECT_GE(rig.now - begin, 23 * Milliseconds(200));
+  EXPECT_LE(rig.now - begin, 23 * Milliseconds(200) + Milliseconds(90));
+}
+
+TEST(Walk, OfALyingRobotBeginsWhenItStands) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(300));
+  EXPECT_THAT(rig.field.motions, ElementsAre(111));
+  EXPECT_FALSE(rig.field.streaming);
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  EXPECT_THAT(rig.field.frames_of_stream, ElementsAre(23 * kFramesOfAStep));
+}
+
+TEST(Walk, OfL1IsSlowAndLow) {
+  Rig rig;
+  rig.Command("START:IN_L1");
+  ASSERT_TRUE(rig.RunTo("L1_TO_QRB"));
+  EXPECT_EQ(rig.field.frames_of_stream.front(), 10 * kFramesOfAStep);
+  EXPECT_EQ(rig.field.frames.front().twist, (Twist{0.2, 0, 0}));
+  EXPECT_THAT(rig.field.frames.front().step_height_m, ElementsAre(0.03, 0.03));
+}
+
+TEST(Walk, UntilTheBarrierIsAtTheTopStoresItsStepsForTheRemainder) {
+  Rig rig;
+  rig.script.sight = [&](const std::string& detector) -> Sighting {
+    const bool top = rig.field.streaming && rig.field.frames_of_stream.back() >= 120;
+    return {true, 1, detector == "barrier" && top ? "top" : "seen", ""};
+  };
+  rig.Command("SET_ARROW:left");
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_L1"));
+  EXPECT_TRUE(rig.field.Logged("S2_TO_L1: barrier after 30 steps"));
+  ASSERT_TRUE(rig.RunTo("L1_TO_QRB"));
+  rig.Tick(2);
+  const int before = rig.field.streams;
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == before; }));
+  EXPECT_EQ(rig.field.frames_of_stream[before - 1], 70 * kFramesOfAStep);
+}
+
+TEST(Walk, UntilABarrierThatIsNotFoundEndsAfter100StepsAndSaysSo) {
+  Rig rig;
+  rig.Command("START:S2_TO_L1");
+  ASSERT_TRUE(rig.RunTo("IN_L1"));
+  EXPECT_TRUE(rig.field.Logged("no barrier within 100 steps; it continues"));
+  EXPECT_EQ(rig.field.frames_of_stream.back(), 100 * kFramesOfAStep);
+  // 100 - 100: no step is left, which stalls nothing.
+  ASSERT_TRUE(rig.RunTo("IN_QRB"));
+  EXPECT_TRUE(rig.field.Logged("L1_TO_QRB: forward 100 - 100: no step is left"));
+}
+
+TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
+  Rig rig;
+  rig.script.cameras = false;
+  rig.Command("START:B2_TO_R1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("marker"); }));
+  const Index marker = FindByName(rig.course_.detectors, "marker").value();
+  rig.race->OnSighting(marker, {false, 0, "disappeared", ""}, rig.now - std::chrono::seconds(9),
+                       rig.now);
+  rig.Tick(2);
+  EXPECT_EQ(rig.state(), "B2_TO_R1");
+  rig.race->OnSighting(marker, {false, 0, "disappeared", ""}, rig.now, rig.now);
+  ASSERT_TRUE(rig.RunTo("IN_R1", Milliseconds(2000)));
+}
+
+TEST(Walk, AheadIsShorterByTheStepsOfTheRetriesAtTheBoard) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  rig.Run(std::chrono::seconds(46));  // two limits of 20 s, with a retry after each
+  rig.script.sight = [](const std::string&) { return Text("A-1"); };
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A1"));
+  EXPECT_TRUE(rig.field.Logged("no qr_a within 20000 ms, retry 2 of 5"));
+  EXPECT_THAT(rig.field.frames_of_stream, ElementsAre(2 * kFramesOfAStep, 2 * kFramesOfAStep));
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 3; }));
+  EXPECT_EQ(rig.field.frames_of_stream.back(), (23 - 4) * kFramesOfAStep);
+}
+
+// A course's state of one walk ahead and one check.
+class Checked : public Rig {
+ public:
+  Checked(const char* state, const char* detector, LineWord word, bool dy = false) {
+    script.lines = [this, detector = std::string(detector), word, dy](const std::string& seen) {
+      if (seen != detector || corrected >= wrong)
+        return Lines{2, LineWord::kCenter, LineWord::kCenter};
+      return dy ? Lines{1, LineWord::kCenter, word} : Lines{2, word, LineWord::kCenter};
+    };
+    Command("START:" + std::string(state));
+  }
+  // The frames of the walk after the first one that the check makes.
+  Twist Correction() {
+    EXPECT_TRUE(RunUntil([&] { return field.Logged("correction 1"); }));
+    EXPECT_TRUE(RunUntil([&] { return field.streaming; }));
+    return field.frames.back().twist;
+  }
+  int wrong = 1;
+  int corrected = 0;
+};
+
+TEST(Check, CorrectsByTheMovementBefore) {
+  const Twist forward{0.4, 0, 0};
+  const Twist backward{-0.3, 0, 0};
+  const Twist left{0, 0.3, 0};
+  const Twist right{0, -0.3, 0};
+  const Twist turn_left{0, 0, 0.9};
+  const Twist turn_right{0, 0, -0.9};
+  const auto correction = [](const char* state, const char* detector, LineWord word,
+                             bool dy = false) {
+    return Checked(state, detector, word, dy).Correction();
+  };
+  using W = LineWord;
+  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kLeft), backward);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kRight), forward);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kLeft), forward);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kRight), backward);
+  EXPECT_EQ(correction("QRB_TO_B1", "front_lines", W::kLeft), right);
+  EXPECT_EQ(correction("QRB_TO_B1", "front_lines", W::kRight), left);
+  EXPECT_EQ(correction("B1_TO_L1", "front_lines", W::kLeft), turn_right);
+  EXPECT_EQ(correction("B1_TO_L1", "front_lines", W::kRight), turn_left);
+  EXPECT_EQ(correction("A1_TO_S1", "right_lines", W::kLeft), turn_right);
+  EXPECT_EQ(correction("QRA_TO_A1", "front_lines", W::kFront, true), forward);
+  EXPECT_EQ(correction("QRA_TO_A1", "front_lines", W::kBack, true), backward);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kFront, true), right);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kBack, true), left);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kFront, true), left);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kBack, true), right);
+}
+
+TEST(Check, CorrectsThreeTimesAtMostAndThenContinues) {
+  Rig rig;
+  rig.script.lines = [](const std::string& detector) {
+    return Lines{2, detector == "right_lines" ? LineWord::kLeft : LineWord::kCenter,
+                 LineWord::kCenter};
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunTo("IN_A1"));
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: left after 3 corrections; it continues"));
+  EXPECT_FALSE(rig.field.Logged("correction 4"));
+  EXPECT_EQ(rig.field.streams, 3 + 3);
+}
+
+TEST(Check, NeedsAPictureThatIsHalfASecondNewerThanTheMovement) {
+  Rig rig;
+  rig.script.cameras = false;
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  const Time end = rig.now;
+  const Index lines = FindByName(rig.course_.detectors, "right_lines").value();
+  rig.Run(Milliseconds(1000));
+  rig.race->OnLines(lines, 2, "left", "center", end + Milliseconds(499), rig.now);
+  rig.Tick();
+  EXPECT_FALSE(rig.field.Logged("correction"));
+  rig.race->OnLines(lines, 2, "left", "center", end + Milliseconds(500), rig.now);
+  rig.Tick();
+  EXPECT_TRUE(rig.field.Logged("QRA_TO_A1: check right_ycy: left, correction 1: backward 2"));
+}
+
+TEST(Check, ContinuesWithoutALineAfterItsLimitAndSaysSo) {
+  Rig rig;
+  rig.script.lines = [](const std::string&) {
+    return Lines{0, LineWord::kCenter, LineWord::kCenter};
+  };
+  rig.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
+  const Time end = rig.now;
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streams == 2; }));
+  EXPECT_GE(rig.now - end, Milliseconds(3500));
+  EXPECT_LE(rig.now - end, Milliseconds(3700));
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture with a line within 3000 ms"));
+}
+
+TEST(Check, OpensItsDetectorShortlyBeforeTheMovementEndsAndClosesItAfterwards) {
+  Rig rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(1000));
+  EXPECT_FALSE(rig.Wants("right_lines"));
+  rig.Run(Milliseconds(2500));
+  EXPECT_TRUE(rig.Wants("right_lines"));
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streams == 2; }));
+  rig.Run(Milliseconds(500));
+  EXPECT_FALSE(rig.Wants("right_lines"));
+  EXPECT_FALSE(rig.Wants("qr"));
+}
+
+TEST(Wait, TakesTheDefaultAfterAllRetries) {
+  Rig rig;
+  rig.Command("START:IN_QR_A");
+  ASSERT_TRUE(rig.RunTo("QRA_TO_A1"));
+  EXPECT_TRUE(rig.field.Logged("no qr_a within 20000 ms: its default A-1"));
+  EXPECT_EQ(rig.field.streams, 5);
+  EXPECT_THAT(rig.race->InfoText(), HasSubstr("QRResult:A-1"));
+}
+
+TEST(Wait, TakesTheDefaultsOfBayAndArrow) {
+  Rig rig;
+  rig.Command("START:IN_QRB");
+  ASSERT_TRUE(rig.RunTo("QRB_TO_B1", std::chrono::seconds(65)));
+  rig.Command("START:IN_S2");
+  ASSERT_TRUE(rig.RunTo("S2_TO_R1", std::chrono::seconds(20)));
+}
+
+TEST(Wait, IgnoresATextThatIsNoneOfItsValues) {
+  Rig rig;
+  rig.script.sight = [](const std::string&) { return Text("B-2"); };
+  rig.Command("START:IN_QR_A");
+  rig.Run(std::chrono::seconds(10));
+  EXPECT_EQ(rig.state(), "IN_QR_A");
+}
+
+TEST(Lane, EndsWithStopAtTheEndOfItsCourse) {
+  Rig rig;
+  rig.Command("START:S1_TO_S2");
+  ASSERT_TRUE(rig.RunTo("IN_S2"));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
+TEST(Lane, IgnoresTheEndOfAnEarlierWalk) {
+  Rig rig;
+  bool fresh = false;
+  rig.script.walker = [&](Duration walked) -> std::string {
+    if (walked > Milliseconds(500)) fresh = true;
+    return walked < Milliseconds(3000) && fresh ? "State:WALKING" : "State:IDLE,End:course_end";
+  };
+  rig.Command("START:S1_TO_S2");
+  rig.Run(Milliseconds(2500));
+  EXPECT_EQ(rig.state(), "S1_TO_S2");
+  ASSERT_TRUE(rig.RunTo("IN_S2", Milliseconds(2000)));
+}
+
+TEST(Speech, OfTheCountdownTakesFiveSeconds) {
+  Rig rig;
+  rig.Command("START:IN_R1");
+  const Time begin = rig.now;
+  ASSERT_TRUE(rig.RunTo("R1_TO_QRB"));
+  EXPECT_THAT(rig.field.spoken, ElementsAre("五", "四", "三", "二", "一"));
+  EXPECT_GE(rig.now - begin, Milliseconds(5000));
+  EXPECT_LE(rig.now - begin, Milliseconds(5300));
+}
+
+TEST(Speech, ThatIsNotAnsweredEndsAtItsLimit) {
+  Rig rig;
+  rig.script.speech_replies = false;
+  rig.Command("START:IN_R1");
+  ASSERT_TRUE(rig.RunTo("R1_TO_QRB", Milliseconds(11'000)));
+  EXPECT_TRUE(rig.field.Logged("the speech countdown has not ended within its limit"));
+}
+
+}  // namespace musher::race::walk_test
