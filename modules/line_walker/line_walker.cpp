@@ -38,9 +38,9 @@ double Along(const Pose& line, const Pose& pose) {
 }  // namespace
 
 CameraSet::CameraSet() {
-  left = {true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI};
-  right = {true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI};
-  front = {false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree};
+  left = {true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI, 0.6};
+  right = {true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI, 0.6};
+  front = {false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree, 0.6};
 }
 
 std::string_view NameOf(End end) {
@@ -67,7 +67,8 @@ bool LineWalker::Start(Time now) {
   left_ = {};
   right_ = {};
   end_line_.reset();
-  end_pictures_ = 0;
+  end_share_ = 0;
+  beyond_ = false;
   refused_since_.reset();
   state_ = State::kAdjusting;
   started_at_ = now;
@@ -97,7 +98,8 @@ void LineWalker::OnOdometry(const msg::Odometry& odometry, Time now) {
   if (taken == OdometryTrack::Taken::kGood) return;
   lane_.Forget();
   end_line_.reset();
-  end_pictures_ = 0;
+  end_share_ = 0;
+  beyond_ = false;
 }
 
 void LineWalker::OnLines(View view, const msg::YellowLines& lines, Time now) {
@@ -116,16 +118,22 @@ void LineWalker::OnSide(Side side, const msg::YellowLines& lines, Time now) {
   const bool left = side == Side::kLeft;
   Sight& sight = left ? left_ : right_;
   sight.picture_at = now;
-  if (track_.empty()) return;
+  if (track_.empty() || beyond_) return;
   const CameraSet& cameras = rules_.cameras;
-  const auto points = EdgeOnGround(left ? cameras.left : cameras.right, cameras.trunk_height_m,
-                                   cameras.farthest_m, lines, kSidePoints);
+  const MountedCamera& camera = left ? cameras.left : cameras.right;
+  const auto points =
+      EdgeOnGround(camera, cameras.trunk_height_m, cameras.farthest_m, lines, kSidePoints);
   const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
   const double curvature = lane_.known() ? lane_.At(pose).curvature_per_m : 0;
   const auto line = FitSideLine(points, side, rules_.fit, curvature);
   if (!line) return;
   const bool alone = !Seen(left ? right_ : left_, now);
-  if (lane_.See(pose, *line, side, alone)) sight.line_at = now;
+  if (!lane_.See(pose, *line, side, alone)) return;
+  sight.line_at = now;
+  SeeEnd(pose,
+         FindSideEnd(points, *line, side, camera, cameras.trunk_height_m, rules_.lane.width_m,
+                     rules_.end),
+         rules_.side_pictures);
 }
 
 void LineWalker::OnFront(const msg::YellowLines& lines) {
@@ -134,16 +142,19 @@ void LineWalker::OnFront(const msg::YellowLines& lines) {
   const auto points =
       EdgeOnGround(cameras.front, cameras.trunk_height_m, cameras.farthest_m, lines, kFrontPoints);
   const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
-  const auto found = FindEndLine(points, -lane_.At(pose).heading_rad, rules_.end);
-  const bool counts = end_pictures_ >= rules_.end_pictures;
+  SeeEnd(pose, FindEndLine(points, -lane_.At(pose).heading_rad, rules_.end), rules_.end_pictures);
+}
+
+void LineWalker::SeeEnd(const Pose& pose, const std::optional<EndLine>& found, int pictures) {
+  if (end_known()) return;  // the rest is odometry
+  const double share = 1.0 / pictures;
   if (!found) {
-    if (!counts) end_pictures_ = 0;
+    end_share_ = std::max(0.0, end_share_ - share / 2);
     return;
   }
   const Pose line = InFrameOf(pose, found->middle, found->heading_rad);
   const bool same = end_line_ && std::abs(Along(*end_line_, line)) <= rules_.end_jump_m;
-  if (counts && !same) return;
-  end_pictures_ = same ? std::min(end_pictures_ + 1, rules_.end_pictures) : 1;
+  end_share_ = same ? end_share_ + share : share;
   end_line_ = line;
 }
 
@@ -176,7 +187,7 @@ std::optional<InLane> LineWalker::in_lane() const {
 }
 
 std::optional<double> LineWalker::to_end_m() const {
-  if (end_pictures_ < rules_.end_pictures || track_.empty()) return std::nullopt;
+  if (!end_known() || track_.empty()) return std::nullopt;
   return Along(*end_line_, track_.pose());
 }
 
@@ -195,7 +206,7 @@ void LineWalker::CheckEnds(Time now) {
   }
   if (const auto to_end = to_end_m()) {
     if (*to_end > rules_.end_gap_m) return;  // by odometry, also where the lines have ended
-    return Finish(End::kCourseEnd, "the end line is reached", now);
+    return Finish(End::kCourseEnd, "the end of the lane is reached", now);
   }
   if (waiting) return;
   if (!ImagesReady(now)) {
@@ -229,10 +240,11 @@ std::optional<LineWalker::Step> LineWalker::Tick(Time now) {
 }
 
 Velocity LineWalker::Command(Time now) {
+  const auto to_end = to_end_m();
+  if (to_end && *to_end <= 0 && !std::exchange(beyond_, true)) lane_.Straighten(track_.pose());
   const Pose then = Moved(track_.pose(), track_.velocity(), Seconds(rules_.lead));
   const InLane in_lane = lane_.At(then);
   const bool seen = Seen(left_, now) || Seen(right_, now);
-  const auto to_end = to_end_m();
   double at_most = seen || to_end ? rules_.steering.forward_m_s : rules_.lost_m_s;
   if (to_end) {
     const double gap = std::max(0.0, *to_end - rules_.end_gap_m);

@@ -58,12 +58,13 @@ struct WalkRules {
   Duration lost = Milliseconds(2000);          // without both lines, after `fresh`
   double lost_m_s = 0.15;                      // at most, meanwhile
   Duration time_limit = Milliseconds(60000);   // of a walk
-  double end_gap_m = 0.45;                     // from the body's middle to the end line at the end
-  int end_pictures = 2;                        // that show the end line, before it counts
-  double end_jump_m = 0.15;                    // at most between them
-  Duration refused = Milliseconds(500);        // motion refuses for so long
-  double adjust_m = 0.08;                      // ADJUSTING beside the middle by more
-  double adjust_rad = kDegree * 12;            // or turned by more
+  double end_gap_m = -0.5;   // from the body's middle to the lane's end; less than 0: beyond it
+  int end_pictures = 2;      // of the front camera that show the end line, before it counts
+  int side_pictures = 6;     // of the side cameras that show the end of a line, before it counts
+  double end_jump_m = 0.15;  // at most between them
+  Duration refused = Milliseconds(500);  // motion refuses for so long
+  double adjust_m = 0.08;                // ADJUSTING beside the middle by more
+  double adjust_rad = kDegree * 12;      // or turned by more
 };
 
 // Why a walk has ended.
@@ -112,7 +113,7 @@ class LineWalker {
   const std::string& reason() const { return reason_; }
   // As of the newest odometry; nothing before a line is seen.
   std::optional<InLane> in_lane() const;
-  // Metres from the body's middle to the end line; nothing before it is seen.
+  // Metres from the body's middle to the lane's end; nothing before it is known.
   std::optional<double> to_end_m() const;
   bool ImagesReady(Time now) const;
   Duration Runtime(Time now) const;
@@ -127,6 +128,10 @@ class LineWalker {
 
   void OnSide(Side side, const msg::YellowLines& lines, Time now);
   void OnFront(const msg::YellowLines& lines);
+  // A picture taken at `pose` shows the end there, or nothing of it. `pictures`: that make it
+  // count.
+  void SeeEnd(const Pose& pose, const std::optional<EndLine>& found, int pictures);
+  bool end_known() const { return end_line_ && end_share_ >= 1; }
   bool Seen(const Sight& sight, Time now) const;
   bool Within(const std::optional<Time>& at, Duration time, Time now) const;
   std::optional<Step> EndFrame();
@@ -142,7 +147,8 @@ class LineWalker {
   Sight left_;
   Sight right_;
   std::optional<Pose> end_line_;  // in the odometry's frame; yaw: of the lane that ends there
-  int end_pictures_ = 0;
+  double end_share_ = 0;          // of the pictures that the end line needs; from 1 on it counts
+  bool beyond_ = false;           // the end is passed
   std::optional<Time> refused_since_;
   std::int32_t refused_code_ = 0;
   State state_ = State::kIdle;

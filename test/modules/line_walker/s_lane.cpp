@@ -11,8 +11,9 @@ namespace musher::line_walker {
 namespace {
 
 constexpr Duration kStep = Milliseconds(10);
-constexpr double kMost_m = 1.6;  // lines farther away are not detected
-constexpr int kPeriods = 10;     // steps of 10 ms between pictures
+constexpr double kMost_m = 1.6;   // lines farther away are not detected
+constexpr double kColumn_px = 3;  // half of what counts as one column
+constexpr int kPeriods = 10;      // steps of 10 ms between pictures
 
 Pose Arc(const Pose& from, double along_m, double radius_m) {
   const double turned = along_m / radius_m;
@@ -194,16 +195,24 @@ msg::YellowLines SLaneRun::Picture(View view) {
   };
   const double from = place().along_m;
   const double to = std::min(from + kMost_m, lane.length_m());
-  for (double along = std::max(-0.8, from - kMost_m); along <= to; along += 0.015) {
+  for (double along = std::max(-0.8, from - kMost_m); along <= to; along += 0.008) {
     if (view != View::kRight) see(lane.LinePoint(along, lane.width_m / 2));
     if (view != View::kLeft) see(lane.LinePoint(along, -lane.width_m / 2));
   }
   if (has_end_line && from + kMost_m > lane.length_m()) {
-    for (double left = -0.4; left <= 0.4; left += 0.01) see(lane.LinePoint(to, left));
+    for (double left = -0.4; left <= 0.4; left += 0.005) see(lane.LinePoint(to, left));
+  }
+  for (double left = 0.52; left <= 1.6 && has_lines_beside; left += 0.01) {
+    see(lane.LinePoint(lane.length_m() + 0.07, left));
+    see(lane.LinePoint(lane.length_m() + 0.07, -left));
   }
   std::map<int, std::array<double, 2>> lowest;
+  const int columns = simulation.edge_columns;
   for (const auto& share : seen) {
-    const auto [found, added] = lowest.emplace(int(share[0] * 320), share);
+    const int column = std::min(columns - 1, int(share[0] * columns));
+    const double aside_px = std::abs(share[0] - (column + 0.5) / columns) * camera.width_px;
+    if (share[1] < simulation.region_top || aside_px > kColumn_px) continue;
+    const auto [found, added] = lowest.emplace(column, share);
     if (!added && share[1] > found->second[1]) found->second = share;
   }
   msg::YellowLines lines;

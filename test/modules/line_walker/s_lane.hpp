@@ -62,6 +62,9 @@ struct SimulationRules {
   double attitude_rad = 0.012;  // standard deviation of roll and pitch in a picture
   double pixel_noise = 1;       // standard deviation
   Duration picture_delay = Milliseconds(150);
+  // Of the detectors, as modules/vision has them by default.
+  double region_top = 0.6;
+  int edge_columns = 24;
   double odometry_scale = 1.01;
   double odometry_drift = 0.01;  // rad for each metre
 };
@@ -74,6 +77,7 @@ class SLaneRun {
   // What a camera shows now; changed by a test.
   std::function<void(View, msg::YellowLines&)> spoil;
   bool has_end_line = true;
+  bool has_lines_beside = false;  // at the end, from 0.54 m beside the middle on, 0.1 m beyond
   SimulationRules simulation;
 
   void RunFor(Duration time);
@@ -82,6 +86,7 @@ class SLaneRun {
 
   Time now() const { return now_; }
   SLane::Place place() const { return lane.PlaceOf(body_); }
+  const Pose& body() const { return body_; }
   double rms_m() const { return std::sqrt(squares_ / std::max(1, samples_)); }
   double max_m() const { return max_m_; }
   double max_later_m() const { return max_later_m_; }  // after the first 0.8 m

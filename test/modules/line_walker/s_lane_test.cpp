@@ -17,6 +17,13 @@ int EndFrames(const SLaneRun& run) {
   return ends;
 }
 
+// Ends before a line across the lane.
+WalkRules BeforeTheLine() {
+  WalkRules rules;
+  rules.end_gap_m = 0.45;
+  return rules;
+}
+
 struct Start {
   double left_m;
   double heading_rad;
@@ -30,7 +37,7 @@ struct Worst {
   double max_m = 0;
   double later_m = 0;
   double least_gap_m = 9;
-  double most_gap_m = 0;
+  double most_gap_m = -9;
 
   void Add(SLaneRun& run) {
     ASSERT_EQ(run.walker.end(), End::kCourseEnd) << run.walker.reason();
@@ -54,7 +61,7 @@ TEST(SLaneWalk, StaysInTheMiddleAndEndsBeforeTheEndLine) {
   Worst worst;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(seed);
-    SLaneRun run(seed, 0, 0);
+    SLaneRun run(seed, 0, 0, BeforeTheLine());
     run.RunToEnd();
     worst.Add(run);
   }
@@ -62,7 +69,7 @@ TEST(SLaneWalk, StaysInTheMiddleAndEndsBeforeTheEndLine) {
   EXPECT_LT(worst.rms_m, 0.02);
   EXPECT_LT(worst.max_m, 0.05);
   EXPECT_GT(worst.least_gap_m, 0.3);
-  EXPECT_LT(worst.most_gap_m, 0.5);
+  EXPECT_LT(worst.most_gap_m, 0.56);
 }
 
 TEST(SLaneWalk, ReturnsToTheMiddleFromTenCentimetresAndEightDegreesBeside) {
@@ -70,7 +77,7 @@ TEST(SLaneWalk, ReturnsToTheMiddleFromTenCentimetresAndEightDegreesBeside) {
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(seed);
     const Start& start = kStarts[seed % kStarts.size()];
-    SLaneRun run(seed, start.left_m, start.heading_rad);
+    SLaneRun run(seed, start.left_m, start.heading_rad, BeforeTheLine());
     run.RunToEnd();
     worst.Add(run);
   }
@@ -79,7 +86,7 @@ TEST(SLaneWalk, ReturnsToTheMiddleFromTenCentimetresAndEightDegreesBeside) {
   EXPECT_LT(worst.max_m, 0.13);
   EXPECT_LT(worst.later_m, 0.05);
   EXPECT_GT(worst.least_gap_m, 0.3);
-  EXPECT_LT(worst.most_gap_m, 0.5);
+  EXPECT_LT(worst.most_gap_m, 0.56);
 }
 
 // What is not usual: a line is missing, pictures are missing, STOP.
@@ -88,7 +95,7 @@ TEST(SLaneWalk, ContinuesByOneLineWhileTheOtherIsMissingForASecond) {
     Worst worst;
     for (unsigned seed = 1; seed <= 4; ++seed) {
       SCOPED_TRACE(seed);
-      SLaneRun run(seed, 0, 0);
+      SLaneRun run(seed, 0, 0, BeforeTheLine());
       run.RunFor(Milliseconds(3000));
       run.spoil = [&](View view, msg::YellowLines& lines) {
         if (view == missing) lines = {};
@@ -108,7 +115,7 @@ TEST(SLaneWalk, WalksByOneLineAlone) {
     Worst worst;
     for (unsigned seed = 1; seed <= 4; ++seed) {
       SCOPED_TRACE(seed);
-      SLaneRun run(seed, 0, 0);
+      SLaneRun run(seed, 0, 0, BeforeTheLine());
       run.spoil = [&](View view, msg::YellowLines& lines) {
         if (view == missing) lines = {};
       };
@@ -121,7 +128,7 @@ TEST(SLaneWalk, WalksByOneLineAlone) {
 }
 
 TEST(SLaneWalk, ContinuesByOdometryForASecondWithoutLinesAndSlowly) {
-  SLaneRun run(3, 0, 0);
+  SLaneRun run(3, 0, 0, BeforeTheLine());
   run.RunFor(Milliseconds(3000));
   run.spoil = [](View, msg::YellowLines& lines) { lines.edge_x.clear(); };
   run.RunFor(Milliseconds(1200));
@@ -134,7 +141,7 @@ TEST(SLaneWalk, ContinuesByOdometryForASecondWithoutLinesAndSlowly) {
 }
 
 TEST(SLaneWalk, EndsLostWithoutBothLines) {
-  SLaneRun run(4, 0, 0);
+  SLaneRun run(4, 0, 0, BeforeTheLine());
   run.RunFor(Milliseconds(3000));
   const Time lost = run.now();
   run.spoil = [](View, msg::YellowLines& lines) { lines.edge_x.clear(); };
@@ -149,7 +156,7 @@ TEST(SLaneWalk, IsNotDisturbedByNaNAndStrayPoints) {
   Worst worst;
   for (unsigned seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(seed);
-    SLaneRun run(seed, 0, 0);
+    SLaneRun run(seed, 0, 0, BeforeTheLine());
     run.spoil = [](View view, msg::YellowLines& lines) {
       const float nan = std::numeric_limits<float>::quiet_NaN();
       for (std::size_t i = 0; i < lines.edge_x.size(); i += 4) lines.edge_x[i] = nan;
@@ -166,7 +173,7 @@ TEST(SLaneWalk, IsNotDisturbedByNaNAndStrayPoints) {
 }
 
 TEST(SLaneWalk, StopsInTheMiddleByOneEndFrame) {
-  SLaneRun run(5, 0, 0);
+  SLaneRun run(5, 0, 0, BeforeTheLine());
   run.RunFor(Milliseconds(4000));
   run.walker.Stop(run.now());
   const SLane::Place at = run.place();
@@ -177,15 +184,21 @@ TEST(SLaneWalk, StopsInTheMiddleByOneEndFrame) {
   EXPECT_LT(run.place().along_m - at.along_m, 0.12);
 }
 
-TEST(SLaneWalk, DoesNotTakeASideOfTheLaneForItsEnd) {
-  WalkRules rules;
-  for (unsigned seed = 1; seed <= 4; ++seed) {
-    SLaneRun run(seed, 0.05, 0, rules);
+TEST(SLaneWalk, EndsBeyondALaneThatIsOpenAtItsEnd) {
+  Worst worst;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(seed);
+    SLaneRun run(seed, 0.05, 0, WalkRules());
     run.has_end_line = false;
+    run.has_lines_beside = true;
     run.RunToEnd();
-    EXPECT_EQ(run.walker.end(), End::kLost) << run.walker.reason();
-    EXPECT_GT(run.place().along_m, run.lane.length_m() - 0.3);
+    worst.Add(run);
+    EXPECT_NEAR(run.body().yaw_rad, run.lane.At(9).yaw_rad, 0.12);
   }
+  worst.Print("an open lane");
+  EXPECT_LT(worst.max_m, 0.1);
+  EXPECT_GT(worst.least_gap_m, -0.65);
+  EXPECT_LT(worst.most_gap_m, -0.4);
 }
 
 TEST(SLaneWalk, EndsAtItsTimeLimit) {
