@@ -110,6 +110,7 @@ class Reader {
     SetNumber(reader, "step_height_m", 0.01, 0.2, config_.step_height_m);
     SetNumber(reader, "adjust_m", 0, 5, walk.adjust_m);
     SetDegrees(reader, "adjust_deg", 0, 180, walk.adjust_rad);
+    SetNumber(reader, "approach_m", 0, 10, walk.approach_m);
     SetTime(reader, "lead_ms", walk.lead, 0);
     SetTime(reader, "picture_delay_ms", walk.picture_delay, 0);
     if (steering.slow_to_rad <= steering.slow_from_rad) {

@@ -62,16 +62,29 @@ std::optional<std::array<double, 2>> WorldCamera::ShareOf(const GroundPoint& poi
   return inside ? std::optional(share) : std::nullopt;
 }
 
+SLane::SLane(const Shape& shape)
+    : shape_(shape),
+      length_m_(shape.before_m + 2 * shape.radius_m * shape.arc_rad + shape.after_m) {
+  for (double along = shape.lines_from_m; along <= length_m_; along += 0.008) {
+    lines_.push_back({along, LinePoint(along, width_m / 2), LinePoint(along, -width_m / 2)});
+  }
+}
+
+const SLane& TheSLane() {
+  static const SLane lane;
+  return lane;
+}
+
 Pose SLane::At(double along_m) const {
-  const double arc_m = radius_m_ * M_PI / 4;
-  if (along_m <= kBefore_m) return {along_m, 0, 0};
-  const Pose first{kBefore_m, 0, 0};
-  along_m -= kBefore_m;
-  if (along_m <= arc_m) return Arc(first, along_m, radius_m_);
-  const Pose second = Arc(first, arc_m, radius_m_);
+  const double arc_m = shape_.radius_m * shape_.arc_rad;
+  if (along_m <= shape_.before_m) return {along_m, 0, 0};
+  const Pose first{shape_.before_m, 0, 0};
+  along_m -= shape_.before_m;
+  if (along_m <= arc_m) return Arc(first, along_m, shape_.radius_m);
+  const Pose second = Arc(first, arc_m, shape_.radius_m);
   along_m -= arc_m;
-  if (along_m <= arc_m) return Arc(second, along_m, -radius_m_);
-  return Ahead(Arc(second, arc_m, -radius_m_), along_m - arc_m);
+  if (along_m <= arc_m) return Arc(second, along_m, -shape_.radius_m);
+  return Ahead(Arc(second, arc_m, -shape_.radius_m), along_m - arc_m);
 }
 
 SLane::Place SLane::PlaceOf(const Pose& body) const {
@@ -194,13 +207,16 @@ msg::YellowLines SLaneRun::Picture(View view) {
     seen.push_back(*share);
   };
   const double from = place().along_m;
-  const double to = std::min(from + kMost_m, lane.length_m());
-  for (double along = std::max(-0.8, from - kMost_m); along <= to; along += 0.008) {
-    if (view != View::kRight) see(lane.LinePoint(along, lane.width_m / 2));
-    if (view != View::kLeft) see(lane.LinePoint(along, -lane.width_m / 2));
+  const auto near = [&](const SLane::LinePoints& points, double place) {
+    return points.along_m < place;
+  };
+  auto point = std::lower_bound(lane.lines().begin(), lane.lines().end(), from - kMost_m, near);
+  for (; point != lane.lines().end() && point->along_m < from + kMost_m; ++point) {
+    if (view != View::kRight) see(point->left);
+    if (view != View::kLeft) see(point->right);
   }
   if (has_end_line && from + kMost_m > lane.length_m()) {
-    for (double left = -0.4; left <= 0.4; left += 0.005) see(lane.LinePoint(to, left));
+    for (double left = -0.4; left <= 0.4; left += 0.005) see(lane.LinePoint(lane.length_m(), left));
   }
   for (double left = 0.52; left <= 1.6 && has_lines_beside; left += 0.01) {
     see(lane.LinePoint(lane.length_m() + 0.07, left));

@@ -60,6 +60,7 @@ TEST(WalkerConfig, OfTheShippedFileHasTheDefaults) {
   EXPECT_EQ(a.lost_m_s, b.lost_m_s);
   EXPECT_EQ(a.adjust_m, b.adjust_m);
   EXPECT_NEAR(a.adjust_rad, b.adjust_rad, 1e-12);
+  EXPECT_EQ(a.approach_m, b.approach_m);
   EXPECT_EQ(a.lead, b.lead);
   EXPECT_EQ(a.picture_delay, b.picture_delay);
   EXPECT_EQ(a.end.within_m, b.end.within_m);
