@@ -7,6 +7,7 @@ namespace musher::line_walker {
 namespace {
 
 constexpr std::size_t kEndCorners = 24;  // points that hypotheses go through
+constexpr double kContinues_m = 0.08;    // a point so near to a curve may continue it
 constexpr double kSameLine_m = 0.15;     // along the lane; of these the longer one counts
 
 GroundPoint Turned(const GroundPoint& point, double by_rad) {
@@ -130,6 +131,29 @@ std::optional<EndLine> FindEndLine(const GroundPoints& all, double lane_heading_
   if (!search.line) return std::nullopt;
   return EndLine{Turned(search.middle, lane_heading_rad),
                  lane_heading_rad - std::atan(search.line->slope)};
+}
+
+std::optional<EndLine> FindSideEnd(const GroundPoints& points, const SideLine& line, Side side,
+                                   const MountedCamera& camera, double trunk_height_m,
+                                   double lane_width_m, const EndRules& rules) {
+  const double end_x = line.far_x_m;
+  if (end_x > rules.side_within_m || end_x < -rules.side_within_m) return std::nullopt;
+  const auto [c0, c1, c2] = line.curve;
+  const auto at = [&](double x) { return c0 + x * (c1 + x * c2); };
+  // The camera has to show what would be there.
+  const double beyond_x = end_x + rules.side_gap_m;
+  for (const double x : {end_x, beyond_x}) {
+    const auto share = ShareOf(camera, trunk_height_m, {x, at(x)});
+    if (!share || (*share)[1] < camera.region_top) return std::nullopt;
+  }
+  for (const GroundPoint& point : points) {
+    const bool beyond = point.x_m > end_x && point.x_m < beyond_x;
+    if (beyond && std::abs(point.y_m - at(point.x_m)) < kContinues_m) return std::nullopt;
+  }
+  const double heading = std::atan(c1 + 2 * c2 * end_x);
+  const double aside = (side == Side::kLeft ? -1 : 1) * lane_width_m / 2;
+  return EndLine{{end_x - aside * std::sin(heading), at(end_x) + aside * std::cos(heading)},
+                 heading};
 }
 
 }  // namespace musher::line_walker

@@ -55,6 +55,23 @@ std::optional<GroundPoint> OnGround(const MountedCamera& camera, double trunk_he
   return point;
 }
 
+std::optional<std::array<double, 2>> ShareOf(const MountedCamera& camera, double trunk_height_m,
+                                             const GroundPoint& point) {
+  const Vector3d seen =
+      RotationOf(camera).transpose() *
+      Vector3d(point.x_m - camera.x_m, point.y_m - camera.y_m, -trunk_height_m - camera.z_m);
+  const double half = camera.hfov_rad / 2;
+  const double focal_px = camera.width_px / 2.0 / (camera.fisheye ? half : std::tan(half));
+  const double across = std::hypot(seen.x(), seen.y());
+  const double theta = std::atan2(across, seen.z());
+  if (across == 0 || theta > (camera.fisheye ? half : M_PI / 2 - kHorizon)) return std::nullopt;
+  const double radius_px = focal_px * (camera.fisheye ? theta : std::tan(theta));
+  const std::array share{0.5 + radius_px * seen.x() / across / camera.width_px,
+                         0.5 + radius_px * seen.y() / across / camera.height_px};
+  const bool inside = share[0] >= 0 && share[0] <= 1 && share[1] >= 0 && share[1] <= 1;
+  return inside ? std::optional(share) : std::nullopt;
+}
+
 GroundPoints EdgeOnGround(const MountedCamera& camera, double trunk_height_m, double farthest_m,
                           const msg::YellowLines& lines, std::size_t most) {
   GroundPoints all;

@@ -6,6 +6,7 @@
 // by 3 cm. Pixels are shares of the picture: x to the right and y downwards from its left upper
 // corner. Any thread.
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -36,12 +37,18 @@ struct MountedCamera {
   int width_px = 640;
   int height_px = 480;
   double hfov_rad = 1;
+  double region_top = 0;  // the detector searches its lines from this share of the height downwards
 };
 
 // Nothing for a pixel outside the picture or the fisheye's circle, for the horizon and above it,
 // for points farther than `farthest_m` from the body's origin, and for NaN.
 std::optional<GroundPoint> OnGround(const MountedCamera& camera, double trunk_height_m,
                                     double farthest_m, double x_share, double y_share);
+
+// The inverse: the share of the picture at which the camera shows a point on the ground; nothing
+// for a point that it does not show.
+std::optional<std::array<double, 2>> ShareOf(const MountedCamera& camera, double trunk_height_m,
+                                             const GroundPoint& point);
 
 // The edge of a message, at most `most` points of it, evenly chosen; others are left out.
 GroundPoints EdgeOnGround(const MountedCamera& camera, double trunk_height_m, double farthest_m,

@@ -53,6 +53,12 @@ void LaneEstimate::Set(const Pose& pose, const InLane& in_lane) {
   known_ = true;
 }
 
+void LaneEstimate::Straighten(const Pose& pose) {
+  InLane now = At(pose);
+  now.curvature_per_m = 0;
+  Set(pose, now);
+}
+
 bool LaneEstimate::See(const Pose& pose, const SideLine& line, Side side, bool alone) {
   const InLane seen = InLaneBy(line, side, rules_.width_m);
   if (!known_) {

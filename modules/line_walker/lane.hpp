@@ -41,6 +41,9 @@ class LaneEstimate {
   // False where it contradicts the estimate and is not believed.
   bool See(const Pose& pose, const SideLine& line, Side side, bool alone);
 
+  // From `pose` on the lane is straight.
+  void Straighten(const Pose& pose);
+
   // Not before it is known.
   InLane At(const Pose& pose) const;
 

@@ -195,6 +195,8 @@ std::optional<SideLine> FitSideLine(const GroundPoints& all, Side side, const Fi
   line.heading_rad = std::atan(slope);
   line.curvature_per_m = 2 * curve->c[2] / std::pow(1 + slope * slope, 1.5);
   line.quality = QualityOf(*curve, inliers, rules);
+  line.curve = curve->c;
+  line.far_x_m = inliers.back().x_m;
   const double aside = side == Side::kLeft ? curve->At(x) : -curve->At(x);
   if (aside < rules.nearest_m || line.distance_m > rules.farthest_m) return std::nullopt;
   return line;

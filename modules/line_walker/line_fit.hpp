@@ -3,6 +3,7 @@
 // against points of other lines. Frame and units of ground.hpp; angles in radians, to the left
 // positive. Any thread.
 
+#include <array>
 #include <optional>
 
 #include "musher/modules/line_walker/ground.hpp"
@@ -28,7 +29,9 @@ struct SideLine {
   double distance_m = 0;   // to that point; positive on both sides
   double heading_rad = 0;  // of the line there, from the body's x
   double curvature_per_m = 0;
-  double quality = 0;  // from 0 to 1
+  double quality = 0;             // from 0 to 1
+  std::array<double, 3> curve{};  // y = c0 + c1 x + c2 x^2
+  double far_x_m = 0;             // of its farthest point ahead
 };
 
 // The nearest line of that side: y = c0 + c1 x + c2 x^2. A line twice as dense does not outvote a

@@ -38,9 +38,9 @@ double Along(const Pose& line, const Pose& pose) {
 }  // namespace
 
 CameraSet::CameraSet() {
-  left = {true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI};
-  right = {true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI};
-  front = {false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree};
+  left = {true, 0.22, 0.06, 0.05, M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI, 0.6};
+  right = {true, 0.22, -0.06, 0.05, -M_PI / 2, 20 * kDegree, 0, 640, 480, M_PI, 0.6};
+  front = {false, 0.27, 0, 0.06, 0, 8 * kDegree, 0, 640, 480, 80 * kDegree, 0.6};
 }
 
 std::string_view NameOf(End end) {
@@ -66,9 +66,12 @@ bool LineWalker::Start(Time now) {
   lane_.Forget();
   left_ = {};
   right_ = {};
+  front_end_ = side_end_ = {};
   end_line_.reset();
-  end_pictures_ = 0;
+  beyond_ = false;
   refused_since_.reset();
+  pictures_from_.reset();
+  start_.reset();
   state_ = State::kAdjusting;
   started_at_ = now;
   ended_at_.reset();
@@ -96,8 +99,9 @@ void LineWalker::OnOdometry(const msg::Odometry& odometry, Time now) {
   odometry_at_ = now;
   if (taken == OdometryTrack::Taken::kGood) return;
   lane_.Forget();
+  front_end_ = side_end_ = {};
   end_line_.reset();
-  end_pictures_ = 0;
+  beyond_ = false;
 }
 
 void LineWalker::OnLines(View view, const msg::YellowLines& lines, Time now) {
@@ -116,16 +120,25 @@ void LineWalker::OnSide(Side side, const msg::YellowLines& lines, Time now) {
   const bool left = side == Side::kLeft;
   Sight& sight = left ? left_ : right_;
   sight.picture_at = now;
-  if (track_.empty()) return;
+  if (!pictures_from_) pictures_from_ = now;
+  if (track_.empty() || beyond_) return;
   const CameraSet& cameras = rules_.cameras;
-  const auto points = EdgeOnGround(left ? cameras.left : cameras.right, cameras.trunk_height_m,
-                                   cameras.farthest_m, lines, kSidePoints);
+  const MountedCamera& camera = left ? cameras.left : cameras.right;
+  const auto points =
+      EdgeOnGround(camera, cameras.trunk_height_m, cameras.farthest_m, lines, kSidePoints);
   const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
   const double curvature = lane_.known() ? lane_.At(pose).curvature_per_m : 0;
   const auto line = FitSideLine(points, side, rules_.fit, curvature);
   if (!line) return;
   const bool alone = !Seen(left ? right_ : left_, now);
-  if (lane_.See(pose, *line, side, alone)) sight.line_at = now;
+  if (!lane_.See(pose, *line, side, alone)) return;
+  sight.line_at = now;
+  const auto end = FindSideEnd(points, *line, side, camera, cameras.trunk_height_m,
+                               rules_.lane.width_m, rules_.end);
+  if (end) return SeeEnd(pose, *end, rules_.side_pictures, side_end_);
+  // A line that continues beyond what looked like its end.
+  const Pose far = InFrameOf(pose, {line->far_x_m, 0}, 0);
+  if (Along(side_end_.line, far) < -rules_.end_jump_m) side_end_.share = 0;
 }
 
 void LineWalker::OnFront(const msg::YellowLines& lines) {
@@ -134,17 +147,18 @@ void LineWalker::OnFront(const msg::YellowLines& lines) {
   const auto points =
       EdgeOnGround(cameras.front, cameras.trunk_height_m, cameras.farthest_m, lines, kFrontPoints);
   const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
-  const auto found = FindEndLine(points, -lane_.At(pose).heading_rad, rules_.end);
-  const bool counts = end_pictures_ >= rules_.end_pictures;
-  if (!found) {
-    if (!counts) end_pictures_ = 0;
-    return;
-  }
-  const Pose line = InFrameOf(pose, found->middle, found->heading_rad);
-  const bool same = end_line_ && std::abs(Along(*end_line_, line)) <= rules_.end_jump_m;
-  if (counts && !same) return;
-  end_pictures_ = same ? std::min(end_pictures_ + 1, rules_.end_pictures) : 1;
-  end_line_ = line;
+  const auto end = FindEndLine(points, -lane_.At(pose).heading_rad, rules_.end);
+  if (end) return SeeEnd(pose, *end, rules_.end_pictures, front_end_);
+  front_end_.share = 0;
+}
+
+void LineWalker::SeeEnd(const Pose& pose, const EndLine& found, int pictures, EndSight& sight) {
+  if (end_known()) return;  // the rest is odometry
+  const Pose line = InFrameOf(pose, found.middle, found.heading_rad);
+  const bool same = sight.share > 0 && std::abs(Along(sight.line, line)) <= rules_.end_jump_m;
+  sight.share = (same ? sight.share : 0) + 1.0 / pictures;
+  sight.line = line;
+  if (sight.share >= 1 - 1e-9) end_line_ = line;
 }
 
 void LineWalker::OnResponse(const msg::MotionServoResponse& response, Time now) {
@@ -176,7 +190,7 @@ std::optional<InLane> LineWalker::in_lane() const {
 }
 
 std::optional<double> LineWalker::to_end_m() const {
-  if (end_pictures_ < rules_.end_pictures || track_.empty()) return std::nullopt;
+  if (!end_known() || track_.empty()) return std::nullopt;
   return Along(*end_line_, track_.pose());
 }
 
@@ -195,18 +209,33 @@ void LineWalker::CheckEnds(Time now) {
   }
   if (const auto to_end = to_end_m()) {
     if (*to_end > rules_.end_gap_m) return;  // by odometry, also where the lines have ended
-    return Finish(End::kCourseEnd, "the end line is reached", now);
+    return Finish(End::kCourseEnd, "the end of the lane is reached", now);
   }
   if (waiting) return;
   if (!ImagesReady(now)) {
     return Finish(End::kSilent, "no pictures of the left and right line for " + Ms(rules_.stale),
                   now);
   }
+  if (Approaching(now)) return;
   const Duration longest = rules_.fresh + rules_.lost;
   const bool seen = Within(left_.line_at, longest, now) || Within(right_.line_at, longest, now);
   if (!seen) {
     Finish(End::kLost, "no line is seen on either side for " + Ms(rules_.lost), now);
   }
+}
+
+// Detectors that have just begun to look get the time of `stale` to see a line.
+bool LineWalker::Approaching(Time now) const {
+  if (rules_.approach_m <= 0 || track_.empty() || left_.line_at || right_.line_at) return false;
+  if (!pictures_from_ || now - *pictures_from_ < rules_.stale) return false;
+  const Pose& pose = track_.pose();
+  return !start_ || std::hypot(pose.x_m - start_->x_m, pose.y_m - start_->y_m) < rules_.approach_m;
+}
+
+InLane LineWalker::AlongStart(const Pose& pose) const {
+  const double aside_m = std::cos(start_->yaw_rad) * (pose.y_m - start_->y_m) -
+                         std::sin(start_->yaw_rad) * (pose.x_m - start_->x_m);
+  return {aside_m, Wrapped(pose.yaw_rad - start_->yaw_rad), 0};
 }
 
 std::optional<LineWalker::Step> LineWalker::EndFrame() {
@@ -218,7 +247,14 @@ std::optional<LineWalker::Step> LineWalker::Tick(Time now) {
   if (active()) CheckEnds(now);
   // The frame of a walk that has ended comes before those of the next one.
   if (owes_end_ || !active()) return EndFrame();
-  const bool ready = lane_.known() && Within(odometry_at_, rules_.stale, now);
+  const bool moves = Within(odometry_at_, rules_.stale, now);
+  if (moves && Approaching(now)) {
+    if (!start_) start_ = track_.pose();
+    state_ = State::kAdjusting;
+    framed_ = true;
+    return Step{Steer(AlongStart(track_.pose()), rules_.lost_m_s, rules_.steering), false};
+  }
+  const bool ready = moves && lane_.known();
   if (!ready && !framed_) return std::nullopt;  // it stands
   if (!ready) {
     state_ = State::kAdjusting;
@@ -229,10 +265,11 @@ std::optional<LineWalker::Step> LineWalker::Tick(Time now) {
 }
 
 Velocity LineWalker::Command(Time now) {
+  const auto to_end = to_end_m();
+  if (to_end && *to_end <= 0 && !std::exchange(beyond_, true)) lane_.Straighten(track_.pose());
   const Pose then = Moved(track_.pose(), track_.velocity(), Seconds(rules_.lead));
   const InLane in_lane = lane_.At(then);
   const bool seen = Seen(left_, now) || Seen(right_, now);
-  const auto to_end = to_end_m();
   double at_most = seen || to_end ? rules_.steering.forward_m_s : rules_.lost_m_s;
   if (to_end) {
     const double gap = std::max(0.0, *to_end - rules_.end_gap_m);

@@ -53,17 +53,19 @@ struct WalkRules {
   Duration lead = Milliseconds(200);           // the body follows a velocity so late
   Duration picture_delay = Milliseconds(150);  // of a picture without a comparable stamp
   Duration start_wait = Milliseconds(5000);    // for lines and odometry, standing
-  Duration stale = Milliseconds(1000);         // without pictures of both sides, or odometry
-  Duration fresh = Milliseconds(350);          // a line is seen for so long after its picture
-  Duration lost = Milliseconds(2000);          // without both lines, after `fresh`
-  double lost_m_s = 0.15;                      // at most, meanwhile
-  Duration time_limit = Milliseconds(60000);   // of a walk
-  double end_gap_m = 0.45;                     // from the body's middle to the end line at the end
-  int end_pictures = 2;                        // that show the end line, before it counts
-  double end_jump_m = 0.15;                    // at most between them
-  Duration refused = Milliseconds(500);        // motion refuses for so long
-  double adjust_m = 0.08;                      // ADJUSTING beside the middle by more
-  double adjust_rad = kDegree * 12;            // or turned by more
+  double approach_m = 0;  // walks so far straight ahead at the start, to the beginning of the lines
+  Duration stale = Milliseconds(1000);        // without pictures of both sides, or odometry
+  Duration fresh = Milliseconds(350);         // a line is seen for so long after its picture
+  Duration lost = Milliseconds(2000);         // without both lines, after `fresh`
+  double lost_m_s = 0.15;                     // at most, meanwhile
+  Duration time_limit = Milliseconds(60000);  // of a walk
+  double end_gap_m = -0.5;   // from the body's middle to the lane's end; less than 0: beyond it
+  int end_pictures = 2;      // of the front camera that show the end line, before it counts
+  int side_pictures = 6;     // of the side cameras that show the end of a line, before it counts
+  double end_jump_m = 0.15;  // at most between them
+  Duration refused = Milliseconds(500);  // motion refuses for so long
+  double adjust_m = 0.08;                // ADJUSTING beside the middle by more
+  double adjust_rad = kDegree * 12;      // or turned by more
 };
 
 // Why a walk has ended.
@@ -112,7 +114,7 @@ class LineWalker {
   const std::string& reason() const { return reason_; }
   // As of the newest odometry; nothing before a line is seen.
   std::optional<InLane> in_lane() const;
-  // Metres from the body's middle to the end line; nothing before it is seen.
+  // Metres from the body's middle to the lane's end; nothing before it is known.
   std::optional<double> to_end_m() const;
   bool ImagesReady(Time now) const;
   Duration Runtime(Time now) const;
@@ -125,8 +127,17 @@ class LineWalker {
     std::optional<Time> line_at;     // of the newest line that was believed
   };
 
+  // What pictures in a row show of the lane's end.
+  struct EndSight {
+    Pose line;         // in the odometry's frame; yaw: of the lane that ends there
+    double share = 0;  // of the pictures that are needed
+  };
+
   void OnSide(Side side, const msg::YellowLines& lines, Time now);
   void OnFront(const msg::YellowLines& lines);
+  // `found`: the end in a picture taken at `pose`. It counts after so many `pictures`.
+  void SeeEnd(const Pose& pose, const EndLine& found, int pictures, EndSight& sight);
+  bool end_known() const { return end_line_.has_value(); }
   bool Seen(const Sight& sight, Time now) const;
   bool Within(const std::optional<Time>& at, Duration time, Time now) const;
   std::optional<Step> EndFrame();
@@ -134,6 +145,9 @@ class LineWalker {
   void CheckEnds(Time now);
   void Finish(End end, std::string reason, Time now);
   Velocity Command(Time now);
+  // No line was seen yet, and it may walk on to look for one.
+  bool Approaching(Time now) const;
+  InLane AlongStart(const Pose& pose) const;
 
   WalkRules rules_;
   OdometryTrack track_;
@@ -141,12 +155,16 @@ class LineWalker {
   LaneEstimate lane_;
   Sight left_;
   Sight right_;
-  std::optional<Pose> end_line_;  // in the odometry's frame; yaw: of the lane that ends there
-  int end_pictures_ = 0;
+  EndSight front_end_;
+  EndSight side_end_;
+  std::optional<Pose> end_line_;  // once it counts
+  bool beyond_ = false;           // the end is passed
   std::optional<Time> refused_since_;
   std::int32_t refused_code_ = 0;
   State state_ = State::kIdle;
   Time started_at_;
+  std::optional<Time> pictures_from_;  // of the sides, in this walk
+  std::optional<Pose> start_;          // the pose in which it began to approach
   std::optional<Time> ended_at_;
   std::optional<End> end_;
   std::string reason_;

@@ -110,6 +110,7 @@ class Reader {
     SetNumber(reader, "step_height_m", 0.01, 0.2, config_.step_height_m);
     SetNumber(reader, "adjust_m", 0, 5, walk.adjust_m);
     SetDegrees(reader, "adjust_deg", 0, 180, walk.adjust_rad);
+    SetNumber(reader, "approach_m", 0, 10, walk.approach_m);
     SetTime(reader, "lead_ms", walk.lead, 0);
     SetTime(reader, "picture_delay_ms", walk.picture_delay, 0);
     if (steering.slow_to_rad <= steering.slow_from_rad) {
@@ -123,8 +124,11 @@ class Reader {
   void ReadEnd(TableReader& reader) {
     WalkRules& walk = config_.walk;
     SetNumber(reader, "end_within_m", 0.1, 10, walk.end.within_m);
-    SetNumber(reader, "end_gap_m", 0, 10, walk.end_gap_m);
+    SetNumber(reader, "end_gap_m", -5, 10, walk.end_gap_m);
     SetInteger(reader, "pictures", 1, 100, walk.end_pictures);
+    SetInteger(reader, "side_pictures", 1, 100, walk.side_pictures);
+    SetNumber(reader, "side_within_m", 0.05, 5, walk.end.side_within_m);
+    SetNumber(reader, "side_gap_m", 0.05, 5, walk.end.side_gap_m);
     SetNumber(reader, "jump_m", 0.01, 5, walk.end_jump_m);
     SetNumber(reader, "least_span_m", 0.05, 5, walk.end.least_span_m);
     SetNumber(reader, "longest_gap_m", 0.01, 5, walk.end.longest_gap_m);
@@ -187,6 +191,7 @@ class Reader {
     SetDegrees(reader, "roll_deg", -180, 180, camera.roll_rad);
     SetInteger(reader, "width_px", 8, 8192, camera.width_px);
     SetInteger(reader, "height_px", 8, 8192, camera.height_px);
+    SetNumber(reader, "region_top", 0, 1, camera.region_top);
     SetDegrees(reader, "hfov_deg", 1, 220, camera.hfov_rad);
     if (!camera.fisheye && camera.hfov_rad >= 170 * kDegree) {
       reader.Fault(reader.At("hfov_deg"), "hfov_deg", "a pinhole has less than 170 degrees");

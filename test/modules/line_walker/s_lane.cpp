@@ -11,8 +11,9 @@ namespace musher::line_walker {
 namespace {
 
 constexpr Duration kStep = Milliseconds(10);
-constexpr double kMost_m = 1.6;  // lines farther away are not detected
-constexpr int kPeriods = 10;     // steps of 10 ms between pictures
+constexpr double kMost_m = 1.6;   // lines farther away are not detected
+constexpr double kColumn_px = 3;  // half of what counts as one column
+constexpr int kPeriods = 10;      // steps of 10 ms between pictures
 
 Pose Arc(const Pose& from, double along_m, double radius_m) {
   const double turned = along_m / radius_m;
@@ -61,16 +62,29 @@ std::optional<std::array<double, 2>> WorldCamera::ShareOf(const GroundPoint& poi
   return inside ? std::optional(share) : std::nullopt;
 }
 
+SLane::SLane(const Shape& shape)
+    : shape_(shape),
+      length_m_(shape.before_m + 2 * shape.radius_m * shape.arc_rad + shape.after_m) {
+  for (double along = shape.lines_from_m; along <= length_m_; along += 0.008) {
+    lines_.push_back({along, LinePoint(along, width_m / 2), LinePoint(along, -width_m / 2)});
+  }
+}
+
+const SLane& TheSLane() {
+  static const SLane lane;
+  return lane;
+}
+
 Pose SLane::At(double along_m) const {
-  const double arc_m = radius_m_ * M_PI / 4;
-  if (along_m <= kBefore_m) return {along_m, 0, 0};
-  const Pose first{kBefore_m, 0, 0};
-  along_m -= kBefore_m;
-  if (along_m <= arc_m) return Arc(first, along_m, radius_m_);
-  const Pose second = Arc(first, arc_m, radius_m_);
+  const double arc_m = shape_.radius_m * shape_.arc_rad;
+  if (along_m <= shape_.before_m) return {along_m, 0, 0};
+  const Pose first{shape_.before_m, 0, 0};
+  along_m -= shape_.before_m;
+  if (along_m <= arc_m) return Arc(first, along_m, shape_.radius_m);
+  const Pose second = Arc(first, arc_m, shape_.radius_m);
   along_m -= arc_m;
-  if (along_m <= arc_m) return Arc(second, along_m, -radius_m_);
-  return Ahead(Arc(second, arc_m, -radius_m_), along_m - arc_m);
+  if (along_m <= arc_m) return Arc(second, along_m, -shape_.radius_m);
+  return Ahead(Arc(second, arc_m, -shape_.radius_m), along_m - arc_m);
 }
 
 SLane::Place SLane::PlaceOf(const Pose& body) const {
@@ -193,17 +207,28 @@ msg::YellowLines SLaneRun::Picture(View view) {
     seen.push_back(*share);
   };
   const double from = place().along_m;
-  const double to = std::min(from + kMost_m, lane.length_m());
-  for (double along = std::max(-0.8, from - kMost_m); along <= to; along += 0.015) {
-    if (view != View::kRight) see(lane.LinePoint(along, lane.width_m / 2));
-    if (view != View::kLeft) see(lane.LinePoint(along, -lane.width_m / 2));
+  const auto near = [&](const SLane::LinePoints& points, double place) {
+    return points.along_m < place;
+  };
+  auto point = std::lower_bound(lane.lines().begin(), lane.lines().end(), from - kMost_m, near);
+  for (; point != lane.lines().end() && point->along_m < from + kMost_m; ++point) {
+    if (view != View::kRight) see(point->left);
+    if (view != View::kLeft) see(point->right);
   }
   if (has_end_line && from + kMost_m > lane.length_m()) {
-    for (double left = -0.4; left <= 0.4; left += 0.01) see(lane.LinePoint(to, left));
+    for (double left = -0.4; left <= 0.4; left += 0.005) see(lane.LinePoint(lane.length_m(), left));
+  }
+  for (double left = 0.52; left <= 1.6 && has_lines_beside; left += 0.01) {
+    see(lane.LinePoint(lane.length_m() + 0.07, left));
+    see(lane.LinePoint(lane.length_m() + 0.07, -left));
   }
   std::map<int, std::array<double, 2>> lowest;
+  const int columns = simulation.edge_columns;
   for (const auto& share : seen) {
-    const auto [found, added] = lowest.emplace(int(share[0] * 320), share);
+    const int column = std::min(columns - 1, int(share[0] * columns));
+    const double aside_px = std::abs(share[0] - (column + 0.5) / columns) * camera.width_px;
+    if (share[1] < simulation.region_top || aside_px > kColumn_px) continue;
+    const auto [found, added] = lowest.emplace(column, share);
     if (!added && share[1] > found->second[1]) found->second = share;
   }
   msg::YellowLines lines;

@@ -31,13 +31,21 @@ class WorldCamera {
   Eigen::Isometry3d X_CW_;
 };
 
-// 0.6 m straight, 45 degrees to the left, 45 to the right, 0.7 m straight, the end line.
+// Straight, an arc to the left, one to the right, straight.
 class SLane {
  public:
-  explicit SLane(double radius_m = 1.6) : radius_m_(radius_m) {}
+  struct Shape {
+    double before_m = 0.6;
+    double arc_rad = M_PI / 4;
+    double radius_m = 1.6;
+    double after_m = 0.7;
+    double lines_from_m = -0.8;  // along the lane; a body starts at 0
+  };
+  SLane() : SLane(Shape()) {}
+  explicit SLane(const Shape& shape);
 
   double width_m = 0.83;
-  double length_m() const { return kBefore_m + 2 * radius_m_ * M_PI / 4 + kAfter_m; }
+  double length_m() const { return length_m_; }
   // The lane's middle, that far along it; yaw is its direction.
   Pose At(double along_m) const;
   // How far along it is, and how far to the left of the middle.
@@ -47,12 +55,22 @@ class SLane {
   };
   Place PlaceOf(const Pose& body) const;
   GroundPoint LinePoint(double along_m, double left_m) const;
+  // Points of both its lines, 8 mm apart, with their place along it.
+  struct LinePoints {
+    double along_m;
+    GroundPoint left;
+    GroundPoint right;
+  };
+  const std::vector<LinePoints>& lines() const { return lines_; }
 
  private:
-  static constexpr double kBefore_m = 0.6;
-  static constexpr double kAfter_m = 0.7;
-  double radius_m_;
+  Shape shape_;
+  double length_m_;
+  std::vector<LinePoints> lines_;
 };
+
+// The lane of most tests.
+const SLane& TheSLane();
 
 struct SimulationRules {
   Duration lag = Milliseconds(200);
@@ -62,6 +80,9 @@ struct SimulationRules {
   double attitude_rad = 0.012;  // standard deviation of roll and pitch in a picture
   double pixel_noise = 1;       // standard deviation
   Duration picture_delay = Milliseconds(150);
+  // Of the detectors, as modules/vision has them by default.
+  double region_top = 0.6;
+  int edge_columns = 24;
   double odometry_scale = 1.01;
   double odometry_drift = 0.01;  // rad for each metre
 };
@@ -69,11 +90,12 @@ struct SimulationRules {
 class SLaneRun {
  public:
   SLaneRun(unsigned seed, double start_left_m, double start_heading_rad, WalkRules rules = {},
-           const SLane& course = SLane());
+           const SLane& course = TheSLane());
 
   // What a camera shows now; changed by a test.
   std::function<void(View, msg::YellowLines&)> spoil;
   bool has_end_line = true;
+  bool has_lines_beside = false;  // at the end, from 0.54 m beside the middle on, 0.1 m beyond
   SimulationRules simulation;
 
   void RunFor(Duration time);
@@ -82,6 +104,7 @@ class SLaneRun {
 
   Time now() const { return now_; }
   SLane::Place place() const { return lane.PlaceOf(body_); }
+  const Pose& body() const { return body_; }
   double rms_m() const { return std::sqrt(squares_ / std::max(1, samples_)); }
   double max_m() const { return max_m_; }
   double max_later_m() const { return max_later_m_; }  // after the first 0.8 m

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <iostream>
 #include <limits>
+#include <string>
 
 #include "musher/test/modules/line_walker/s_lane.hpp"
 
@@ -15,6 +17,13 @@ int EndFrames(const SLaneRun& run) {
   int ends = 0;
   for (const auto& frame : run.frames) ends += frame.end ? 1 : 0;
   return ends;
+}
+
+// Ends before a line across the lane.
+WalkRules BeforeTheLine() {
+  WalkRules rules;
+  rules.end_gap_m = 0.45;
+  return rules;
 }
 
 struct Start {
@@ -30,7 +39,7 @@ struct Worst {
   double max_m = 0;
   double later_m = 0;
   double least_gap_m = 9;
-  double most_gap_m = 0;
+  double most_gap_m = -9;
 
   void Add(SLaneRun& run) {
     ASSERT_EQ(run.walker.end(), End::kCourseEnd) << run.walker.reason();
@@ -44,9 +53,10 @@ struct Worst {
     least_gap_m = std::min(least_gap_m, gap_m);
     most_gap_m = std::max(most_gap_m, gap_m);
   }
-  void Print(const char* what) const {
-    std::printf("%s: rms %.3f m, max %.3f m, after 0.8 m %.3f m; gap to the end %.3f to %.3f m\n",
-                what, rms_m, max_m, later_m, least_gap_m, most_gap_m);
+  // For the figures in modules/line_walker/README.md.
+  void Print(const std::string& what) const {
+    std::cout << what << ": rms " << rms_m << " m, max " << max_m << " m, after 0.8 m " << later_m
+              << " m; gap to the end " << least_gap_m << " to " << most_gap_m << " m\n";
   }
 };
 
@@ -54,7 +64,7 @@ TEST(SLaneWalk, StaysInTheMiddleAndEndsBeforeTheEndLine) {
   Worst worst;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(seed);
-    SLaneRun run(seed, 0, 0);
+    SLaneRun run(seed, 0, 0, BeforeTheLine());
     run.RunToEnd();
     worst.Add(run);
   }
@@ -62,7 +72,7 @@ TEST(SLaneWalk, StaysInTheMiddleAndEndsBeforeTheEndLine) {
   EXPECT_LT(worst.rms_m, 0.02);
   EXPECT_LT(worst.max_m, 0.05);
   EXPECT_GT(worst.least_gap_m, 0.3);
-  EXPECT_LT(worst.most_gap_m, 0.5);
+  EXPECT_LT(worst.most_gap_m, 0.56);
 }
 
 TEST(SLaneWalk, ReturnsToTheMiddleFromTenCentimetresAndEightDegreesBeside) {
@@ -70,7 +80,7 @@ TEST(SLaneWalk, ReturnsToTheMiddleFromTenCentimetresAndEightDegreesBeside) {
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(seed);
     const Start& start = kStarts[seed % kStarts.size()];
-    SLaneRun run(seed, start.left_m, start.heading_rad);
+    SLaneRun run(seed, start.left_m, start.heading_rad, BeforeTheLine());
     run.RunToEnd();
     worst.Add(run);
   }
@@ -79,7 +89,7 @@ TEST(SLaneWalk, ReturnsToTheMiddleFromTenCentimetresAndEightDegreesBeside) {
   EXPECT_LT(worst.max_m, 0.13);
   EXPECT_LT(worst.later_m, 0.05);
   EXPECT_GT(worst.least_gap_m, 0.3);
-  EXPECT_LT(worst.most_gap_m, 0.5);
+  EXPECT_LT(worst.most_gap_m, 0.56);
 }
 
 // What is not usual: a line is missing, pictures are missing, STOP.
@@ -88,7 +98,7 @@ TEST(SLaneWalk, ContinuesByOneLineWhileTheOtherIsMissingForASecond) {
     Worst worst;
     for (unsigned seed = 1; seed <= 4; ++seed) {
       SCOPED_TRACE(seed);
-      SLaneRun run(seed, 0, 0);
+      SLaneRun run(seed, 0, 0, BeforeTheLine());
       run.RunFor(Milliseconds(3000));
       run.spoil = [&](View view, msg::YellowLines& lines) {
         if (view == missing) lines = {};
@@ -108,7 +118,7 @@ TEST(SLaneWalk, WalksByOneLineAlone) {
     Worst worst;
     for (unsigned seed = 1; seed <= 4; ++seed) {
       SCOPED_TRACE(seed);
-      SLaneRun run(seed, 0, 0);
+      SLaneRun run(seed, 0, 0, BeforeTheLine());
       run.spoil = [&](View view, msg::YellowLines& lines) {
         if (view == missing) lines = {};
       };
@@ -121,7 +131,7 @@ TEST(SLaneWalk, WalksByOneLineAlone) {
 }
 
 TEST(SLaneWalk, ContinuesByOdometryForASecondWithoutLinesAndSlowly) {
-  SLaneRun run(3, 0, 0);
+  SLaneRun run(3, 0, 0, BeforeTheLine());
   run.RunFor(Milliseconds(3000));
   run.spoil = [](View, msg::YellowLines& lines) { lines.edge_x.clear(); };
   run.RunFor(Milliseconds(1200));
@@ -134,7 +144,7 @@ TEST(SLaneWalk, ContinuesByOdometryForASecondWithoutLinesAndSlowly) {
 }
 
 TEST(SLaneWalk, EndsLostWithoutBothLines) {
-  SLaneRun run(4, 0, 0);
+  SLaneRun run(4, 0, 0, BeforeTheLine());
   run.RunFor(Milliseconds(3000));
   const Time lost = run.now();
   run.spoil = [](View, msg::YellowLines& lines) { lines.edge_x.clear(); };
@@ -149,7 +159,7 @@ TEST(SLaneWalk, IsNotDisturbedByNaNAndStrayPoints) {
   Worst worst;
   for (unsigned seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(seed);
-    SLaneRun run(seed, 0, 0);
+    SLaneRun run(seed, 0, 0, BeforeTheLine());
     run.spoil = [](View view, msg::YellowLines& lines) {
       const float nan = std::numeric_limits<float>::quiet_NaN();
       for (std::size_t i = 0; i < lines.edge_x.size(); i += 4) lines.edge_x[i] = nan;
@@ -166,7 +176,7 @@ TEST(SLaneWalk, IsNotDisturbedByNaNAndStrayPoints) {
 }
 
 TEST(SLaneWalk, StopsInTheMiddleByOneEndFrame) {
-  SLaneRun run(5, 0, 0);
+  SLaneRun run(5, 0, 0, BeforeTheLine());
   run.RunFor(Milliseconds(4000));
   run.walker.Stop(run.now());
   const SLane::Place at = run.place();
@@ -177,15 +187,58 @@ TEST(SLaneWalk, StopsInTheMiddleByOneEndFrame) {
   EXPECT_LT(run.place().along_m - at.along_m, 0.12);
 }
 
-TEST(SLaneWalk, DoesNotTakeASideOfTheLaneForItsEnd) {
-  WalkRules rules;
-  for (unsigned seed = 1; seed <= 4; ++seed) {
-    SLaneRun run(seed, 0.05, 0, rules);
+TEST(SLaneWalk, EndsBeyondALaneThatIsOpenAtItsEnd) {
+  Worst worst;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(seed);
+    SLaneRun run(seed, 0.05, 0, WalkRules());
     run.has_end_line = false;
+    run.has_lines_beside = true;
     run.RunToEnd();
-    EXPECT_EQ(run.walker.end(), End::kLost) << run.walker.reason();
-    EXPECT_GT(run.place().along_m, run.lane.length_m() - 0.3);
+    worst.Add(run);
+    EXPECT_NEAR(run.body().yaw_rad, run.lane.At(9).yaw_rad, 0.12);
   }
+  worst.Print("an open lane");
+  EXPECT_LT(worst.max_m, 0.1);
+  EXPECT_GT(worst.least_gap_m, -0.65);
+  EXPECT_LT(worst.most_gap_m, -0.33);
+}
+
+// Of config/scenes/course.toml, in both directions; the body starts before the lines.
+TEST(SLaneWalk, WalksThroughTheLaneOfTheCourseBothWays) {
+  for (const bool out : {true, false}) {
+    SLane::Shape shape{1.2, 50 * kDegree, 1.6, 0.28, 0.1};
+    if (!out) shape = {1.3, 50 * kDegree, 1.6, 1.16, 1.0};
+    const SLane lane(shape);
+    WalkRules rules;
+    rules.approach_m = 1.2;
+    Worst worst;
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      SCOPED_TRACE(seed);
+      SLaneRun run(seed, 0.03, -2 * kDegree, rules, lane);
+      run.has_end_line = false;
+      run.has_lines_beside = true;
+      run.RunToEnd(std::chrono::seconds(60));
+      worst.Add(run);
+    }
+    worst.Print(out ? "the course, out" : "the course, back");
+    EXPECT_LT(worst.max_m, 0.12);
+    EXPECT_GT(worst.least_gap_m, -0.65);
+    EXPECT_LT(worst.most_gap_m, -0.33);
+  }
+}
+
+TEST(SLaneWalk, EndsLostWhereAnApproachFindsNoLine) {
+  WalkRules rules;
+  rules.approach_m = 0.5;
+  SLane::Shape shape;
+  shape.lines_from_m = 4;
+  SLaneRun run(1, 0, 0, rules, SLane(shape));
+  run.has_end_line = false;
+  run.RunToEnd();
+  EXPECT_EQ(run.walker.end(), End::kLost);
+  EXPECT_NEAR(run.place().along_m, 0.5, 0.1);
+  EXPECT_EQ(EndFrames(run), 1);
 }
 
 TEST(SLaneWalk, EndsAtItsTimeLimit) {

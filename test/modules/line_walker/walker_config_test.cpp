@@ -27,6 +27,7 @@ void ExpectSame(const MountedCamera& a, const MountedCamera& b) {
   EXPECT_EQ(a.width_px, b.width_px);
   EXPECT_EQ(a.height_px, b.height_px);
   EXPECT_NEAR(a.hfov_rad, b.hfov_rad, 1e-12);
+  EXPECT_EQ(a.region_top, b.region_top);
 }
 
 TEST(WalkerConfig, OfTheShippedFileHasTheDefaults) {
@@ -59,12 +60,16 @@ TEST(WalkerConfig, OfTheShippedFileHasTheDefaults) {
   EXPECT_EQ(a.lost_m_s, b.lost_m_s);
   EXPECT_EQ(a.adjust_m, b.adjust_m);
   EXPECT_NEAR(a.adjust_rad, b.adjust_rad, 1e-12);
+  EXPECT_EQ(a.approach_m, b.approach_m);
   EXPECT_EQ(a.lead, b.lead);
   EXPECT_EQ(a.picture_delay, b.picture_delay);
   EXPECT_EQ(a.end.within_m, b.end.within_m);
   EXPECT_EQ(a.end_gap_m, b.end_gap_m);
   EXPECT_EQ(a.end_pictures, b.end_pictures);
   EXPECT_EQ(a.end_jump_m, b.end_jump_m);
+  EXPECT_EQ(a.side_pictures, b.side_pictures);
+  EXPECT_EQ(a.end.side_within_m, b.end.side_within_m);
+  EXPECT_EQ(a.end.side_gap_m, b.end.side_gap_m);
   EXPECT_EQ(a.end.least_span_m, b.end.least_span_m);
   EXPECT_EQ(a.end.longest_gap_m, b.end.longest_gap_m);
   EXPECT_NEAR(a.end.squint_rad, b.end.squint_rad, 1e-12);

@@ -1,0 +1,227 @@
+// The walker's topics on a simulated network, in virtual time.
+
+#include "musher/modules/line_walker/walker_topics.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/test/modules/line_walker/s_lane.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::line_walker::walker_topics_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+template <class T>
+T Must(Result<T> result) {
+  if (!result) ADD_FAILURE() << result.error().message;
+  return std::move(result).value();
+}
+
+class WalkerTopicsTest : public ::testing::Test {
+ protected:
+  WalkerTopicsTest() {
+    topics_ = Must(
+        WalkerTopics::Make({*robot_, *clock_, "dog1",
+                            [this](LogLevel, const std::string& line) { log_.push_back(line); }},
+                           config_));
+    command_ = Publish<msg::String>("yellow_line_walker/command");
+    left_ = Publish<msg::YellowLines>("yellow_line_detector/left");
+    right_ = Publish<msg::YellowLines>("yellow_line_detector/right");
+    front_ = Publish<msg::YellowLines>("yellow_line_detector/rgb");
+    odometry_ = Publish<msg::Odometry>("dog1/odom_out");
+    responses_ = Publish<msg::MotionServoResponse>("dog1/motion_servo_response");
+    status_ = Must(transport::MakeSubscription<msg::String>(
+        *desk_, "yellow_line_walker/status",
+        [this](const msg::String& text, const auto&) { statuses_.push_back(text.data); }));
+    frames_in_ = Must(transport::MakeSubscription<msg::MotionServoCmd>(
+        *desk_, "dog1/motion_servo_cmd",
+        [this](const msg::MotionServoCmd& frame, const auto&) { frames_.push_back(frame); }));
+    Run(500);  // discovery
+  }
+
+  template <msg::Message M>
+  std::unique_ptr<transport::Publisher<M>> Publish(const std::string& topic) {
+    return Must(transport::MakePublisher<M>(*desk_, topic));
+  }
+  void Run(std::int64_t ms) { network_.RunFor(Milliseconds(ms)); }
+  void Command(const std::string& word) {
+    EXPECT_TRUE(command_->Publish({word}));
+    Run(20);
+  }
+  // Stands in the middle of a straight lane, for so many pictures, 100 ms each.
+  void See(int pictures) {
+    const CameraSet cameras;
+    for (int i = 0; i < pictures; ++i) {
+      const msg::Stamp stamp = msg::ToStamp(network_.now().time_since_epoch());
+      msg::Odometry odometry;
+      odometry.header.stamp = stamp;
+      EXPECT_TRUE(odometry_->Publish(odometry));
+      for (const double side : {1.0, -1.0}) {
+        const WorldCamera camera(side > 0 ? cameras.left : cameras.right, Pose{}, 0.29);
+        msg::YellowLines lines;
+        lines.header.stamp = stamp;
+        for (double x = -0.5; x < 1; x += 0.05) {
+          const auto share = camera.ShareOf({x, side * 0.415});
+          if (!share) continue;
+          lines.edge_x.push_back(float((*share)[0]));
+          lines.edge_y.push_back(float((*share)[1]));
+        }
+        EXPECT_TRUE((side > 0 ? left_ : right_)->Publish(lines));
+      }
+      Run(100);
+    }
+  }
+  int Readers() const {
+    return left_->MatchedReaders() + right_->MatchedReaders() + front_->MatchedReaders();
+  }
+  void StartWalking() {
+    topics_->Permit(true, "");
+    Command("START");
+    Run(200);
+    See(5);
+    ASSERT_FALSE(frames_.empty());
+  }
+  int Ends() const {
+    return int(std::count_if(frames_.begin(), frames_.end(), [](const msg::MotionServoCmd& frame) {
+      return frame.cmd_type == msg::MotionServoCmd::kEnd;
+    }));
+  }
+
+  WalkerConfig config_;
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
+  std::vector<std::string> log_;
+  std::vector<std::string> statuses_;
+  std::vector<msg::MotionServoCmd> frames_;
+  std::unique_ptr<WalkerTopics> topics_;
+  std::unique_ptr<transport::Publisher<msg::String>> command_;
+  std::unique_ptr<transport::Publisher<msg::YellowLines>> left_;
+  std::unique_ptr<transport::Publisher<msg::YellowLines>> right_;
+  std::unique_ptr<transport::Publisher<msg::YellowLines>> front_;
+  std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
+  std::unique_ptr<transport::Publisher<msg::MotionServoResponse>> responses_;
+  std::unique_ptr<transport::Subscription> status_;
+  std::unique_ptr<transport::Subscription> frames_in_;
+};
+
+TEST_F(WalkerTopicsTest, PublishTheStatusTenTimesASecond) {
+  statuses_.clear();
+  Run(1000);
+  EXPECT_NEAR(double(statuses_.size()), 10, 1);
+  EXPECT_EQ(statuses_.back(), "State:IDLE,Active:False,ImagesReady:False,Runtime:0.0s");
+}
+
+TEST_F(WalkerTopicsTest, SubscribeToTheLinesOnlyDuringAWalk) {
+  EXPECT_EQ(Readers(), 0);
+  StartWalking();
+  EXPECT_EQ(Readers(), 3);
+  Command("STOP");
+  Run(200);
+  EXPECT_EQ(Readers(), 0);
+}
+
+TEST_F(WalkerTopicsTest, SendFramesOfAServoMotionTwentyTimesASecondAndOneEnd) {
+  StartWalking();
+  frames_.clear();
+  See(10);
+  EXPECT_NEAR(double(frames_.size()), 20, 1);
+  const msg::MotionServoCmd& frame = frames_.back();
+  EXPECT_EQ(frame.motion_id, 303);
+  EXPECT_EQ(frame.cmd_type, 1);
+  EXPECT_EQ(frame.cmd_source, 4);
+  EXPECT_THAT(frame.step_height, ElementsAre(0.05F, 0.05F));
+  ASSERT_EQ(frame.vel_des.size(), 3U);
+  EXPECT_NEAR(frame.vel_des[0], 0.3, 0.01);
+  EXPECT_NEAR(frame.vel_des[2], 0, 0.05);
+  EXPECT_THAT(statuses_.back(), HasSubstr("State:WALKING,Active:True,ImagesReady:True"));
+  Command("STOP");
+  Run(500);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_EQ(frames_.back().cmd_type, 2);
+  EXPECT_THAT(statuses_.back(), HasSubstr("State:IDLE,Active:False"));
+  EXPECT_THAT(statuses_.back(), ::testing::EndsWith(",End:stopped"));
+}
+
+TEST_F(WalkerTopicsTest, RefuseStartUntilItIsPermitted) {
+  Command("START");
+  Run(300);
+  EXPECT_THAT(log_, ElementsAre("START refused: it is not in Active"));
+  EXPECT_EQ(Readers(), 0);
+}
+
+TEST_F(WalkerTopicsTest, EndAWalkAtOnceWhenItIsNotPermittedAnyMore) {
+  StartWalking();
+  topics_->Permit(false, "an emergency stop holds it");
+  EXPECT_FALSE(topics_->walker().active());
+  Run(100);
+  EXPECT_EQ(Ends(), 1);
+  EXPECT_EQ(frames_.back().cmd_type, 2);
+  EXPECT_THAT(log_.back(), HasSubstr("stopped: an emergency stop holds it"));
+  topics_->Permit(true, "");
+  Run(1000);
+  EXPECT_FALSE(topics_->walker().active()) << "START is needed again";
+}
+
+TEST_F(WalkerTopicsTest, IgnoreASecondStartAndSaySo) {
+  StartWalking();
+  Command("START");
+  EXPECT_TRUE(topics_->walker().active());
+  EXPECT_THAT(log_.back(), HasSubstr("START ignored"));
+}
+
+TEST_F(WalkerTopicsTest, RefuseUnknownWordsWithoutFillingTheLog) {
+  topics_->Permit(true, "");
+  for (int i = 0; i < 100; ++i) Command("start\n");
+  EXPECT_THAT(log_.front(), "unknown command \"start?\" refused: expected START or STOP");
+  EXPECT_LE(log_.size(), 3U);
+  EXPECT_FALSE(topics_->walker().active());
+}
+
+TEST_F(WalkerTopicsTest, EndWhenTheMotionManagerRefuses) {
+  StartWalking();
+  msg::MotionServoResponse refused;
+  refused.code = 3040;
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_TRUE(responses_->Publish(refused));
+    See(1);
+  }
+  EXPECT_THAT(statuses_.back(), HasSubstr(",End:refused"));
+  EXPECT_EQ(Ends(), 1);
+}
+
+TEST_F(WalkerTopicsTest, EndWhenThePicturesStop) {
+  StartWalking();
+  for (int i = 0; i < 15; ++i) {
+    msg::Odometry odometry;
+    odometry.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
+    EXPECT_TRUE(odometry_->Publish(odometry));
+    Run(100);
+  }
+  EXPECT_THAT(statuses_.back(), HasSubstr(",End:silent"));
+  EXPECT_THAT(log_.back(), HasSubstr("no pictures of the left and right line for 1000 ms"));
+}
+
+TEST_F(WalkerTopicsTest, CheckThatMotionAndTheDetectorsAreThere) {
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(300);
+  EXPECT_TRUE(topics_->Check());
+  EXPECT_EQ(Readers(), 3);
+  right_.reset();
+  frames_in_.reset();
+  Run(300);
+  const Result<> checked = topics_->Check();
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().code, 4109);
+  EXPECT_EQ(checked.error().message,
+            "no subscriber of motion_servo_cmd, no publisher of /yellow_line_detector/right");
+  EXPECT_TRUE(topics_->SetChecked(false));
+  Run(300);
+  EXPECT_EQ(left_->MatchedReaders(), 0);
+}
+
+}  // namespace musher::line_walker::walker_topics_test
