@@ -33,7 +33,7 @@ struct QrParameters {
   int thorough_every = 5;          // pictures without a code: then a thorough look, and letters
   bool letters = true;             // read letters where no code is
   std::string language = "eng";    // Tesseract's; "chi_sim", or several: "eng+chi_sim"
-  double least_confidence = 40;    // 0 to 100, Tesseract's
+  double least_confidence = 60;    // 0 to 100, Tesseract's
   std::vector<int> page_modes{7};  // Tesseract's: 6 a block, 7 a line, 8 a word, 13 a raw line
   std::vector<Region> regions{{0.05, 0.30, 0.35, 0.65},
                               {0.08, 0.25, 0.40, 0.60},

@@ -29,8 +29,6 @@ std::string Essence(std::string_view text) {
       essence += '1';
     } else if (upper == 'Z') {
       essence += '2';
-    } else if (upper == '4') {
-      essence += 'A';
     } else if (upper == '8') {
       essence += 'B';
     } else if (std::isalnum(static_cast<unsigned char>(upper))) {
