@@ -14,13 +14,12 @@ extern "C" void omp_set_max_active_levels(int levels);
 namespace musher::vision {
 namespace {
 
-// Dark letters of the height that is read best, on white, with a rim.
-cv::Mat LinePicture(const cv::Mat& grey, const cv::Rect& line) {
-  constexpr double kLetterPx = 30;
+// Dark letters of that height, on white, with a rim.
+cv::Mat LinePicture(const cv::Mat& grey, const cv::Rect& line, double letter_px) {
   constexpr int kRimPx = 20;
   const cv::Rect crop = cv::Rect(line.x - 1, line.y - 1, line.width + 2, line.height + 2) &
                         cv::Rect({0, 0}, grey.size());
-  const double scale = kLetterPx / line.height;
+  const double scale = letter_px / line.height;
   cv::Mat letters;
   cv::resize(grey(crop), letters, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   cv::threshold(letters, letters, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
@@ -104,7 +103,10 @@ std::optional<LettersFound> LetterReader::Read(const cv::Mat& bgr) {
     return std::nullopt;
   };
   for (const cv::Rect& line : FindTextLines(grey)) {
-    if (const auto word = word_in(LinePicture(grey, line))) return LettersFound{*word, line};
+    for (const double letter_px : {30.0, 38.0}) {  // read best; one is read where the other is not
+      const auto word = word_in(LinePicture(grey, line, letter_px));
+      if (word) return LettersFound{*word, line};
+    }
   }
   for (const Region& region : parameters_.regions) {
     const cv::Rect box = RectOf(region, grey.size());

@@ -73,6 +73,7 @@ std::optional<Marker> FindMarker(const cv::Mat& bgr, const MarkerParameters& par
   std::optional<Marker> largest;
   for (const Contour& outline : OutlinesOf(mask)) {
     if (cv::contourArea(outline) < parameters.least_area_px2) continue;
+    if ((cv::boundingRect(outline) & region).empty()) continue;
     const auto core = WithoutThinParts(outline);
     if (!core) continue;
     const auto marker = ShapeOf(*core, parameters);

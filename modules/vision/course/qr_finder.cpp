@@ -13,71 +13,80 @@
 namespace musher::vision {
 namespace {
 
-bool IsSign(const cv::Rect& box) {
+struct Sign {
+  cv::Rect box;
+  double darkest = 0;  // of its pixels
+};
+
+bool IsLetter(const cv::Rect& box) {
   constexpr int kLeastHeightPx = 8;
   return box.height >= kLeastHeightPx && box.width < 2 * box.height && box.width * 8 > box.height;
 }
 
-// What stands in the same rows as the sign, from neighbour to neighbour. Takes them from `holes`.
-std::vector<cv::Rect> TakeLine(const cv::Rect& sign, std::vector<cv::Rect>& holes) {
-  std::vector<cv::Rect> line{sign};
-  cv::Rect all = sign;
-  const int gap = sign.height;
-  for (bool grows = true; grows;) {
-    const cv::Rect reach(all.x - gap, sign.y, all.width + 2 * gap, sign.height);
-    const auto joins = [&](const cv::Rect& hole) {
-      const cv::Point middle = (hole.tl() + hole.br()) / 2;
-      const bool is_high = hole.height * 5 >= sign.height * 4;
-      const bool is_dash = hole.width > hole.height;
-      return hole.height <= sign.height && (is_high || is_dash) && (hole & reach).area() > 0 &&
-             middle.y >= sign.y && middle.y < sign.br().y;
-    };
-    const auto next = std::find_if(holes.begin(), holes.end(), joins);
-    grows = next != holes.end();
-    if (!grows) continue;
-    all |= *next;
-    line.push_back(*next);
-    holes.erase(next);
-  }
-  return line;
+// Whether it stands in the same rows as the letter, at the end of the line, in the same ink.
+bool Continues(const cv::Rect& line, const Sign& letter, const Sign& sign) {
+  constexpr double kSameInk = 15;
+  const int gap = letter.box.height / 2;
+  const cv::Rect reach(line.x - gap, letter.box.y, line.width + 2 * gap, letter.box.height);
+  const int middle = sign.box.y + sign.box.height / 2;
+  const bool is_high = sign.box.height * 5 >= letter.box.height * 4;
+  const bool is_dash = sign.box.width > sign.box.height;
+  return sign.box.height <= letter.box.height && (is_high || is_dash) &&
+         (sign.box & reach).area() > 0 && middle >= letter.box.y && middle < letter.box.br().y &&
+         std::abs(sign.darkest - letter.darkest) < kSameInk;
 }
 
-// Of the holes in a light area.
-void AddLines(std::vector<cv::Rect> holes, std::vector<cv::Rect>& lines) {
-  std::sort(holes.begin(), holes.end(),
-            [](const auto& one, const auto& other) { return one.height > other.height; });
-  while (!holes.empty()) {
-    const cv::Rect highest = holes.front();
-    holes.erase(holes.begin());
-    if (!IsSign(highest)) continue;
-    const std::vector<cv::Rect> signs = TakeLine(highest, holes);
-    cv::Rect line = highest;
-    for (const cv::Rect& sign : signs) line |= sign;
-    constexpr std::size_t kMostSigns = 12;
-    constexpr int kMostWidth = 8;  // in heights
-    if (signs.size() >= 2 && signs.size() <= kMostSigns && line.width > line.height &&
-        line.width <= kMostWidth * line.height) {
-      lines.push_back(line);
-    }
+// The line of that letter, from neighbour to neighbour. Takes them from `signs`.
+std::optional<cv::Rect> TakeLine(const Sign& letter, std::vector<Sign>& signs) {
+  cv::Rect line = letter.box;
+  std::size_t count = 1;
+  const auto next = [&] {
+    return std::find_if(signs.begin(), signs.end(),
+                        [&](const Sign& sign) { return Continues(line, letter, sign); });
+  };
+  for (auto sign = next(); sign != signs.end(); sign = next()) {
+    line |= sign->box;
+    ++count;
+    signs.erase(sign);
+  }
+  constexpr std::size_t kMostSigns = 12;
+  constexpr int kMostWidth = 8;  // in heights
+  const bool is_line = count >= 2 && count <= kMostSigns && line.width > line.height &&
+                       line.width <= kMostWidth * line.height;
+  return is_line ? std::optional(line) : std::nullopt;
+}
+
+// Of the signs on one light area.
+void AddLines(std::vector<Sign> signs, std::vector<cv::Rect>& lines) {
+  std::sort(signs.begin(), signs.end(),
+            [](const auto& one, const auto& other) { return one.box.height > other.box.height; });
+  while (!signs.empty()) {
+    const Sign highest = signs.front();
+    signs.erase(signs.begin());
+    if (!IsLetter(highest.box)) continue;
+    if (const auto line = TakeLine(highest, signs)) lines.push_back(*line);
   }
 }
 
-// Of a picture of two tones.
-void AddLinesOn(const cv::Mat& light, std::vector<cv::Rect>& lines) {
+// Of the light areas that are brighter than that level.
+void AddLinesAt(double level, const cv::Mat& grey, std::vector<cv::Rect>& lines) {
+  cv::Mat light;
+  cv::threshold(grey, light, level, 255, cv::THRESH_BINARY);
   std::vector<Contour> outlines;
   std::vector<cv::Vec4i> tree;  // next, previous, first child, parent
   cv::findContours(light, outlines, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
-  std::map<int, std::vector<cv::Rect>> holes;  // by the area that they are in
+  std::map<int, std::vector<Sign>> holes;  // by the area that they are in
   for (std::size_t i = 0; i < outlines.size(); ++i) {
     constexpr std::size_t kLeastCorners = 4;
     const int parent = tree[i][3];
-    if (parent >= 0 && outlines[i].size() >= kLeastCorners) {
-      holes[parent].push_back(cv::boundingRect(outlines[i]));
-    }
+    if (parent < 0 || outlines[i].size() < kLeastCorners) continue;
+    Sign sign{cv::boundingRect(outlines[i])};
+    cv::minMaxLoc(grey(sign.box), &sign.darkest);
+    holes[parent].push_back(sign);
   }
   constexpr std::size_t kMostHoles = 400;  // more are a texture
-  for (auto& [area, inside] : holes) {
-    if (inside.size() <= kMostHoles) AddLines(std::move(inside), lines);
+  for (auto& [area, signs] : holes) {
+    if (signs.size() <= kMostHoles) AddLines(std::move(signs), lines);
   }
 }
 
@@ -88,7 +97,7 @@ bool IsSame(const cv::Rect& one, const cv::Rect& other) {
 // In the picture after scaling.
 std::optional<CodeFound> CodeIn(const cv::Mat& grey, double scale) {
   cv::Mat scaled = grey;
-  if (scale != 1) cv::resize(grey, scaled, {}, scale, scale, cv::INTER_LINEAR);
+  if (scale != 1) cv::resize(grey, scaled, {}, scale, scale, cv::INTER_CUBIC);
   const auto hints = ZXing::DecodeHints().setFormats(ZXing::BarcodeFormat::QRCode);
   const auto code =
       ZXing::ReadBarcode({scaled.data, scaled.cols, scaled.rows, ZXing::ImageFormat::Lum}, hints);
@@ -135,7 +144,7 @@ std::optional<CodeFound> FindCodeThoroughly(const cv::Mat& bgr) {
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
   auto code = RectifiedCode(grey);
-  for (const double scale : {2.0, 3.0}) {
+  for (const double scale : {3.0, 2.0}) {
     if (!code) code = CodeIn(grey, scale);
   }
   return code;
@@ -145,12 +154,10 @@ std::vector<cv::Rect> FindTextLines(const cv::Mat& grey) {
   std::vector<cv::Rect> lines;
   cv::Mat light;
   const double otsu = cv::threshold(grey, light, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
-  AddLinesOn(light, lines);
+  AddLinesAt(otsu, grey, lines);
   for (const double level : {50.0, 80.0, 110.0, 140.0, 180.0}) {
     constexpr double kNearOtsu = 12;
-    if (std::abs(level - otsu) < kNearOtsu) continue;
-    cv::threshold(grey, light, level, 255, cv::THRESH_BINARY);
-    AddLinesOn(light, lines);
+    if (std::abs(level - otsu) > kNearOtsu) AddLinesAt(level, grey, lines);
   }
   std::stable_sort(lines.begin(), lines.end(),
                    [](const auto& one, const auto& other) { return one.area() > other.area(); });

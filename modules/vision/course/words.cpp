@@ -10,10 +10,15 @@ bool IsAscii(char c) {
   return static_cast<unsigned char>(c) < 0x80;
 }
 
+constexpr std::string_view kDashesAndQuotes = "\xe2\x80";  // the first bytes of U+2000 to 203F
+
+bool HasDash(std::string_view text) {
+  return text.find('-') != text.npos || text.find(kDashesAndQuotes) != text.npos;
+}
+
 // Letters and digits as they are compared; bytes of other scripts stay as they are.
-std::string Essence(std::string_view text) {
+std::string Essence(std::string_view text, bool loosely) {
   std::string essence;
-  constexpr std::string_view kDashesAndQuotes = "\xe2\x80";  // the first bytes of U+2000 to 203F
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (text.substr(i).starts_with(kDashesAndQuotes)) {
@@ -25,13 +30,11 @@ std::string Essence(std::string_view text) {
       continue;
     }
     const auto upper = static_cast<char>(std::toupper(c));
-    if (upper == 'I' || upper == 'L') {
+    if (loosely && (upper == 'I' || upper == 'L')) {
       essence += '1';
-    } else if (upper == 'Z') {
+    } else if (loosely && upper == 'Z') {
       essence += '2';
-    } else if (upper == '4') {
-      essence += 'A';
-    } else if (upper == '8') {
+    } else if (loosely && upper == '8') {
       essence += 'B';
     } else if (std::isalnum(static_cast<unsigned char>(upper))) {
       essence += upper;
@@ -63,10 +66,11 @@ std::optional<std::string> WordOfCode(std::string_view content,
 std::optional<std::string> WordOfLetters(std::string_view text,
                                          const std::vector<std::string>& words) {
   constexpr std::size_t kMostExtra = 2;
-  const std::string essence = Essence(text);
+  const bool loosely = HasDash(text);
+  const std::string essence = Essence(text, loosely);
   std::optional<std::string> match;
   for (const std::string& word : words) {
-    const std::string sought = Essence(word);
+    const std::string sought = Essence(word, loosely);
     if (sought.empty() || essence.size() > sought.size() + kMostExtra) continue;
     if (!ContainsInOrder(essence, sought)) continue;
     if (match && *match != word) return std::nullopt;

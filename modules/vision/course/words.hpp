@@ -3,8 +3,8 @@
 //
 // A code has to be exactly a word. Letters are misread easily, so that their match is loose: a text
 // with the letters and digits of a word in their order, and at most two other ones, is that word.
-// What is usually confused counts as equal: 1, I and L; 2 and Z; 4 and A; 8 and B. A text that
-// matches two words is none.
+// In a text with a dash, what is usually confused counts as equal: 1, I and L; 2 and Z;
+// 8 and B (without the dash textures are read as words). A text that matches two words is none.
 //
 // Threads: any.
 
