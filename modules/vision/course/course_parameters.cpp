@@ -35,6 +35,10 @@ class ParametersReader {
     Number("dy_threshold", 0, 0.5, lines.dy_threshold);
     Number("dy_target", 0, 1, lines.dy_target);
     Number("ycy_center", 0, 1, lines.ycy_center);
+    lines.ycy_pair = reader_
+                         .Choice<LanePair>("ycy_pair", {{"outermost", LanePair::kOutermost},
+                                                        {"innermost", LanePair::kInnermost}})
+                         .value_or(lines.ycy_pair);
     Number("walk_bottom_px", 0, 8192, lines.walk_bottom_px);
     Number("walk_x_px", 0, 8192, lines.walk_x_px);
     Integer("edge_columns", 2, 640, lines.edge_columns);

@@ -35,13 +35,25 @@ std::vector<YellowLine> LinesOf(const cv::Mat& mask, const LinesParameters& para
   return lines;
 }
 
-// From the centre, as a share of the width.
-double MiddleOffset(const std::vector<YellowLine>& lines, int width, double center) {
-  const auto [left, right] = std::minmax_element(
-      lines.begin(), lines.end(),
-      [](const auto& one, const auto& other) { return one.centroid.x < other.centroid.x; });
+// The middle of the lane, from its place, as a share of the width.
+double MiddleOffset(const std::vector<YellowLine>& lines, int width,
+                    const LinesParameters& parameters) {
   // Of the middles of pixels: (width - 1) / 2 is that of the region.
-  return ((left->centroid.x + right->centroid.x) / 2 - (width - 1) / 2.0) / width - (center - 0.5);
+  const double center_x = (width - 1) / 2.0 + (parameters.ycy_center - 0.5) * width;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  double leftmost = kFar, rightmost = -kFar, left = -kFar, right = kFar;
+  for (const YellowLine& line : lines) {
+    const double x = line.centroid.x;
+    leftmost = std::min(leftmost, x);
+    rightmost = std::max(rightmost, x);
+    if (x <= center_x) left = std::max(left, x);
+    if (x >= center_x) right = std::min(right, x);
+  }
+  const bool between = left > -kFar && right < kFar;
+  const double middle = parameters.ycy_pair == LanePair::kInnermost && between
+                            ? (left + right) / 2
+                            : (leftmost + rightmost) / 2;
+  return (middle - center_x) / width;
 }
 
 std::string Ycy(double middle_offset, bool single, double threshold) {
@@ -89,7 +101,7 @@ LinesFound FindLines(const cv::Mat& bgr, const LinesParameters& parameters) {
   message.middle_offset = message.line_offset = message.bottom_gap_px = kUnknown;
   if (lines.empty()) return found;
 
-  const double middle_offset = MiddleOffset(lines, region.width, parameters.ycy_center);
+  const double middle_offset = MiddleOffset(lines, region.width, parameters);
   message.middle_offset = static_cast<float>(middle_offset);
   message.ycy = Ycy(middle_offset, lines.size() == 1, parameters.ycy_threshold);
 

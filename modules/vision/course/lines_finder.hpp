@@ -4,7 +4,7 @@
 // A line is an outline of the mask of yellow pixels in the region, not smaller than the least area;
 // at most `most_lines` count, the largest ones. x is to the right, y downwards, both in the region.
 //
-//   ycy   The middle between the leftmost and the rightmost centroid is left of the centre by more
+//   ycy   The middle between the leftmost and the rightmost centroid (see LanePair) is left of the centre by more
 //         than the threshold: "right", for the robot is right of the middle; and vice versa. The
 //         centre is that of the region, or for a camera that is not in the middle of the body
 //         beside it (`ycy_center`). Of a single line only its side is known: the robot is too near to it, so that a line on the
@@ -24,6 +24,7 @@
 // course with lanes 0.83 m wide; a threshold for dy of 0.81, found beside them, can never be
 // exceeded.
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -32,12 +33,19 @@
 
 namespace musher::vision {
 
+// Which two lines are those of the lane, where there are more than two.
+enum class LanePair : std::uint8_t {
+  kOutermost,  // the leftmost and the rightmost
+  kInnermost,  // the nearest to the centre on either side; where a side has none, the outermost
+};
+
 struct LinesParameters {
   HsvRange yellow{{15, 50, 30}, {35, 255, 255}};
   Region region{0.6, 1, 0, 1};
   double least_area_px2 = 300;
   int most_lines = 5;
   double ycy_threshold = 0.08;  // of the region's width
+  LanePair ycy_pair = LanePair::kOutermost;
   double ycy_center = 0.5;      // of the region's width: where the middle of the lines has to be
   double dy_threshold = 0.15;   // of the region's height
   double dy_target = 0.5;       // of the region's height, from its top

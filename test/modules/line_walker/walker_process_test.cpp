@@ -35,7 +35,7 @@ class WalkerProcess : public ::testing::Test {
     command_ = Publish<msg::String>("yellow_line_walker/command");
     left_ = Publish<msg::YellowLines>("yellow_line_detector/left");
     right_ = Publish<msg::YellowLines>("yellow_line_detector/right");
-    front_ = Publish<msg::YellowLines>("yellow_line_detector/rgb");
+    front_ = Publish<msg::YellowLines>("yellow_line_detector/front");
     odometry_ = Publish<msg::Odometry>("odom_out");
     status_in_ = transport::MakeSubscription<msg::String>(
                      peer_.node(), "yellow_line_walker/status",

@@ -30,7 +30,7 @@ class WalkerTopicsTest : public ::testing::Test {
     command_ = Publish<msg::String>("yellow_line_walker/command");
     left_ = Publish<msg::YellowLines>("yellow_line_detector/left");
     right_ = Publish<msg::YellowLines>("yellow_line_detector/right");
-    front_ = Publish<msg::YellowLines>("yellow_line_detector/rgb");
+    front_ = Publish<msg::YellowLines>("yellow_line_detector/front");
     odometry_ = Publish<msg::Odometry>("dog1/odom_out");
     responses_ = Publish<msg::MotionServoResponse>("dog1/motion_servo_response");
     status_ = Must(transport::MakeSubscription<msg::String>(

@@ -41,7 +41,7 @@ record = "race.record"
 topic = "/qr_detector/sighting"
 type = "sighting"
 [detector.lines]
-topic = "/yellow_line_detector/rgb"
+topic = "/yellow_line_detector/front"
 type = "lines"
 [movement.forward]
 motion = 303
@@ -108,7 +108,7 @@ class RaceProcess : public ::testing::Test {
             .value();
     command_ = Publisher<msg::String>("state_machine/start_command");
     walker_status_ = Publisher<msg::String>("yellow_line_walker/status");
-    lines_ = Publisher<msg::YellowLines>("yellow_line_detector/rgb");
+    lines_ = Publisher<msg::YellowLines>("yellow_line_detector/front");
     body_ = Publisher<msg::MotionStatus>("motion_status");
     motion_ = transport::MakeServer<msg::MotionResultCmd>(
                   peer_.node(), "motion_result_cmd",
