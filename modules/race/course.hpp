@@ -79,9 +79,19 @@ using Corrections = std::array<std::optional<Stretch>, 4>;  // by LineWord, but 
 struct Check {
   std::string name;
   Index detector = 0;
-  bool by_dy = false;      // by the word dy of the lines, else by ycy
-  Corrections usual;       // after a movement ahead, back or aside
-  Corrections after_turn;  // after a turn
+  bool by_dy = false;                  // by the word dy of the lines, else by ycy
+  Corrections usual;                   // after a movement ahead, back or aside
+  Corrections after_turn;              // after a turn
+  std::optional<int> max_corrections;  // else that of CheckRules
+};
+
+// Keeps a walk in the middle between two lines: it turns towards their middle.
+struct Keep {
+  std::string name;
+  Index detector = 0;
+  double yaw_rad_s = 2;     // for an offset of the middle by the whole width of the region
+  double most_rad_s = 0.3;  // either way
+  Duration fresh = Milliseconds(500);  // an older picture does not count
 };
 
 struct CheckRules {
@@ -171,6 +181,7 @@ struct MoveStep {
   Index movement = 0;
   int count = 0;              // of a walk
   std::optional<Index> less;  // the counter that is subtracted from it
+  std::optional<Index> keep;
 };
 struct CheckStep {
   Index check = 0;
@@ -182,6 +193,7 @@ struct WaitStep {
 struct UntilStep {
   Index until = 0;
   std::optional<Index> stores;  // the counter that gets the steps made
+  std::optional<Index> keep;
 };
 struct WalkStep {
   Index walk = 0;
@@ -267,6 +279,7 @@ struct Course {
   std::vector<std::string> counters;
   std::vector<ResultRule> results;
   std::vector<Check> checks;
+  std::vector<Keep> keeps;
   std::vector<Wait> waits;
   std::vector<Until> untils;
   std::vector<LaneWalk> walks;

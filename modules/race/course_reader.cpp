@@ -34,6 +34,7 @@ class CourseReader {
       Take(t, "refused_ms", course().body.refused);
     });
     Each("check", course().checks, [this](auto& t, auto& c) { ReadCheck(t, c); });
+    Each("keep", course().keeps, [this](auto& t, auto& k) { ReadKeep(t, k); });
     Each("wait", course().waits, [this](auto& t, auto& w) { ReadWait(t, w); });
     Each("until", course().untils, [this](auto& t, auto& u) { ReadUntil(t, u); });
     Each("walk", course().walks, [this](auto& t, auto& w) { ReadWalk(t, w); });
@@ -77,6 +78,7 @@ class CourseReader {
     names("movement", course().movements);
     names("result", course().results);
     names("check", course().checks);
+    names("keep", course().keeps);
     names("wait", course().waits);
     names("until", course().untils);
     names("walk", course().walks);
@@ -190,6 +192,9 @@ class CourseReader {
     TakeDetector(table, Detector::Kind::kLines, check.detector);
     table.Require("word", "\"ycy\" or \"dy\"");
     check.by_dy = table.Choice<bool>("word", {{"ycy", false}, {"dy", true}}).value_or(false);
+    if (const auto most = table.Integer("max_corrections", 0, 1000)) {
+      check.max_corrections = static_cast<int>(*most);
+    }
     ReadCorrections(table, check.by_dy, check.usual);
     check.after_turn = check.usual;
     const Table* turn = table.SubTable("after_turn");
@@ -222,6 +227,13 @@ class CourseReader {
   std::optional<Index> CounterAt(TableReader& table, const char* key) {
     const auto word = table.String(key);
     return word ? Refer(table, key, "counter", *word, course().counters) : std::nullopt;
+  }
+
+  void ReadKeep(TableReader& table, Keep& keep) {
+    TakeDetector(table, Detector::Kind::kLines, keep.detector);
+    keep.yaw_rad_s = table.Number("yaw_rad_s", 0, 20).value_or(keep.yaw_rad_s);
+    keep.most_rad_s = table.Number("most_rad_s", 0, 2).value_or(keep.most_rad_s);
+    Take(table, "fresh_ms", keep.fresh);
   }
 
   void RefuseDefault(TableReader& table, Otherwise& otherwise) {

@@ -25,6 +25,7 @@ struct Lines {
   std::uint32_t contours = 0;  // 0: no line is seen
   LineWord ycy = LineWord::kCenter;
   LineWord dy = LineWord::kCenter;
+  double middle_offset = 0;  // of their middle from its place, as a share of the width; NaN: none
 };
 
 class Eyes {

@@ -32,6 +32,7 @@ void Legs::Continue(const WalkProgress& walk) {
   EndStream();
   motion_.reset();
   walk_ = walk;
+  steer_rad_s_ = 0;
   if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, {}, 0};
 }
 
@@ -73,7 +74,9 @@ bool Legs::AdvanceWalk(Duration now, Time time) {
 
 void Legs::Send(bool end) {
   const Movement& movement = course_.movements[walk_->movement];
-  outputs_.Walk({movement.motion_id, end ? Twist{} : movement.twist, movement.step_height_m, end});
+  Twist twist = end ? Twist{} : movement.twist;
+  if (!end) twist.yaw_rad_s += steer_rad_s_;
+  outputs_.Walk({movement.motion_id, twist, movement.step_height_m, end});
 }
 
 void Legs::EndStream() {

@@ -38,6 +38,9 @@ class Legs {
   void Continue(const WalkProgress& walk);
   void Move(Index movement, Duration now);
 
+  // Turns the present walk beside its twist, until the next call or walk. Left is positive.
+  void Steer(double yaw_rad_s) { steer_rad_s_ = yaw_rad_s; }
+
   // Once a tick while a walk or a motion is under way. Returns true when it has ended. `time` is
   // that of the actuator's clock.
   bool Advance(Duration now, Time time);
@@ -105,6 +108,7 @@ class Legs {
   const Course& course_;
   RaceOutputs& outputs_;
   std::optional<WalkProgress> walk_;
+  double steer_rad_s_ = 0;
   bool streaming_ = false;
   Duration frame_at_{};  // of the last frame
   Duration stream_from_{};

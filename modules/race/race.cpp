@@ -100,7 +100,7 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
 }
 
 void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
-                   std::string_view dy, Time taken, Time now) {
+                   std::string_view dy, double middle_offset, Time taken, Time now) {
   now_ = now;
   const auto ycy_word = LineWordOf(ycy);
   const auto dy_word = LineWordOf(dy);
@@ -109,11 +109,12 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                                "; expected left, right, front, back or center");
   }
   if (first_start_) {
-    Record(input::kLines,
-           {std::to_string(detector), std::to_string((taken - *first_start_).count()),
-            std::to_string(contours), std::string(ycy), std::string(dy)});
+    Record(
+        input::kLines,
+        {std::to_string(detector), std::to_string((taken - *first_start_).count()),
+         std::to_string(contours), std::string(ycy), std::string(dy), NumberText(middle_offset)});
   }
-  runner_.eyes().OnLines(detector, {contours, *ycy_word, *dy_word}, taken);
+  runner_.eyes().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset}, taken);
 }
 
 void Race::OnWalkerStatus(Index walk, std::string_view status, Time now) {

@@ -49,7 +49,7 @@ class Race : private fsm::Listener {
   // `taken`: when the picture was taken, of the same clock as `now`.
   void OnSighting(Index detector, Sighting sighting, Time taken, Time now);
   void OnLines(Index detector, std::uint32_t contours, std::string_view ycy, std::string_view dy,
-               Time taken, Time now);
+               double middle_offset, Time taken, Time now);
   void OnWalkerStatus(Index walk, std::string_view status, Time now);
   void OnMotionDone(std::uint64_t number, const Result<>& done, Time now);
   void OnSpoken(std::uint64_t number, const Result<>& spoken, Time now);

@@ -103,7 +103,7 @@ Detectors::Handlers RaceRobot::DetectorHandlers() {
               },
           .on_lines =
               [this](Index detector, const msg::YellowLines& lines) {
-                race_.OnLines(detector, lines.contours, lines.ycy, lines.dy,
+                race_.OnLines(detector, lines.contours, lines.ycy, lines.dy, lines.middle_offset,
                               TakenAt(lines.header.stamp), Now());
               },
           .log = [this](const std::string& line) { Log(line); }};

@@ -11,7 +11,7 @@ struct Kind {
   std::size_t words;
 };
 constexpr std::array<Kind, 10> kKinds = {{{input::kSighting, 6},
-                                          {input::kLines, 5},
+                                          {input::kLines, 6},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
                                           {input::kSpoken, 3},
@@ -70,7 +70,7 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
                {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5]}, taken(), now);
   } else if (input == input::kLines) {
     OnLines(numbers.Integer<Index>(0), numbers.Integer<std::uint32_t>(2), words[3], words[4],
-            taken(), now);
+            numbers.Real(5), taken(), now);
   } else if (input == input::kWalker) {
     OnWalkerStatus(numbers.Integer<Index>(0), words[1], now);
   } else if (input == input::kMotionDone) {

@@ -87,6 +87,7 @@ class Runner {
   // Advances the walk or motion under way. kDone, kRunning, or kTarget: a light has stopped it.
   Outcome Advance(Duration now, Time time);
   bool StoppedByLight(Duration now);
+  void Steer(const std::optional<Index>& keep, Time time);
   void WantNext();
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
   Outcome FindResult(const Wait& wait, Duration now, Time time);

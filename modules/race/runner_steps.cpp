@@ -1,6 +1,7 @@
 // The steps of a state.
 
 #include <algorithm>
+#include <cmath>
 
 #include "musher/modules/race/runner.hpp"
 
@@ -35,6 +36,18 @@ bool Runner::StoppedByLight(Duration now) {
   return light_->Stops(eyes_.SightingSince(course_.light->detector, Time::min()), now);
 }
 
+// Where only one line is seen its middle is not known: straight on.
+void Runner::Steer(const std::optional<Index>& keep, Time time) {
+  if (!keep) return;
+  const Keep& rule = course_.keeps[*keep];
+  eyes_.Want(rule.detector);
+  const Lines* lines = eyes_.LinesSince(rule.detector, time - rule.fresh);
+  const bool between =
+      lines != nullptr && lines->contours >= 2 && std::isfinite(lines->middle_offset);
+  const double yaw_rad_s = between ? -rule.yaw_rad_s * lines->middle_offset : 0;
+  legs_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
+}
+
 // A detector needs a moment to start.
 void Runner::WantNext() {
   const auto& walk = legs_.walk();
@@ -66,6 +79,7 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
     }
     Phase(1, now);
   }
+  Steer(step.keep, time);
   const Outcome outcome = Advance(now, time);
   WantNext();
   return outcome;
@@ -101,7 +115,7 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   const auto& correction = corrections.at(static_cast<std::size_t>(word));
   if (!correction) return Outcome::kDone;
   const std::string found = "check " + check.name + ": " + std::string(Name(word));
-  if (at_.tries >= rules.max_corrections) {
+  if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
     Say(found + " after " + std::to_string(at_.tries) + " corrections; it continues");
     return Outcome::kDone;
   }
@@ -170,6 +184,7 @@ Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
     Phase(1, now);
   }
   eyes_.Want(until.detector);
+  Steer(step.keep, time);
   const auto store = [&](int made) {
     if (step.stores) memory_.SetCount(*step.stores, made);
   };

@@ -97,13 +97,14 @@ class StateReader {
     const auto movement = Reference(step, "move", "movement", course().movements);
     const auto count = Count(step, "count");
     const auto less = CounterAt(step, "less");
+    const auto keep = Reference(step, "keep", "keep", course().keeps);
     if (!movement) return;
     const Movement& moved = course().movements[*movement];
-    for (const char* key : {"count", "less"}) {
+    for (const char* key : {"count", "less", "keep"}) {
       if (moved.walks || !step.Has(key)) continue;
-      step.Fault(step.At(key), key, moved.name + " is one motion, without a count");
+      step.Fault(step.At(key), key, moved.name + " is one motion, and no walk");
     }
-    state_.steps.emplace_back(MoveStep{*movement, count.value_or(moved.count), less});
+    state_.steps.emplace_back(MoveStep{*movement, count.value_or(moved.count), less, keep});
     if (moved.walks) turned_ = moved.twist.turns();
   }
 
@@ -115,8 +116,9 @@ class StateReader {
   void ReadUntil(TableReader& step) {
     const auto until = Reference(step, "until", "until", course().untils);
     const auto stores = CounterAt(step, "stores");
+    const auto keep = Reference(step, "keep", "keep", course().keeps);
     if (!until) return;
-    state_.steps.emplace_back(UntilStep{*until, stores});
+    state_.steps.emplace_back(UntilStep{*until, stores, keep});
     turned_ = false;
   }
 

@@ -30,7 +30,7 @@ void Inject(Rig& rig, int kind, int value) {
                                   rig.now - Milliseconds(value * 20), rig.now);
     case 2:
       return rig.race->OnLines(detector, static_cast<std::uint32_t>(value % 4), of(kWords),
-                               "center", rig.now - Milliseconds(value), rig.now);
+                               "center", value / 50.0 - 1, rig.now - Milliseconds(value), rig.now);
     case 3:
       rig.script.body_status = value % 10 == 0 ? 8 : 0;
       return;

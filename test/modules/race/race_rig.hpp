@@ -204,7 +204,8 @@ class Rig {
         continue;
       }
       const Lines lines = script.lines(detector.name);
-      race->OnLines(i, lines.contours, Name(lines.ycy), Name(lines.dy), taken, now);
+      race->OnLines(i, lines.contours, Name(lines.ycy), Name(lines.dy), lines.middle_offset, taken,
+                    now);
     }
   }
 

@@ -183,10 +183,10 @@ TEST(Check, NeedsAPictureThatIsHalfASecondNewerThanTheMovement) {
   const Time end = rig.now;
   const Index lines = FindByName(rig.course_.detectors, "right_lines").value();
   rig.Run(Milliseconds(1000));
-  rig.race->OnLines(lines, 2, "left", "center", end + Milliseconds(499), rig.now);
+  rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(499), rig.now);
   rig.Tick();
   EXPECT_FALSE(rig.field.Logged("correction"));
-  rig.race->OnLines(lines, 2, "left", "center", end + Milliseconds(500), rig.now);
+  rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(500), rig.now);
   rig.Tick();
   EXPECT_TRUE(rig.field.Logged("QRA_TO_A1: check right_ycy: left, correction 1: backward 2"));
 }

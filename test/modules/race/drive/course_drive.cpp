@@ -214,7 +214,8 @@ void CourseDrive::Look(Eye& eye, const cv::Mat& picture) {
       msg::YellowLines lines = *sight.lines;
       lines.header.stamp = msg::ToStamp(taken.time_since_epoch());
       if (eye.wanted_by_race) {
-        race_.OnLines(*eye.of_race, lines.contours, lines.ycy, lines.dy, taken, now);
+        race_.OnLines(*eye.of_race, lines.contours, lines.ycy, lines.dy, lines.middle_offset, taken,
+                      now);
       }
       if (eye.of_walker) walker_.OnLines(*eye.of_walker, lines, now);
     } else if (eye.wanted_by_race) {
