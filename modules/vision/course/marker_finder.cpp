@@ -36,6 +36,7 @@ std::optional<Contour> WithoutThinParts(const Contour& outline) {
 }
 
 std::optional<Marker> ShapeOf(const Contour& outline, const MarkerParameters& parameters) {
+  if (outline.empty()) return std::nullopt;  // nothing is left of it without its thin parts
   Contour hull;
   cv::convexHull(outline, hull);
   const double hull_px2 = cv::contourArea(hull);
