@@ -79,9 +79,12 @@ using Corrections = std::array<std::optional<Stretch>, 4>;  // by LineWord, but 
 struct Check {
   std::string name;
   Index detector = 0;
-  bool by_dy = false;                  // by the word dy of the lines, else by ycy
-  Corrections usual;                   // after a movement ahead, back or aside
-  Corrections after_turn;              // after a turn
+  enum class By : std::uint8_t { kYcy, kDy, kBox };  // words of the lines, or the thing's box
+
+  By by = By::kYcy;
+  double threshold = 0.04;  // of a box: a smaller offset, as a share of the width, is "center"
+  Corrections usual;        // after a movement ahead, back or aside
+  Corrections after_turn;   // after a turn
   std::optional<int> max_corrections;  // else that of CheckRules
 };
 

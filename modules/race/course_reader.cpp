@@ -189,18 +189,23 @@ class CourseReader {
   }
 
   void ReadCheck(TableReader& table, Check& check) {
-    TakeDetector(table, Detector::Kind::kLines, check.detector);
-    table.Require("word", "\"ycy\" or \"dy\"");
-    check.by_dy = table.Choice<bool>("word", {{"ycy", false}, {"dy", true}}).value_or(false);
+    using By = Check::By;
+    table.Require("word", "\"ycy\", \"dy\" or \"box\"");
+    check.by = table.Choice<By>("word", {{"ycy", By::kYcy}, {"dy", By::kDy}, {"box", By::kBox}})
+                   .value_or(By::kYcy);
+    const bool of_box = check.by == By::kBox;
+    TakeDetector(table, of_box ? Detector::Kind::kSighting : Detector::Kind::kLines,
+                 check.detector);
+    if (of_box) check.threshold = table.Number("threshold", 0, 0.5).value_or(check.threshold);
     if (const auto most = table.Integer("max_corrections", 0, 1000)) {
       check.max_corrections = static_cast<int>(*most);
     }
-    ReadCorrections(table, check.by_dy, check.usual);
+    ReadCorrections(table, check.by == By::kDy, check.usual);
     check.after_turn = check.usual;
     const Table* turn = table.SubTable("after_turn");
     if (turn == nullptr) return;
     TableReader reader(*turn, table.At("after_turn"), table.path() + ".after_turn", findings_);
-    ReadCorrections(reader, check.by_dy, check.after_turn);
+    ReadCorrections(reader, check.by == By::kDy, check.after_turn);
     reader.RefuseOthers();
   }
 

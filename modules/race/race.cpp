@@ -94,7 +94,7 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
     Record(input::kSighting,
            {std::to_string(detector), std::to_string((taken - *first_start_).count()),
             sighting.seen ? "1" : "0", NumberText(sighting.distance_m), sighting.phase,
-            sighting.text});
+            sighting.text, NumberText(sighting.offset)});
   }
   runner_.eyes().OnSighting(detector, std::move(sighting), taken);
 }

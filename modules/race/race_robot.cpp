@@ -98,7 +98,9 @@ void RaceRobot::Subscribe(transport::Endpoints& topics) {
 Detectors::Handlers RaceRobot::DetectorHandlers() {
   return {.on_sighting =
               [this](Index detector, const msg::Sighting& found) {
-                race_.OnSighting(detector, {found.seen, found.distance_m, found.phase, found.text},
+                race_.OnSighting(detector,
+                                 {found.seen, found.distance_m, found.phase, found.text,
+                                  found.x + found.width / 2 - 0.5},
                                  TakenAt(found.header.stamp), Now());
               },
           .on_lines =

@@ -10,7 +10,7 @@ struct Kind {
   std::string_view name;
   std::size_t words;
 };
-constexpr std::array<Kind, 10> kKinds = {{{input::kSighting, 6},
+constexpr std::array<Kind, 10> kKinds = {{{input::kSighting, 7},
                                           {input::kLines, 6},
                                           {input::kWalker, 2},
                                           {input::kMotionDone, 3},
@@ -67,7 +67,8 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   const auto taken = [&] { return *first_start_ + Duration(numbers.Integer<std::int64_t>(1)); };
   if (input == input::kSighting) {
     OnSighting(numbers.Integer<Index>(0),
-               {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5]}, taken(), now);
+               {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5], numbers.Real(6)},
+               taken(), now);
   } else if (input == input::kLines) {
     OnLines(numbers.Integer<Index>(0), numbers.Integer<std::uint32_t>(2), words[3], words[4],
             numbers.Real(5), taken(), now);

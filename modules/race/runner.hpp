@@ -89,6 +89,7 @@ class Runner {
   bool StoppedByLight(Duration now);
   void Steer(const std::optional<Index>& keep, Time time);
   void WantNext();
+  std::optional<LineWord> Word(const Check& check) const;
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
   Outcome GiveUp(const Otherwise& otherwise, const std::string& what);

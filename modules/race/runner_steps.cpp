@@ -100,21 +100,33 @@ Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
   return Outcome::kRunning;
 }
 
+// By a picture that is new enough; nothing where it shows no line, or not the thing.
+std::optional<LineWord> Runner::Word(const Check& check) const {
+  if (check.by == Check::By::kBox) {
+    const Sighting* sighting = eyes_.SightingSince(check.detector, at_.after);
+    if (sighting == nullptr || !sighting->seen) return std::nullopt;
+    if (sighting->offset > check.threshold) return LineWord::kLeft;
+    return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
+  }
+  const Lines* lines = eyes_.LinesSince(check.detector, at_.after);
+  if (lines == nullptr || lines->contours == 0) return std::nullopt;
+  return check.by == Check::By::kDy ? lines->dy : lines->ycy;
+}
+
 Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, Time /*time*/) {
   const CheckRules& rules = course_.check;
-  const Lines* lines = eyes_.LinesSince(check.detector, at_.after);
-  if (lines == nullptr || lines->contours == 0) {
+  const std::optional<LineWord> word = Word(check);
+  if (!word) {
     if (now - at_.since < rules.settle + rules.picture) return Outcome::kRunning;
-    Say("check " + check.name + ": no picture with a line within " +
+    Say("check " + check.name + ": no picture of it within " +
         std::to_string(ToMilliseconds(rules.picture)) + " ms; it continues");
     return Outcome::kDone;
   }
-  const LineWord word = check.by_dy ? lines->dy : lines->ycy;
-  if (word == LineWord::kCenter) return Outcome::kDone;
+  if (*word == LineWord::kCenter) return Outcome::kDone;
   const Corrections& corrections = after_turn ? check.after_turn : check.usual;
-  const auto& correction = corrections.at(static_cast<std::size_t>(word));
+  const auto& correction = corrections.at(static_cast<std::size_t>(*word));
   if (!correction) return Outcome::kDone;
-  const std::string found = "check " + check.name + ": " + std::string(Name(word));
+  const std::string found = "check " + check.name + ": " + std::string(Name(*word));
   if (at_.tries >= check.max_corrections.value_or(rules.max_corrections)) {
     Say(found + " after " + std::to_string(at_.tries) + " corrections; it continues");
     return Outcome::kDone;

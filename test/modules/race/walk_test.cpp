@@ -202,7 +202,7 @@ TEST(Check, ContinuesWithoutALineAfterItsLimitAndSaysSo) {
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streams == 2; }));
   EXPECT_GE(rig.now - end, Milliseconds(3500));
   EXPECT_LE(rig.now - end, Milliseconds(3700));
-  EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture with a line within 3000 ms"));
+  EXPECT_TRUE(rig.field.Logged("check right_ycy: no picture of it within 3000 ms"));
 }
 
 TEST(Check, OpensItsDetectorShortlyBeforeTheMovementEndsAndClosesItAfterwards) {

@@ -220,8 +220,10 @@ void CourseDrive::Look(Eye& eye, const cv::Mat& picture) {
       if (eye.of_walker) walker_.OnLines(*eye.of_walker, lines, now);
     } else if (eye.wanted_by_race) {
       const msg::Sighting& seen = *sight.sighting;
-      race_.OnSighting(*eye.of_race, {seen.seen, seen.distance_m, seen.phase, seen.text}, taken,
-                       now);
+      race_.OnSighting(
+          *eye.of_race,
+          {seen.seen, seen.distance_m, seen.phase, seen.text, seen.x + seen.width / 2 - 0.5}, taken,
+          now);
     }
   });
 }
@@ -284,7 +286,7 @@ void CourseDrive::Move(std::int32_t motion_id, std::uint64_t number) {
 }
 
 void CourseDrive::CommandWalker(const LaneWalk& walk, bool start) {
-  Log("walker", walk.name + (start ? " START" : " STOP"));
+  Log("walker", walk.name + (start ? " START" : " STOP: " + walker_.reason()));
   Later({}, [this, start] {
     if (start) {
       walker_.Start(dog_.now());
