@@ -157,6 +157,18 @@ TEST(MachineController, RefusesAProtocolThatItHasNoExtensionFor) {
       "MachineController({cyberdog::Extension()})");
 }
 
+TEST(MachineController, WarnsOfAManagerThatNoExtensionServes) {
+  const RobotFile file({"legs"}, kAllStates);
+  std::ofstream(file.path(), std::ios::app) << "[policy]\nmanager = true\n";
+  ::testing::internal::CaptureStderr();
+  {
+    MachineController controller;  // its log is complete when it has ended
+    EXPECT_TRUE(controller.Init(file.path()));
+  }
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("[policy] manager has no effect: give the controller the extension"));
+}
+
 TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {
   const RobotFile file({"arm"}, kAllStates, {{"SetUp", 100}});
   MachineController controller;
