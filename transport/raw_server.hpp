@@ -41,6 +41,8 @@ class RawServer {
   bool Holds() const { return !held_.empty(); }
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t unknown() const { return unknown_; }
+  // Whether a client of that participant is matched.
+  bool HasClientOf(PeerId participant) const { return requests_->HasWriterOf(participant); }
 
  private:
   struct Held {
