@@ -12,8 +12,7 @@ template <class A>
 concept Action = requires {
   { A::kTypeName } -> std::convertible_to<std::string_view>;
 }
-&&Fielded<typename A::Goal>&& Fielded<typename A::Result>&& Fielded<typename A::Feedback>&&
-    Service<typename A::SendGoal>&& Service<typename A::GetResult>&&
-        Message<typename A::FeedbackMessage>;
+&&Fielded<typename A::Goal>&& Fielded<typename A::Result>&& Fielded<typename A::Feedback>&& Service<
+    typename A::SendGoal>&& Service<typename A::GetResult>&& Message<typename A::FeedbackMessage>;
 
 }  // namespace musher::msg
