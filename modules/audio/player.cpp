@@ -30,8 +30,11 @@ class Decision {
   void Rebase() {
     const Duration jump = now_ - player_.now;
     if (jump < Duration::zero() || player_.now == Time{}) {
-      if (player_.current) player_.current->deadline += jump;
-      for (Player::Sound& sound : player_.waiting) sound.deadline += jump;
+      const auto shift = [jump](Player::Sound& sound) {
+        if (sound.deadline) *sound.deadline += jump;
+      };
+      if (player_.current) shift(*player_.current);
+      for (Player::Sound& sound : player_.waiting) shift(sound);
       player_.next_report += jump;
       player_.refusal_again += jump;
     }
@@ -50,8 +53,9 @@ class Decision {
       return Refuse(request.token, {what.error().code, "for " + config_toml::Quote(request.module) +
                                                            ": " + what.error().message});
     }
-    Player::Sound sound{++player_.last_number, request.token, now_ + kAnswerTime,
+    Player::Sound sound{++player_.last_number, request.token, std::nullopt,
                         request.module,        what.value(),  false};
+    if (!request.is_goal) sound.deadline = now_ + kAnswerTime;
     Enqueue(std::move(sound), request.token == 0);
   }
 
@@ -76,6 +80,16 @@ class Decision {
   void Take(const play_event::StopRequested& event) {
     StopAll();
     Answer(event.token, kCodeOk);
+  }
+
+  void Take(const play_event::CancelRequested& event) {
+    if (event.token == 0) return;
+    const auto requested = [&event](const Player::Sound& sound) {
+      return sound.token == event.token;
+    };
+    const std::int32_t code = AudioCode(AudioKey::kStopped);
+    if (player_.current && requested(*player_.current)) return EndCurrent(code);
+    if (std::erase_if(player_.waiting, requested) > 0) Answer(event.token, code);
   }
 
   void Take(const play_event::Made& event) {
@@ -215,7 +229,9 @@ class Decision {
 
   // Releases the callers whose deadline is not later than `time`.
   void ReleaseOverdue(Time time) {
-    const auto overdue = [time](const Player::Sound& sound) { return sound.deadline <= time; };
+    const auto overdue = [time](const Player::Sound& sound) {
+      return sound.deadline && *sound.deadline <= time;
+    };
     const std::int32_t code = AudioCode(KeyCode::kTimeout);
     for (const Player::Sound& sound : player_.waiting) {
       if (!overdue(sound)) continue;
@@ -286,8 +302,11 @@ std::optional<Time> NextTime(const Player& player) {
   std::optional<Time> next;
   const auto consider = [&next](Time time) { next = next ? std::min(*next, time) : time; };
   if (player.reporting) consider(player.next_report);
-  if (player.current && player.current->token != 0) consider(player.current->deadline);
-  for (const Player::Sound& sound : player.waiting) consider(sound.deadline);
+  const auto consider_deadline = [&](const Player::Sound& sound) {
+    if (sound.deadline) consider(*sound.deadline);
+  };
+  if (player.current && player.current->token != 0) consider_deadline(*player.current);
+  for (const Player::Sound& sound : player.waiting) consider_deadline(sound);
   return next;
 }
 

@@ -75,6 +75,37 @@ TEST_F(PlayerDecision, CountsTheTenSecondsOfAWaitingRequestFromItsArrival) {
   EXPECT_THAT(Answers(), IsEmpty()) << "each is answered once";
 }
 
+TEST_F(PlayerDecision, PlaysAGoalWithoutATimeLimit) {
+  Say(1, "long");
+  Made();
+  Say(2, "goal", true);
+  Pass(std::chrono::minutes(5));
+  EXPECT_THAT(player().waiting, SizeIs(1));
+  Ended();
+  Made();
+  EXPECT_THAT(Those<Play>(), ElementsAre(Play{2}));
+  Pass(std::chrono::minutes(5));
+  EXPECT_THAT(Answers(), IsEmpty());
+  Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 0}));
+}
+
+TEST_F(PlayerDecision, CancelsTheSoundOfOneGoalOnly) {
+  Say(1, "sounds", true);
+  Made();
+  Say(2, "waits", true);
+  Say(3, "waits, too", true);
+  Do(play_event::CancelRequested{2});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5022}));
+  EXPECT_THAT(Those<Silence>(), IsEmpty());
+  Do(play_event::CancelRequested{1});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5022}));
+  EXPECT_THAT(Those<Silence>(), SizeIs(1));
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{3, {"waits, too", Language::kEnglish, {}}}));
+  Do(play_event::CancelRequested{1});
+  EXPECT_THAT(Answers(), IsEmpty()) << "it has ended";
+}
+
 TEST_F(PlayerDecision, AnswersTheLimitAlsoWhenTheSoundIsNeverMade) {
   Say(1, "first");
   EXPECT_EQ(NextTime(player()), now() + kAnswerTime);
