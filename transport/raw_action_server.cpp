@@ -127,8 +127,17 @@ bool RawActionServer::OnSendGoal(const msg::RequestId& id, std::span<const std::
   records_[goal_id].goal = goal;
   reply(msg::Encode(internal::SendGoalReply{id, true, stamp}));
   PublishStatuses();
-  handlers->start(goal);  // last: it may drop the server
+  send_goal_->AfterReplies(caller, [self, goal] {
+    if (const auto server = self.lock()) (*server)->Start(goal);
+  });
   return true;
+}
+
+void RawActionServer::Start(const RawGoalPtr& goal) {
+  if (!IsActive(goals_.StateOf(goal->id()))) return;
+  const auto handlers = handlers_;
+  records_.at(goal->id()).started = true;
+  handlers->start(goal);  // last: it may drop the server
 }
 
 bool RawActionServer::OnGetResult(const msg::RequestId& id, std::span<const std::byte> bytes,
@@ -166,7 +175,8 @@ void RawActionServer::OnCancelGoal(const msg::GoalInfo& request,
   for (const GoalId& id : choice.goals) {
     const auto record = records_.find(id);
     RawGoalPtr goal = record == records_.end() ? nullptr : record->second.goal.lock();
-    const bool accepted = goal != nullptr && handlers->may_cancel(goal);
+    const bool unstarted = goal != nullptr && !record->second.started;
+    const bool accepted = unstarted || (goal != nullptr && handlers->may_cancel(goal));
     if (self.expired()) return;
     if (!accepted || !goals_.Change(id, GoalState::kCanceling, loop_.Now())) continue;
     response.goals_canceling.push_back(goals_.InfoOf(id));
@@ -183,7 +193,13 @@ void RawActionServer::OnCancelGoal(const msg::GoalInfo& request,
   reply(response);
   if (!canceling.empty()) PublishStatuses();
   for (RawGoalPtr& goal : canceling) {
-    if (goal->state() == GoalState::kCanceling) handlers->cancel(std::move(goal));
+    if (goal->state() != GoalState::kCanceling) continue;
+    if (!records_.at(goal->id()).started) {
+      goal->End(GoalState::kCanceled, no_result_);
+      continue;
+    }
+    handlers->cancel(std::move(goal));
+    if (self.expired()) return;
   }
 }
 

@@ -2,6 +2,10 @@
 // The untyped half of an action server (action.hpp): its three services, its two topics, the goals
 // with the callers that wait for their results, and the expiry of results.
 //
+// A goal is started after the reply that accepts it is sent, which may be held (raw_server.hpp): an
+// rclcpp client drops the feedback of a goal that it does not know to be accepted. A goal that is
+// cancelled before ends without being started.
+//
 // Threads: loop thread only.
 
 #include <cstdint>
@@ -89,6 +93,7 @@ class RawActionServer {
   };
   struct Record {
     std::weak_ptr<RawGoal> goal;
+    bool started = false;          // passed to the handler
     std::vector<Waiting> waiting;  // for the end
     msg::Bytes result;             // from the end on
   };
@@ -106,6 +111,7 @@ class RawActionServer {
   bool OnGetResult(const msg::RequestId& id, std::span<const std::byte> bytes,
                    RawServer::Reply reply, PeerId caller);
   void OnCancelGoal(const msg::GoalInfo& request, const Server<msg::CancelGoal>::Reply& reply);
+  void Start(const RawGoalPtr& goal);
   bool Execute(const GoalId& id);
   bool End(const GoalId& id, GoalState state, msg::Bytes reply);
   void Abandon(const GoalId& id);
