@@ -60,6 +60,9 @@ void AudioShell::OpenPlay() {
 
 void AudioShell::OpenAction() {
   SpeechAction::Player player;
+  player.may_play = [this](const PlayRequest& request) {
+    return CheckRequest(rules_, player_, request).ok();
+  };
   player.play = [this](PlayRequest request, AnswerCode on_end) {
     const CallToken token = Expect(std::move(on_end));
     request.token = token;

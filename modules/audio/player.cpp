@@ -24,6 +24,12 @@ class Decision {
     return std::move(actions_);
   }
 
+  Result<> Check(const PlayRequest& request) const {
+    if (IsStop(request)) return Ok();
+    const Result<Utterance> what = UtteranceOf(request);
+    return what ? Ok() : Result<>(what.error());
+  }
+
  private:
   // Time started with the first /clock, or again because the world was restarted: remaining times
   // are kept.
@@ -41,14 +47,17 @@ class Decision {
     player_.now = now_;
   }
 
+  static bool IsStop(const PlayRequest& request) {
+    return !request.is_text && request.play_id == msg::AudioPlay::kStop;
+  }
+
   void Take(const play_event::PlayRequested& event) {
     const PlayRequest& request = event.request;
-    if (!request.is_text && request.play_id == msg::AudioPlay::kStop) {
+    if (IsStop(request)) {
       StopAll();
       return Answer(request.token, kCodeOk);
     }
-    const Result<> may = MayPlay(request.token != 0);
-    const Result<Utterance> what = may ? UtteranceOf(request) : Result<Utterance>(may.error());
+    const Result<Utterance> what = UtteranceOf(request);
     if (!what) {
       return Refuse(request.token, {what.error().code, "for " + config_toml::Quote(request.module) +
                                                            ": " + what.error().message});
@@ -161,6 +170,8 @@ class Decision {
   }
 
   Result<Utterance> UtteranceOf(const PlayRequest& request) const {
+    const bool waits = request.token != 0 || request.is_goal;
+    if (const Result<> may = MayPlay(waits); !may) return may.error();
     return request.is_text ? EvaluateText(request.text) : EvaluatePhrase(request.play_id);
   }
 
@@ -296,6 +307,11 @@ class Decision {
 
 PlayActions Step(const PlayRules& rules, Player& player, const PlayEvent& event, Time now) {
   return Decision(rules, player, now).Run(event);
+}
+
+Result<> CheckRequest(const PlayRules& rules, const Player& player, const PlayRequest& request) {
+  Player copy = player;
+  return Decision(rules, copy, player.now).Check(request);
 }
 
 std::optional<Time> NextTime(const Player& player) {

@@ -199,6 +199,10 @@ struct Player {
 
 PlayActions Step(const PlayRules& rules, Player& player, const PlayEvent& event, Time now);
 
+// Whether the request would be accepted now, else the reason. With the step of a refused request
+// the reason is logged, too.
+Result<> CheckRequest(const PlayRules& rules, const Player& player, const PlayRequest& request);
+
 // When the player needs the next TimePassed.
 std::optional<Time> NextTime(const Player& player);
 

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <optional>
 
 #include "musher/messages/protocol/speech.hpp"
 #include "musher/modules/audio/player.hpp"
@@ -20,6 +19,8 @@ namespace musher::audio {
 class SpeechAction {
  public:
   struct Player {
+    // Whether a request would be accepted now.
+    std::function<bool(const PlayRequest&)> may_play;
     // Requests a sound; `on_end` runs once, with the code of its end, also inside play(): then it
     // was refused, or done at once.
     std::function<CallToken(PlayRequest, std::function<void(std::int32_t code)> on_end)> play;
@@ -35,23 +36,21 @@ class SpeechAction {
  private:
   using Goal = transport::ServerGoal<msg::Speech>;
 
-  // A goal that was passed to the player, by its own number.
+  // A goal that was passed to the player.
   struct Requested {
+    Goal goal;
     CallToken token = 0;
-    std::optional<Goal> goal;          // once it is accepted
-    std::optional<std::int32_t> code;  // once it has ended
   };
   using Number = std::uint64_t;
 
   bool Accept(const msg::Speech::Goal& goal);
-  void Start(Goal goal);
+  void Start(const Goal& goal);
   void Cancel(const Goal& goal);
   void OnEnd(Number number, std::int32_t code);
-  void EndIfOver(Number number);
 
   const Player player_;
   Number last_ = 0;
-  std::map<Number, Requested> goals_;
+  std::map<Number, Requested> goals_;  // until they end
 };
 
 }  // namespace musher::audio

@@ -203,6 +203,44 @@ TEST_F(PartitionedAction, GetsTheResultWhenOnlyTheServerLostTheConnection) {
   EXPECT_EQ(seen_.End(), "succeeded");
 }
 
+// The reply to a client whose reader is not discovered is held.
+class HeldAction : public PartitionedAction {
+ protected:
+  static constexpr GoalId kGoal{7};
+
+  HeldAction() {
+    RunUntil([this] { return requests_->MatchedReaders() == 1; });
+    Fibonacci::SendGoal::Request request{{kGoal}, {5}};
+    EXPECT_TRUE(requests_->Write(internal::EncodeEnvelope(msg::RequestId{1, 1}, request)));
+    EXPECT_TRUE(RunUntil([this] { return server_->offered == 2; }));
+  }
+  const std::unique_ptr<Node> phone_ = network_.MakeNode("phone");
+  const std::unique_ptr<RawWriter> requests_ =
+      Must(phone_->MakeRawWriter("rq/fibonacci/_action/send_goalRequest",
+                                 std::string(Fibonacci::SendGoal::kTypeName) + "Request_", {}, {}));
+};
+
+TEST_F(HeldAction, StartsAGoalAfterTheReplyThatAcceptsIt) {
+  EXPECT_THAT(server_->started, SizeIs(1));
+  network_.RunFor(std::chrono::seconds(6));  // the reply is dropped
+  ASSERT_THAT(server_->started, SizeIs(2));
+  EXPECT_EQ(server_->started[1].id(), kGoal);
+}
+
+TEST_F(HeldAction, EndsAGoalThatIsCancelledBeforeItsStart) {
+  std::string end;
+  client_->GetOutcome(kGoal, kLong,
+                      [&](const auto& outcome) { end = GoalEndName(outcome.value().end); });
+  client_->Cancel(kGoal, kLong, [](const auto& reply) {
+    EXPECT_EQ(reply.value().return_code, msg::CancelGoal::kErrorNone);
+  });
+  ASSERT_TRUE(RunUntil([&] { return !end.empty(); }));
+  EXPECT_EQ(end, "canceled");
+  EXPECT_THAT(server_->canceling, IsEmpty());
+  network_.RunFor(std::chrono::seconds(6));
+  EXPECT_THAT(server_->started, SizeIs(1)) << "it is not started any more";
+}
+
 TEST_F(PartitionedAction, ForgetsTheCallersOfResultsThatAreLost) {
   for (int i = 0; i < 50; ++i) {
     const auto desk = network_.MakeNode("desk");

@@ -90,6 +90,22 @@ TEST_F(PlayerDecision, PlaysAGoalWithoutATimeLimit) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{2, 0}));
 }
 
+TEST_F(PlayerDecision, ChecksARequestBeforeItIsMade) {
+  const Phrases phrases = ThePhrases();
+  const PlayRules rules{phrases, Language::kEnglish, 100};
+  const auto code = [&](const PlayRequest& request) {
+    const Result<> checked = CheckRequest(rules, player(), request);
+    return checked ? 0 : checked.error().code;
+  };
+  EXPECT_EQ(code({0, "app", true, 0, "hello", true}), 0);
+  EXPECT_EQ(code({0, "app", true, 0, " ", true}), 5024);
+  EXPECT_EQ(code({0, "app", false, 4711, {}, true}), 5023);
+  for (CallToken token = 1; token <= 17; ++token) Say(token, "one of many");
+  EXPECT_EQ(code({0, "app", true, 0, "hello", true}), 5011);
+  EXPECT_EQ(code({0, "app", true, 0, "hello", false}), 0) << "a topic does not wait";
+  EXPECT_EQ(code({0, "app", false, 9999, {}, true}), 0) << "a stop";
+}
+
 TEST_F(PlayerDecision, CancelsTheSoundOfOneGoalOnly) {
   Say(1, "sounds", true);
   Made();
