@@ -172,6 +172,7 @@ void RawActionClient::RequestResult(const GoalId& id) {
   get_result_->Call(
       request, msg::Encode(internal::GoalRequest{request, {id}}), kNoTimeout,
       [this, id](const Result<std::span<const std::byte>>& reply) { OnResult(id, reply); });
+  if (goal.has_ended) RetryResult(id);
 }
 
 void RawActionClient::RetryResult(const GoalId& id) {
@@ -207,8 +208,11 @@ void RawActionClient::OnFeedback(std::span<const std::byte> bytes) {
 void RawActionClient::OnStatuses(const msg::GoalStatusArray& statuses) {
   std::map<GoalId, GoalState> listed;
   for (const msg::GoalStatus& status : statuses.status_list) {
-    if (!goals_.contains(status.goal_info.goal_id.uuid)) continue;
-    listed[status.goal_info.goal_id.uuid] = static_cast<GoalState>(status.status);
+    const auto goal = goals_.find(status.goal_info.goal_id.uuid);
+    if (goal == goals_.end()) continue;  // another client's
+    const auto state = static_cast<GoalState>(status.status);
+    goal->second.has_ended = IsTerminal(state);  // also before the acceptance is known
+    listed[goal->first] = state;
   }
   const std::weak_ptr self = self_;
   for (const GoalId& id : ActiveGoals()) {

@@ -82,6 +82,7 @@ class RawActionClient {
     Duration timeout{};                    // of the request that sends it
     GoalState state = GoalState::kUnknown;
     bool listed = false;               // in the last status
+    bool has_ended = false;            // by its status; the result has to come
     std::vector<msg::Bytes> feedback;  // received before it was known to be accepted
     std::int64_t result_call = 0;      // 0: none
     LoopHandlePtr retry;               // of get_result

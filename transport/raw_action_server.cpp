@@ -1,7 +1,6 @@
 #include "musher/transport/raw_action_server.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 namespace musher::transport {
 

@@ -88,6 +88,30 @@ TEST_P(ActionLoss, CancelsAGoalWhoseAcceptanceComesTooLate) {
   (*late)({true, {}});
 }
 
+// A writer with a short history may replace a reply that was not received.
+TEST_P(ActionLoss, RequestsTheResultOfAnEndedGoalUntilItComes) {
+  const std::string name = name_ + "_forgetful";
+  const auto status =
+      Must(MakePublisher<msg::GoalStatusArray>(*there_, name + "/_action/status", kLatchedQos));
+  const auto send_goal = Must(MakeServer<Fibonacci::SendGoal>(
+      *there_, name + "/_action/send_goal", [&](const auto& request, const auto& reply) {
+        reply({true, {}});
+        EXPECT_TRUE(status->Publish({{{{request.goal_id, {}}, msg::GoalStatus::kStatusAborted}}}));
+      }));
+  int requests = 0;
+  const auto get_result = Must(MakeServer<Fibonacci::GetResult>(
+      *there_, name + "/_action/get_result", [&](const auto&, const auto& reply) {
+        if (++requests == 3) reply({msg::GoalStatus::kStatusAborted, {{6}}});
+      }));
+  const auto client = Must(MakeActionClient<Fibonacci>(*here_, name));
+  SeenGoal seen;
+  Send(*client, seen);
+  ASSERT_TRUE(RunUntilEnded(seen));
+  EXPECT_EQ(requests, 3);
+  EXPECT_EQ(seen.End(), "aborted");
+  EXPECT_EQ(seen.outcome->result.sequence, Numbers{6});
+}
+
 TEST_P(ActionLoss, GoesOnWithTheGoalsOfALostClient) {
   auto gone = MakeNode();
   auto client = MakeClient(*gone);

@@ -305,17 +305,37 @@ TEST_P(Action, CountsRequestsThatDoNotDecode) {
   EXPECT_EQ(server_->offered, 0);
 }
 
+// The example of docs/ros2.md.
 TEST_P(Action, IsOpenedByEndpoints) {
-  Endpoints endpoints(*there_, "dog1");
-  ActionHandlers<Fibonacci> handlers;
-  handlers.start = [](FibonacciGoal goal) { goal.Succeed({{8}}); };
-  endpoints.ServeAction<Fibonacci>(name_, handlers);
-  auto* client = endpoints.OpenActionClient<Fibonacci>(name_);
+  Endpoints endpoints(*there_, name_);
+  Numbers numbers;
+  std::string end;
+  // [server]
+  ActionHandlers<msg::Fibonacci> handlers;
+  handlers.accept = [](const msg::Fibonacci::Goal& goal, PeerId) { return goal.order >= 0; };
+  handlers.start = [](ServerGoal<msg::Fibonacci> goal) {
+    goal.Execute();
+    goal.PublishFeedback({{0, 1}});
+    goal.Succeed({{0, 1, 1, 2}});  // or later: the handle is kept until the end
+  };
+  endpoints.ServeAction<msg::Fibonacci>("fibonacci", handlers);
+  // [server end]
+  // [client]
+  auto* client = endpoints.OpenActionClient<msg::Fibonacci>("fibonacci");
+  GoalEvents<msg::Fibonacci> events;
+  events.on_feedback = [&](const msg::Fibonacci::Feedback& feedback) {
+    numbers = feedback.sequence;
+  };
+  events.on_end = [&](const GoalOutcome<msg::Fibonacci>& outcome) {
+    end = GoalEndName(outcome.end);  // a rejected or lost goal has outcome.reason
+    numbers = outcome.result.sequence;
+  };
+  client->SendGoal({4}, Milliseconds(5000), events);
+  // [client end]
   ASSERT_TRUE(endpoints.opened());
-  SeenGoal seen;
-  Send(*client, seen);
-  ASSERT_TRUE(RunUntilEnded(seen));
-  EXPECT_EQ(seen.outcome->result.sequence, Numbers{8});
+  ASSERT_TRUE(RunUntil([&] { return !end.empty(); }));
+  EXPECT_EQ(end, "succeeded");
+  EXPECT_EQ(numbers, (Numbers{0, 1, 1, 2}));
 }
 
 }  // namespace musher::transport::action_test
