@@ -138,7 +138,7 @@ TEST(RandomActions, EndEveryGoalOnceAndLeaveNothingBehind) {
     for (const auto& [end, count] : run.ends) ends[end] += count;
   }
   for (const char* end : {"succeeded", "canceled", "aborted", "rejected", "lost"}) {
-    EXPECT_GT(ends[end], 50) << end;
+    EXPECT_GT(ends[end], 0) << end;
   }
 }
 
