@@ -68,6 +68,10 @@ class RawWriter {
   // history full).
   virtual Result<> Write(msg::Bytes bytes) = 0;
 
+  // Runs `work` once the transport delays no written sample: at once, unless it does. It may drop
+  // the writer, and does not run after that.
+  virtual void AfterWrites(std::function<void()> work) { work(); }
+
   // Blocks until every matched reliable reader has all samples: for a program that then exits.
   // Fails with a timeout if one has not.
   virtual Result<> Flush(Duration timeout) = 0;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/base/network_profile.hpp"
+#include "musher/transport/action.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
@@ -95,6 +96,22 @@ class Endpoints {
   Client<S>* OpenClient(const std::string& name, std::function<void()> on_match_changed = {}) {
     if (!opened_) return nullptr;
     return Keep(MakeClient<S>(node_, Resolve(name), std::move(on_match_changed)));
+  }
+
+  // Offers an action; goals are stamped by the clock unless `options` have another one.
+  template <msg::Action A>
+  void ServeAction(const std::string& name, ActionHandlers<A> handlers,
+                   ActionServerOptions options = {}) {
+    if (!options.stamp) options.stamp = [this] { return clock().Stamp(); };
+    if (opened_) {
+      Keep(MakeActionServer<A>(node_, Resolve(name), std::move(handlers), std::move(options)));
+    }
+  }
+  // A client of an action; null if it could not be opened.
+  template <msg::Action A>
+  ActionClient<A>* OpenActionClient(const std::string& name, ActionClientOptions options = {}) {
+    if (!opened_) return nullptr;
+    return Keep(MakeActionClient<A>(node_, Resolve(name), std::move(options)));
   }
 
   // The clock of the machine's modules, see [controller] clock.

@@ -42,6 +42,9 @@ class RawClient {
   // Takes the encoded request with `id`; see Client::Call() for how it ends.
   void Call(const msg::RequestId& id, msg::Bytes request, Duration timeout, OnReply on_reply);
 
+  // Forgets a call: its `on_reply` does not run.
+  void Drop(std::int64_t sequence) { calls_.erase(sequence); }
+
  private:
   struct Pending {
     msg::Bytes unsent;  // empty once it is sent

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <ranges>
 
 #include "musher/transport/service_names.hpp"
 
@@ -45,12 +46,30 @@ void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
     Send(reply);
     return;
   }
-  held_.push_back({participant, std::move(reply), nullptr});
+  held_.push_back({participant, std::move(reply), nullptr, {}});
   const auto held = std::prev(held_.end());
   held->expiry = loop_.At(loop_.Now() + kLongestHold, [this, held] {
     ++dropped_;
+    const auto then = std::move(held->then);
     held_.erase(held);
+    Run(then);
   });
+}
+
+void RawServer::AfterReplies(PeerId participant, std::function<void()> work) {
+  for (Held& held : held_ | std::views::reverse) {
+    if (held.participant != participant) continue;
+    held.then.emplace_back([self = std::weak_ptr(self_), work = std::move(work)] {
+      if (const auto server = self.lock()) (*server)->replies_->AfterWrites(work);
+    });
+    return;
+  }
+  replies_->AfterWrites(std::move(work));
+}
+
+// Last: they may drop the server.
+void RawServer::Run(const std::vector<std::function<void()>>& work) {
+  for (const auto& each : work) each();
 }
 
 void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info) {
@@ -109,14 +128,17 @@ bool RawServer::ReachesClientsOf(PeerId participant) const {
 }
 
 void RawServer::SendHeld() {
+  std::vector<std::function<void()>> then;
   for (auto held = held_.begin(); held != held_.end();) {
     const auto next = std::next(held);
     if (ReachesClientsOf(held->participant)) {
       Send(std::move(held->reply));
+      std::ranges::move(held->then, std::back_inserter(then));
       held_.erase(held);
     }
     held = next;
   }
+  Run(then);
 }
 
 void RawServer::Send(msg::Bytes reply) {

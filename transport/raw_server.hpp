@@ -17,6 +17,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "musher/messages/cdr.hpp"
 #include "musher/transport/node.hpp"
@@ -41,12 +42,18 @@ class RawServer {
   bool Holds() const { return !held_.empty(); }
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t unknown() const { return unknown_; }
+  // Runs `work` when no reply to that participant is held or delayed: at once, or after the last
+  // one is sent or dropped. It may drop the server, and does not run after that.
+  void AfterReplies(PeerId participant, std::function<void()> work);
+  // Whether a client of that participant is matched.
+  bool HasClientOf(PeerId participant) const { return requests_->HasWriterOf(participant); }
 
  private:
   struct Held {
     PeerId participant;
     msg::Bytes reply;
     LoopHandlePtr expiry;
+    std::vector<std::function<void()>> then;
   };
 
   // The matched endpoints of a participant.
@@ -66,6 +73,7 @@ class RawServer {
   void NoteMatches(PeerId participant, Peer& peer);
   bool ReachesClientsOf(PeerId participant) const;
   void SendHeld();
+  static void Run(const std::vector<std::function<void()>>& work);
   void Send(msg::Bytes reply);
 
   EventLoop& loop_;

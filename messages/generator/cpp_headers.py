@@ -89,8 +89,8 @@ class Header:
             self.constants(interface)
             self.fields(struct, name)
         else:
-            if interface.kind == "srv":
-                self.type_name(f"{interface.package}::srv::dds_::{interface.name}_")
+            if interface.kind != "msg":
+                self.type_name(f"{interface.package}::{interface.kind}::dds_::{interface.name}_")
             self.constants(interface)
             nested = self.service if interface.kind == "srv" else self.action
             nested(interface)

@@ -1,5 +1,7 @@
 """All IDL in one file for idlc: without comments, and without the annotations that only this generator reads."""
 
+import idl
+
 
 def joined(files):
     lines = ["// Made from the IDL in messages/ when Musher is built; do not edit."]
@@ -7,7 +9,8 @@ def joined(files):
         for declared in file.structs:
             lines.append(f"module {declared.package} {{ module {declared.kind} {{ module dds_ {{")
             lines.append(f"  @final struct {declared.name}_ {{")
-            lines += [f"    {type_text(field.type)} {field.name}{array(field.type)};" for field in declared.fields]
+            lines += [f"    {type_text(field.type)} {escaped(field.name)}{array(field.type)};"
+                      for field in declared.fields]
             lines += ["  };", "}; }; };"]
     return "\n".join(lines) + "\n"
 
@@ -17,6 +20,11 @@ def type_text(of):
     if not of.sequence:
         return base
     return f"sequence<{base}, {of.bound}>" if of.bound else f"sequence<{base}>"
+
+
+def escaped(name):
+    """IDL accepts its keywords as names after a '_', which is no part of the name."""
+    return f"_{name}" if name.lower() in idl.KEYWORDS else name
 
 
 def array(of):

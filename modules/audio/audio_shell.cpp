@@ -17,6 +17,7 @@ AudioShell::AudioShell(const Dependencies& dependencies, const AudioConfig& conf
   output_.SetVolume(config.volume);
   report_ = endpoints_.Advertise<msg::Bool>("audio_notification_report");
   OpenPlay();
+  OpenAction();
   OpenCues();
   listening_ = std::make_unique<Listening>(
       endpoints_, [this] { return !player_.microphone_off && player_.state != kTearDown; },
@@ -55,6 +56,21 @@ void AudioShell::OpenPlay() {
   endpoints_.Serve<msg::EmptyService>("stop_play", [this](const auto&, auto reply) {
     Take(play_event::StopRequested{Expect([reply](std::int32_t) { reply({}); })});
   });
+}
+
+void AudioShell::OpenAction() {
+  SpeechAction::Player player;
+  player.may_play = [this](const PlayRequest& request) {
+    return CheckRequest(rules_, player_, request).ok();
+  };
+  player.play = [this](PlayRequest request, AnswerCode on_end) {
+    const CallToken token = Expect(std::move(on_end));
+    request.token = token;
+    Take(play_event::PlayRequested{std::move(request)});
+    return token;
+  };
+  player.cancel = [this](CallToken token) { Take(play_event::CancelRequested{token}); };
+  speech_action_ = std::make_unique<SpeechAction>(endpoints_, dependencies_.clock, player);
 }
 
 void AudioShell::OpenCues() {
@@ -148,6 +164,9 @@ void AudioShell::Do(const play_action::Answer& action) {
 void AudioShell::Do(const play_action::Report& action) {
   static_cast<void>(report_->Publish({action.sounds}));  // the next one follows
   listening_->SetSpeaking(action.sounds);
+  if (player_.current && player_.current->sounding) {
+    speech_action_->OnSounding(player_.current->token);
+  }
 }
 
 void AudioShell::Do(const play_action::Log& action) {

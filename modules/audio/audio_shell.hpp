@@ -19,6 +19,7 @@
 #include "musher/modules/audio/output.hpp"
 #include "musher/modules/audio/player.hpp"
 #include "musher/modules/audio/sound_maker.hpp"
+#include "musher/modules/audio/speech_action.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -50,6 +51,7 @@ class AudioShell {
   AudioShell(const Dependencies& dependencies, const AudioConfig& config, SoundMaker& maker,
              Output& output);
   void OpenPlay();
+  void OpenAction();
   void OpenCues();
   void OpenSettings();
 
@@ -74,6 +76,7 @@ class AudioShell {
   transport::LoopHandlePtr timer_;
   transport::Publisher<msg::Bool>* report_ = nullptr;
   std::unique_ptr<Listening> listening_;
+  std::unique_ptr<SpeechAction> speech_action_;
   transport::Endpoints endpoints_;  // last: its callbacks use the rest
 };
 

@@ -24,34 +24,47 @@ class Decision {
     return std::move(actions_);
   }
 
+  Result<> Check(const PlayRequest& request) const {
+    if (IsStop(request)) return Ok();
+    const Result<Utterance> what = UtteranceOf(request);
+    return what ? Ok() : Result<>(what.error());
+  }
+
  private:
   // Time started with the first /clock, or again because the world was restarted: remaining times
   // are kept.
   void Rebase() {
     const Duration jump = now_ - player_.now;
     if (jump < Duration::zero() || player_.now == Time{}) {
-      if (player_.current) player_.current->deadline += jump;
-      for (Player::Sound& sound : player_.waiting) sound.deadline += jump;
+      const auto shift = [jump](Player::Sound& sound) {
+        if (sound.deadline) *sound.deadline += jump;
+      };
+      if (player_.current) shift(*player_.current);
+      for (Player::Sound& sound : player_.waiting) shift(sound);
       player_.next_report += jump;
       player_.refusal_again += jump;
     }
     player_.now = now_;
   }
 
+  static bool IsStop(const PlayRequest& request) {
+    return !request.is_text && request.play_id == msg::AudioPlay::kStop;
+  }
+
   void Take(const play_event::PlayRequested& event) {
     const PlayRequest& request = event.request;
-    if (!request.is_text && request.play_id == msg::AudioPlay::kStop) {
+    if (IsStop(request)) {
       StopAll();
       return Answer(request.token, kCodeOk);
     }
-    const Result<> may = MayPlay(request.token != 0);
-    const Result<Utterance> what = may ? UtteranceOf(request) : Result<Utterance>(may.error());
+    const Result<Utterance> what = UtteranceOf(request);
     if (!what) {
       return Refuse(request.token, {what.error().code, "for " + config_toml::Quote(request.module) +
                                                            ": " + what.error().message});
     }
-    Player::Sound sound{++player_.last_number, request.token, now_ + kAnswerTime,
+    Player::Sound sound{++player_.last_number, request.token, std::nullopt,
                         request.module,        what.value(),  false};
+    if (!request.is_goal) sound.deadline = now_ + kAnswerTime;
     Enqueue(std::move(sound), request.token == 0);
   }
 
@@ -76,6 +89,16 @@ class Decision {
   void Take(const play_event::StopRequested& event) {
     StopAll();
     Answer(event.token, kCodeOk);
+  }
+
+  void Take(const play_event::CancelRequested& event) {
+    if (event.token == 0) return;
+    const auto requested = [&event](const Player::Sound& sound) {
+      return sound.token == event.token;
+    };
+    const std::int32_t code = AudioCode(AudioKey::kStopped);
+    if (player_.current && requested(*player_.current)) return EndCurrent(code);
+    if (std::erase_if(player_.waiting, requested) > 0) Answer(event.token, code);
   }
 
   void Take(const play_event::Made& event) {
@@ -147,6 +170,8 @@ class Decision {
   }
 
   Result<Utterance> UtteranceOf(const PlayRequest& request) const {
+    const bool waits = request.token != 0 || request.is_goal;
+    if (const Result<> may = MayPlay(waits); !may) return may.error();
     return request.is_text ? EvaluateText(request.text) : EvaluatePhrase(request.play_id);
   }
 
@@ -215,7 +240,9 @@ class Decision {
 
   // Releases the callers whose deadline is not later than `time`.
   void ReleaseOverdue(Time time) {
-    const auto overdue = [time](const Player::Sound& sound) { return sound.deadline <= time; };
+    const auto overdue = [time](const Player::Sound& sound) {
+      return sound.deadline && *sound.deadline <= time;
+    };
     const std::int32_t code = AudioCode(KeyCode::kTimeout);
     for (const Player::Sound& sound : player_.waiting) {
       if (!overdue(sound)) continue;
@@ -282,12 +309,20 @@ PlayActions Step(const PlayRules& rules, Player& player, const PlayEvent& event,
   return Decision(rules, player, now).Run(event);
 }
 
+Result<> CheckRequest(const PlayRules& rules, const Player& player, const PlayRequest& request) {
+  Player copy = player;
+  return Decision(rules, copy, player.now).Check(request);
+}
+
 std::optional<Time> NextTime(const Player& player) {
   std::optional<Time> next;
   const auto consider = [&next](Time time) { next = next ? std::min(*next, time) : time; };
   if (player.reporting) consider(player.next_report);
-  if (player.current && player.current->token != 0) consider(player.current->deadline);
-  for (const Player::Sound& sound : player.waiting) consider(sound.deadline);
+  const auto consider_deadline = [&](const Player::Sound& sound) {
+    if (sound.deadline) consider(*sound.deadline);
+  };
+  if (player.current && player.current->token != 0) consider_deadline(*player.current);
+  for (const Player::Sound& sound : player.waiting) consider_deadline(sound);
   return next;
 }
 

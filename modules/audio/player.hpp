@@ -17,6 +17,8 @@
 //   - A request by the service waits for its turn. It is answered at the end of its sound, or 10 s
 //     after the request. A sound that has not begun by then is dropped; one that plays is
 //     finished.
+//   - A goal of the action waits like a request by the service, without a time limit. It is
+//     answered at the end of its sound, and may be cancelled.
 //   - A cue, a sound requested by name on a topic, interrupts or waits, as it or its topic is
 //     configured; there is no reply. A cue that interrupts also drops the waiting cues of its
 //     topic: they are outdated. An unknown cue is logged once.
@@ -69,6 +71,7 @@ struct PlayRequest {
   bool is_text = false;
   std::uint16_t play_id = 0;  // unless it is a text
   std::string text;
+  bool is_goal = false;  // without a time limit
 
   friend bool operator==(const PlayRequest&, const PlayRequest&) = default;
 };
@@ -82,6 +85,10 @@ struct CueRequested {
   std::string id;
 };
 struct StopRequested {
+  CallToken token = 0;
+};
+// The sound of one request is dropped.
+struct CancelRequested {
   CallToken token = 0;
 };
 struct Made {
@@ -111,11 +118,11 @@ struct StateEntered {
 struct TimePassed {};
 }  // namespace play_event
 
-using PlayEvent =
-    std::variant<play_event::PlayRequested, play_event::CueRequested, play_event::StopRequested,
-                 play_event::Made, play_event::Ended, play_event::VolumeRequested,
-                 play_event::MicrophoneRequested, play_event::VoiceControlRequested,
-                 play_event::StateEntered, play_event::TimePassed>;
+using PlayEvent = std::variant<play_event::PlayRequested, play_event::CueRequested,
+                               play_event::StopRequested, play_event::CancelRequested,
+                               play_event::Made, play_event::Ended, play_event::VolumeRequested,
+                               play_event::MicrophoneRequested, play_event::VoiceControlRequested,
+                               play_event::StateEntered, play_event::TimePassed>;
 
 namespace play_action {
 // Turn it into sound and report it by Made.
@@ -162,8 +169,8 @@ using PlayActions = std::vector<PlayAction>;
 struct Player {
   struct Sound {
     SoundNumber number = 0;
-    CallToken token = 0;  // 0: no caller waits (any more)
-    Time deadline{};      // of its reply, and of its beginning
+    CallToken token = 0;                          // 0: no caller waits (any more)
+    std::optional<Time> deadline = std::nullopt;  // of its reply, and of its beginning
     std::string module;
     Utterance what;
     bool sounding = false;
@@ -191,6 +198,10 @@ struct Player {
 };
 
 PlayActions Step(const PlayRules& rules, Player& player, const PlayEvent& event, Time now);
+
+// Whether the request would be accepted now, else the reason. With the step of a refused request
+// the reason is logged, too.
+Result<> CheckRequest(const PlayRules& rules, const Player& player, const PlayRequest& request);
 
 // When the player needs the next TimePassed.
 std::optional<Time> NextTime(const Player& player);

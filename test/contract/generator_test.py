@@ -99,6 +99,22 @@ class Generator(unittest.TestCase):
                      "return std::tie(m.x, m.y);"]:
             self.assertIn(line, made["good"])
 
+    def test_an_action_without_a_part(self):
+        self.refuses("a/action/Do has no Result", x="module a { module action { module dds_ {\n"
+                     "  @final struct Do_Goal_ {\n    int32 x;\n  };\n}; }; };\n")
+
+    def test_an_action_becomes_a_struct_of_its_parts(self):
+        parts = ["Goal", "Result", "Feedback", "SendGoal_Request", "SendGoal_Response", "GetResult_Request",
+                 "GetResult_Response", "FeedbackMessage"]
+        lines = [line for part in parts
+                 for line in (f"  @final struct Do_{part}_ {{", "    int32 x;", "  };")]
+        error, made = generate(do="\n".join(["module a { module action { module dds_ {", *lines, "}; }; };", ""]))
+        self.assertEqual(error, "")
+        for line in ["struct Do {\n  static constexpr std::string_view kTypeName = \"a::action::dds_::Do_\";",
+                     "  struct Goal {", "\"a::action::dds_::Do_SendGoal_\"", "\"a::action::dds_::Do_GetResult_\"",
+                     "\"a::action::dds_::Do_FeedbackMessage_\""]:
+            self.assertIn(line, made["do"])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -67,6 +67,22 @@ TEST_F(RepliesOfAServer, AreSentAtOnceWhereNoReaderIsNew) {
   EXPECT_THAT(sent_, SizeIs(1));
 }
 
+TEST_F(RepliesOfAServer, AreSentBeforeWhatWaitsForThem) {
+  std::vector<std::size_t> sent;
+  const auto note = [&] { sent.push_back(sent_.size()); };
+  replies_.AfterHeld(note);
+  EXPECT_THAT(sent, ElementsAre(0)) << "at once, where nothing is held";
+  replies_.OnNewReader();
+  Write(1);
+  replies_.AfterHeld(note);
+  EXPECT_THAT(sent, SizeIs(1));
+  Run(12);
+  EXPECT_THAT(sent, ElementsAre(0, 1));
+  for (int number = 2; number <= 9; ++number) Write(number);
+  replies_.AfterHeld(note);
+  EXPECT_THAT(sent, SizeIs(3)) << "also where they were sent early because they are many";
+}
+
 TEST_F(RepliesOfAServer, AreHeldForANewReaderAndFollowedByACopyForNoClient) {
   replies_.OnNewReader();
   Write(1);

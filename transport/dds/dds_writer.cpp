@@ -70,6 +70,11 @@ Result<> WriterCore::Send(msg::Bytes bytes) {
   return Ok();
 }
 
+void WriterCore::AfterWrites(std::function<void()> work) {
+  if (first_replies_) return first_replies_->AfterHeld(std::move(work));
+  work();
+}
+
 Result<> WriterCore::Flush(Duration timeout) {
   if (first_replies_) first_replies_->Release();
   const dds_return_t result = dds_wait_for_acks(writer_.get(), timeout.count());

@@ -3,6 +3,7 @@
 
 #include <dds/dds.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ class WriterCore : public Notifier {
   void Close();
 
   Result<> Write(msg::Bytes bytes);
+  void AfterWrites(std::function<void()> work);
   Result<> Flush(Duration timeout);
   const PeerTable& readers() const { return readers_; }
   std::uint64_t id() const { return id_; }
@@ -58,6 +60,7 @@ class DdsWriter : public RawWriter {
   ~DdsWriter() override { core_->Close(); }
 
   Result<> Write(msg::Bytes bytes) override { return core_->Write(std::move(bytes)); }
+  void AfterWrites(std::function<void()> work) override { core_->AfterWrites(std::move(work)); }
   Result<> Flush(Duration timeout) override { return core_->Flush(timeout); }
   int MatchedReaders() const override { return core_->readers().size(); }
   int ReadersOf(PeerId participant) const override { return core_->readers().CountOf(participant); }

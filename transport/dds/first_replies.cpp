@@ -43,6 +43,15 @@ void FirstReplies::Release() {
     held_.pop_front();
   }
   release_ = nullptr;
+  if (then_.empty()) return;
+  run_then_ = loop_.At(loop_.Now(), [this] {
+    for (const auto& work : std::exchange(then_, {})) work();
+  });
+}
+
+void FirstReplies::AfterHeld(std::function<void()> work) {
+  if (held_.empty() && then_.empty()) return work();
+  then_.push_back(std::move(work));
 }
 
 void FirstReplies::FollowUp(const msg::Bytes& reply) {

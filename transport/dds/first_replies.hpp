@@ -16,6 +16,7 @@
 #include <deque>
 #include <functional>
 #include <string_view>
+#include <vector>
 
 #include "musher/base/result.hpp"
 #include "musher/messages/cdr.hpp"
@@ -38,6 +39,8 @@ class FirstReplies {
   Result<> Write(msg::Bytes reply);
   // Sends what is held now.
   void Release();
+  // Runs `work` when nothing is held: at once or after Release(). It may drop this.
+  void AfterHeld(std::function<void()> work);
 
  private:
   void FollowUp(const msg::Bytes& reply);
@@ -48,6 +51,8 @@ class FirstReplies {
   std::deque<msg::Bytes> held_;
   LoopHandlePtr release_;
   LoopHandlePtr follow_up_;
+  std::vector<std::function<void()>> then_;  // once nothing is held
+  LoopHandlePtr run_then_;
 };
 
 }  // namespace musher::transport::dds

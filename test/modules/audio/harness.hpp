@@ -40,11 +40,11 @@ class Harness {
     return Do(play_event::TimePassed{});
   }
 
-  PlayActions Say(CallToken token, const std::string& text) {
-    return Do(play_event::PlayRequested{{token, "app", true, 0, text}});
+  PlayActions Say(CallToken token, const std::string& text, bool is_goal = false) {
+    return Do(play_event::PlayRequested{{token, "app", true, 0, text, is_goal}});
   }
-  PlayActions PlayId(CallToken token, std::uint16_t id) {
-    return Do(play_event::PlayRequested{{token, "app", false, id, {}}});
+  PlayActions PlayId(CallToken token, std::uint16_t id, bool is_goal = false) {
+    return Do(play_event::PlayRequested{{token, "app", false, id, {}, is_goal}});
   }
   PlayActions Cue(std::size_t topic, const std::string& id) {
     return Do(play_event::CueRequested{topic, id});

@@ -30,7 +30,7 @@ class Trial {
 
  private:
   PlayActions Next() {
-    switch (pick_(11)) {
+    switch (pick_(13)) {
       case 0:
         return RequestSound(0);
       case 1:
@@ -50,16 +50,20 @@ class Trial {
         static const std::vector<std::string> ids = {"greeting", "shutter", "fire", "unknown"};
         return harness_.Cue(pick_(2), ids[pick_(ids.size())]);
       }
+      case 9:  // a goal has no time limit
+        return RequestSound(Open(Time::max()), true);
+      case 10:
+        return harness_.Do(play_event::CancelRequested{pick_(last_token_ + 2)});
       default:
         return Finish();
     }
   }
 
-  PlayActions RequestSound(CallToken token) {
+  PlayActions RequestSound(CallToken token, bool is_goal = false) {
     static const std::vector<std::string> texts = {"hello", "", "\xFF", std::string(101, 'a')};
-    if (pick_(2) == 0) return harness_.Say(token, texts[pick_(texts.size())]);
+    if (pick_(2) == 0) return harness_.Say(token, texts[pick_(texts.size())], is_goal);
     static const std::vector<std::uint16_t> ids = {60, 1050, 4711, 9999};
-    return harness_.PlayId(token, ids[pick_(ids.size())]);
+    return harness_.PlayId(token, ids[pick_(ids.size())], is_goal);
   }
 
   // An event of a sound that is not in progress, or only seems so.

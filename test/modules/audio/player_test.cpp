@@ -75,6 +75,53 @@ TEST_F(PlayerDecision, CountsTheTenSecondsOfAWaitingRequestFromItsArrival) {
   EXPECT_THAT(Answers(), IsEmpty()) << "each is answered once";
 }
 
+TEST_F(PlayerDecision, PlaysAGoalWithoutATimeLimit) {
+  Say(1, "long");
+  Made();
+  Say(2, "goal", true);
+  Pass(std::chrono::minutes(5));
+  EXPECT_THAT(player().waiting, SizeIs(1));
+  Ended();
+  Made();
+  EXPECT_THAT(Those<Play>(), ElementsAre(Play{2}));
+  Pass(std::chrono::minutes(5));
+  EXPECT_THAT(Answers(), IsEmpty());
+  Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 0}));
+}
+
+TEST_F(PlayerDecision, ChecksARequestBeforeItIsMade) {
+  const Phrases phrases = ThePhrases();
+  const PlayRules rules{phrases, Language::kEnglish, 100};
+  const auto code = [&](const PlayRequest& request) {
+    const Result<> checked = CheckRequest(rules, player(), request);
+    return checked ? 0 : checked.error().code;
+  };
+  EXPECT_EQ(code({0, "app", true, 0, "hello", true}), 0);
+  EXPECT_EQ(code({0, "app", true, 0, " ", true}), 5024);
+  EXPECT_EQ(code({0, "app", false, 4711, {}, true}), 5023);
+  for (CallToken token = 1; token <= 17; ++token) Say(token, "one of many");
+  EXPECT_EQ(code({0, "app", true, 0, "hello", true}), 5011);
+  EXPECT_EQ(code({0, "app", true, 0, "hello", false}), 0) << "a topic does not wait";
+  EXPECT_EQ(code({0, "app", false, 9999, {}, true}), 0) << "a stop";
+}
+
+TEST_F(PlayerDecision, CancelsTheSoundOfOneGoalOnly) {
+  Say(1, "sounds", true);
+  Made();
+  Say(2, "waits", true);
+  Say(3, "waits, too", true);
+  Do(play_event::CancelRequested{2});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5022}));
+  EXPECT_THAT(Those<Silence>(), IsEmpty());
+  Do(play_event::CancelRequested{1});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5022}));
+  EXPECT_THAT(Those<Silence>(), SizeIs(1));
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{3, {"waits, too", Language::kEnglish, {}}}));
+  Do(play_event::CancelRequested{1});
+  EXPECT_THAT(Answers(), IsEmpty()) << "it has ended";
+}
+
 TEST_F(PlayerDecision, AnswersTheLimitAlsoWhenTheSoundIsNeverMade) {
   Say(1, "first");
   EXPECT_EQ(NextTime(player()), now() + kAnswerTime);
