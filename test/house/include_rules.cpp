@@ -61,7 +61,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"nlohmann/", {"controller/", "cyberdog/", "modules/", "test/"}},
       {"zlib.h", {"controller/storage/log_files.cpp", "test/controller/"}},
       {"fmt/", {"controller/", "modules/", "test/"}},
-      {"opencv2/", {"modules/", "test/modules/"}},
+      {"opencv2/", {"modules/", "test/modules/", "test/benchmark/vision/"}},
       {"Eigen/", {"modules/", "test/modules/"}},
       {"alsa/", {"modules/audio/"}},
       {"espeak-ng/", {"modules/audio/"}},

@@ -106,7 +106,7 @@ TEST(Pause, OfTheMachineAtItsEndEndsTheStream) {
   EXPECT_TRUE(rig.machine->Stop());
   EXPECT_FALSE(rig.field.streaming);
   EXPECT_EQ(rig.field.ends, 1);
-  EXPECT_FALSE(rig.Wants("right_lines"));
+  EXPECT_FALSE(rig.Wants("right_lane"));
 }
 
 }  // namespace musher::race::pause_test

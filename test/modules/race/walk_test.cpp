@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "musher/test/modules/race/race_rig.hpp"
 
 namespace musher::race::walk_test {
@@ -72,7 +74,8 @@ TEST(Walk, UntilTheBarrierIsAtTheTopStoresItsStepsForTheRemainder) {
   rig.Tick(2);
   const int before = rig.field.streams;
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == before; }));
-  EXPECT_EQ(rig.field.frames_of_stream[before - 1], 70 * kFramesOfAStep);
+  // 85 - (30 + 5 of the special gait); 15 more follow.
+  EXPECT_EQ(rig.field.frames_of_stream[before - 1], 50 * kFramesOfAStep);
 }
 
 TEST(Walk, UntilABarrierThatIsNotFoundEndsAfter100StepsAndSaysSo) {
@@ -81,9 +84,26 @@ TEST(Walk, UntilABarrierThatIsNotFoundEndsAfter100StepsAndSaysSo) {
   ASSERT_TRUE(rig.RunTo("IN_L1"));
   EXPECT_TRUE(rig.field.Logged("no barrier within 100 steps; it continues"));
   EXPECT_EQ(rig.field.frames_of_stream.back(), 100 * kFramesOfAStep);
-  // 100 - 100: no step is left, which stalls nothing.
+  // 85 - (100 + 5 in IN_L1): no step is left, which stalls nothing.
   ASSERT_TRUE(rig.RunTo("IN_QRB"));
-  EXPECT_TRUE(rig.field.Logged("L1_TO_QRB: forward 100 - 100: no step is left"));
+  EXPECT_TRUE(rig.field.Logged("L1_TO_QRB: forward 85 - 105: no step is left"));
+}
+
+TEST(Walk, KeepsInTheMiddleOfALaneWhileItIsSeen) {
+  Lines seen{2, LineWord::kCenter, LineWord::kCenter, 0.05};
+  Rig rig;
+  rig.script.lines = [&seen](const std::string&) { return seen; };
+  rig.Command("START:S2_TO_L1");
+  const auto turn = [&rig] { return rig.field.frames.back().twist.yaw_rad_s; };
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming && turn() != 0; }));
+  EXPECT_DOUBLE_EQ(turn(), -0.1);  // the middle is to the right
+  EXPECT_EQ(rig.field.frames.back().twist.forward_m_s, 0.4);
+  seen.middle_offset = -0.4;
+  rig.Run(Milliseconds(500));
+  EXPECT_DOUBLE_EQ(turn(), 0.3);  // at most
+  seen.contours = 1;              // of a single line the middle is not known
+  rig.Run(Milliseconds(500));
+  EXPECT_EQ(turn(), 0);
 }
 
 TEST(Walk, UntilAMarkerIgnoresAPictureThatWasTakenBefore) {
@@ -145,27 +165,40 @@ TEST(Check, CorrectsByTheMovementBefore) {
     return Checked(state, detector, word, dy).Correction();
   };
   using W = LineWord;
-  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kLeft), backward);
-  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kRight), forward);
-  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kLeft), forward);
-  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kRight), backward);
-  EXPECT_EQ(correction("QRB_TO_B1", "front_lines", W::kLeft), right);
-  EXPECT_EQ(correction("QRB_TO_B1", "front_lines", W::kRight), left);
-  EXPECT_EQ(correction("B1_TO_L1", "front_lines", W::kLeft), turn_right);
-  EXPECT_EQ(correction("B1_TO_L1", "front_lines", W::kRight), turn_left);
-  EXPECT_EQ(correction("A1_TO_S1", "right_lines", W::kLeft), turn_right);
-  EXPECT_EQ(correction("QRA_TO_A1", "front_lines", W::kFront, true), forward);
-  EXPECT_EQ(correction("QRA_TO_A1", "front_lines", W::kBack, true), backward);
-  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kFront, true), right);
-  EXPECT_EQ(correction("QRA_TO_A1", "right_lines", W::kBack, true), left);
-  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kFront, true), left);
-  EXPECT_EQ(correction("QRA_TO_A2", "left_lines", W::kBack, true), right);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_lane", W::kLeft), backward);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_lane", W::kRight), forward);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_lane", W::kLeft), forward);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_lane", W::kRight), backward);
+  EXPECT_EQ(correction("QRB_TO_B1", "front_lane", W::kLeft), right);
+  EXPECT_EQ(correction("QRB_TO_B1", "front_lane", W::kRight), left);
+  EXPECT_EQ(correction("B1_TO_L1", "front_lane", W::kLeft), turn_right);
+  EXPECT_EQ(correction("B1_TO_L1", "front_lane", W::kRight), turn_left);
+  EXPECT_EQ(correction("A1_TO_S1", "front_lane", W::kLeft), turn_right);
+  EXPECT_EQ(correction("QRA_TO_A1", "front_bay", W::kFront, true), forward);
+  EXPECT_EQ(correction("QRA_TO_A1", "front_bay", W::kBack, true), backward);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_edge", W::kFront, true), right);
+  EXPECT_EQ(correction("QRA_TO_A1", "right_edge", W::kBack, true), left);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_edge", W::kFront, true), left);
+  EXPECT_EQ(correction("QRA_TO_A2", "left_edge", W::kBack, true), right);
+}
+
+TEST(Check, TurnsTowardsTheBoardWhoseBoxIsBesideTheMiddle) {
+  for (const double offset : {0.2, -0.2}) {
+    Rig rig;
+    rig.script.sight = [offset](const std::string& detector) {
+      return Sighting{detector == "qr", std::nan(""), "", "", offset};
+    };
+    rig.Command("START:S1_TO_A1");
+    ASSERT_TRUE(rig.RunUntil([&] { return rig.field.Logged("check board: "); }));
+    ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
+    EXPECT_EQ(rig.field.frames.back().twist, (Twist{0, 0, offset > 0 ? -0.9 : 0.9}));
+  }
 }
 
 TEST(Check, CorrectsThreeTimesAtMostAndThenContinues) {
   Rig rig;
   rig.script.lines = [](const std::string& detector) {
-    return Lines{2, detector == "right_lines" ? LineWord::kLeft : LineWord::kCenter,
+    return Lines{2, detector == "right_lane" ? LineWord::kLeft : LineWord::kCenter,
                  LineWord::kCenter};
   };
   rig.Command("START:QRA_TO_A1");
@@ -181,7 +214,7 @@ TEST(Check, NeedsAPictureThatIsHalfASecondNewerThanTheMovement) {
   rig.Command("START:QRA_TO_A1");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
   const Time end = rig.now;
-  const Index lines = FindByName(rig.course_.detectors, "right_lines").value();
+  const Index lines = FindByName(rig.course_.detectors, "right_lane").value();
   rig.Run(Milliseconds(1000));
   rig.race->OnLines(lines, 2, "left", "center", 0.1, end + Milliseconds(499), rig.now);
   rig.Tick();
@@ -209,12 +242,12 @@ TEST(Check, OpensItsDetectorShortlyBeforeTheMovementEndsAndClosesItAfterwards) {
   Rig rig;
   rig.Command("START:QRA_TO_A1");
   rig.Run(Milliseconds(1000));
-  EXPECT_FALSE(rig.Wants("right_lines"));
+  EXPECT_FALSE(rig.Wants("right_lane"));
   rig.Run(Milliseconds(2500));
-  EXPECT_TRUE(rig.Wants("right_lines"));
+  EXPECT_TRUE(rig.Wants("right_lane"));
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streams == 2; }));
   rig.Run(Milliseconds(500));
-  EXPECT_FALSE(rig.Wants("right_lines"));
+  EXPECT_FALSE(rig.Wants("right_lane"));
   EXPECT_FALSE(rig.Wants("qr"));
 }
 

@@ -14,6 +14,7 @@ namespace musher::vision::course_config_test {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 using ::testing::SizeIs;
 
 std::vector<std::string> Said(const std::string& text) {
@@ -36,9 +37,9 @@ TEST(CourseConfig, OfTheRepositoryIsGood) {
   EXPECT_FALSE(reading.config->detect_faces);
   std::vector<std::string> names;
   for (const CourseEntry& entry : reading.config->detectors) names.push_back(entry.name);
-  EXPECT_THAT(names, ElementsAre("qr_detector", "green_arrow_detector", "red_barrier_detector",
-                                 "yellow_marker_detector", "yellow_light_detector", "left", "right",
-                                 "front"));
+  EXPECT_THAT(names, IsSupersetOf({"qr_detector", "green_arrow_detector", "red_barrier_detector",
+                                   "yellow_marker_detector", "yellow_light_detector", "left",
+                                   "right", "front", "right_lane", "front_lane"}));
 }
 
 TEST(CourseConfig, HasTheDefaultsOfTheKind) {
@@ -113,6 +114,8 @@ parameters.least_area_px2 = 300
 parameters.most_lines = 4
 parameters.ycy_threshold = 0.1
 parameters.dy_threshold = 0.1
+parameters.ycy_pair = "innermost"
+parameters.ycy_center = 0.6
 parameters.dy_target = 0.4
 parameters.walk_bottom_px = 10
 parameters.walk_x_px = 80
@@ -161,8 +164,18 @@ parameters.least_confidence = 50
 parameters.page_modes = [6, 7]
 parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
 )");
-  const LinesParameters lines = {
-      {{15, 50, 30}, {35, 255, 255}}, {0.5, 1, 0.1, 0.9}, 300, 4, 0.1, 0.1, 0.4, 10, 80, 12};
+  const LinesParameters lines = {{{15, 50, 30}, {35, 255, 255}},
+                                 {0.5, 1, 0.1, 0.9},
+                                 300,
+                                 4,
+                                 0.1,
+                                 LanePair::kInnermost,
+                                 0.6,
+                                 0.1,
+                                 0.4,
+                                 10,
+                                 80,
+                                 12};
   const ArrowParameters arrow = {{{35, 50, 50}, {80, 255, 255}}, {0.1, 1, 0, 1}, 1, 1, 0.2, 2};
   const BarrierParameters barrier = {
       {{160, 40, 40}, {5, 255, 255}}, {0.1, 1, 0, 1}, 1, 2, 0.5, 10, 0.2, 0.1, 500};

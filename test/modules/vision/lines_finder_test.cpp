@@ -38,7 +38,7 @@ TEST(Lines, BesideTheMiddleOfTwoIsLeftOrRightBeyondTheThreshold) {
   EXPECT_EQ(Ycy({100, 436}), "right");
 }
 
-TEST(Lines, OnOneSideAreJudgedByTheirMiddleToo) {
+TEST(Lines, OnOneSideCountByTheirMiddleToo) {
   EXPECT_EQ(Ycy({400, 600}), "left");
   EXPECT_EQ(Ycy({40, 240}), "right");
   EXPECT_EQ(Ycy({40, 240, 600}), "center");

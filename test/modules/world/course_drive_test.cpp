@@ -20,9 +20,9 @@ constexpr double kSouth = -M_PI / 2;
 constexpr double kWest = M_PI;
 constexpr double kCrossA = -1.80;
 constexpr double kS1 = -0.40;
-constexpr double kS2X = 5.45;
+constexpr double kS2X = 5.03;
 constexpr double kS2Y = 0.743;
-constexpr double kQrBX = 13.25;
+constexpr double kQrBX = 12.83;
 
 class Driver {
  public:
@@ -86,7 +86,7 @@ void VisitBayA(Driver& driver, const std::string& bay) {
 }
 
 void VisitBayB(Driver& driver, const std::string& bay) {
-  const double y = kS2Y + (bay == "B1" ? 1.36 : -1.36);
+  const double y = kS2Y + (bay == "B1" ? 1.42 : -1.42);
   driver.Go(kQrBX, y, 0);
   driver.Go(kQrBX + 0.8, y, 0);
   driver.Lie();
@@ -110,9 +110,9 @@ void Drive(const std::vector<std::string>& order, Driver& driver) {
   driver.Go(kQrBX, LaneY(order.at(5)), 0);
   driver.Go(kQrBX, kS2Y, 0);
   VisitBayB(driver, order.at(7));
-  driver.Go(kQrBX, kS2Y + (order.at(7) == "B1" ? 1.36 : -1.36), 0);
+  driver.Go(kQrBX, kS2Y + (order.at(7) == "B1" ? 1.42 : -1.42), 0);
   VisitBayB(driver, order.at(8));
-  const double last_y = kS2Y + (order.at(8) == "B1" ? 1.36 : -1.36);
+  const double last_y = kS2Y + (order.at(8) == "B1" ? 1.42 : -1.42);
   driver.Go(kQrBX + 0.8, last_y, kWest);
   driver.Go(kQrBX, last_y, kWest);
   driver.Go(kQrBX, LaneY(order.at(9)), kWest);
