@@ -4,11 +4,11 @@
 // A line is an outline of the mask of yellow pixels in the region, not smaller than the least area;
 // at most `most_lines` count, the largest ones. x is to the right, y downwards, both in the region.
 //
-//   ycy   The middle between the leftmost and the rightmost centroid (see LanePair) is left of the centre by more
-//         than the threshold: "right", for the robot is right of the middle; and vice versa. The
-//         centre is that of the region, or for a camera that is not in the middle of the body
-//         beside it (`ycy_center`). Of a single line only its side is known: the robot is too near to it, so that a line on the
-//         left is "left". Otherwise "center".
+//   ycy   The middle between the leftmost and the rightmost centroid (see LanePair) is left of the
+//         centre by more than the threshold: "right", for the robot is right of the middle; and
+//         vice versa. The centre is that of the region, or for a camera that is not in the middle
+//         of the body beside it (`ycy_center`). Of a single line only its side is known: the robot
+//         is too near to it, so that a line on the left is "left". Otherwise "center".
 //   dy    The line whose centroid is nearest to the vertical centre line: farther away than the
 //         target by more than the threshold (higher in the picture) is "front", nearer "back".
 //   walk  Of the same line: its lower edge is nearer to the bottom of the picture than the limit,
@@ -46,9 +46,9 @@ struct LinesParameters {
   int most_lines = 5;
   double ycy_threshold = 0.08;  // of the region's width
   LanePair ycy_pair = LanePair::kOutermost;
-  double ycy_center = 0.5;      // of the region's width: where the middle of the lines has to be
-  double dy_threshold = 0.15;   // of the region's height
-  double dy_target = 0.5;       // of the region's height, from its top
+  double ycy_center = 0.5;     // of the region's width: where the middle of the lines has to be
+  double dy_threshold = 0.15;  // of the region's height
+  double dy_target = 0.5;      // of the region's height, from its top
   double walk_bottom_px = 50;
   double walk_x_px = 30;
   int edge_columns = 24;  // in which the edge towards the robot is reported
