@@ -237,9 +237,9 @@ class ActionClient {
 };
 
 template <msg::Action A>
-Result<std::unique_ptr<ActionServer<A>>> MakeActionServer(Node& node, const std::string& action,
-                                                          ActionHandlers<A> handlers,
-                                                          ActionServerOptions options = {}) {
+Result<std::unique_ptr<ActionServer<A>>> MakeActionServer(
+    Node& node, const std::string& action, ActionHandlers<A> handlers,
+    ActionServerOptions options = {}) {  // NOLINT
   using Typed = internal::TypedGoal<A>;
   MUSHER_CHECK(handlers.start != nullptr);
   const auto handle = [](const RawGoalPtr& goal) {
@@ -273,8 +273,8 @@ Result<std::unique_ptr<ActionServer<A>>> MakeActionServer(Node& node, const std:
 }
 
 template <msg::Action A>
-Result<std::unique_ptr<ActionClient<A>>> MakeActionClient(Node& node, const std::string& action,
-                                                          ActionClientOptions options = {}) {
+Result<std::unique_ptr<ActionClient<A>>> MakeActionClient(
+    Node& node, const std::string& action, ActionClientOptions options = {}) {  // NOLINT
   auto client = RawActionClient::Make(node, action, internal::TypesOf<A>(), std::move(options));
   if (!client) return client.error();
   return std::make_unique<ActionClient<A>>(std::move(client).value());

@@ -70,7 +70,7 @@ class RawWriter {
 
   // Runs `work` once the transport delays no written sample: at once, unless it does. It may drop
   // the writer, and does not run after that.
-  virtual void AfterWrites(std::function<void()> work) { work(); }
+  virtual void AfterWrites(std::function<void()> work) { work(); }  // NOLINT(*-value-param)
 
   // Blocks until every matched reliable reader has all samples: for a program that then exits.
   // Fails with a timeout if one has not.

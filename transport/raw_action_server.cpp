@@ -76,16 +76,18 @@ Result<> RawActionServer::Open(Node& node, const std::string& action, const Acti
   if (!status) return status.error();
   status_ = std::move(status).value();
 
-  auto get_result = RawServer::Make(
-      node, GetResultService(action), types.get_result,
-      [this](const msg::RequestId& id, std::span<const std::byte> bytes, RawServer::Reply reply,
-             PeerId caller) { return OnGetResult(id, bytes, std::move(reply), caller); });
+  auto get_result =
+      RawServer::Make(node, GetResultService(action), types.get_result,
+                      [this](const msg::RequestId& id, std::span<const std::byte> bytes,
+                             const RawServer::Reply& reply, PeerId caller) {
+                        return OnGetResult(id, bytes, std::move(reply), caller);
+                      });
   if (!get_result) return get_result.error();
   get_result_ = std::move(get_result).value();
 
   auto cancel_goal = MakeServer<msg::CancelGoal>(
       node, CancelGoalService(action),
-      [this](const msg::CancelGoal::Request& request, Server<msg::CancelGoal>::Reply reply) {
+      [this](const msg::CancelGoal::Request& request, const Server<msg::CancelGoal>::Reply& reply) {
         OnCancelGoal(request.goal_info, reply);
       });
   if (!cancel_goal) return cancel_goal.error();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <ranges>
 
 #include "musher/transport/service_names.hpp"
 
@@ -57,14 +56,12 @@ void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
 }
 
 void RawServer::AfterReplies(PeerId participant, std::function<void()> work) {
-  for (Held& held : held_ | std::views::reverse) {
-    if (held.participant != participant) continue;
-    held.then.emplace_back([self = std::weak_ptr(self_), work = std::move(work)] {
-      if (const auto server = self.lock()) (*server)->replies_->AfterWrites(work);
-    });
-    return;
-  }
-  replies_->AfterWrites(std::move(work));
+  const auto last = std::find_if(held_.rbegin(), held_.rend(),
+                                 [&](const Held& held) { return held.participant == participant; });
+  if (last == held_.rend()) return replies_->AfterWrites(std::move(work));
+  last->then.emplace_back([self = std::weak_ptr(self_), work = std::move(work)] {
+    if (const auto server = self.lock()) (*server)->replies_->AfterWrites(work);
+  });
 }
 
 // Last: they may drop the server.

@@ -7,8 +7,8 @@ namespace musher::line_walker {
 namespace {
 
 constexpr std::size_t kEndCorners = 24;  // points that hypotheses go through
-constexpr double kContinues_m = 0.08;    // a point so near to a curve may continue it
-constexpr double kSameLine_m = 0.15;     // along the lane; of these the longer one counts
+constexpr double kContinuesM = 0.08;     // a point so near to a curve may continue it
+constexpr double kSameLineM = 0.15;      // along the lane; of these the longer one counts
 
 GroundPoint Turned(const GroundPoint& point, double by_rad) {
   const double cosine = std::cos(by_rad);
@@ -100,7 +100,7 @@ class EndSearch {
     if (found.x_m <= 0 || away_m > rules_.within_m) return;
     const double span_m = SpanOf(near);
     const double nearer_m = middle.x_m - found.x_m;
-    const bool same = std::abs(nearer_m) < kSameLine_m;
+    const bool same = std::abs(nearer_m) < kSameLineM;
     if (line && !(same ? span_m > span_m_ : nearer_m > 0)) return;
     span_m_ = span_m;
     line = best;
@@ -148,7 +148,7 @@ std::optional<EndLine> FindSideEnd(const GroundPoints& points, const SideLine& l
   }
   for (const GroundPoint& point : points) {
     const bool beyond = point.x_m > end_x && point.x_m < beyond_x;
-    if (beyond && std::abs(point.y_m - at(point.x_m)) < kContinues_m) return std::nullopt;
+    if (beyond && std::abs(point.y_m - at(point.x_m)) < kContinuesM) return std::nullopt;
   }
   const double heading = std::atan(c1 + 2 * c2 * end_x);
   const double aside = (side == Side::kLeft ? -1 : 1) * lane_width_m / 2;

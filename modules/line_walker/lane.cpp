@@ -6,8 +6,8 @@
 namespace musher::line_walker {
 namespace {
 
-constexpr double kStraight_per_m = 1e-4;  // less curvature is none
-constexpr double kTightest_per_m = 1.25;  // of a lane's middle
+constexpr double kStraightPerM = 1e-4;  // less curvature is none
+constexpr double kTightestPerM = 1.25;  // of a lane's middle
 
 }  // namespace
 
@@ -20,7 +20,7 @@ InLane InLaneBy(const SideLine& line, Side side, double lane_width_m) {
   // Of the parallel arc through the lane's middle.
   const double scale = 1 + (left ? half_m : -half_m) * line.curvature_per_m;
   in_lane.curvature_per_m =
-      std::clamp(line.curvature_per_m / std::max(0.3, scale), -kTightest_per_m, kTightest_per_m);
+      std::clamp(line.curvature_per_m / std::max(0.3, scale), -kTightestPerM, kTightestPerM);
   return in_lane;
 }
 
@@ -35,7 +35,7 @@ InLane LaneEstimate::At(const Pose& pose) const {
   const double inwards = 1 - curvature_per_m_ * left_m;
   InLane in_lane;
   in_lane.curvature_per_m = curvature_per_m_;
-  if (std::abs(curvature_per_m_) < kStraight_per_m) {
+  if (std::abs(curvature_per_m_) < kStraightPerM) {
     in_lane.offset_m = left_m;
     in_lane.heading_rad = Wrapped(pose.yaw_rad - middle_.yaw_rad);
     return in_lane;

@@ -9,12 +9,12 @@
 namespace musher::line_walker {
 namespace {
 
-constexpr std::size_t kCurveCorners = 12;   // points that hypotheses go through
-constexpr double kLeastCornerGap_m = 0.06;  // between the points of a hypothesis
-constexpr double kOtherLine_m = 0.1;        // a curve that much nearer is another line
-constexpr double kNearerShare = 0.5;        // of the points of the longest line
-constexpr double kCurvatureWeight = 0.01;   // of the assumed curvature, in m^4
-constexpr double kFullSpan_m = 0.8;         // of a line of full quality
+constexpr std::size_t kCurveCorners = 12;  // points that hypotheses go through
+constexpr double kLeastCornerGapM = 0.06;  // between the points of a hypothesis
+constexpr double kOtherLineM = 0.1;        // a curve that much nearer is another line
+constexpr double kNearerShare = 0.5;       // of the points of the longest line
+constexpr double kCurvatureWeight = 0.01;  // of the assumed curvature, in m^4
+constexpr double kFullSpanM = 0.8;         // of a line of full quality
 constexpr double kFullPoints = 16;
 
 struct Curve {
@@ -84,10 +84,10 @@ class CurveSearch {
   std::optional<Curve> Run() {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       for (std::size_t j = i + 1; j < corners_.size(); ++j) {
-        if (corners_[j].x_m - corners_[i].x_m < kLeastCornerGap_m) continue;
+        if (corners_[j].x_m - corners_[i].x_m < kLeastCornerGapM) continue;
         Consider(Through(corners_[i], corners_[j], c2_));
         for (std::size_t k = j + 1; k < corners_.size(); ++k) {
-          if (corners_[k].x_m - corners_[j].x_m < kLeastCornerGap_m) continue;
+          if (corners_[k].x_m - corners_[j].x_m < kLeastCornerGapM) continue;
           Consider(Through(corners_[i], corners_[j], corners_[k]));
         }
       }
@@ -122,7 +122,7 @@ class CurveSearch {
       nearer = false;
       const Candidate* next = nullptr;
       for (const Candidate& each : candidates_) {
-        if (each.aside_m > best->aside_m - kOtherLine_m || double(each.points) < enough) continue;
+        if (each.aside_m > best->aside_m - kOtherLineM || double(each.points) < enough) continue;
         if (next == nullptr || fewer(*next, each)) next = &each;
       }
       if (next != nullptr) {
@@ -160,7 +160,7 @@ double QualityOf(const Curve& curve, const GroundPoints& inliers, const FitRules
   const double span_m = inliers.back().x_m - inliers.front().x_m;
   // How far the body's middle is from the points beside it.
   const double beyond_m = std::max({0.0, inliers.front().x_m, -inliers.back().x_m});
-  return std::min(1.0, span_m / kFullSpan_m) * std::min(1.0, double(inliers.size()) / kFullPoints) *
+  return std::min(1.0, span_m / kFullSpanM) * std::min(1.0, double(inliers.size()) / kFullPoints) *
          (1 - 0.5 * std::min(1.0, rms_m / rules.tolerance_m)) * std::max(0.1, 1 - 2 * beyond_m);
 }
 

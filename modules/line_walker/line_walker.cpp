@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kSidePoints = 60;
 constexpr std::size_t kFrontPoints = 160;
-constexpr double kApproach_per_s = 1.0;  // forward velocity for each metre to the end
+constexpr double kApproachPerS = 1.0;  // forward velocity for each metre to the end
 
 std::string Ms(Duration time) {
   return std::to_string(ToMilliseconds(time)) + " ms";
@@ -273,7 +273,7 @@ Velocity LineWalker::Command(Time now) {
   double at_most = seen || to_end ? rules_.steering.forward_m_s : rules_.lost_m_s;
   if (to_end) {
     const double gap = std::max(0.0, *to_end - rules_.end_gap_m);
-    at_most = std::min(at_most, std::max(rules_.steering.slow_m_s, kApproach_per_s * gap));
+    at_most = std::min(at_most, std::max(rules_.steering.slow_m_s, kApproachPerS * gap));
   }
   const bool beside = std::abs(in_lane.offset_m) > rules_.adjust_m ||
                       std::abs(in_lane.heading_rad) > rules_.adjust_rad;

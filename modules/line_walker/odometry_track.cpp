@@ -8,9 +8,9 @@
 namespace musher::line_walker {
 namespace {
 
-constexpr std::int64_t kKept_ns = 3'000'000'000;
-constexpr std::int64_t kOtherClock_ns = 500'000'000;  // a stamp that much newer is of another clock
-constexpr double kJump_m = 0.5;                       // between two samples
+constexpr std::int64_t kKeptNs = 3'000'000'000;
+constexpr std::int64_t kOtherClockNs = 500'000'000;  // a stamp that much newer is of another clock
+constexpr double kJumpM = 0.5;                       // between two samples
 
 std::optional<Pose> PoseOf(const msg::Odometry& odometry) {
   const auto& at = odometry.pose.pose.position;
@@ -57,21 +57,21 @@ OdometryTrack::Taken OdometryTrack::Take(const msg::Odometry& odometry) {
   if (!samples_.empty()) {
     const Sample& last = samples_.back();
     const double moved_m = std::hypot(pose->x_m - last.pose.x_m, pose->y_m - last.pose.y_m);
-    if (stamp_ns < last.stamp_ns || moved_m > kJump_m) {
+    if (stamp_ns < last.stamp_ns || moved_m > kJumpM) {
       samples_.clear();
       taken = Taken::kJump;
     }
   }
   samples_.push_back(
       {stamp_ns, *pose, {Finite(twist.linear.x), Finite(twist.linear.y), Finite(twist.angular.z)}});
-  while (samples_.front().stamp_ns < stamp_ns - kKept_ns) samples_.pop_front();
+  while (samples_.front().stamp_ns < stamp_ns - kKeptNs) samples_.pop_front();
   return taken;
 }
 
 Pose OdometryTrack::At(std::int64_t stamp_ns, Duration otherwise) const {
   const std::int64_t oldest = samples_.front().stamp_ns;
   const std::int64_t newest = samples_.back().stamp_ns;
-  if (stamp_ns < oldest || stamp_ns > newest + kOtherClock_ns) {
+  if (stamp_ns < oldest || stamp_ns > newest + kOtherClockNs) {
     stamp_ns = newest - otherwise.count();
   }
   const auto after = std::lower_bound(

@@ -64,8 +64,11 @@ std::optional<Profile> ProfileOf(const cv::Mat& green, double tilt_rad) {
 // The mean difference from the best fitting arrow that points to the right.
 double MisfitOf(const Profile& profile) {
   double best = 1;
-  for (double head = 0.2; head < 0.76; head += 0.05) {
-    for (double shaft = 0.15; shaft < 0.71; shaft += 0.05) {
+  constexpr int kParts = 20;  // of the length and of the height
+  for (int head_parts = 4; head_parts <= 15; ++head_parts) {
+    for (int shaft_parts = 3; shaft_parts <= 14; ++shaft_parts) {
+      const double head = static_cast<double>(head_parts) / kParts;
+      const double shaft = static_cast<double>(shaft_parts) / kParts;
       double sum = 0;
       for (int i = 0; i < kBins; ++i) {
         const double at = (i + 0.5) / kBins;

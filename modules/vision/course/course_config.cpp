@@ -12,7 +12,6 @@ namespace musher::vision {
 namespace {
 
 using config_toml::Findings;
-using config_toml::Position;
 using config_toml::Quote;
 using config_toml::TableReader;
 using config_toml::Value;

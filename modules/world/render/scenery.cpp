@@ -102,8 +102,8 @@ Scenery::~Scenery() = default;
 std::vector<Thing> Scenery::With(const std::vector<Guest>& guests,
                                  const std::vector<std::size_t>& hidden_balls) const {
   std::vector<Thing> all = things_;
-  for (auto ball = hidden_balls.rbegin(); ball != hidden_balls.rend(); ++ball) {
-    all.erase(all.begin() + static_cast<std::ptrdiff_t>(first_ball_ + *ball));
+  for (std::size_t i = hidden_balls.size(); i > 0; --i) {
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(first_ball_ + hidden_balls[i - 1]));
   }
   for (std::size_t i = 0; i < std::min(guests.size(), figures_.size()); ++i) {
     if (guests[i].here) figures_[i].Stand(guests[i], all);
