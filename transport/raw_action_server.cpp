@@ -76,12 +76,10 @@ Result<> RawActionServer::Open(Node& node, const std::string& action, const Acti
   if (!status) return status.error();
   status_ = std::move(status).value();
 
-  auto get_result =
-      RawServer::Make(node, GetResultService(action), types.get_result,
-                      [this](const msg::RequestId& id, std::span<const std::byte> bytes,
-                             const RawServer::Reply& reply, PeerId caller) {
-                        return OnGetResult(id, bytes, std::move(reply), caller);
-                      });
+  auto get_result = RawServer::Make(
+      node, GetResultService(action), types.get_result,
+      [this](const msg::RequestId& id, std::span<const std::byte> bytes, RawServer::Reply reply,
+             PeerId caller) { return OnGetResult(id, bytes, std::move(reply), caller); });
   if (!get_result) return get_result.error();
   get_result_ = std::move(get_result).value();
 
@@ -93,10 +91,11 @@ Result<> RawActionServer::Open(Node& node, const std::string& action, const Acti
   if (!cancel_goal) return cancel_goal.error();
   cancel_goal_ = std::move(cancel_goal).value();
 
-  auto send_goal = RawServer::Make(
-      node, SendGoalService(action), types.send_goal,
-      [this](const msg::RequestId& id, std::span<const std::byte> bytes, RawServer::Reply reply,
-             PeerId caller) { return OnSendGoal(id, bytes, reply, caller); });
+  auto send_goal =
+      RawServer::Make(node, SendGoalService(action), types.send_goal,
+                      [this](const msg::RequestId& id, std::span<const std::byte> bytes,
+                             const RawServer::Reply& reply,
+                             PeerId caller) { return OnSendGoal(id, bytes, reply, caller); });
   if (!send_goal) return send_goal.error();
   send_goal_ = std::move(send_goal).value();
   return {};

@@ -138,8 +138,8 @@ std::optional<EndLine> FindSideEnd(const GroundPoints& points, const SideLine& l
                                    double lane_width_m, const EndRules& rules) {
   const double end_x = line.far_x_m;
   if (end_x > rules.side_within_m || end_x < -rules.side_within_m) return std::nullopt;
-  const auto [c0, c1, c2] = line.curve;
-  const auto at = [&](double x) { return c0 + x * (c1 + x * c2); };
+  const std::array<double, 3>& c = line.curve;
+  const auto at = [&c](double x) { return c[0] + x * (c[1] + x * c[2]); };
   // The camera has to show what would be there.
   const double beyond_x = end_x + rules.side_gap_m;
   for (const double x : {end_x, beyond_x}) {
@@ -150,7 +150,7 @@ std::optional<EndLine> FindSideEnd(const GroundPoints& points, const SideLine& l
     const bool beyond = point.x_m > end_x && point.x_m < beyond_x;
     if (beyond && std::abs(point.y_m - at(point.x_m)) < kContinuesM) return std::nullopt;
   }
-  const double heading = std::atan(c1 + 2 * c2 * end_x);
+  const double heading = std::atan(c[1] + 2 * c[2] * end_x);
   const double aside = (side == Side::kLeft ? -1 : 1) * lane_width_m / 2;
   return EndLine{{end_x - aside * std::sin(heading), at(end_x) + aside * std::cos(heading)},
                  heading};
