@@ -24,6 +24,12 @@ InLane InLaneBy(const SideLine& line, Side side, double lane_width_m) {
   return in_lane;
 }
 
+bool LaneEstimate::MayBeFirst(const SideLine& line, Side side) const {
+  const InLane seen = InLaneBy(line, side, rules_.width_m);
+  return std::abs(seen.offset_m) <= rules_.first_aside_m &&
+         std::abs(seen.heading_rad) <= rules_.first_rad;
+}
+
 InLane LaneEstimate::At(const Pose& pose) const {
   const double cosine = std::cos(middle_.yaw_rad);
   const double sine = std::sin(middle_.yaw_rad);

@@ -27,7 +27,9 @@ struct LaneRules {
   double curvature_share = 0.6;  // of these gains, for the curvature
   double jump_m = 0.2;           // a sight farther from the estimate is not believed at once
   double jump_rad = kDegree * 28;
-  int jumps = 4;  // such sights in a row of one side are believed
+  int jumps = 4;               // such sights in a row of one side are believed
+  double first_aside_m = 0.3;  // the first line of a walk shows the body at most so far beside the
+  double first_rad = kDegree * 35;  // middle and turned by so much; others are of another lane
 };
 
 class LaneEstimate {
@@ -35,6 +37,8 @@ class LaneEstimate {
   explicit LaneEstimate(const LaneRules& rules) : rules_(rules) {}
 
   bool known() const { return known_; }
+  // Whether a line may be of the lane that begins ahead of the body.
+  bool MayBeFirst(const SideLine& line, Side side) const;
   void Forget() { *this = LaneEstimate(rules_); }
 
   // A line seen from `pose`. `alone`: the other side is not seen at present, so this one leads.

@@ -129,7 +129,7 @@ void LineWalker::OnSide(Side side, const msg::YellowLines& lines, Time now) {
   const Pose pose = track_.At(msg::FromStamp(lines.header.stamp).count(), rules_.picture_delay);
   const double curvature = lane_.known() ? lane_.At(pose).curvature_per_m : 0;
   const auto line = FitSideLine(points, side, rules_.fit, curvature);
-  if (!line) return;
+  if (!line || (!lane_.known() && !lane_.MayBeFirst(*line, side))) return;
   const bool alone = !Seen(left ? right_ : left_, now);
   if (!lane_.See(pose, *line, side, alone)) return;
   sight.line_at = now;

@@ -92,6 +92,8 @@ class Reader {
     SetNumber(reader, "jump_m", 0.01, 5, lane.jump_m);
     SetDegrees(reader, "jump_deg", 1, 180, lane.jump_rad);
     SetInteger(reader, "jumps", 1, 100, lane.jumps);
+    SetNumber(reader, "first_aside_m", 0.01, 5, lane.first_aside_m);
+    SetDegrees(reader, "first_deg", 1, 180, lane.first_rad);
   }
 
   void ReadWalk(TableReader& reader) {

@@ -67,6 +67,20 @@ TEST(Lane, DoesNotBelieveAJumpAtOnce) {
   for (int i = 0; i < 9; ++i) EXPECT_FALSE(lane.See(pose, LineAt(0.1), Side::kRight, false));
 }
 
+TEST(LaneEstimate, BeginsWithALineOfTheLaneAheadAndNotOfAnotherOneBesideIt) {
+  const LaneEstimate lane{LaneRules()};
+  const auto line = [](double distance_m, double heading_rad) {
+    SideLine line;
+    line.distance_m = distance_m;
+    line.heading_rad = heading_rad;
+    return line;
+  };
+  EXPECT_TRUE(lane.MayBeFirst(line(0.415, 0), Side::kLeft)) << "in the middle of it";
+  EXPECT_TRUE(lane.MayBeFirst(line(0.65, 0.3), Side::kRight));
+  EXPECT_FALSE(lane.MayBeFirst(line(0.85, 0), Side::kLeft)) << "a lane that begins behind its end";
+  EXPECT_FALSE(lane.MayBeFirst(line(0.415, 0.8), Side::kRight)) << "a lane that crosses";
+}
+
 TEST(Steering, TurnsToTheRightWhereTheBodyIsLeftOfTheMiddleOrTurnedToTheLeft) {
   const SteeringRules rules;
   EXPECT_LT(Steer({0.1, 0, 0}, 1, rules).yaw_rad_s, -0.2);

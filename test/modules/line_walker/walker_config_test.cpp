@@ -47,6 +47,8 @@ TEST(WalkerConfig, OfTheShippedFileHasTheDefaults) {
   EXPECT_EQ(a.lane.curvature_share, b.lane.curvature_share);
   EXPECT_NEAR(a.lane.jump_rad, b.lane.jump_rad, 1e-12);
   EXPECT_EQ(a.lane.jumps, b.lane.jumps);
+  EXPECT_EQ(a.lane.first_aside_m, b.lane.first_aside_m);
+  EXPECT_NEAR(a.lane.first_rad, b.lane.first_rad, 1e-12);
   EXPECT_EQ(a.steering.forward_m_s, b.steering.forward_m_s);
   EXPECT_EQ(a.steering.slow_m_s, b.steering.slow_m_s);
   EXPECT_EQ(a.steering.side_m_s, b.steering.side_m_s);
