@@ -24,6 +24,8 @@ std::vector<YellowLine> LinesOf(const cv::Mat& mask, const LinesParameters& para
   for (Contour& outline : OutlinesOf(mask)) {
     const cv::Moments moments = cv::moments(outline);
     if (moments.m00 <= 0 || moments.m00 < parameters.least_area_px2) continue;
+    const cv::Rect box = cv::boundingRect(outline);
+    if (box.width < parameters.least_length * box.height) continue;
     lines.push_back(
         {std::move(outline), moments.m00, {moments.m10 / moments.m00, moments.m01 / moments.m00}});
   }

@@ -1,8 +1,9 @@
 #pragma once
 // Yellow lines on the ground: where the robot is between two of them, and how far one is. Pure.
 //
-// A line is an outline of the mask of yellow pixels in the region, not smaller than the least area;
-// at most `most_lines` count, the largest ones. x is to the right, y downwards, both in the region.
+// A line is an outline of the mask of yellow pixels in the region, not smaller than the least area,
+// and of the least length for its height; at most `most_lines` count, the largest ones. x is to the
+// right, y downwards, both in the region.
 //
 //   ycy   The middle between the leftmost and the rightmost centroid (see LanePair) is left of the
 //         centre by more than the threshold: "right", for the robot is right of the middle; and
@@ -43,6 +44,7 @@ struct LinesParameters {
   HsvRange yellow{{15, 50, 30}, {35, 255, 255}};
   Region region{0.6, 1, 0, 1};
   double least_area_px2 = 300;
+  double least_length = 0;  // times as wide as high, so that only lines across count; 0: all do
   int most_lines = 5;
   double ycy_threshold = 0.08;  // of the region's width
   LanePair ycy_pair = LanePair::kOutermost;

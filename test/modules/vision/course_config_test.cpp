@@ -112,6 +112,7 @@ parameters.yellow.from = [15, 50, 30]
 parameters.region = { top = 0.5, bottom = 1, left = 0.1, right = 0.9 }
 parameters.least_area_px2 = 300
 parameters.most_lines = 4
+parameters.least_length = 2.5
 parameters.ycy_threshold = 0.1
 parameters.dy_threshold = 0.1
 parameters.ycy_pair = "innermost"

@@ -100,6 +100,20 @@ TEST(Line, AcrossIsFrontOrBackOfItsTarget) {
   EXPECT_EQ(Across(360, nearer).dy, "center");
 }
 
+TEST(Line, AcrossIsToldFromOneBesideItByItsLength) {
+  cv::Mat bgr = GreyPicture();
+  bgr(cv::Rect(220, 140, 200, 20)).setTo(kYellow);
+  bgr(cv::Rect(310, 300, 30, 100)).setTo(kYellow);  // ahead, and nearer to the centre line
+  EXPECT_EQ(FindLines(bgr, WholePicture()).lines.dy, "back");
+  LinesParameters across = WholePicture();
+  across.least_length = 3;
+  const msg::YellowLines lines = FindLines(bgr, across).lines;
+  EXPECT_EQ(lines.contours, 1U);
+  EXPECT_EQ(lines.dy, "front");
+  across.least_length = 11;
+  EXPECT_EQ(FindLines(bgr, across).lines.contours, 0U) << "it is 10 times as wide as high";
+}
+
 TEST(Line, ThatIsNearestToTheCentreLineIsTheOneOfDyAndWalk) {
   cv::Mat bgr = GreyPicture();
   bgr(cv::Rect(20, 20, 200, 20)).setTo(kYellow);
