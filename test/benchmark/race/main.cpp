@@ -12,6 +12,7 @@
 #include <string>
 
 #include "musher/modules/world/picture/picture.hpp"
+#include "musher/modules/world/simulation/referee_report.hpp"
 #include "musher/test/modules/race/drive/course_drive.hpp"
 
 namespace {
@@ -42,6 +43,10 @@ bool Drive(const DriveSettings& settings, const std::string& drawing) {
       Seconds(result.took), corrections, result.pictures, referee.touch_count(),
       referee.whole_foot_count(), referee.collisions(), referee.visits().size(),
       whole ? "" : ("\n    " + last).c_str());
+  if (!whole) {
+    const auto& world = *result.world;
+    std::printf("%s\n", musher::world::RefereeText(world.scene(), referee, world.now()).c_str());
+  }
   for (const auto& touch : referee.touches()) {
     if (!touch.whole_foot) continue;
     std::printf("    %s foot on a line at %.1f s (%.2f, %.2f)\n", musher::world::kFeet[touch.foot],
