@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
   app.add_option("--draw", drawing, "A PNG of the run from above");
   app.add_option("--lines-from", from, "Prints the lines seen from a pose instead: m, m, degrees")
       ->expected(3);
+  app.add_flag("--light", settings.yellow_light, "A yellow light appears in the START lane");
   app.add_flag("--log", log, "Prints what happens");
   CLI11_PARSE(app, argc, argv);
   for (const std::string& each : chosen) {

@@ -39,7 +39,13 @@ auto Valid(const Reading& reading, const auto& value) {
 world::Scene SceneOf(const DriveSettings& settings) {
   const auto reading = world::ReadSceneFile(Config("scenes/course.toml"),
                                             {.seed = settings.seed, .chosen = settings.chosen});
-  return Valid(reading, reading.scene);
+  world::Scene scene = Valid(reading, reading.scene);
+  for (world::Ball& ball : scene.balls) {
+    if (!settings.yellow_light || ball.name != "yellow light") continue;
+    ball.show_within_m = 0.75;
+    ball.show_for = std::chrono::seconds(4);
+  }
+  return scene;
 }
 
 line_walker::WalkerConfig WalkerOf() {

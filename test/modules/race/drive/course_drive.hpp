@@ -28,6 +28,7 @@ namespace musher::race::testing {
 struct DriveSettings {
   std::uint64_t seed = 1;
   std::map<std::string, std::string> chosen;  // of the scene: qr_a, qr_b, arrow
+  bool yellow_light = false;  // appears before the robot in the START lane, for some seconds
   Duration limit = std::chrono::minutes(15);
   Duration latency = Milliseconds(100);  // from a picture to what is found in it
   std::string pictures;                  // a folder for what the checks saw; empty: none
