@@ -57,18 +57,28 @@ struct Open {
 }  // namespace
 
 CellSearch::CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m)
-    : clearance_(std::move(clearance)), map_(clearance_->map()), region_(map_.count()) {
-  // Half-way between two neighbours a corner of a cell is nearer than at both ends.
+    : clearance_(std::move(clearance)),
+      map_(clearance_->map()),
+      radius_m_(radius_m),
+      region_(map_.count()),
+      roomy_(map_.count()) {
+  // Half-way between two neighbours the corner of a cell is nearer than at both ends.
   const double half_step_m = map_.resolution_m * (map_.flat() ? M_SQRT1_2 : std::sqrt(0.75));
-  const double room_m = std::hypot(radius_m, half_step_m) - 1e-9;
+  const double roomy_m = std::hypot(radius_m, half_step_m);
   for (std::size_t i = 0; i < map_.count(); ++i) {
+    // From centre to centre; the blocked cell itself is nearer by half a cell to half its diagonal.
     const double near_m = clearance_->OfCell(i);
-    const bool open = near_m - half_step_m >= room_m ||
-                      (near_m - map_.resolution_m / 2 >= room_m - map_.resolution_m &&
-                       clearance_->Fits(map_.CentreOf(map_.CellAt(i)), room_m));
+    roomy_[i] = near_m - half_step_m >= roomy_m;
+    const bool open = roomy_[i] || clearance_->Fits(map_.CentreOf(map_.CellAt(i)), radius_m);
     region_[i] = open ? kNotLabelled : 0;
   }
   LabelRegions();
+}
+
+bool CellSearch::Passes(std::size_t from, std::size_t to) const {
+  if (roomy_[from] && roomy_[to]) return true;
+  return clearance_->FitsAlong(map_.CentreOf(map_.CellAt(from)), map_.CentreOf(map_.CellAt(to)),
+                               radius_m_);
 }
 
 void CellSearch::LabelRegions() {
@@ -87,9 +97,11 @@ void CellSearch::LabelRegions() {
       ++sizes_.back();
       for (const Neighbour& neighbour : neighbours) {
         const Cell next = Moved(cell, neighbour.by);
-        if (!map_.Has(next) || region_[map_.IndexOf(next)] != kNotLabelled) continue;
-        region_[map_.IndexOf(next)] = label;
-        to_visit.push_back(static_cast<std::uint32_t>(map_.IndexOf(next)));
+        if (!map_.Has(next)) continue;
+        const std::size_t index = map_.IndexOf(next);
+        if (region_[index] != kNotLabelled || !Passes(map_.IndexOf(cell), index)) continue;
+        region_[index] = label;
+        to_visit.push_back(static_cast<std::uint32_t>(index));
       }
     }
   }
@@ -151,6 +163,7 @@ std::optional<CellSearch::Way> CellSearch::Search(const Cell& from, const Cell& 
       const std::uint32_t next_index = index(next);
       const float so_far = length[at] + neighbours[i].length;
       if (closed[next_index] || so_far >= length[next_index]) continue;
+      if (!Passes(at, next_index)) continue;
       length[next_index] = so_far;
       came_by[next_index] = static_cast<std::uint8_t>(i);
       const float rest = LeastLength(next, to);

