@@ -10,6 +10,7 @@
 namespace musher::navigation {
 namespace {
 
+constexpr double kCreep = 0.2;         // m/s; below, a change of pace counts as at this speed
 constexpr double kLongestStepS = 0.2;  // between updates; a longer pause is no progress
 
 double Seconds(Duration duration) {
@@ -28,6 +29,14 @@ AxisControl AxisFor(const FollowerRules& rules, bool yaw) {
 
 std::array<double, 4> Values(const Velocity& velocity) {
   return {velocity.x_m_s, velocity.y_m_s, velocity.z_m_s, velocity.yaw_rad_s};
+}
+
+// The acceleration of a trajectory in the direction of its velocity.
+double AlongTrack(const TrajectoryPoint& point) {
+  const Velocity &v = point.velocity, &a = point.acceleration;
+  const double speed_m_s = Speed(v);
+  if (speed_m_s < 1e-6) return 0;
+  return (v.x_m_s * a.x_m_s + v.y_m_s * a.y_m_s + v.z_m_s * a.z_m_s) / speed_m_s;
 }
 
 double FiniteOr(double value, double otherwise) {
@@ -82,23 +91,33 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   const TrajectoryPoint at = trajectory_.At(reference_);
   const double planned_m_s = Speed(at.velocity);
   const double speed_m_s = std::max(pace_ * planned_m_s, FiniteOr(Speed(velocity), 0));
-  const bool held = progress_ == Progress::kWaiting;
-  const double ahead_m = std::max(BrakingDistance(speed_m_s, rules_.obstacles),
-                                  rules_.obstacles.clear_ahead_m * (held ? 1.2 : 1));
+  // Once it waits, more has to be free: else it would start again while it still brakes.
+  const double more_m = progress_ == Progress::kWaiting ? rules_.obstacles.more_ahead_m : 0;
+  const double ahead_m = more_m + std::max(BrakingDistance(speed_m_s, rules_.obstacles),
+                                           rules_.obstacles.clear_ahead_m);
   obstruction_ =
       FirstObstruction(trajectory_, reference_, ahead_m, obstacles, rules_.flat, rules_.obstacles);
   const double lead_m = rules_.flat
                             ? std::hypot(at.pose.at.x_m - pose.at.x_m, at.pose.at.y_m - pose.at.y_m)
                             : Distance(at.pose.at, pose.at);
   const bool hold = obstruction_ || lead_m > rules_.lead_m;
-  // A pace that changes so adds this acceleration to that of the trajectory.
-  const double limit_m_s2 = hold ? rules_.obstacles.brake_m_s2 : rules_.limits.acceleration_m_s2;
-  const double change = limit_m_s2 / std::max(planned_m_s, 0.2);
+  // The speed is the pace times that of the trajectory, so it changes with both.
+  const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
+  const double wanted_m_s2 = hold ? -Braking(speed_m_s) : rules_.limits.acceleration_m_s2;
+  const double change = (wanted_m_s2 - along_m_s2) / std::max(planned_m_s, kCreep) * dt_s;
   const double before = pace_;
-  pace_ = hold ? std::max(0.0, pace_ - change * dt_s) : std::min(1.0, pace_ + change * dt_s);
+  pace_ = hold ? std::clamp(pace_ + change, 0.0, pace_) : std::clamp(pace_ + change, pace_, 1.0);
   pace_change_ = dt_s > 0 ? (pace_ - before) / dt_s : 0;
   reference_ =
       std::min(reference_ + FromSeconds(dt_s * (before + pace_) / 2), trajectory_.duration());
+}
+
+double Follower::Braking(double speed_m_s) const {
+  const ObstacleRules& rules = rules_.obstacles;
+  if (!obstruction_) return rules.brake_m_s2;
+  const double way_m = std::max(obstruction_->ahead_m - speed_m_s * rules.reaction_s, 0.02);
+  return std::clamp(speed_m_s * speed_m_s / (2 * way_m), rules.brake_m_s2,
+                    std::max(rules.brake_m_s2, rules.hardest_m_s2));
 }
 
 Velocity Follower::Control(const Pose& pose, const Velocity& velocity) {

@@ -8,8 +8,8 @@
 //                     arrived         failed        late, or an obstacle stays
 //
 // - The reference moves along the trajectory. For an obstacle on the next braking distance it slows
-//   down with `brake_m_s2`, so the body stops on its way, without leaving it. It also waits for a
-//   body that is more than `lead_m` away from it.
+//   down with `brake_m_s2`, or harder for one that appears nearer, so the body stops on its way,
+//   without leaving it. It also waits for a body that is more than `lead_m` away from it.
 // - Each axis is controlled with a receding horizon (axis_control.hpp); the command is limited to
 //   the highest speed in space.
 // - Arrived: the reference is at the end and the body within `arrive_m` and `arrive_rad` of it.
@@ -80,6 +80,7 @@ class Follower {
   Velocity Control(const Pose& pose, const Velocity& velocity);
   void MoveReference(double dt_s, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
+  double Braking(double speed_m_s) const;
   bool HasArrived(const Pose& pose) const;
   void Fail(Error error);
 

@@ -13,8 +13,10 @@ struct ObstacleRules {
   double radius_m = 0.3;       // of the body
   double margin_m = 0.1;       // between the body and an obstacle, at least
   double brake_m_s2 = 0.8;     // with which the body stops
+  double hardest_m_s2 = 2.0;   // the same for an obstacle that appears nearer than that
   double reaction_s = 0.1;     // from the scan to the begin of braking
   double clear_ahead_m = 0.5;  // a body that stands starts only if so much of its way is clear
+  double more_ahead_m = 0.3;   // and so much more after it has waited
 };
 
 // A planar scan, as in sensor_msgs/LaserScan: ranges outside the limits and those that are not

@@ -53,7 +53,7 @@ TEST(AxisControl, OvershootsLessWhenItKnowsTheLagOfTheBody) {
   EXPECT_NEAR(AfterSeconds(knows, 0.2, 4, &known), 0, 5e-3);
   EXPECT_NEAR(AfterSeconds({}, 0.2, 4, &unknown), 0, 2e-2);
   EXPECT_LT(known, 0.03);
-  EXPECT_GT(unknown, 0.1);
+  EXPECT_GT(unknown, 0.06);
 }
 
 TEST(AxisControl, KeepsItsBounds) {

@@ -1,17 +1,16 @@
 #include "musher/test/modules/navigation/maps.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace musher::navigation::testing {
 
-CellMap Drawn(const std::vector<std::string>& lines, double resolution_m) {
+CellMap Drawn(const std::vector<std::string>& lines, double size_m, int cells) {
   CellMap map;
-  map.resolution_m = resolution_m;
-  map.size_x = static_cast<int>(lines[0].size());
-  map.size_y = static_cast<int>(lines.size());
-  for (std::size_t line = lines.size(); line-- > 0;) {
-    for (const char cell : lines[line]) map.blocked.push_back(cell == '#');
+  map.resolution_m = size_m / cells;
+  map.size_x = static_cast<int>(lines[0].size()) * cells;
+  map.size_y = static_cast<int>(lines.size()) * cells;
+  for (int y = map.size_y - 1; y >= 0; --y) {
+    for (int x = 0; x < map.size_x; ++x) map.blocked.push_back(lines[y / cells][x / cells] == '#');
   }
   return map;
 }
