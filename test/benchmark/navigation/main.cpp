@@ -11,6 +11,7 @@
 #include <ctime>
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "musher/modules/navigation/navigation_fault.hpp"
 #include "musher/modules/navigation/planner/planner.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
+#include "musher/test/benchmark/navigation/sampled_search.hpp"
 #include "musher/test/modules/navigation/drive.hpp"
 #include "musher/test/modules/navigation/maps.hpp"
 
@@ -79,6 +81,36 @@ void MeasurePlanner(int runs, std::uint64_t seed) {
   Row("its length / the shortest from cell to cell", ratio, "");
   std::printf("\nSolved: %d of %d; no way by the map: %d; other refusals: %d.\n", solved, runs,
               walled_in, runs - solved - walled_in);
+}
+
+// The same ways by samples.
+void CompareSearches(int runs, std::uint64_t seed) {
+  std::printf(
+      "\nSearches by samples, the first %d of these maps, 1 s each\n\n"
+      "| planner | solved | of | CPU ms, median; p99 | length / the planner's, median |\n"
+      "|---|---|---|---|---|\n",
+      runs);
+  for (const char* name : {"RRTConnect", "RRT*", "BIT*"}) {
+    int solved = 0, possible = 0;
+    std::vector<double> ms, ratio;
+    for (int run = 0; run < runs; ++run) {
+      const auto planner = Planner::Make(RandomBoxes(seed + run, 10, 0.05, 0.2), {}).value();
+      std::mt19937_64 random(seed + run);
+      const Point start = FreePlace(planner.clearance(), 0.3, random);
+      const Point goal = FreePlace(planner.clearance(), 0.3, random);
+      const auto plan = planner.Find({start, 0}, {goal, 0});
+      if (!plan.ok() || plan.value().length_m < 1) continue;
+      ++possible;
+      std::optional<double> length_m;
+      ms.push_back(
+          MsOf([&] { length_m = SampledLength(name, planner.clearance(), 0.3, start, goal, 1); }));
+      if (!length_m) continue;
+      ++solved;
+      ratio.push_back(*length_m / plan.value().length_m);
+    }
+    std::printf("| %s | %d | %d | %.3g; %.3g | %.3f |\n", name, solved, possible, Median(ms),
+                Quantile(ms, 0.99), Median(ratio));
+  }
 }
 
 void MeasureFlight(int runs, std::uint64_t seed) {
@@ -245,6 +277,7 @@ void MeasureNavigations(int runs, std::uint64_t seed, bool yield) {
 
 void Run(int runs, std::uint64_t seed) {
   MeasurePlanner(runs, seed);
+  CompareSearches(std::max(1, runs / 5), seed);
   MeasureFlight(std::max(1, runs / 5), seed);
   MeasureTrajectory(runs, seed);
   MeasureController(runs, seed);
