@@ -1,9 +1,11 @@
 // The navigation chain: how long planner, trajectory and controller take, how short the ways are,
 // how well a body follows, and what happens among movers.
 //
-//   benchmark_navigation [RUNS [SEED]]
+//   benchmark_navigation [RUNS [SEED [PART]]]
 //
-// RUNS: maps of the planner; navigations among movers are as many. CPU time of the calling thread.
+// RUNS: maps of the planner; navigations among movers are as many, other parts have fewer. PART:
+// one of planner, samples, space, trajectory, controller, tracking, movers. CPU time of the calling
+// thread.
 
 #include <cmath>
 #include <cstdio>
@@ -86,7 +88,7 @@ void MeasurePlanner(int runs, std::uint64_t seed) {
 // The same ways by samples.
 void CompareSearches(int runs, std::uint64_t seed) {
   std::printf(
-      "\nSearches by samples, the first %d of these maps, 1 s each\n\n"
+      "\nSearches by samples, the first %d of these maps, 1 s of CPU each\n\n"
       "| planner | solved | of | CPU ms, median; p99 | length / the planner's, median |\n"
       "|---|---|---|---|---|\n",
       runs);
@@ -185,10 +187,10 @@ void MeasureController(int runs, std::uint64_t seed) {
   }
 }
 
-// A body with a lag of 0.2 s on 20 ways, with what the controller knows and weighs.
-void MeasureTracking(std::uint64_t seed) {
+// A body with a lag of 0.2 s on random ways, with what the controller knows and weighs.
+void MeasureTracking(int runs, std::uint64_t seed) {
   std::puts(
-      "\nTracking, a body with a lag of 0.2 s, 20 ways\n\n"
+      "\nTracking, a body with a lag of 0.2 s\n\n"
       "| step, s | control weight | lag known | rms, m | highest, m | arrived "
       "|\n|---|---|---|---|---|---|");
   for (const bool known : {false, true}) {
@@ -196,7 +198,7 @@ void MeasureTracking(std::uint64_t seed) {
       for (const double weight : {0.5, 0.05}) {
         double squares = 0, most_m = 0;
         int arrived = 0;
-        for (int run = 0; run < 20; ++run) {
+        for (int run = 0; run < runs; ++run) {
           const CellMap map = RandomBoxes(seed + run, 15, 0.1, 0.1);
           DriveOptions options;
           options.follower.lag_s = known ? 0.2 : 0;
@@ -213,7 +215,7 @@ void MeasureTracking(std::uint64_t seed) {
           most_m = std::max(most_m, result.tracking_most_m);
         }
         std::printf("| %.3f | %.2f | %s | %.4f | %.4f | %d |\n", step_s, weight,
-                    known ? "yes" : "no", std::sqrt(squares / 20), most_m, arrived);
+                    known ? "yes" : "no", std::sqrt(squares / runs), most_m, arrived);
       }
     }
   }
@@ -275,22 +277,26 @@ void MeasureNavigations(int runs, std::uint64_t seed, bool yield) {
       hits_of_movers);
 }
 
-void Run(int runs, std::uint64_t seed) {
-  MeasurePlanner(runs, seed);
-  CompareSearches(std::max(1, runs / 5), seed);
-  MeasureFlight(std::max(1, runs / 5), seed);
-  MeasureTrajectory(runs, seed);
-  MeasureController(runs, seed);
-  MeasureTracking(seed);
-  MeasureNavigations(runs, seed, true);
-  MeasureNavigations(runs, seed, false);
+// All parts, or one.
+void Run(int runs, std::uint64_t seed, const std::string& part) {
+  const auto wanted = [&](const char* name) { return part.empty() || part == name; };
+  if (wanted("planner")) MeasurePlanner(runs, seed);
+  if (wanted("samples")) CompareSearches(std::max(1, runs / 20), seed);
+  if (wanted("space")) MeasureFlight(std::max(1, runs / 5), seed);
+  if (wanted("trajectory")) MeasureTrajectory(runs, seed);
+  if (wanted("controller")) MeasureController(runs, seed);
+  if (wanted("tracking")) MeasureTracking(std::max(1, runs / 10), seed);
+  if (wanted("movers")) MeasureNavigations(runs, seed, true);
+  if (wanted("movers")) MeasureNavigations(runs, seed, false);
 }
 
 }  // namespace
 }  // namespace musher::benchmark
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
   const int seed = argc > 2 ? std::atoi(argv[2]) : 1;
-  musher::benchmark::Run(runs > 0 ? runs : 1, static_cast<std::uint64_t>(seed));
+  musher::benchmark::Run(runs > 0 ? runs : 1, static_cast<std::uint64_t>(seed),
+                         argc > 3 ? argv[3] : "");
 }

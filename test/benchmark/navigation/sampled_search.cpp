@@ -7,6 +7,8 @@
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/util/Console.h>
 
+#include <ctime>
+
 namespace musher::benchmark {
 namespace {
 
@@ -14,6 +16,12 @@ namespace ob = ompl::base;
 namespace og = ompl::geometric;
 using navigation::Clearance;
 using navigation::Point;
+
+double CpuSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) / 1e9;
+}
 
 Point PointOf(const ob::State* state) {
   const double* values = state->as<ob::RealVectorStateSpace::StateType>()->values;
@@ -65,7 +73,8 @@ std::optional<double> SampledLength(const std::string& planner, const Clearance&
   } else {
     setup.setPlanner(std::make_shared<og::BITstar>(information));
   }
-  setup.solve(seconds);
+  const double end_s = CpuSeconds() + seconds;
+  setup.solve(ob::PlannerTerminationCondition([end_s] { return CpuSeconds() > end_s; }));
   if (!setup.haveExactSolutionPath()) return std::nullopt;
   return setup.getSolutionPath().length();
 }
