@@ -100,7 +100,12 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   const double lead_m = rules_.flat
                             ? std::hypot(at.pose.at.x_m - pose.at.x_m, at.pose.at.y_m - pose.at.y_m)
                             : Distance(at.pose.at, pose.at);
-  const bool hold = obstruction_ || lead_m > rules_.lead_m;
+  // A moving body keeps more room, and so is slow where it passes an obstacle.
+  ObstacleRules moving = rules_.obstacles;
+  moving.margin_m += moving.side_s * std::min(speed_m_s, rules_.limits.speed_m_s);
+  const bool passes = !obstruction_ && FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
+                                                        rules_.flat, moving);
+  const bool hold = obstruction_ || passes || lead_m > rules_.lead_m;
   // The speed is the pace times that of the trajectory, so it changes with both.
   const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
   const double wanted_m_s2 = hold ? -Braking(speed_m_s) : rules_.limits.acceleration_m_s2;

@@ -9,7 +9,8 @@
 //
 // - The reference moves along the trajectory. For an obstacle on the next braking distance it slows
 //   down with `brake_m_s2`, or harder for one that appears nearer, so the body stops on its way,
-//   without leaving it. It also waits for a body that is more than `lead_m` away from it.
+//   without leaving it. It is slow beside an obstacle: a moving body keeps more room. It also waits
+//   for a body that is more than `lead_m` away from it.
 // - Each axis is controlled with a receding horizon (axis_control.hpp); the command is limited to
 //   the highest speed in space.
 // - Arrived: the reference is at the end and the body within `arrive_m` and `arrive_rad` of it.

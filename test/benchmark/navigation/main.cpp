@@ -271,8 +271,8 @@ void MeasureNavigations(int runs, std::uint64_t seed, bool yield) {
   Row("of it in waiting", waited, "s");
   std::printf(
       "\nArrived: %d of %d; no way by the map: %d; an obstacle stayed: %d; late: %d; new plans: "
-      "%d.\nCollisions with walls: %d; of the body with a mover: %d; of a mover with the standing "
-      "body: %d.\n",
+      "%d.\nCollisions with walls: %d; of the body, driving towards a mover: %d; of a mover "
+      "that comes to the body: %d.\n",
       arrived, runs, refused, failed["obstacle"], failed["late"], replans, walls, hits_of_body,
       hits_of_movers);
 }

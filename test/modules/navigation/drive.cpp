@@ -8,7 +8,7 @@ namespace musher::navigation::testing {
 namespace {
 
 constexpr double kStepS = 1.0 / 60;
-constexpr double kStandsM_s = 0.03;  // NOLINT(readability-identifier-naming)
+constexpr double kStandsMS = 0.05;  // m/s; a slower body does not drive towards a mover
 constexpr int kStepsAScan = 6;
 constexpr double kScanM = 4;
 constexpr int kRays = 120;
@@ -137,7 +137,12 @@ class Run {
       next.at_m += (mover.back ? -1 : 1) * mover.speed_m_s * kStepS;
       const double now_m = Distance(mover.At(), pose_.at), next_m = Distance(next.At(), pose_.at);
       const double keep_m = mover.radius_m + options_.body_radius_m + 0.3;
-      if (mover.yields && next_m < keep_m && next_m < now_m) continue;
+      if (mover.yields && next_m < keep_m && next_m < now_m) {
+        mover.stood_s += kStepS;
+        if (mover.stood_s > 5) mover.back = !mover.back;
+        continue;
+      }
+      mover.stood_s = 0;
       mover.at_m = std::clamp(next.at_m, 0.0, length_m);
       if (mover.at_m != next.at_m) mover.back = !mover.back;
     }
@@ -147,14 +152,19 @@ class Run {
     result_.least_room_m =
         std::min(result_.least_room_m,
                  walls_.At(pose_.at, 1 + options_.body_radius_m) - options_.body_radius_m);
-    bool touches = false;
+    const Mover* touched = nullptr;
     for (const Mover& mover : movers_) {
-      touches |= Distance(mover.At(), pose_.at) < mover.radius_m + options_.body_radius_m;
+      const bool touches = Distance(mover.At(), pose_.at) < mover.radius_m + options_.body_radius_m;
+      if (touches) touched = &mover;
     }
-    if (touches && !touched_) {
-      (Speed(velocity_) > kStandsM_s ? result_.hits_of_body : result_.hits_of_movers) += 1;
+    if (touched && !touched_) {
+      const Point to = touched->At();
+      const double towards =
+          (to.x_m - pose_.at.x_m) * velocity_.x_m_s + (to.y_m - pose_.at.y_m) * velocity_.y_m_s;
+      const double towards_m_s = towards / std::max(Distance(to, pose_.at), 1e-6);
+      (towards_m_s > kStandsMS ? result_.hits_of_body : result_.hits_of_movers) += 1;
     }
-    touched_ = touches;
+    touched_ = touched != nullptr;
   }
 
   const DriveOptions& options_;

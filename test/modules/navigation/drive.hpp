@@ -20,7 +20,8 @@ struct Mover {
   double speed_m_s = 0.4;
   double at_m = 0;  // on the line
   bool back = false;
-  bool yields = true;  // it stands while the body is right in front of it
+  bool yields = true;  // it stands right before the body, and turns back after 5 s
+  double stood_s = 0;
 
   Point At() const;
 };
@@ -49,8 +50,8 @@ struct DriveResult {
   double highest_m_s = 0;
   double least_room_m = 0;  // to the walls, from the body's edge, up to 1 m
   int replans = 0;
-  int hits_of_body = 0;    // contacts with a mover while the body moves
-  int hits_of_movers = 0;  // contacts while it stands
+  int hits_of_body = 0;    // contacts with a mover that the body drives towards
+  int hits_of_movers = 0;  // others: the mover has come to the body
   double waited_s = 0;
 };
 

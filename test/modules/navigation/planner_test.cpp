@@ -229,4 +229,33 @@ RC_GTEST_PROP(Planner, KeepsRoomForTheBodyOnEveryMap, ()) {
   RC_ASSERT(RoomAlong(plan.value().path, planner.clearance()) >= rules.radius_m - 0.011);
 }
 
+// Each cell as four.
+CellMap Refined(const CellMap& map) {
+  CellMap fine = map;
+  fine.resolution_m /= 2;
+  fine.size_x *= 2;
+  fine.size_y *= 2;
+  fine.blocked.resize(map.count() * 4);
+  for (std::size_t i = 0; i < fine.count(); ++i) {
+    const Cell cell = fine.CellAt(i);
+    fine.blocked[i] = map.blocked[map.IndexOf({cell.x / 2, cell.y / 2, 0})];
+  }
+  return fine;
+}
+
+RC_GTEST_PROP(Planner, FindsEachWayThatIsWiderThanTheBodyByACell, ()) {
+  const auto seed = *rc::gen::inRange<std::uint64_t>(0, 1'000'000);
+  const CellMap map = RandomBoxes(seed, 6, 0.1, *rc::gen::element(0.2, 0.3, 0.4));
+  PlannerRules rules;
+  rules.radius_m = 0.2;
+  const Planner planner = Planner::Make(map, rules).value();
+  const auto fine = std::make_shared<Clearance>(Refined(map));
+  const CellSearch wider(fine, rules.radius_m + map.resolution_m / 2);
+  std::mt19937_64 random(seed);
+  const Point start = FreePlace(*fine, 0.3, random), goal = FreePlace(*fine, 0.3, random);
+  const Cell from = fine->map().CellOf(start), to = fine->map().CellOf(goal);
+  RC_PRE(wider.RegionOf(from) == wider.RegionOf(to));
+  RC_ASSERT(planner.Find({start, 0}, {goal, 0}).ok());
+}
+
 }  // namespace musher::navigation::testing::planner_test
