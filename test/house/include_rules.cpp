@@ -66,6 +66,9 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"alsa/", {"modules/audio/"}},
       {"espeak-ng/", {"modules/audio/"}},
       {"sndfile.h", {"modules/audio/", "test/modules/audio/"}},
+      {"ompl/", {"modules/navigation/planner/smoothing.cpp", "test/benchmark/navigation/"}},
+      {"octomap/", {"modules/navigation/planner/octree_map.cpp"}},
+      {"dlib/", {"modules/navigation/controller/axis_control.cpp"}},
   };
   return table;
 }

@@ -1,0 +1,18 @@
+#pragma once
+// A search by samples, as a comparison for the planner's search from cell to cell.
+
+#include <optional>
+#include <string>
+
+#include "musher/modules/navigation/planner/clearance.hpp"
+
+namespace musher::benchmark {
+
+// The length of the way that OMPL's "RRTConnect", "RRT*" or "BIT*" finds within this CPU time; none
+// if it finds none. The last two use all of it.
+std::optional<double> SampledLength(const std::string& planner,
+                                    const navigation::Clearance& clearance, double radius_m,
+                                    const navigation::Point& start, const navigation::Point& goal,
+                                    double seconds);
+
+}  // namespace musher::benchmark
