@@ -1,27 +1,12 @@
 #include "musher/behavior/fsm/check.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
 
+#include "musher/behavior/fsm/reach.hpp"
+
 namespace musher::fsm {
 namespace {
-
-using Marks = std::vector<bool>;  // by state
-
-// Adds to `marked` all states reachable from there; with `back`, all states that lead there.
-void Spread(const Chart& chart, Marks& marked, bool back) {
-  bool grows = true;
-  while (grows) {
-    grows = false;
-    for (const ChartTransition& transition : chart.transitions) {
-      const auto [from, to] = back ? std::pair(transition.to, transition.from)
-                                   : std::pair(transition.from, transition.to);
-      if (!marked[Index(from)] || marked[Index(to)]) continue;
-      marked[Index(to)] = grows = true;
-    }
-  }
-}
 
 class Checking {
  public:
@@ -77,8 +62,7 @@ class Checking {
       if (chart_.states[from].role == Role::kFinal) {
         Fail(from, "is final, but declares a transition to " + to);
       }
-      const auto before = chart_.transitions.begin() + static_cast<std::ptrdiff_t>(i);
-      if (std::find(chart_.transitions.begin(), before, transition) != before) {
+      if (IsRepeated(chart_, i)) {
         Warn(from, "declares its transition to " + to + " twice");
       }
     }

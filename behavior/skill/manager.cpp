@@ -1,0 +1,227 @@
+#include "musher/behavior/skill/manager.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "musher/base/suggest.hpp"
+
+namespace musher::skill {
+namespace {
+
+constexpr std::int32_t kBusy = RobotCode(KeyCode::kTargetBusy);
+
+// The run and all runs inside of it.
+void AddNames(const Run& run, std::vector<std::string>& names) {
+  names.push_back(run.name());
+  for (const Run* inside : run.inside()) AddNames(*inside, names);
+}
+
+std::vector<std::string> NamesIn(const Run& run) {
+  std::vector<std::string> names;
+  AddNames(run, names);
+  return names;
+}
+
+// What both steps of time may be: a clock that jumps over everything counts once.
+Duration Between(Time last, Time now) {
+  if (now <= last) return {};
+  const auto ns = [](Time time) {
+    return static_cast<std::uint64_t>(time.time_since_epoch().count());
+  };
+  const std::uint64_t passed = ns(now) - ns(last);
+  return Duration(static_cast<std::int64_t>(std::min<std::uint64_t>(passed, kFarthestNs)));
+}
+
+// A run of the skill that has not begun.
+Result<std::unique_ptr<Run>> MakeRun(const Entry& entry) {
+  try {
+    std::unique_ptr<Skill> skill = entry.make ? entry.make() : nullptr;
+    if (!skill) return Error{kCodeFailed, entry.name + ": its factory makes none"};
+    auto run = std::make_unique<Run>(entry.name, std::move(skill), entry.settings);
+    if (!run->built()) return run->built().error();
+    return run;
+  } catch (const std::exception& thrown) {
+    return Error{kCodeFailed, entry.name + ": its factory: " + thrown.what()};
+  }
+}
+
+class InStep {
+ public:
+  explicit InStep(bool& flag) : flag_(flag) { flag_ = true; }
+  ~InStep() { flag_ = false; }
+  InStep(const InStep&) = delete;
+  InStep& operator=(const InStep&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
+
+Manager::Manager(std::vector<Entry> entries) : entries_(std::move(entries)) {}
+
+Manager::~Manager() = default;
+
+Result<const Entry*> Manager::Lookup(std::string_view skill) const {
+  const auto found = std::ranges::find(entries_, skill, &Entry::name);
+  if (found == entries_.end()) {
+    return Error{kCodeParametersInvalid, NoSuch("skill", skill, Names())};
+  }
+  return &*found;
+}
+
+Result<> Manager::Allowed(std::string_view skill) const {
+  if (!in_step_) return Ok();
+  return Error{kCodeStateInvalid,
+               std::string(skill) + ": skills are not started, cancelled or reset within a step"};
+}
+
+// None of its skills runs.
+Result<> Manager::Free(const Run& run) const {
+  const std::vector<std::string> wanted = NamesIn(run);
+  for (const auto& other : runs_) {
+    if (!other->running()) continue;
+    for (const std::string& name : NamesIn(*other)) {
+      if (std::ranges::find(wanted, name) == wanted.end()) continue;
+      std::string message = name + " is running already";
+      if (name != other->name()) message += ", as a part of " + other->name();
+      if (name != run.name()) message += "; " + run.name() + " needs it";
+      return Error{kBusy, message};
+    }
+  }
+  return Ok();
+}
+
+Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters) {
+  if (const Result<> free = Free(*run); !free) return free;
+  if (const Result<> begun = run->Begin(parameters); !begun) return begun;
+  Remove(run->name());
+  runs_.push_back(std::move(run));
+  return Ok();
+}
+
+Result<> Manager::Start(std::string_view skill, const Values& parameters) {
+  if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
+  const Result<const Entry*> entry = Lookup(skill);
+  if (!entry) return entry.error();
+  Result<std::unique_ptr<Run>> run = MakeRun(*entry.value());
+  if (!run) return run.error();
+  return Begin(std::move(run).value(), parameters);
+}
+
+Result<> Manager::StartWithTexts(
+    std::string_view skill, const std::vector<std::pair<std::string, std::string>>& parameters) {
+  if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
+  const Result<const Entry*> entry = Lookup(skill);
+  if (!entry) return entry.error();
+  Result<std::unique_ptr<Run>> run = MakeRun(*entry.value());
+  if (!run) return run.error();
+  const Run& made = *run.value();
+  const Result<Values> values = made.table().Parse(parameters);
+  if (!values) return Error{values.error().code, made.name() + ": " + values.error().message};
+  return Begin(std::move(run).value(), values.value());
+}
+
+void Manager::RunOnce(Time now) {
+  if (in_step_) return;
+  const InStep guard(in_step_);
+  const Duration step = Between(last_.value_or(now), now);
+  last_ = now;
+  for (const auto& run : runs_) run->Step(step);
+}
+
+void Manager::Pause() {
+  if (in_step_) return;
+  const InStep guard(in_step_);
+  last_.reset();
+  for (const auto& run : runs_) run->Pause();
+}
+
+Result<Run*> Manager::Running(std::string_view skill) const {
+  if (const Result<> allowed = Allowed(skill); !allowed) return allowed.error();
+  const Result<const Entry*> entry = Lookup(skill);
+  if (!entry) return entry.error();
+  const auto found = std::ranges::find(
+      runs_, skill, [](const auto& run) -> std::string_view { return run->name(); });
+  if (found == runs_.end() || !(*found)->running()) {
+    return Error{kCodeStateInvalid, std::string(skill) + " does not run"};
+  }
+  return found->get();
+}
+
+Result<> Manager::Cancel(std::string_view skill, const std::string& why) {
+  const Result<Run*> run = Running(skill);
+  if (!run) return run.error();
+  run.value()->Cancel(why);
+  return Ok();
+}
+
+Result<> Manager::CancelNow(std::string_view skill, const std::string& why) {
+  const Result<Run*> run = Running(skill);
+  if (!run) return run.error();
+  const InStep guard(in_step_);
+  run.value()->CancelNow(why);
+  return Ok();
+}
+
+void Manager::CancelAll(const std::string& why) {
+  for (const auto& run : runs_) run->Cancel(why);
+}
+
+void Manager::CancelAllNow(const std::string& why) {
+  if (in_step_) return CancelAll(why);
+  const InStep guard(in_step_);
+  for (const auto& run : runs_) run->CancelNow(why);
+}
+
+void Manager::Remove(std::string_view skill) {
+  std::erase_if(runs_, [&](const auto& run) { return run->name() == skill; });
+}
+
+Result<> Manager::Reset(std::string_view skill) {
+  if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
+  const Result<const Entry*> entry = Lookup(skill);
+  if (!entry) return entry.error();
+  if (Running(skill)) static_cast<void>(CancelNow(skill, "it is reset"));
+  Remove(skill);
+  return Ok();
+}
+
+void Manager::ResetAll() {
+  if (in_step_) return;
+  CancelAllNow("all skills are reset");
+  runs_.clear();
+}
+
+const Run* Manager::Find(std::string_view skill) const {
+  const auto found = std::ranges::find(
+      runs_, skill, [](const auto& run) -> std::string_view { return run->name(); });
+  return found == runs_.end() ? nullptr : found->get();
+}
+
+std::vector<const Run*> Manager::Runs() const {
+  std::vector<const Run*> runs;
+  runs.reserve(runs_.size());
+  for (const auto& run : runs_) runs.push_back(run.get());
+  return runs;
+}
+
+bool Manager::running() const {
+  return std::ranges::any_of(runs_, [](const auto& run) { return run->running(); });
+}
+
+std::optional<std::string> Manager::StateOf(std::string_view skill) const {
+  if (const Run* run = Find(skill)) return run->Path();
+  if (!Lookup(skill)) return std::nullopt;
+  return "IDLE";
+}
+
+std::vector<std::string> Manager::Names() const {
+  std::vector<std::string> names;
+  names.reserve(entries_.size());
+  for (const Entry& entry : entries_) names.push_back(entry.name);
+  return names;
+}
+
+}  // namespace musher::skill

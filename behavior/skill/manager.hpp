@@ -1,0 +1,90 @@
+#pragma once
+// Runs the skills of one robot: several at once, but each at most once, also as a part of another
+// one.
+//
+//   skill::Manager manager(registry.All());
+//   const Result<> started = manager.Start("take_off", {{"altitude", 2.0}});
+//   ... each 100 ms: manager.RunOnce(now);
+//   const skill::Run* run = manager.Find("take_off");  // run->feedback(), run->history(), …
+//
+// An ended run keeps its feedback, errors and history until the skill is started again or reset.
+//
+// Threads: one at a time. A skill must not start, cancel or reset skills: within RunOnce() and
+// Pause() those calls fail.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+#include "musher/behavior/skill/registry.hpp"
+#include "musher/behavior/skill/run.hpp"
+
+namespace musher::skill {
+
+struct ManagerSnapshot;  // snapshot.hpp
+struct SnapshotFault;
+
+class Manager {
+ public:
+  // Of the same name the first entry counts.
+  explicit Manager(std::vector<Entry> entries);
+  ~Manager();  // ends nothing
+  Manager(const Manager&) = delete;
+  Manager& operator=(const Manager&) = delete;
+
+  // A new run. Fails, and changes nothing, for an unknown name, with the nearest; for a skill that
+  // runs, on its own or as a part of another one, with its name; and for invalid parameters.
+  Result<> Start(std::string_view skill, const Values& parameters = {});
+  // The same with parameters as texts, by their declared kinds.
+  Result<> StartWithTexts(std::string_view skill,
+                          const std::vector<std::pair<std::string, std::string>>& parameters);
+
+  // A step of each running skill, in the order of their starts. A time before the last one counts
+  // as no elapsed time.
+  void RunOnce(Time now);
+  // The time until the next step does not count.
+  void Pause();
+
+  // See Run. Fails for a skill that does not run.
+  Result<> Cancel(std::string_view skill, const std::string& why);
+  Result<> CancelNow(std::string_view skill, const std::string& why);
+  void CancelAll(const std::string& why);
+  void CancelAllNow(const std::string& why);
+  // Removes the run, its data, errors and history; a running one is cancelled at once before.
+  Result<> Reset(std::string_view skill);
+  void ResetAll();
+
+  // Null: it was not started since its last reset, or is unknown.
+  const Run* Find(std::string_view skill) const;
+  // In the order of their starts, ended ones included.
+  std::vector<const Run*> Runs() const;
+  bool running() const;
+  // "IDLE" when it was not started since its last reset; nullopt: unknown.
+  std::optional<std::string> StateOf(std::string_view skill) const;
+  std::vector<std::string> Names() const;
+
+  // Between two steps. Fails, with the name of the skill, when one cannot be saved.
+  Result<ManagerSnapshot> Save() const;
+  // Continues from the snapshot, as if the last step had just been. Nothing may run. Returns all
+  // errors of the snapshot; if there are any, nothing has changed.
+  [[nodiscard]] std::vector<SnapshotFault> Restore(const ManagerSnapshot& saved);
+
+ private:
+  Result<const Entry*> Lookup(std::string_view skill) const;
+  Result<Run*> Running(std::string_view skill) const;
+  Result<> Free(const Run& run) const;
+  Result<> Allowed(std::string_view skill) const;
+  Result<> Begin(std::unique_ptr<Run> run, const Values& parameters);
+  void Remove(std::string_view skill);
+
+  const std::vector<Entry> entries_;
+  std::vector<std::unique_ptr<Run>> runs_;
+  std::optional<Time> last_;
+  bool in_step_ = false;
+};
+
+}  // namespace musher::skill

@@ -1,0 +1,75 @@
+#pragma once
+// The skills of a program by name, and which of them a kind of robot has.
+//
+//   skill::Registry registry;
+//   registry.Add<TakeOff>("take_off", drone);     // made for each run: TakeOff(drone)
+//   registry.Add("beep", [] { return std::make_unique<skill::StepFunction>(…); });
+//   skill::Manager manager(registry.All());
+//
+// By a config file (toml/skills_toml.hpp): registry.Configure(config), and registry.Of(config,
+// "cf2x") for its skills.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/behavior/skill/skill.hpp"
+
+namespace musher::skill {
+
+using Factory = std::function<std::unique_ptr<Skill>()>;
+
+// A skill as one robot has it.
+struct Entry {
+  std::string name;
+  Factory make;
+  Settings settings{};
+};
+
+struct Config {
+  struct Group {
+    std::string name;
+    std::vector<std::string> robots;  // kinds of robots; empty: all
+    std::vector<std::string> skills;
+
+    friend bool operator==(const Group&, const Group&) = default;
+  };
+  std::vector<Group> groups;
+  std::vector<std::pair<std::string, Settings>> settings;  // by skill
+
+  friend bool operator==(const Config&, const Config&) = default;
+};
+
+class Registry {
+ public:
+  // Fails for a name that is empty, has a slash or is registered already, and with the errors of
+  // the skill's table.
+  Result<> Add(const std::string& name, Factory make);
+  // Skills that are made from references to `parts`, which have to outlive them.
+  template <class S, class... Parts>
+  Result<> Add(const std::string& name, Parts&... parts) {
+    return Add(name, Factory([&parts...] { return std::make_unique<S>(parts...); }));
+  }
+
+  const std::vector<Entry>& All() const { return entries_; }
+  const Entry* Find(std::string_view name) const;
+  std::vector<std::string> Names() const;
+
+  // Takes over the settings of a config. Fails, with all errors, for an unknown skill and for
+  // settings that do not fit one; then nothing has changed. Skills that were composed before keep
+  // the settings of their parts.
+  Result<> Configure(const Config& config);
+
+  // The skills of a kind of robot, in the order of the config. Fails for a kind and for a skill
+  // that are not known, with the nearest.
+  Result<std::vector<Entry>> Of(const Config& config, std::string_view robot) const;
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+}  // namespace musher::skill

@@ -1,0 +1,272 @@
+#include "musher/behavior/skill/run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include "musher/behavior/skill/check.hpp"
+
+namespace musher::skill {
+namespace {
+
+constexpr Duration kFarthest{kFarthestNs};
+
+std::string WithReason(const std::string& what, const std::string& why) {
+  return why.empty() ? what : what + ": " + why;
+}
+
+}  // namespace
+
+std::string_view Name(Cause cause) {
+  constexpr std::array<std::string_view, 7> kNames{"requested", "decided",   "retried", "replanned",
+                                                   "limit",     "cancelled", "fault"};
+  return kNames[static_cast<std::size_t>(cause)];
+}
+
+// The text of an exception of the skill.
+template <class Call>
+std::optional<std::string> Run::Thrown(const char* function, Call&& call) {
+  try {
+    call();
+    return std::nullopt;
+  } catch (const std::exception& thrown) {
+    return std::string(function) + ": " + thrown.what();
+  } catch (...) {
+    return std::string(function) + ": threw something that is not a std::exception";
+  }
+}
+
+Run::Run(std::string name, std::unique_ptr<Skill> skill, const Settings& settings)
+    : name_(std::move(name)), skill_(std::move(skill)) {
+  MUSHER_CHECK(skill_ != nullptr);
+  if (const auto thrown = Thrown("Declare", [&] { skill_->Declare(table_); })) {
+    built_ = Error{kCodeFailed, name_ + ": " + *thrown};
+    return;
+  }
+  built_ = CheckErrors(name_, table_);
+  if (const Result<> applied = table_.Apply(settings); built_ && !applied) {
+    built_ = Error{applied.error().code, name_ + ": " + applied.error().message};
+  }
+  inside_ = skill_->inside();
+  feedback_.state = table_.Name(kIdle);
+}
+
+Run::~Run() = default;
+
+Result<> Run::Begin(const Values& parameters) {
+  if (!built_) return built_;
+  if (state_ != kIdle) {
+    return Error{kCodeStateInvalid, name_ + ": has begun before; it is in " + Path()};
+  }
+  Result<Values> complete = table_.Complete(parameters);
+  if (!complete) {
+    return Error{complete.error().code, name_ + ": " + complete.error().message};
+  }
+  parameters_ = std::move(complete).value();
+  Move(table_.first(), Cause::kRequested, "");
+  return Ok();
+}
+
+void Run::Step(Duration step) {
+  if (!running() || in_step_) return;
+  if (std::exchange(paused_, false)) {
+    if (const auto thrown = Thrown("OnResume", [&] { skill_->OnResume(); })) {
+      return FailByFault(*thrown);
+    }
+  }
+  const Duration passed =
+      std::exchange(fresh_, false) ? Duration{} : std::clamp(step, Duration{}, kFarthest - now_);
+  now_ += passed;
+  elapsed_ += passed;
+  ++ticks_;
+  Tick tick = MakeTick(passed);
+  Next next = Next::Stay();
+  in_step_ = true;
+  const auto thrown = Thrown(cancel_requested_ && !cancel_passed_ ? "Cancel" : "Step",
+                             [&] { next = Decide(tick); });
+  in_step_ = false;
+  Take(tick);
+  if (thrown) return FailByFault(*thrown);
+  Execute(next);
+  CheckLimits();
+  ShowState();
+}
+
+Tick Run::MakeTick(Duration step) {
+  return {.state = state_,
+          .entered = std::exchange(entered_, false),
+          .now = now_,
+          .step = step,
+          .elapsed = elapsed_,
+          .parameters = parameters_,
+          .data = data_,
+          .cancelling = cancel_requested_,
+          .retries = retries_,
+          .replans = replans_};
+}
+
+Next Run::Decide(Tick& tick) {
+  limit_decides_ = false;
+  if (cancel_requested_ && !std::exchange(cancel_passed_, true)) return skill_->Cancel(tick);
+  Next next = skill_->Step(tick);
+  if (next.kind() != Next::Kind::kStay || elapsed_ < table_.LimitOf(state_)) return next;
+  limit_decides_ = true;
+  return skill_->OnLimit(tick);
+}
+
+// Takes the feedback of a step.
+void Run::Take(Tick& tick) {
+  feedback_.details = std::move(tick.details);
+  if (!tick.reported) return;
+  feedback_.message = std::move(tick.reported_message);
+  if (std::isnan(tick.reported_progress)) return;
+  constexpr double kMost = 99;  // 100 is the success
+  const int progress = static_cast<int>(std::clamp(tick.reported_progress, 0.0, kMost));
+  feedback_.progress = table_.monotone() ? std::max(feedback_.progress, progress) : progress;
+}
+
+void Run::Execute(const Next& next) {
+  const Cause cause = limit_decides_ ? Cause::kLimit : Cause::kDecided;
+  const bool declared = next.kind() == Next::Kind::kStay || next.kind() == Next::Kind::kFail ||
+                        next.kind() == Next::Kind::kCancel ||
+                        (table_.Declared(state_, next.target()) &&
+                         (next.kind() == Next::Kind::kSucceed || !IsEnd(next.target())));
+  if (!declared) {
+    const std::string_view to = table_.Name(next.target());
+    return FailByFault("it has not declared its transition from " +
+                       std::string(table_.Name(state_)) + " to " +
+                       (to.empty() ? "an unknown state" : std::string(to)));
+  }
+  switch (next.kind()) {
+    case Next::Kind::kStay:
+      return;
+    case Next::Kind::kTo:
+      return Move(next.target(), cause, next.message());
+    case Next::Kind::kFail:
+      return End(Status::kFailed, cause, next.message());
+    case Next::Kind::kCancel:
+      return End(Status::kCancelled, cancel_requested_ ? Cause::kCancelled : cause, next.message());
+    case Next::Kind::kSucceed:
+      if (!cancel_requested_) return End(Status::kCompleted, cause, next.message());
+      return End(Status::kCancelled, Cause::kCancelled, "");
+    case Next::Kind::kRetry:
+    case Next::Kind::kReplan:
+      break;
+  }
+  Note(next.message());
+  if (cancel_requested_) return End(Status::kCancelled, Cause::kCancelled, "");
+  if (next.kind() == Next::Kind::kReplan) {
+    ++replans_;
+    return Move(next.target(), Cause::kReplanned, next.message());
+  }
+  const int most = table_.limits().retries;
+  if (retries_ >= most) {
+    return End(
+        Status::kFailed, Cause::kLimit,
+        WithReason("gives up after " + std::to_string(retries_) + " retries", next.message()));
+  }
+  ++retries_;
+  feedback_.message = "Retrying (" + std::to_string(retries_) + "/" + std::to_string(most) + ")";
+  Move(next.target(), Cause::kRetried, next.message());
+}
+
+void Run::Move(StateId target, Cause cause, const std::string& why) {
+  history_.Add({now_, ticks_, state_, target, cause, why});
+  state_ = target;
+  entered_ = true;
+  elapsed_ = {};
+  if (cause != Cause::kRetried && !why.empty()) feedback_.message = why;
+  ShowState();
+}
+
+void Run::CheckLimits() {
+  if (!running()) return;
+  const Limits& limits = table_.limits();
+  if (cancel_requested_ && now_ - cancel_at_ >= limits.cancel) {
+    return End(Status::kCancelled, Cause::kLimit,
+               "its cancellation was not done after " + SecondsText(limits.cancel));
+  }
+  if (now_ >= limits.run) {
+    End(Status::kFailed, Cause::kLimit, "not done after " + SecondsText(limits.run));
+  }
+}
+
+void Run::FailByFault(const std::string& what) {
+  if (running()) End(Status::kFailed, Cause::kFault, what);
+}
+
+void Run::End(Status status, Cause cause, std::string message) {
+  const StateId from = state_;
+  if (message.empty() && status == Status::kCancelled)
+    message = WithReason("Cancelled", cancel_why_);
+  if (message.empty()) message = status == Status::kCompleted ? "Completed" : "Failed";
+  in_step_ = true;
+  const auto thrown = Thrown("OnEnd", [&] { skill_->OnEnd({status, from, message}); });
+  in_step_ = false;
+  if (thrown) {
+    if (status == Status::kCompleted) {
+      status = Status::kFailed;
+      cause = Cause::kFault;
+      message = *thrown;
+    } else {
+      Note(*thrown);
+    }
+  }
+  if (status == Status::kFailed) Note(message);
+  feedback_.status = status;
+  feedback_.message = message;
+  if (status == Status::kCompleted) feedback_.progress = 100;
+  const StateId end = status == Status::kCompleted ? kSucceeded
+                      : status == Status::kFailed  ? kFailed
+                                                   : kCancelled;
+  Move(end, cause, message);
+}
+
+void Run::Note(const std::string& what) {
+  errors_.Add({now_, std::string(table_.Name(state_)), what});
+}
+
+void Run::Pause() {
+  fresh_ = true;
+  if (!running() || in_step_ || std::exchange(paused_, true)) return;
+  if (const auto thrown = Thrown("OnPause", [&] { skill_->OnPause(); })) FailByFault(*thrown);
+}
+
+void Run::Cancel(const std::string& why) {
+  if (!running() || std::exchange(cancel_requested_, true)) return;
+  cancel_why_ = why;
+  cancel_at_ = now_;
+}
+
+void Run::CancelNow(const std::string& why) {
+  if (!running()) return;
+  Cancel(why);
+  if (in_step_) return;
+  End(Status::kCancelled, Cause::kCancelled, "");
+}
+
+void Run::ShowState() {
+  feedback_.state = Path();
+}
+
+std::string Run::Path() const {
+  std::string below;
+  std::size_t count = 0;
+  for (const Run* run : inside_) {
+    if (!run->running()) continue;
+    below += (count++ == 0 ? "" : ", ") + run->name() + "/" + run->Path();
+  }
+  if (count == 0 || !running()) return std::string(table_.Name(state_));
+  return std::string(table_.Name(state_)) + "/" + (count == 1 ? below : "[" + below + "]");
+}
+
+fsm::Chart Run::chart() const {
+  fsm::Chart chart = table_.chart();
+  chart.name = name_;
+  skill_->Draw(chart);
+  return chart;
+}
+
+}  // namespace musher::skill

@@ -1,0 +1,207 @@
+#include "musher/behavior/skill/table.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/base/suggest.hpp"
+
+namespace musher::skill {
+namespace {
+
+std::string DidYouMean(const std::string& near) {
+  return near.empty() ? "" : "; did you mean " + near + "?";
+}
+
+// Names are used in paths ("RUNNING/take_off") and as TOML keys.
+std::optional<std::string> NameFault(const std::string& kind, const std::string& name) {
+  if (name.empty()) return "a " + kind + " has no name";
+  const bool plain = std::ranges::all_of(
+      name, [](char c) { return c != '/' && c != 0x7f && static_cast<unsigned char>(c) >= 0x20; });
+  if (plain) return std::nullopt;
+  return kind + " " + name + ": a name has no slash and no control characters";
+}
+
+void AddLine(std::string& lines, const std::string& line) {
+  lines += (lines.empty() ? "" : "\n") + line;
+}
+
+}  // namespace
+
+std::string SecondsText(Duration time) {
+  return ToText(Value(std::chrono::duration<double>(time).count())) + " s";
+}
+
+Table::Table() {
+  const auto add = [this](const char* name, fsm::Role role) {
+    chart_.states.push_back({name, role, {}});
+    state_limits_.push_back(kNoLimit);
+  };
+  add("IDLE", fsm::Role::kNormal);
+  for (const char* end : {"SUCCEEDED", "FAILED", "CANCELLED"}) add(end, fsm::Role::kFinal);
+  chart_.start = kIdle;
+}
+
+StateId Table::State(const std::string& name, Duration limit) {
+  if (const auto fault = NameFault("state", name)) errors_.push_back(*fault);
+  if (Find(name)) errors_.push_back("state " + name + ": is declared twice");
+  const auto id = static_cast<StateId>(chart_.states.size());
+  if (first() == kIdle) chart_.transitions.push_back({kIdle, id, "request"});
+  chart_.states.push_back({name, fsm::Role::kNormal, {}});
+  state_limits_.push_back(limit);
+  return id;
+}
+
+void Table::To(StateId from, StateId to, const std::string& when) {
+  const std::size_t count = chart_.states.size();
+  if (fsm::Index(from) >= count || fsm::Index(to) >= count) {
+    errors_.push_back("a transition (" + when + ") is from or to a state that was not declared");
+  } else {
+    chart_.transitions.push_back({from, to, when});
+  }
+}
+
+void Table::Takes(const std::string& name, const Value& otherwise, const std::string& meaning) {
+  AddParameter({name, KindOf(otherwise), otherwise, meaning});
+}
+
+void Table::Needs(const std::string& name, Kind kind, const std::string& meaning) {
+  AddParameter({name, kind, std::nullopt, meaning});
+}
+
+void Table::AddParameter(Parameter parameter) {
+  if (const auto fault = NameFault("parameter", parameter.name)) errors_.push_back(*fault);
+  if (FindParameter(parameter.name) != nullptr) {
+    errors_.push_back("parameter " + parameter.name + ": is declared twice");
+  }
+  parameters_.push_back(std::move(parameter));
+}
+
+std::string_view Table::Name(StateId state) const {
+  return fsm::Index(state) < chart_.states.size()
+             ? std::string_view(chart_.states[fsm::Index(state)].name)
+             : "";
+}
+
+std::optional<StateId> Table::Find(std::string_view state) const {
+  const auto found = std::ranges::find(chart_.states, state, &fsm::Chart::Node::name);
+  if (found == chart_.states.end()) return std::nullopt;
+  return static_cast<StateId>(found - chart_.states.begin());
+}
+
+StateId Table::first() const {
+  constexpr std::size_t kBuiltIn = 4;
+  return chart_.states.size() > kBuiltIn ? static_cast<StateId>(kBuiltIn) : kIdle;
+}
+
+Duration Table::LimitOf(StateId state) const {
+  return fsm::Index(state) < state_limits_.size() ? state_limits_[fsm::Index(state)] : kNoLimit;
+}
+
+Result<> Table::SetLimit(std::string_view state, Duration limit) {
+  const auto found = Find(state);
+  if (!found || *found == kIdle || IsEnd(*found)) {
+    std::vector<std::string_view> names;
+    for (std::size_t i = fsm::Index(first()); i < chart_.states.size(); ++i) {
+      names.push_back(chart_.states[i].name);
+    }
+    return Error{kCodeParametersInvalid, "there is no state " + std::string(state) +
+                                             " with a time" + DidYouMean(Nearest(state, names))};
+  }
+  state_limits_[fsm::Index(*found)] = limit;
+  return Ok();
+}
+
+bool Table::Declared(StateId from, StateId to) const {
+  return std::ranges::any_of(chart_.transitions, [&](const fsm::ChartTransition& transition) {
+    return transition.from == from && transition.to == to;
+  });
+}
+
+const Table::Parameter* Table::FindParameter(std::string_view name) const {
+  const auto found = std::ranges::find(parameters_, name, &Parameter::name);
+  return found == parameters_.end() ? nullptr : &*found;
+}
+
+Result<> Table::SetDefault(std::string_view parameter, const Value& value) {
+  const auto found = std::ranges::find(parameters_, parameter, &Parameter::name);
+  if (found == parameters_.end()) {
+    return Error{kCodeParametersInvalid, UnknownParameter(parameter)};
+  }
+  Result<Value> valid = As(found->kind, value);
+  if (!valid) {
+    return Error{valid.error().code, "parameter " + found->name + ": " + valid.error().message};
+  }
+  found->otherwise = std::move(valid).value();
+  return Ok();
+}
+
+Result<> Table::Apply(const Settings& settings) {
+  limits_.run = settings.run.value_or(limits_.run);
+  limits_.cancel = settings.cancel.value_or(limits_.cancel);
+  limits_.retries = settings.retries.value_or(limits_.retries);
+  std::string errors;
+  for (const auto& [state, limit] : settings.states) {
+    if (const Result<> set = SetLimit(state, limit); !set) AddLine(errors, set.error().message);
+  }
+  for (const Values::Named& named : settings.parameters) {
+    const Result<> set = SetDefault(named.name, named.value);
+    if (!set) AddLine(errors, set.error().message);
+  }
+  if (errors.empty()) return Ok();
+  return Error{kCodeParametersInvalid, errors};
+}
+
+std::string Table::UnknownParameter(std::string_view name) const {
+  std::vector<std::string_view> names;
+  names.reserve(parameters_.size());
+  for (const Parameter& parameter : parameters_) names.push_back(parameter.name);
+  return "there is no parameter " + std::string(name) + DidYouMean(Nearest(name, names));
+}
+
+Result<Values> Table::Complete(const Values& given) const {
+  Values complete;
+  std::string errors;
+  for (const Values::Named& named : given) {
+    if (FindParameter(named.name) == nullptr) AddLine(errors, UnknownParameter(named.name));
+  }
+  for (const Parameter& parameter : parameters_) {
+    const Value* found = given.Find(parameter.name);
+    if (found == nullptr && !parameter.otherwise) {
+      AddLine(errors, "the parameter " + parameter.name + " is missing: " +
+                          std::string(skill::Name(parameter.kind)) + ", " + parameter.meaning);
+      continue;
+    }
+    const Result<Value> value =
+        As(parameter.kind, found == nullptr ? *parameter.otherwise : *found);
+    if (value) {
+      complete.Set(parameter.name, value.value());
+    } else {
+      AddLine(errors, "parameter " + parameter.name + ": " + value.error().message);
+    }
+  }
+  if (!errors.empty()) return Error{kCodeParametersInvalid, errors};
+  return complete;
+}
+
+Result<Values> Table::Parse(const std::vector<std::pair<std::string, std::string>>& given) const {
+  Values values;
+  std::string errors;
+  for (const auto& [name, text] : given) {
+    const Parameter* parameter = FindParameter(name);
+    if (parameter == nullptr) {
+      AddLine(errors, UnknownParameter(name));
+      continue;
+    }
+    if (values.Find(name) != nullptr) AddLine(errors, "parameter " + name + ": is given twice");
+    Result<Value> value = skill::Parse(parameter->kind, text);
+    if (value) {
+      values.Set(name, std::move(value).value());
+    } else {
+      AddLine(errors, "parameter " + name + ": " + value.error().message);
+    }
+  }
+  if (!errors.empty()) return Error{kCodeParametersInvalid, errors};
+  return Complete(values);
+}
+
+}  // namespace musher::skill

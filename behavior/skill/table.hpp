@@ -1,0 +1,131 @@
+#pragma once
+// The states, transitions, limits and parameters of a skill, as it declares them. Times are run
+// time: see Tick.
+//
+// Four states are part of every skill:
+//
+//   IDLE ──request──→ the first declared state ──→ … ──→ SUCCEEDED | FAILED | CANCELLED
+//
+// A skill may fail and be cancelled in each of its states, without a declaration. Every other
+// transition that it makes and has not declared is a fault, which fails it: a skill never succeeds
+// from a state in which it cannot.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+#include "musher/behavior/fsm/chart.hpp"
+#include "musher/behavior/skill/value.hpp"
+
+namespace musher::skill {
+
+using fsm::StateId;
+
+inline constexpr StateId kIdle{0};
+inline constexpr StateId kSucceeded{1};
+inline constexpr StateId kFailed{2};
+inline constexpr StateId kCancelled{3};
+
+constexpr bool IsEnd(StateId state) {
+  return state == kSucceeded || state == kFailed || state == kCancelled;
+}
+
+inline constexpr Duration kNoLimit = Duration::max();
+
+struct Limits {
+  Duration run = std::chrono::minutes(10);    // of the whole run; then it fails
+  Duration cancel = std::chrono::seconds(5);  // of the skill's own cancellation; then it is ended
+  int retries = 3;                            // of one run
+
+  friend bool operator==(const Limits&, const Limits&) = default;
+};
+
+// What a config changes of a skill; see toml/skills_toml.hpp.
+struct Settings {
+  std::optional<Duration> run{};
+  std::optional<Duration> cancel{};
+  std::optional<int> retries{};
+  std::vector<std::pair<std::string, Duration>> states{};  // limits
+  Values parameters{};                                     // defaults
+
+  friend bool operator==(const Settings&, const Settings&) = default;
+};
+
+// "1.5 s", for messages.
+std::string SecondsText(Duration time);
+
+class Table {
+ public:
+  Table();
+
+  // --- what a skill declares ---
+
+  // The first one is the state in which a run begins. `limit`: of the time in the state; then
+  // Skill::OnLimit() decides.
+  StateId State(const std::string& name, Duration limit = kNoLimit);
+  // `when` is for people: "the path is planned". To kSucceeded: the skill may succeed there.
+  void To(StateId from, StateId to, const std::string& when);
+  // The reported progress never falls in a run: a lower one leaves it unchanged.
+  void MonotoneProgress() { monotone_ = true; }
+  void Limit(const Limits& limits) { limits_ = limits; }
+
+  // A parameter with a default, or one that has to be given. `meaning` has the unit: "m above the
+  // ground".
+  void Takes(const std::string& name, const Value& otherwise, const std::string& meaning);
+  void Needs(const std::string& name, Kind kind, const std::string& meaning);
+
+  // An error of the skill itself: it cannot begin.
+  void Refuse(const std::string& why) { errors_.push_back(why); }
+
+  // --- what others read ---
+
+  struct Parameter {
+    std::string name;
+    Kind kind = Kind::kText;
+    std::optional<Value> otherwise;  // none: it has to be given
+    std::string meaning;
+  };
+
+  const fsm::Chart& chart() const { return chart_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  const Limits& limits() const { return limits_; }
+  bool monotone() const { return monotone_; }
+  // Errors of the declarations themselves: a name that occurs twice, ...
+  const std::vector<std::string>& errors() const { return errors_; }
+
+  std::string_view Name(StateId state) const;
+  std::optional<StateId> Find(std::string_view state) const;
+  StateId first() const;  // kIdle: no state is declared
+  Duration LimitOf(StateId state) const;
+  // Replace what the skill has declared. Fail for an unknown name, with the nearest, and for a
+  // value of another kind.
+  Result<> SetLimit(std::string_view state, Duration limit);
+  Result<> SetDefault(std::string_view parameter, const Value& value);
+  // All of them, with all errors.
+  Result<> Apply(const Settings& settings);
+  bool Declared(StateId from, StateId to) const;
+
+  // The given values with the defaults of the others. Fails, with all errors, for an unknown
+  // parameter, with the nearest, a missing one and a value of another kind.
+  Result<Values> Complete(const Values& given) const;
+  // The same for values as texts; see Parse().
+  Result<Values> Parse(const std::vector<std::pair<std::string, std::string>>& given) const;
+
+ private:
+  const Parameter* FindParameter(std::string_view name) const;
+  std::string UnknownParameter(std::string_view name) const;
+  void AddParameter(Parameter parameter);
+
+  fsm::Chart chart_;
+  std::vector<Duration> state_limits_;  // by state
+  std::vector<Parameter> parameters_;
+  Limits limits_;
+  bool monotone_ = false;
+  std::vector<std::string> errors_;
+};
+
+}  // namespace musher::skill

@@ -1,0 +1,208 @@
+#include "musher/behavior/skill/manager.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/test/behavior/skill/skills.hpp"
+
+namespace musher::skill::manager_test {
+
+using testing::CompletesAfter;
+using ::testing::ElementsAre;
+using testing::InExecuting;
+using testing::Script;
+using testing::Scripted;
+
+class AManager : public ::testing::Test {
+ protected:
+  AManager() {
+    EXPECT_TRUE(registry_.Add<Scripted>("walk", walk_));
+    EXPECT_TRUE(registry_.Add<Scripted>("look", look_));
+    manager_ = std::make_unique<Manager>(registry_.All());
+  }
+  void Steps(int count) {
+    for (int i = 0; i < count; ++i) manager_->RunOnce(now_ += Milliseconds(100));
+  }
+  std::string ErrorOf(const Result<>& result) { return result ? "" : result.error().message; }
+  std::string StateOf(const std::string& skill) { return manager_->StateOf(skill).value_or("?"); }
+
+  Script walk_;
+  Script look_;
+  Registry registry_;
+  std::unique_ptr<Manager> manager_;
+  Time now_{};
+};
+
+TEST_F(AManager, RunsSeveralSkillsAtOnceEachWithItsOwnState) {
+  walk_.step = CompletesAfter(1);
+  look_.step = CompletesAfter(3);
+  EXPECT_EQ(StateOf("walk"), "IDLE");
+  ASSERT_TRUE(manager_->Start("walk", {{"speed", 1.0}}));
+  ASSERT_TRUE(manager_->StartWithTexts("look", {{"goal", "[1, 2]"}}));
+  Steps(2);
+  EXPECT_EQ(StateOf("walk"), "SUCCEEDED");
+  EXPECT_EQ(StateOf("look"), "EXECUTING");
+  EXPECT_EQ(manager_->Find("look")->parameters().Get<Numbers>("goal", {}), (Numbers{1, 2}));
+  EXPECT_EQ(manager_->Find("walk")->parameters().Number("speed"), 1.0);
+  EXPECT_TRUE(manager_->running());
+  Steps(2);
+  EXPECT_FALSE(manager_->running());
+}
+
+TEST_F(AManager, RefusesASkillThatRunsWithItsNameAndLeavesItRunning) {
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  const Result<> again = manager_->Start("walk");
+  EXPECT_EQ(ErrorOf(again), "walk is running already");
+  EXPECT_EQ(again.error().code, RobotCode(KeyCode::kTargetBusy));
+  EXPECT_TRUE(manager_->Find("walk")->running());
+}
+
+TEST_F(AManager, StartsAnEndedSkillAgainFromTheBeginning) {
+  walk_.step = InExecuting([](Tick&) { return Next::Fail("no path"); });
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(2);
+  EXPECT_EQ(StateOf("walk"), "FAILED");
+  ASSERT_TRUE(manager_->Start("walk"));
+  EXPECT_EQ(StateOf("walk"), "INITIALIZING");
+  EXPECT_EQ(manager_->Find("walk")->errors().size(), 0U);
+  EXPECT_EQ(manager_->Runs().size(), 1U);
+}
+
+TEST_F(AManager, KeepsTheEndOfASkillWhenAnotherStartIsRefused) {
+  walk_.step = CompletesAfter(1);
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(2);
+  EXPECT_FALSE(manager_->Start("walk", {{"speed", true}}));
+  EXPECT_EQ(StateOf("walk"), "SUCCEEDED");
+}
+
+TEST_F(AManager, RefusesAnUnknownSkillWithTheNearest) {
+  EXPECT_EQ(ErrorOf(manager_->Start("wlak")),
+            "there is no skill 'wlak'; did you mean 'walk'? There are walk and look");
+  EXPECT_FALSE(manager_->Cancel("wlak", ""));
+  EXPECT_FALSE(manager_->Reset("wlak"));
+  EXPECT_EQ(manager_->StateOf("wlak"), std::nullopt);
+}
+
+TEST_F(AManager, CancelsOneOrAllAndNamesASkillThatDoesNotRun) {
+  ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_TRUE(manager_->Start("look"));
+  ASSERT_TRUE(manager_->Cancel("walk", "a person"));
+  Steps(1);
+  EXPECT_EQ(StateOf("walk"), "CANCELLED");
+  EXPECT_EQ(StateOf("look"), "INITIALIZING");
+  EXPECT_EQ(ErrorOf(manager_->Cancel("walk", "")), "walk does not run");
+  ASSERT_TRUE(manager_->Start("walk"));
+  manager_->CancelAllNow("emergency stop");
+  EXPECT_EQ(StateOf("walk"), "CANCELLED");
+  EXPECT_EQ(StateOf("look"), "CANCELLED");
+  EXPECT_FALSE(manager_->running());
+}
+
+TEST_F(AManager, ResetsOneOrAll) {
+  ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_TRUE(manager_->Start("look"));
+  Steps(1);
+  ASSERT_TRUE(manager_->Reset("walk"));
+  EXPECT_EQ(StateOf("walk"), "IDLE");
+  EXPECT_EQ(manager_->Find("walk"), nullptr);
+  EXPECT_THAT(walk_.log, ElementsAre("OnEnd cancelled")) << "a running skill is ended before";
+  EXPECT_TRUE(manager_->Find("look")->running());
+  manager_->ResetAll();
+  EXPECT_TRUE(manager_->Runs().empty());
+  EXPECT_THAT(look_.log, ElementsAre("OnEnd cancelled"));
+}
+
+TEST_F(AManager, ThePauseIsNoTimeOfItsSkills) {
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(3);
+  manager_->Pause();
+  now_ += std::chrono::hours(5);
+  Steps(2);
+  EXPECT_EQ(ToMilliseconds(manager_->Find("walk")->now()), 300);
+  now_ -= std::chrono::hours(5);
+  Steps(1);
+  EXPECT_EQ(ToMilliseconds(manager_->Find("walk")->now()), 300) << "time that runs back is no time";
+}
+
+TEST_F(AManager, RefusesASkillThatChangesSkillsWithinAStep) {
+  std::vector<std::string> errors;
+  walk_.step = [&](Tick&) {
+    errors = {ErrorOf(manager_->Start("look")), ErrorOf(manager_->Reset("walk")),
+              ErrorOf(manager_->Cancel("walk", ""))};
+    manager_->RunOnce(now_);
+    manager_->ResetAll();
+    manager_->Pause();
+    return Next::Stay();
+  };
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  EXPECT_THAT(errors,
+              ElementsAre("look: skills are not started, cancelled or reset within a step",
+                          "walk: skills are not started, cancelled or reset within a step",
+                          "walk: skills are not started, cancelled or reset within a step"));
+  EXPECT_TRUE(manager_->Find("walk")->running());
+}
+
+TEST(ARegistry, RefusesASkillThatCannotRun) {
+  Script script;
+  Registry registry;
+  ASSERT_TRUE(registry.Add<Scripted>("walk", script));
+  EXPECT_EQ(registry.Add<Scripted>("walk", script).error().message,
+            "skill walk is registered already");
+  EXPECT_FALSE(registry.Add<Scripted>("", script));
+  EXPECT_FALSE(registry.Add<Scripted>("a/b", script));
+  EXPECT_EQ(registry.Add("none", Factory()).error().message, "skill none: its factory makes none");
+  const Factory endless = [] {
+    return std::make_unique<StepFunction>([](Table& table) { table.State("A"); },
+                                          [](Tick&) { return Next::Stay(); });
+  };
+  EXPECT_EQ(registry.Add("endless", endless).error().message,
+            "endless: A: no declared transitions lead from it to an end");
+  EXPECT_THAT(registry.Names(), ElementsAre("walk"));
+}
+
+TEST(ARegistry, HasTheSkillsOfAKindOfRobot) {
+  Script script;
+  Registry registry;
+  for (const char* name : {"walk", "take_off", "look"}) {
+    ASSERT_TRUE(registry.Add<Scripted>(name, script));
+  }
+  const Config config{{{"base", {}, {"look"}},
+                       {"ground", {"jetbot", "h1"}, {"walk", "look"}},
+                       {"drone", {"cf2x"}, {"take_off"}}},
+                      {}};
+  const auto of = [&](const std::string& robot) {
+    std::vector<std::string> names;
+    const auto entries = registry.Of(config, robot);
+    if (!entries) return std::vector<std::string>{entries.error().message};
+    for (const Entry& entry : entries.value()) names.push_back(entry.name);
+    return names;
+  };
+  EXPECT_THAT(of("h1"), ElementsAre("look", "walk"));
+  EXPECT_THAT(of("cf2x"), ElementsAre("look", "take_off"));
+  EXPECT_THAT(of("cf2"), ElementsAre("there is no kind of robot 'cf2'; did you mean 'cf2x'? There "
+                                     "are cf2x, h1 and jetbot"));
+  const Config wrong{{{"drone", {"cf2x"}, {"take_of"}}}, {}};
+  EXPECT_EQ(registry.Of(wrong, "cf2x").error().message,
+            "there is no skill 'take_of'; did you mean 'take_off'? There are walk, take_off and "
+            "look");
+}
+
+TEST(ARegistry, TakesSettingsOverOrRefusesAllOfThem) {
+  Script script;
+  Registry registry;
+  ASSERT_TRUE(registry.Add<Scripted>("walk", script));
+  Settings slow{.retries = 9};
+  ASSERT_TRUE(registry.Configure({{}, {{"walk", slow}}}));
+  EXPECT_EQ(registry.Find("walk")->settings, slow);
+  Settings wrong{.retries = 1};
+  wrong.parameters.Set("sped", 1.0);
+  EXPECT_EQ(registry.Configure({{}, {{"walk", wrong}, {"wlk", slow}}}).error().message,
+            "walk: there is no parameter sped; did you mean speed?\n"
+            "there is no skill 'wlk'; did you mean 'walk'? There is only walk");
+  EXPECT_EQ(registry.Find("walk")->settings, slow);
+}
+
+}  // namespace musher::skill::manager_test
