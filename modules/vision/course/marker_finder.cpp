@@ -59,7 +59,7 @@ std::optional<Marker> ShapeOf(const Contour& outline, const MarkerParameters& pa
 MarkerParameters LightParameters() {
   MarkerParameters light;
   light.yellow = {{20, 100, 100}, {30, 255, 255}};
-  light.region = {0.3, 0.7, 0, 1};
+  light.region = {0.16, 0.7, 0, 1};
   light.most_area_px2 = 100000;
   light.round_only = true;
   light.least_aspect = 0.8;
