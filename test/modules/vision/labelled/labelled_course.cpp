@@ -52,7 +52,7 @@ world::Scene SceneIn(const LabelledSettings& settings, int light) {
   Sampler sampler(seed);
   scene.ground.finest_per_m = settings.texels_per_m;
   scene.light.brightness *= sampler.Between(0.7, 1.15);
-  scene.light.temperature_k += sampler.Between(-1200, 1200);
+  scene.light.temperature_k += sampler.Between(-300, 300);  // beside those of the scene
   scene.light.yaw_rad = sampler.Between(-M_PI, M_PI);
   scene.light.ambient = sampler.Between(0.45, 0.85);
   scene.light.gradient = sampler.Between(0, 0.3);
