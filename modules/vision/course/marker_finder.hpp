@@ -36,7 +36,9 @@ struct MarkerParameters {
   friend bool operator==(const MarkerParameters&, const MarkerParameters&) = default;
 };
 
-// Those of a light: glowing, so of a narrower colour, a ball, in the middle of the picture.
+// Those of a light: glowing, so of a narrower colour, a ball, in the middle of the picture. The
+// region begins where a light 0.13 m above the camera is at 0.55 m, for a camera that is inclined 8
+// degrees downwards: the race stops at 0.7 m. A sign at twice that height has left it at 0.9 m.
 MarkerParameters LightParameters();
 
 struct Marker {

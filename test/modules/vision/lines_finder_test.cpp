@@ -44,6 +44,68 @@ TEST(Lines, OnOneSideCountByTheirMiddleToo) {
   EXPECT_EQ(Ycy({40, 240, 600}), "center");
 }
 
+// The lane's offset, with each pair; `center` is where its middle has to be.
+struct Offsets {
+  double outermost = 0, innermost = 0;
+};
+
+Offsets OffsetsOf(const std::vector<int>& middles, double center = 0.5) {
+  LinesParameters parameters = WholePicture();
+  parameters.ycy_center = center;
+  Offsets offsets;
+  for (const LanePair pair : {LanePair::kOutermost, LanePair::kInnermost}) {
+    parameters.ycy_pair = pair;
+    const float offset = FindLines(Upright(middles), parameters).lines.middle_offset;
+    (pair == LanePair::kOutermost ? offsets.outermost : offsets.innermost) = double(offset);
+  }
+  return offsets;
+}
+
+constexpr double kHalfPx = 0.5 / 640;
+
+TEST(InnermostLines, AreTheNearestToTheCentreOnEitherSide) {
+  const Offsets offsets = OffsetsOf({20, 280, 440, 500});
+  EXPECT_NEAR(offsets.outermost, (260.0 - 320) / 640, kHalfPx);
+  EXPECT_NEAR(offsets.innermost, (360.0 - 320) / 640, kHalfPx);
+  LinesParameters parameters = WholePicture();
+  EXPECT_EQ(FindLines(Upright({20, 280, 440, 500}), parameters).lines.ycy, "right");
+  parameters.ycy_pair = LanePair::kInnermost;
+  parameters.ycy_threshold = 0.06;
+  EXPECT_EQ(FindLines(Upright({20, 280, 440, 500}), parameters).lines.ycy, "left");
+}
+
+TEST(InnermostLines, AreTheOnlyTwoOfALane) {
+  const Offsets offsets = OffsetsOf({200, 540});
+  EXPECT_NEAR(offsets.innermost, (370.0 - 320) / 640, kHalfPx);
+  EXPECT_EQ(offsets.innermost, offsets.outermost);
+}
+
+TEST(InnermostLines, AreTheOutermostWhereASideHasNone) {
+  EXPECT_NEAR(OffsetsOf({400, 420, 600}).innermost, (500.0 - 320) / 640, kHalfPx);
+  EXPECT_NEAR(OffsetsOf({40, 220, 240}).innermost, (140.0 - 320) / 640, kHalfPx);
+}
+
+TEST(InnermostLines, AreThoseBesideTheCentreOfTheKey) {
+  EXPECT_NEAR(OffsetsOf({100, 300, 500}).innermost, (400.0 - 320) / 640, kHalfPx);
+  EXPECT_NEAR(OffsetsOf({100, 300, 500}, 0.4).innermost, (200.0 - 256) / 640, kHalfPx);
+  EXPECT_NEAR(OffsetsOf({100, 300, 500}, 0.4).outermost, (300.0 - 256) / 640, kHalfPx);
+}
+
+TEST(InnermostLine, OnTheCentreIsThatOfBothSides) {
+  const Offsets offsets = OffsetsOf({320, 600});  // its centroid is the centre
+  EXPECT_NEAR(offsets.innermost, 0, 1e-6);
+  EXPECT_NEAR(offsets.outermost, (460.0 - 320) / 640, kHalfPx);
+}
+
+RC_GTEST_PROP(InnermostLines, DoNotDependOnLinesBeyondThem, ()) {
+  const int left = *rc::gen::inRange(100, 305), right = *rc::gen::inRange(340, 540);
+  std::vector<int> middles{left, right};
+  const Offsets of_two = OffsetsOf(middles);
+  if (*rc::gen::arbitrary<bool>()) middles.push_back(*rc::gen::inRange(15, left - 22));
+  if (*rc::gen::arbitrary<bool>()) middles.push_back(*rc::gen::inRange(right + 22, 625));
+  RC_ASSERT(OffsetsOf(middles).innermost == of_two.innermost);
+}
+
 TEST(Line, SeenAloneIsTheNearOne) {
   EXPECT_EQ(Ycy({100}), "left");
   EXPECT_EQ(Ycy({300}), "left");

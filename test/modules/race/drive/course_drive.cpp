@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <utility>
@@ -58,6 +59,13 @@ Course CourseOf() {
   return Valid(reading, reading.course);
 }
 
+// Of this thread.
+Duration CpuTime() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
 cv::Mat MatOf(const world::Image& image) {
   return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data())};
 }
@@ -86,7 +94,8 @@ CourseDrive::CourseDrive(DriveSettings settings)
   for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].emplace(scene.cameras.cameras[i]);
   const auto reading = vision::ReadVisionFile(Config("vision/course.toml"));
   for (const vision::CourseEntry& entry : Valid(reading, reading.config).detectors) {
-    Eye eye{entry, entry.making.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false};
+    Eye eye{entry, entry.making.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false,
+            {}};
     const auto camera = std::find(kTopics.begin(), kTopics.end(), entry.picture);
     eye.camera = static_cast<std::size_t>(camera - kTopics.begin());
     const vision::CourseOutputs outputs = entry.Outputs();
@@ -170,9 +179,15 @@ void CourseDrive::Step() {
     }
   }
   if (dog_.world().now() % Milliseconds(40) == Duration::zero()) TickWalker();
+  const std::size_t decisions = result_.latencies.of_race.size();
+  const Duration begun = CpuTime();
   machine_.RunOnce(now);
   race_.AfterTick();
+  if (result_.latencies.of_race.size() > decisions) {
+    result_.latencies.race_cpu.push_back(CpuTime() - begun);
+  }
   race_.PassTime(now);
+  if (settings_.on_step) settings_.on_step(dog_.world(), walker_.active());
 }
 
 bool CourseDrive::Wanted(const Eye& eye) const {
@@ -223,15 +238,25 @@ void CourseDrive::Look(Eye& eye, const cv::Mat& picture) {
         race_.OnLines(*eye.of_race, lines.contours, lines.ycy, lines.dy, lines.middle_offset, taken,
                       now);
       }
-      if (eye.of_walker) walker_.OnLines(*eye.of_walker, lines, now);
+      if (eye.wanted_by_race) eye.shown_to_race = taken;
+      if (eye.of_walker) ShowWalker(*eye.of_walker, lines, taken);
     } else if (eye.wanted_by_race) {
       const msg::Sighting& seen = *sight.sighting;
       race_.OnSighting(
           *eye.of_race,
           {seen.seen, seen.distance_m, seen.phase, seen.text, seen.x + seen.width / 2 - 0.5}, taken,
           now);
+      eye.shown_to_race = taken;
     }
   });
+}
+
+void CourseDrive::ShowWalker(line_walker::View view, const msg::YellowLines& lines, Time taken) {
+  const Duration begun = CpuTime();
+  walker_.OnLines(view, lines, dog_.now());
+  if (!walker_.active()) return;
+  walker_cpu_ += CpuTime() - begun;
+  shown_to_walker_ = taken;
 }
 
 void CourseDrive::Deliver() {
@@ -243,8 +268,15 @@ void CourseDrive::Deliver() {
 }
 
 void CourseDrive::TickWalker() {
+  const Duration begun = CpuTime();
   const auto step = walker_.Tick(dog_.now());
   if (!step) return;
+  if (shown_to_walker_) {
+    result_.latencies.of_walker.push_back(dog_.now() - *shown_to_walker_);
+    result_.latencies.walker_cpu.push_back(walker_cpu_ + CpuTime() - begun);
+    shown_to_walker_.reset();
+    walker_cpu_ = {};
+  }
   msg::MotionServoCmd frame;
   frame.motion_id = motion::kUserTrot;
   frame.cmd_type = step->end ? msg::MotionServoCmd::kEnd : msg::MotionServoCmd::kData;
@@ -304,7 +336,15 @@ void CourseDrive::CommandWalker(const LaneWalk& walk, bool start) {
 
 void CourseDrive::Watch(const std::vector<bool>& detectors) {
   for (Eye& eye : eyes_) {
-    if (eye.of_race) eye.wanted_by_race = detectors[*eye.of_race];
+    if (!eye.of_race) continue;
+    if (!detectors[*eye.of_race]) {
+      // The light is watched while the robot walks; the end of the walk is no decision by it.
+      const bool decides = eye.entry.kind != vision::CourseKind::kLight;
+      if (eye.shown_to_race && decides)
+        result_.latencies.of_race.push_back(dog_.now() - *eye.shown_to_race);
+      eye.shown_to_race.reset();
+    }
+    eye.wanted_by_race = detectors[*eye.of_race];
   }
 }
 

@@ -35,6 +35,15 @@ struct DriveSettings {
   // Called when a state begins, with the pose at that moment.
   std::function<void(const std::string& state, const world::World& world)> on_state;
   std::function<void(const std::string& line)> on_log;
+  // After each step of 20 ms; whether the line walker walks.
+  std::function<void(const world::World& world, bool walker)> on_step;
+};
+
+// From a picture to what is done by it, in virtual time; and CPU time.
+struct Latencies {
+  std::vector<Duration> of_walker;  // to the first frame with what the picture showed
+  std::vector<Duration> of_race;    // to the end of a check, a wait or a walk until something
+  std::vector<Duration> walker_cpu, race_cpu;  // of the same, without the detector
 };
 
 struct DriveResult {
@@ -43,6 +52,7 @@ struct DriveResult {
   std::vector<std::string> log;
   Duration took{};
   std::size_t pictures = 0;
+  Latencies latencies;
   std::optional<world::World> world;  // at the end; its referee has the judgement
 };
 
@@ -68,6 +78,7 @@ class CourseDrive : private RaceOutputs {
     std::optional<Index> of_race;
     std::optional<line_walker::View> of_walker;
     bool wanted_by_race = false;
+    std::optional<Time> shown_to_race;  // the newest picture
   };
   struct Due {
     Time at;
@@ -77,6 +88,7 @@ class CourseDrive : private RaceOutputs {
   void Step();
   void LookAround();
   void Look(Eye& eye, const cv::Mat& picture);
+  void ShowWalker(line_walker::View view, const msg::YellowLines& lines, Time taken);
   void Deliver();
   void TickWalker();
   void Later(Duration by, std::function<void()> work) {
@@ -106,6 +118,8 @@ class CourseDrive : private RaceOutputs {
   std::vector<Due> due_;
   std::size_t logged_by_dog_ = 0;
   std::size_t shots_ = 0;
+  std::optional<Time> shown_to_walker_;  // a picture that no frame has followed yet
+  Duration walker_cpu_{};                // of that picture
   DriveResult result_;
 };
 
