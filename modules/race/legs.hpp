@@ -5,8 +5,8 @@
 //   a motion   its pause before, the call, its reply, its pause after
 //
 // A pause ends the stream; the walk continues with what is left of it. A motion that failed in a
-// pause is repeated. Before anything continues the robot stands up, unless it was lying; and before
-// a walk where it is lying, because a command has led there.
+// pause, or less than kStopGrace before it, is repeated. Before anything continues the robot stands
+// up, unless it was lying; and before a walk where it is lying, because a command has led there.
 //
 // Times are those of the machine, which stands still in a pause. One thread.
 
@@ -82,12 +82,13 @@ class Legs {
   std::optional<std::string> Fault(Duration now);
 
  private:
-  enum class Stage : std::uint8_t { kBefore, kCall, kReply, kAfter };
+  enum class Stage : std::uint8_t { kBefore, kCall, kReply, kAfter, kFailed };
   struct Motion {
     Index movement = 0;
     Stage stage = Stage::kBefore;
     Duration since{};        // of the stage
     std::uint64_t call = 0;  // its number
+    std::string why;         // it failed
   };
   struct Call {
     std::uint64_t number = 0;
