@@ -33,7 +33,12 @@ void Legs::Continue(const WalkProgress& walk) {
   motion_.reset();
   walk_ = walk;
   steer_rad_s_ = 0;
-  if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, {}, 0, {}};
+  static_cast<void>(Rise({}));
+}
+
+bool Legs::Rise(Duration now) {
+  if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
+  return stands_.has_value();
 }
 
 void Legs::Move(Index movement, Duration now) {
@@ -136,6 +141,7 @@ void Legs::OnMotionDone(std::uint64_t number, const Result<>& done) {
     waiting->since = Duration(-1);
   } else if (call.paused || paused_) {
     waiting->stage = Stage::kCall;
+    if (!paused_ && stands_again_ && motion_ && waiting == &*motion_) StandFirst({});
   } else {
     waiting->stage = Stage::kFailed;
     waiting->since = Duration(-1);
@@ -155,8 +161,17 @@ void Legs::Pause() {
 void Legs::Resume(bool stand, Duration now) {
   paused_ = false;
   bad_reports_ = 0;
-  const bool moves = motion_.has_value();
-  if (stand && !lying_ && !moves) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
+  stands_again_ = stand;
+  if (stand) StandFirst(now);
+}
+
+// Clears the latch of an emergency stop, too, which refuses every other motion. A motion that has
+// not been answered yet may have ended well.
+void Legs::StandFirst(Duration now) {
+  const bool begins =
+      !motion_ || motion_->stage == Stage::kBefore || motion_->stage == Stage::kCall;
+  const bool stands = motion_ && motion_->movement == course_.stand;
+  if (begins && !stands && !lying_) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
 }
 
 bool Legs::AdvanceStanding(Duration now) {

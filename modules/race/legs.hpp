@@ -67,6 +67,9 @@ class Legs {
   // `stand`: it was under way, and has to stand again.
   void Resume(bool stand, Duration now);
   bool standing_up() const { return stands_.has_value(); }
+  // A lying robot stands up before it does what is next: for walks of others. Returns whether it
+  // does.
+  bool Rise(Duration now);
   // Once a tick before anything else; returns true when it stands.
   bool AdvanceStanding(Duration now);
 
@@ -99,6 +102,7 @@ class Legs {
   };
 
   bool AdvanceMotion(Motion& motion, Duration now);
+  void StandFirst(Duration now);
   bool AdvanceWalk(Duration now, Time time);
   void EndStream();
   void Send(bool end);
@@ -120,6 +124,7 @@ class Legs {
   std::uint64_t calls_ = 0;
   bool lying_ = true;
   bool paused_ = false;
+  bool stands_again_ = false;  // after the last pause
   std::optional<std::string> fault_;
   // The body.
   int bad_reports_ = 0;  // in a row

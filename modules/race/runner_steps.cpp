@@ -237,6 +237,7 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
     lane_walker_.Begin(step.walk);
     Phase(1, now);
+    if (legs_.Rise(now)) return Outcome::kRunning;
   }
   std::string reason;
   const LaneWalker::End end = lane_walker_.Advance(now, reason);
