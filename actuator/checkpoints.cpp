@@ -52,19 +52,30 @@ void Checkpoints::End() {
 void Checkpoints::Mark(pid_t thread, Duration allowance, Time now) {
   const std::lock_guard lock(mutex_);
   const bool in_callback = !during_.empty() && thread == worker_;
-  Watched& watched = in_callback ? callback_ : own_;
   if (allowance == Duration::zero()) {
     allowance = in_callback ? usual_ : config_.checkpoint.value_or(Duration::zero());
   }
   const bool on = allowance != Duration::zero() && allowance != Duration::max();
-  watched = Watch(on, thread, allowance, now);
+  if (in_callback) {
+    callback_ = Watch(on, thread, allowance, now);
+  } else if (on) {
+    own_[thread] = Watch(on, thread, allowance, now);
+  } else {
+    own_.erase(thread);
+  }
 }
 
 Checkpoints::Look Checkpoints::Evaluate(Time now) {
   const std::lock_guard lock(mutex_);
   callback_.thread = worker_;
   if (callback_.on) return EvaluateOne(callback_, during_, now);
-  return own_.on ? EvaluateOne(own_, "", now) : Look{};
+  Look worst;
+  for (auto& [thread, watched] : own_) {
+    const Look look = EvaluateOne(watched, "", now);
+    const bool longer = look.work == worst.work && look.silent > worst.silent;
+    if (look.work > worst.work || longer) worst = look;
+  }
+  return worst;
 }
 
 // The lock must be held.
@@ -96,11 +107,12 @@ Duration Checkpoints::WaitOf(Watched& watched, Time now) const {
 std::optional<Duration> Checkpoints::Period() const {
   const std::lock_guard lock(mutex_);
   std::optional<Duration> period;
-  for (const Watched* watched : {&callback_, &own_}) {
-    if (!watched->on) continue;
-    const Duration one = PeriodOf(watched->allowance);
-    period = period ? std::min(*period, one) : one;
-  }
+  const auto take = [&period](const Watched& watched) {
+    const Duration one = PeriodOf(watched.allowance);
+    period = std::min(period.value_or(one), one);
+  };
+  if (callback_.on) take(callback_);
+  for (const auto& [thread, watched] : own_) take(watched);
   return period;
 }
 

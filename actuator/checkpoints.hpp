@@ -6,6 +6,8 @@
 //   a thread gives a checkpoint ──▶ the next is due within its allowance ──▶ a callback begins, or
 //                                                                            it gives kNoMore
 //
+// Each thread is watched on its own: one that makes progress does not hide another one that hangs.
+//
 // Only time in which the thread could have run counts: the time it waited for a CPU, according to
 // the kernel, does not. The kernel's counters are sampled once half the allowance is over. Time in
 // which this process could not check does not count either (it was stopped, or its machine was): a
@@ -17,6 +19,7 @@
 #include <sys/types.h>
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 
@@ -77,7 +80,7 @@ class Checkpoints {
   Duration usual_{};          // its allowance in the config; zero: none
   pid_t worker_ = 0;
   Watched callback_;
-  Watched own_;
+  std::map<pid_t, Watched> own_;  // by the thread; all are on
 };
 
 }  // namespace musher

@@ -120,7 +120,7 @@ class MachineActuator {
   // gives no checkpoint for longer although it could have run is *hung*: the process is restarted
   // by its policy.
   //   - In a state callback: watched from its beginning until its end.
-  //   - In a thread of your own, for example the control cycle of the robot: watched from its first
+  //   - In each thread of your own, for example the robot's control cycle: watched from its first
   //     checkpoint until the next state callback begins, or Checkpoint(kNoMore). Its first
   //     checkpoint after that callback watches it again: callbacks may stop and start such threads.
   // From any thread; costs less than a microsecond.

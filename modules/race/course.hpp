@@ -27,6 +27,10 @@ inline constexpr int kMostSteps = 10'000;          // of one movement
 inline constexpr Index kInterrupted = Index(-1);   // as a target: the state that the light has left
 inline constexpr std::string_view kBack = "back";  // its word in the file
 
+// A motion that fails, or a line walker that ends, counts so long after it: an emergency stop
+// reaches other programs, too, and what they report of it may arrive before the robot's pause.
+inline constexpr Duration kStopGrace = Milliseconds(300);
+
 // A topic of a detector (modules/vision): a musher_msgs/Sighting or musher_msgs/YellowLines for
 // each picture.
 struct Detector {

@@ -1,5 +1,5 @@
-// The errors of a course whose tables are complete: states that are not reached, have no way out,
-// lead round without taking time, or lack a way for a value; numbers that are not unique.
+// The errors of a course's states: states that are not reached, have no way out, lead round without
+// taking time, or lack a way for a value; numbers that are not unique.
 
 #include <algorithm>
 #include <functional>
@@ -15,9 +15,13 @@ namespace {
 
 constexpr std::size_t kMostCases = 100'000;  // of the conditions of one state
 
-bool TakesTime(const StateRule& state) {
-  return std::ranges::any_of(
-      state.steps, [](const Step& step) { return !std::holds_alternative<CountStep>(step); });
+// Not so what may be skipped: the wait for a result that is known, a walk of which no step is left,
+// the speech about a result that is not known.
+bool TakesTime(const Course& course, const Step& step) {
+  if (const auto* move = std::get_if<MoveStep>(&step)) return !move->less;
+  if (const auto* wait = std::get_if<WaitStep>(&step)) return !course.waits[wait->wait].detector;
+  if (const auto* say = std::get_if<SayStep>(&step)) return !course.speeches[say->speech].result;
+  return !std::holds_alternative<CountStep>(step);
 }
 
 // What the conditions of a state depend on.
@@ -41,11 +45,12 @@ class Checking {
 
   void Run() {
     CheckNumbers();
-    CheckReached();
+    if (reading_.has_ends && reading_.has_leads) CheckReached();
     for (Index state = 0; state < course_.states.size(); ++state) {
-      CheckWayOut(state);
-      CheckEachValueHasAWay(state);
-      CheckFault(state);
+      if (reading_.has_ends) CheckWayOut(state);
+      if (reading_.places[state].has_all_ways) CheckEachValueHasAWay(state);
+      if (reading_.has_ends && reading_.has_leads) CheckFault(state);
+      CheckLight(state);
     }
     CheckTimelessCycles();
   }
@@ -56,10 +61,18 @@ class Checking {
     reading_.findings.Error(at, "state." + At(state).name + ": " + what);
   }
   bool IsEnd(Index state) const { return state == course_.end || state == course_.error; }
+  // A state with errors counts as one that takes time.
+  bool TakesTime(Index state) const {
+    return !reading_.places[state].has_all_steps ||
+           std::ranges::any_of(At(state).steps, [this](const Step& step) {
+             return parts::TakesTime(course_, step);
+           });
+  }
 
   void CheckNumbers() {
     std::map<int, Index> first;
     for (Index i = 0; i < course_.states.size(); ++i) {
+      if (!reading_.places[i].has_number) continue;
       const auto [found, is_new] = first.emplace(At(i).number, i);
       if (is_new) continue;
       Fail(reading_.places[i].at, i,
@@ -95,10 +108,11 @@ class Checking {
       return Fail(reading_.places[state].next, state,
                   "only a command leaves it: expected no \"next\"");
     }
-    if (At(state).ways.empty()) {
+    if (At(state).ways.empty() && reading_.places[state].has_all_ways) {
       return Fail(reading_.places[state].at, state,
                   "has no way out: the key \"next\" is missing; expected the name of a state");
     }
+    if (!reading_.places[state].has_all_ways) return;
     const bool itself =
         std::ranges::all_of(At(state).ways, [&](const Way& way) { return way.to == state; });
     if (itself) Fail(reading_.places[state].next, state, "has no way out: it leads to itself only");
@@ -106,6 +120,21 @@ class Checking {
     if (At(state).ways.size() != 1 || !At(state).ways[0].always() || !At(state).steps.empty()) {
       Fail(reading_.places[state].next, state,
            "is the start: expected no steps, and the name of one state as \"next\"");
+    }
+  }
+
+  void CheckLight(Index state) {
+    const bool back =
+        std::ranges::any_of(At(state).ways, [](const Way& way) { return way.to == kInterrupted; });
+    if (back && !course_.light) {
+      Fail(reading_.places[state].next, state,
+           "\"back\" leads to the movement that a light has interrupted, and the course has no "
+           "[light]");
+    }
+    const bool own = reading_.has_leads && course_.light && course_.light->state == state;
+    if (own && At(state).light) {
+      Fail(reading_.places[state].at, state,
+           "light = true in the state of [light], which would interrupt itself");
     }
   }
 
@@ -119,6 +148,10 @@ class Checking {
       return;
     }
     if (ways.empty() || ways.back().always()) return;
+    for (const Way& way : ways) {
+      const bool no_value = way.result && course_.results[*way.result].values.empty();
+      if (no_value || (!way.from.empty() && !reading_.has_leads)) return;
+    }
     std::vector<Case> cases(1);
     for (const Way& way : ways) {
       if (way.result && !cases.front().values.contains(*way.result)) {
@@ -205,13 +238,13 @@ class Checking {
     for (Index i = 0; i < marks.size(); ++i) Follow(i, marks);
   }
   void Follow(Index state, std::vector<int>& marks) {
-    if (marks[state] != 0 || TakesTime(At(state)) || state == course_.start) return;
+    if (marks[state] != 0 || TakesTime(state) || state == course_.start) return;
     marks[state] = 1;
     for (const Way& way : At(state).ways) {
       if (way.to == kInterrupted) continue;
       if (marks[way.to] == 1) {
         Fail(reading_.places[state].next, state,
-             "leads back to " + At(way.to).name + " through states that take no time");
+             "leads back to " + At(way.to).name + " through states that may take no time");
       } else {
         Follow(way.to, marks);
       }

@@ -14,13 +14,15 @@ std::optional<Index> Refer(TableReader& table, std::string_view key, std::string
   return std::nullopt;
 }
 
-std::vector<Index> States(TableReader& table, std::string_view key, const Reading& reading) {
+std::vector<Index> States(TableReader& table, std::string_view key, Reading& reading) {
   std::vector<Index> states;
   const auto words = table.Strings(key);
   if (!words) return states;
   const std::vector<std::string> names = NamesOf(reading.course.states);
   for (const auto& word : *words) {
-    if (const auto state = Refer(table, key, "state", word, names)) states.push_back(*state);
+    const auto state = Refer(table, key, "state", word, names);
+    if (state) states.push_back(*state);
+    if (!state) reading.has_leads = false;
   }
   return states;
 }
@@ -57,7 +59,7 @@ std::optional<Stretch> StretchAt(TableReader& table, std::string_view key, Readi
   return read;
 }
 
-void ReadOtherwise(TableReader& table, Otherwise& otherwise, const Reading& reading) {
+void ReadOtherwise(TableReader& table, Otherwise& otherwise, Reading& reading) {
   const auto word = table.String("otherwise");
   if (!word) return;
   if (word->text == "continue") {
@@ -66,9 +68,9 @@ void ReadOtherwise(TableReader& table, Otherwise& otherwise, const Reading& read
     otherwise.kind = Otherwise::Kind::kDefault;
   } else {
     std::vector<std::string> names = NamesOf(reading.course.states);
-    if (const auto state = Refer(table, "otherwise", "state", *word, names)) {
-      otherwise = {Otherwise::Kind::kState, *state};
-    }
+    const auto state = Refer(table, "otherwise", "state", *word, names);
+    if (state) otherwise = {Otherwise::Kind::kState, *state};
+    if (!state) reading.has_leads = false;
   }
 }
 

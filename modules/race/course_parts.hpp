@@ -18,18 +18,23 @@ using config_toml::Position;
 using config_toml::Table;
 using config_toml::TableReader;
 
-// Where a state stands in the file.
+// Where a state stands in the file, and which of its parts have no errors.
 struct StatePlace {
   Position at;
   Position next;               // the value of `next`
   std::vector<Position> ways;  // as StateRule::ways
   Position on_fault;
+  bool has_number = false;
+  bool has_all_steps = false;
+  bool has_all_ways = false;
 };
 
 struct Reading {
   Course course;
   Findings& findings;
-  std::vector<StatePlace> places;  // as Course::states
+  std::vector<StatePlace> places = {};  // as Course::states
+  bool has_ends = true;                 // start, end and error are states, each of its own
+  bool has_leads = true;  // every other reference to a state, and all steps that may have one
 };
 
 inline std::vector<std::string> NamesOf(const std::vector<std::string>& names) {
@@ -56,7 +61,7 @@ std::optional<Index> Reference(TableReader& table, std::string_view key, std::st
 }
 
 // The same for a list of names.
-std::vector<Index> States(TableReader& table, std::string_view key, const Reading& reading);
+std::vector<Index> States(TableReader& table, std::string_view key, Reading& reading);
 
 // Steps of a walk, from 1 to kMostSteps; nothing where the key is missing or wrong.
 std::optional<int> Count(TableReader& table, std::string_view key);
@@ -68,7 +73,7 @@ std::optional<Stretch> ReadStretch(TableReader& table, const Reading& reading,
 std::optional<Stretch> StretchAt(TableReader& table, std::string_view key, Reading& reading);
 
 // The key `otherwise`.
-void ReadOtherwise(TableReader& table, Otherwise& otherwise, const Reading& reading);
+void ReadOtherwise(TableReader& table, Otherwise& otherwise, Reading& reading);
 
 // Takes the time of the key, where it has one.
 void Take(TableReader& table, const char* key, Duration& time, std::int64_t least_ms = 1);
@@ -82,7 +87,11 @@ void ReadSpeech(TableReader& table, Speech& speech, Reading& reading);
 // The body of [state.NAME].
 void ReadState(TableReader& table, StateRule& state, StatePlace& place, Reading& reading);
 
-// The errors of a course that is complete: states that get stuck. course_check.cpp.
+// States that get stuck. Also of a course with errors: what these may hide is left out, so that no
+// error is only the consequence of another one. course_check.cpp.
 void CheckStates(Reading& reading);
+
+// Commands that no text reaches. course_commands.cpp.
+void CheckCommands(TableReader& root, Reading& reading);
 
 }  // namespace musher::race::parts

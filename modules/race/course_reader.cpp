@@ -19,7 +19,7 @@ class CourseReader {
       : folder_(config_toml::FolderOf(path)),
         root_(table, {1, 1}, "", findings),
         findings_(findings),
-        reading_{{}, findings, {}} {}
+        reading_{{}, findings} {}
 
   Course Read() {
     Collect();
@@ -45,8 +45,9 @@ class CourseReader {
     Each("state", course().states, [&](TableReader& t, StateRule& s) {
       ReadState(t, s, reading_.places[state++], reading_);
     });
+    CheckCommands(root_, reading_);
     root_.RefuseOthers();
-    if (!findings_.HasErrors()) CheckStates(reading_);
+    CheckStates(reading_);
     return std::move(course());
   }
 
@@ -89,7 +90,9 @@ class CourseReader {
     if (const auto counters = root_.Strings("counters", {.may_be_empty = true})) {
       for (const auto& counter : *counters) course().counters.push_back(counter.text);
     }
-    if (course().states.empty()) root_.Require("state", "the states, tables [state.NAME]");
+    if (!course().states.empty()) return;
+    reading_.has_ends = false;
+    root_.Require("state", "the states, tables [state.NAME]");
   }
 
   // `read` gets each table [section.NAME], in the order of the names.
@@ -133,10 +136,25 @@ class CourseReader {
     }
   }
 
+  // The state of a key of the file, another one than those of the keys before it.
+  void TakeEnd(const char* key, Index& index, const std::vector<const char*>& before) {
+    root_.Require(key, "the name of a state");
+    const auto state = Reference(root_, key, "state", course().states);
+    if (!state) reading_.has_ends = false;
+    index = state.value_or(index);
+    for (const char* other : before) {
+      const auto same = root_.String(other);
+      if (!state || !same || same->text != course().states[*state].name) continue;
+      reading_.has_ends = false;
+      root_.Fault(root_.At(key), key,
+                  same->text + " is also the state of \"" + other + "\"; expected another one");
+    }
+  }
+
   void ReadTop() {
-    TakeReference(root_, "start", "state", course().states, course().start);
-    TakeReference(root_, "end", "state", course().states, course().end);
-    TakeReference(root_, "error", "state", course().states, course().error);
+    TakeEnd("start", course().start, {});
+    TakeEnd("end", course().end, {"start"});
+    TakeEnd("error", course().error, {"start", "end"});
     root_.Require("stand", "the name of a movement");
     if (const auto stand = Reference(root_, "stand", "movement", course().movements)) {
       course().stand = *stand;
@@ -269,7 +287,10 @@ class CourseReader {
     LightRule& light = course().light.emplace();
     TakeDetector(table, Detector::Kind::kSighting, light.detector);
     light.within_m = table.Number("stop_within_m", 0.01, 100).value_or(light.within_m);
-    TakeReference(table, "state", "state", course().states, light.state);
+    table.Require("state", "the name of a state");
+    const auto state = Reference(table, "state", "state", course().states);
+    if (!state) reading_.has_leads = false;
+    light.state = state.value_or(light.state);
     Take(table, "clear_ms", light.clear);
     Take(table, "again_ms", light.again);
   }

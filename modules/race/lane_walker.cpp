@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "musher/modules/race/printable.hpp"
+
 namespace musher::race {
 namespace {
 
@@ -31,6 +33,7 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     started_at_ = heard_at_ = now;
     heard_ = running_ = false;
     end_.clear();
+    ended_at_.reset();
     outputs_.CommandWalker(walk, true);
     return End::kNone;
   }
@@ -38,9 +41,12 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
   const bool ended = !end_.empty() && (running_ || now - started_at_ >= kOldEnd);
   if (ended && end_ == walk.end) return End::kGood;
   if (ended) {
-    reason = "the line walker has ended with " + end_.substr(0, 40);
+    if (!ended_at_) ended_at_ = now;
+    if (now - *ended_at_ < kStopGrace) return End::kNone;
+    reason = "the line walker has ended with " + Printable(end_);
     return End::kOther;
   }
+  ended_at_.reset();
   if (now - heard_at_ >= walk.silent) {
     reason = "no " + walk.status + " for " + std::to_string(ToMilliseconds(walk.silent)) +
              " ms: the line walker is lost";

@@ -18,8 +18,8 @@ class LaneWalker {
   enum class End : std::uint8_t { kNone, kGood, kOther, kLost };
 
   void Begin(Index walk);
-  // Each tick until an end. kGood: the course's end; kOther: another end, or the limit; kLost: no
-  // status. `reason` has the last two as text.
+  // Each tick until an end. kGood: the course's end; kOther: another end, kStopGrace after it, or
+  // the limit; kLost: no status. `reason` has the last two as text.
   End Advance(Duration now, std::string& reason);
   // STOP, if START was sent.
   void Stop();
@@ -36,9 +36,10 @@ class LaneWalker {
   Duration started_at_{};
   Duration walked_{};  // before the last pause
   Duration heard_at_{};
-  bool heard_ = false;    // since the last tick
-  bool running_ = false;  // a status without an end was received since START
-  std::string end_;       // of the last status
+  bool heard_ = false;                // since the last tick
+  bool running_ = false;              // a status without an end was received since START
+  std::string end_;                   // of the last status
+  std::optional<Duration> ended_at_;  // with another end than the course's
 };
 
 }  // namespace musher::race

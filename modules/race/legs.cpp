@@ -33,13 +33,18 @@ void Legs::Continue(const WalkProgress& walk) {
   motion_.reset();
   walk_ = walk;
   steer_rad_s_ = 0;
-  if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, {}, 0};
+  static_cast<void>(Rise({}));
+}
+
+bool Legs::Rise(Duration now) {
+  if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
+  return stands_.has_value();
 }
 
 void Legs::Move(Index movement, Duration now) {
   EndStream();
   walk_.reset();
-  motion_ = Motion{movement, Stage::kBefore, now, 0};
+  motion_ = Motion{movement, Stage::kBefore, now, 0, {}};
 }
 
 bool Legs::Advance(Duration now, Time time) {
@@ -108,11 +113,11 @@ bool Legs::AdvanceMotion(Motion& motion, Duration now) {
     call_ = Call{motion.call, movement.limit, now, motion.movement, false};
     outputs_.Move(movement.motion_id, motion.call);
   }
-  if (motion.stage == Stage::kAfter) {
+  if (motion.stage == Stage::kAfter || motion.stage == Stage::kFailed) {
     if (motion.since == Duration(-1)) motion.since = now;  // the reply came since the last tick
-    return now - motion.since >= movement.after;
   }
-  return false;
+  if (motion.stage == Stage::kFailed && now - motion.since >= kStopGrace) Fail(motion.why);
+  return motion.stage == Stage::kAfter && now - motion.since >= movement.after;
 }
 
 void Legs::ExpireCall(Duration now) {
@@ -136,9 +141,12 @@ void Legs::OnMotionDone(std::uint64_t number, const Result<>& done) {
     waiting->since = Duration(-1);
   } else if (call.paused || paused_) {
     waiting->stage = Stage::kCall;
+    if (!paused_ && stands_again_ && motion_ && waiting == &*motion_) StandFirst({});
   } else {
-    Fail("the motion " + movement.name + " (" + std::to_string(movement.motion_id) +
-         ") failed: " + ErrorText(done.error()));
+    waiting->stage = Stage::kFailed;
+    waiting->since = Duration(-1);
+    waiting->why = "the motion " + movement.name + " (" + std::to_string(movement.motion_id) +
+                   ") failed: " + ErrorText(done.error());
   }
 }
 
@@ -147,13 +155,23 @@ void Legs::Pause() {
   EndStream();
   stands_.reset();
   if (call_) call_->paused = true;
+  if (motion_ && motion_->stage == Stage::kFailed) motion_->stage = Stage::kCall;
 }
 
 void Legs::Resume(bool stand, Duration now) {
   paused_ = false;
   bad_reports_ = 0;
-  const bool moves = motion_.has_value();
-  if (stand && !lying_ && !moves) stands_ = Motion{course_.stand, Stage::kCall, now, 0};
+  stands_again_ = stand;
+  if (stand) StandFirst(now);
+}
+
+// Clears the latch of an emergency stop, too, which refuses every other motion. A motion that has
+// not been answered yet may have ended well.
+void Legs::StandFirst(Duration now) {
+  const bool begins =
+      !motion_ || motion_->stage == Stage::kBefore || motion_->stage == Stage::kCall;
+  const bool stands = motion_ && motion_->movement == course_.stand;
+  if (begins && !stands && !lying_) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
 }
 
 bool Legs::AdvanceStanding(Duration now) {

@@ -5,8 +5,8 @@
 //   a motion   its pause before, the call, its reply, its pause after
 //
 // A pause ends the stream; the walk continues with what is left of it. A motion that failed in a
-// pause is repeated. Before anything continues the robot stands up, unless it was lying; and before
-// a walk where it is lying, because a command has led there.
+// pause, or less than kStopGrace before it, is repeated. Before anything continues the robot stands
+// up, unless it was lying; and before a walk where it is lying, because a command has led there.
 //
 // Times are those of the machine, which stands still in a pause. One thread.
 
@@ -67,6 +67,9 @@ class Legs {
   // `stand`: it was under way, and has to stand again.
   void Resume(bool stand, Duration now);
   bool standing_up() const { return stands_.has_value(); }
+  // A lying robot stands up before it does what is next: for walks of others. Returns whether it
+  // does.
+  bool Rise(Duration now);
   // Once a tick before anything else; returns true when it stands.
   bool AdvanceStanding(Duration now);
 
@@ -82,12 +85,13 @@ class Legs {
   std::optional<std::string> Fault(Duration now);
 
  private:
-  enum class Stage : std::uint8_t { kBefore, kCall, kReply, kAfter };
+  enum class Stage : std::uint8_t { kBefore, kCall, kReply, kAfter, kFailed };
   struct Motion {
     Index movement = 0;
     Stage stage = Stage::kBefore;
     Duration since{};        // of the stage
     std::uint64_t call = 0;  // its number
+    std::string why;         // it failed
   };
   struct Call {
     std::uint64_t number = 0;
@@ -98,6 +102,7 @@ class Legs {
   };
 
   bool AdvanceMotion(Motion& motion, Duration now);
+  void StandFirst(Duration now);
   bool AdvanceWalk(Duration now, Time time);
   void EndStream();
   void Send(bool end);
@@ -119,6 +124,7 @@ class Legs {
   std::uint64_t calls_ = 0;
   bool lying_ = true;
   bool paused_ = false;
+  bool stands_again_ = false;  // after the last pause
   std::optional<std::string> fault_;
   // The body.
   int bad_reports_ = 0;  // in a row

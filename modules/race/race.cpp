@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "musher/base/suggest.hpp"
 #include "musher/modules/race/course_state.hpp"
+#include "musher/modules/race/printable.hpp"
 #include "musher/modules/race/recording.hpp"
 
 namespace musher::race {
@@ -14,6 +16,7 @@ namespace {
 
 constexpr Duration kLogPeriod = std::chrono::seconds(2);  // of each kind of refusal
 constexpr std::size_t kMostText = 200;                    // of a command or a sighting
+constexpr std::size_t kMostLine = 2000;                   // of the log
 constexpr std::size_t kMostEarly = 64;
 
 std::string_view Trimmed(std::string_view text) {
@@ -24,7 +27,7 @@ std::string_view Trimmed(std::string_view text) {
 }
 
 std::string Shown(std::string_view text) {
-  return "'" + std::string(text.substr(0, 40)) + "'";
+  return "'" + Printable(text) + "'";
 }
 
 bool IsWord(std::string_view text) {
@@ -39,6 +42,10 @@ Race::Race(Course course, RaceOutputs& outputs)
       outputs_(outputs),
       runner_(course_, outputs),
       log_([&outputs](const std::string& line) { outputs.Log(line); }, kLogPeriod) {}
+
+void Race::Refuse(std::string_view kind, const std::string& why) {
+  log_.Log(kind, Printable(why, kMostLine), now_);
+}
 
 Race::~Race() {
   if (machine_ != nullptr) machine_->Forget(this);
@@ -83,13 +90,9 @@ void Race::Record(std::string_view input, std::initializer_list<std::string> wor
 
 void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
   now_ = now;
-  if (!IsWord(sighting.phase) || sighting.text.size() > kMostText) {
-    return Refuse("sighting", "a sighting is refused: its phase or text is too long or no word");
-  }
-  if (sighting.distance_m < 0 || std::isinf(sighting.distance_m)) {
-    return Refuse("sighting",
-                  "a sighting is refused: a distance of " + NumberText(sighting.distance_m) + " m");
-  }
+  if (detector >= course_.detectors.size()) return;
+  Clean(detector, sighting);
+  taken = std::min(taken, now);  // a camera whose clock is ahead
   if (first_start_) {
     Record(input::kSighting,
            {std::to_string(detector), std::to_string((taken - *first_start_).count()),
@@ -99,13 +102,38 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
   runner_.eyes().OnSighting(detector, std::move(sighting), taken);
 }
 
+// What makes no sense is left out and logged. The rest counts, so that a detector that works is not
+// taken for a silent one.
+void Race::Clean(Index detector, Sighting& sighting) {
+  const auto refuse = [&](const std::string& what) {
+    Refuse("sighting", "a sighting of the detector " + course_.detectors[detector].name +
+                           " counts without its " + what);
+  };
+  if (!IsWord(sighting.phase)) {
+    refuse("phase, which is no word of at most " + std::to_string(kMostText) + " characters");
+    sighting.phase.clear();
+  }
+  if (sighting.text.size() > kMostText) {
+    refuse("text of " + std::to_string(sighting.text.size()) + " bytes; expected at most " +
+           std::to_string(kMostText));
+    sighting.text.clear();
+  }
+  if (sighting.distance_m < 0 || std::isinf(sighting.distance_m)) {
+    refuse("distance of " + NumberText(sighting.distance_m) + " m");
+    sighting.distance_m = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
 void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
                    std::string_view dy, double middle_offset, Time taken, Time now) {
   now_ = now;
+  if (detector >= course_.detectors.size()) return;
+  taken = std::min(taken, now);
   const auto ycy_word = LineWordOf(ycy);
   const auto dy_word = LineWordOf(dy);
   if (!ycy_word || !dy_word) {
-    return Refuse("lines", "a picture of lines is refused: " + Shown(ycy) + " and " + Shown(dy) +
+    return Refuse("lines", "a picture of the detector " + course_.detectors[detector].name +
+                               " is refused: " + Shown(ycy) + " and " + Shown(dy) +
                                "; expected left, right, front, back or center");
   }
   if (first_start_) {

@@ -41,7 +41,8 @@ class Race : private fsm::Listener {
   // Applies a recorded input, for fsm::Replay(). From then on forces come from the recording.
   Result<> Apply(std::string_view input, std::string_view text);
 
-  // --- inputs: each logs what it refuses, and then changes nothing ---
+  // --- inputs: each logs what it refuses, and then changes nothing; of a sighting that is in part
+  //     without sense the rest counts ---
 
   // START, START:<name or number>, STOP, RESET, SET_<result>:<value>, SET_<result>_DEFAULT, and
   // those of the course.
@@ -95,7 +96,8 @@ class Race : private fsm::Listener {
   void GoTo(std::string_view target);
   void JumpTo(const Jump& jump);
   void ExecuteJump();
-  void Refuse(std::string_view kind, const std::string& why) { log_.Log(kind, why, now_); }
+  void Clean(Index detector, Sighting& sighting);
+  void Refuse(std::string_view kind, const std::string& why);
   void Record(std::string_view input, std::initializer_list<std::string> words);
   bool running() const { return machine_ != nullptr && machine_->running(); }
 

@@ -42,15 +42,11 @@ Result<> RaceRobot::BuildMachine(fsm::Machine& machine) {
 }
 
 Result<> RaceRobot::Record(fsm::Machine& machine) {
-  auto file = RecordFile::Open(race_.course().robot.record);
-  if (!file) return file.error();
-  record_ = std::move(file).value();
-  recorder_ = std::make_unique<fsm::Recorder>(machine, [this](std::string_view line) {
-    const bool good = record_->good();
-    record_->Write(line);
-    if (good && !record_->good()) Log("the recording ends here: its file cannot be written to");
-  });
-  race_.RecordTo(*recorder_);
+  auto recording = FsmRecording::Open(machine, race_.course().robot.record, "robot.record",
+                                      [this](const std::string& line) { Log(line); });
+  if (!recording) return recording.error();
+  recording_ = std::move(recording).value();
+  race_.RecordTo(recording_->recorder());
   return Ok();
 }
 

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "musher/application/fsm_actuator.hpp"
+#include "musher/application/fsm_recording.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/race/detectors.hpp"
 #include "musher/modules/race/race.hpp"
-#include "musher/modules/race/record_file.hpp"
 #include "musher/modules/race/self_check.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -63,8 +63,7 @@ class RaceRobot : public FsmActuator, private RaceOutputs {
   void ShowState(int number) override;
   void Log(const std::string& line) override { FsmActuator::Log(line); }
 
-  std::unique_ptr<RecordFile> record_;  // before the members that write to it
-  std::unique_ptr<fsm::Recorder> recorder_;
+  std::unique_ptr<FsmRecording> recording_;  // before the member that writes to it
   Race race_;
   std::weak_ptr<Wire> wire_;
 };

@@ -1,7 +1,9 @@
 #include "musher/modules/race/recording.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 namespace musher::race {
 namespace {
@@ -25,6 +27,34 @@ std::string_view Take(std::string_view& text, bool rest) {
   return word;
 }
 
+constexpr std::array<std::pair<char, std::string_view>, 3> kCodes = {
+    {{' ', "%20"}, {'%', "%25"}, {'-', "%2D"}}};
+
+// A word that has no space, and is not that of nothing.
+std::string Encoded(const std::string& word) {
+  if (word.empty()) return std::string(kNothing);
+  std::string text;
+  for (const char c : word) {
+    const auto* const code =
+        std::ranges::find_if(kCodes, [c](const auto& known) { return known.first == c; });
+    const bool bare = code == kCodes.end() || (c == '-' && word != kNothing);
+    text += bare ? std::string(1, c) : std::string(code->second);
+  }
+  return text;
+}
+
+std::string Decoded(std::string_view text) {
+  if (text == kNothing) return {};
+  std::string word;
+  while (!text.empty()) {
+    const auto* const code = std::ranges::find_if(
+        kCodes, [text](const auto& known) { return text.starts_with(known.second); });
+    word += code == kCodes.end() ? text.front() : code->first;
+    text.remove_prefix(code == kCodes.end() ? 1 : code->second.size());
+  }
+  return word;
+}
+
 }  // namespace
 
 std::string NumberText(double number) {
@@ -36,7 +66,8 @@ std::string NumberText(double number) {
 std::string InputText(Duration at, std::initializer_list<std::string> words) {
   std::string text = std::to_string(at.count());
   for (const std::string& word : words) {
-    text += " " + (word.empty() ? std::string(kNothing) : word);
+    const bool last = &word == words.end() - 1;
+    text += " " + (last && !word.empty() ? word : Encoded(word));
   }
   return text;
 }
@@ -49,9 +80,10 @@ Result<InputWords> ReadInput(std::string_view text, std::size_t words) {
   if (!at) return fault;
   read.at = Duration(at.value());
   for (std::size_t i = 0; i < words; ++i) {
-    const std::string_view word = Take(text, i + 1 == words);
+    const bool last = i + 1 == words;
+    const std::string_view word = Take(text, last);
     if (word.empty()) return fault;
-    read.words.emplace_back(word == kNothing ? "" : word);
+    read.words.push_back(last && word != kNothing ? std::string(word) : Decoded(word));
   }
   return read;
 }

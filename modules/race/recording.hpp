@@ -1,7 +1,8 @@
 #pragma once
 // The inputs of a race in a recording (behavior/fsm/recorder.hpp), a name and a text: words in a
 // row, of which the first is the time of reception in nanoseconds since the machine was first
-// started, and the last may have spaces. "-" is an empty word.
+// started, and the last may have spaces. "-" is an empty word. In all but the last a space is %20,
+// a percent sign %25, and the word "-" %2D.
 
 #include <initializer_list>
 #include <string>

@@ -21,6 +21,12 @@ constexpr std::array<Kind, 10> kKinds = {{{input::kSighting, 7},
                                           {input::kRest, 0},
                                           {input::kResume, 0}}};
 
+constexpr std::int64_t kMostNs = 1'000'000'000'000'000'000;  // 31 years
+
+Error NoTime() {
+  return {kCodeFailed, "expected a time of at most 10^18 ns since the start"};
+}
+
 // The words of an input as numbers; the first that is none is the error.
 class Numbers {
  public:
@@ -36,6 +42,13 @@ class Numbers {
     const Result<double> read = ReadNumber(input_.words[word]);
     if (!read && result_) result_ = read.error();
     return read ? read.value() : 0;
+  }
+  // A time in ns, of which the sum with another one has a place.
+  Duration Nanoseconds(std::size_t word) {
+    const auto ns = Integer<std::int64_t>(word);
+    const bool has_place = ns >= -kMostNs && ns <= kMostNs;
+    if (!has_place && result_) result_ = NoTime();
+    return Duration(has_place ? ns : 0);
   }
   // Of an error's code and message.
   Result<> Outcome(std::size_t word) {
@@ -61,10 +74,11 @@ Result<> Race::Apply(std::string_view input, std::string_view text) {
   if (!read) return read.error();
   if (!first_start_) return Error{kCodeFailed, "an input before the first start"};
   replays_ = true;
-  const Time now = *first_start_ + read.value().at;
   const std::vector<std::string>& words = read.value().words;
   Numbers numbers(read.value());
-  const auto taken = [&] { return *first_start_ + Duration(numbers.Integer<std::int64_t>(1)); };
+  const auto taken = [&] { return *first_start_ + numbers.Nanoseconds(1); };
+  if (read.value().at > Duration(kMostNs) || read.value().at < -Duration(kMostNs)) return NoTime();
+  const Time now = *first_start_ + read.value().at;
   if (input == input::kSighting) {
     OnSighting(numbers.Integer<Index>(0),
                {numbers.Integer<int>(2) != 0, numbers.Real(3), words[4], words[5], numbers.Real(6)},

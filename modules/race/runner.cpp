@@ -21,6 +21,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
   const bool back = by_decision && returns_ && interrupted_ && interrupted_->state == state;
   const bool begins = by_decision && state_ == course_.start;
   light_stops_ = returns_ = skips_ = false;
+  unknown_.clear();
   if (back) {
     const Interrupted interrupted = *std::exchange(interrupted_, std::nullopt);
     state_ = state;

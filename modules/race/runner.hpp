@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "musher/modules/race/eyes.hpp"
 #include "musher/modules/race/lane_walker.hpp"
@@ -88,7 +89,10 @@ class Runner {
   Outcome Advance(Duration now, Time time);
   bool StoppedByLight(Duration now);
   void Steer(const std::optional<Index>& keep, Time time);
+  bool WalkEndsSoon() const;
   void WantNext();
+  // Once for each text, at most some of a state.
+  void ReportUnknown(const Wait& wait, const std::string& text);
   std::optional<LineWord> Word(const Check& check) const;
   Outcome Look(const Check& check, bool after_turn, Duration now, Time time);
   Outcome FindResult(const Wait& wait, Duration now, Time time);
@@ -117,7 +121,8 @@ class Runner {
   bool returns_ = false;      // and now back again
   bool skips_ = false;        // see SkipSteps()
   Index target_ = 0;
-  std::string fault_;  // found by a step in this tick
+  std::vector<std::string> unknown_;  // texts without a meaning, in this state
+  std::string fault_;                 // found by a step in this tick
   std::string reason_;
 };
 

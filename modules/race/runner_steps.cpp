@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "musher/base/suggest.hpp"
+#include "musher/modules/race/printable.hpp"
 #include "musher/modules/race/runner.hpp"
 
 namespace musher::race {
@@ -48,11 +50,14 @@ void Runner::Steer(const std::optional<Index>& keep, Time time) {
   legs_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
 }
 
+bool Runner::WalkEndsSoon() const {
+  return legs_.walk() && legs_.walk()->left() <= course_.check.open;
+}
+
 // A detector needs a moment to start.
 void Runner::WantNext() {
-  const auto& walk = legs_.walk();
   const Index next = at_.step + 1;
-  if (!walk || walk->left() > course_.check.open || next >= rule().steps.size()) return;
+  if (next >= rule().steps.size()) return;
   const Step& step = rule().steps[next];
   if (const auto* check = std::get_if<CheckStep>(&step)) {
     eyes_.Want(course_.checks[check->check].detector);
@@ -81,7 +86,8 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
   }
   Steer(step.keep, time);
   const Outcome outcome = Advance(now, time);
-  WantNext();
+  // Also in its last tick: a detector that is closed for a tick has to start once more.
+  if (walks && (outcome == Outcome::kDone || WalkEndsSoon())) WantNext();
   return outcome;
 }
 
@@ -105,6 +111,7 @@ std::optional<LineWord> Runner::Word(const Check& check) const {
   if (check.by == Check::By::kBox) {
     const Sighting* sighting = eyes_.SightingSince(check.detector, at_.after);
     if (sighting == nullptr || !sighting->seen) return std::nullopt;
+    if (!std::isfinite(sighting->offset)) return std::nullopt;  // it does not say where
     if (sighting->offset > check.threshold) return LineWord::kLeft;
     return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
   }
@@ -171,6 +178,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
       Say(result.name + " is " + sighting->text);
       return Outcome::kDone;
     }
+    ReportUnknown(wait, sighting->text);
   }
   if (now - at_.since < wait.limit) return Outcome::kRunning;
   const std::string none =
@@ -186,6 +194,17 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
   memory_.Set(wait.result, *result.by_default);
   Say(none + ": its default " + result.values[*result.by_default]);
   return Outcome::kDone;
+}
+
+void Runner::ReportUnknown(const Wait& wait, const std::string& text) {
+  constexpr std::size_t kMostReported = 5;
+  const bool known = std::ranges::find(unknown_, text) != unknown_.end();
+  if (text.empty() || known || unknown_.size() >= kMostReported) return;
+  unknown_.push_back(text);
+  const ResultRule& result = course_.results[wait.result];
+  const std::string shown = Printable(text);
+  Say("the detector " + course_.detectors[*wait.detector].name + " reads '" + shown + "'; " +
+      NoSuch(result.name, shown, result.values));
 }
 
 Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
@@ -218,6 +237,7 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
     lane_walker_.Begin(step.walk);
     Phase(1, now);
+    if (legs_.Rise(now)) return Outcome::kRunning;
   }
   std::string reason;
   const LaneWalker::End end = lane_walker_.Advance(now, reason);

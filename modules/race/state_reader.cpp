@@ -20,18 +20,36 @@ class StateReader {
     place_.at = table_.at();
     place_.next = table_.At("next");
     table_.Require("number", "the state's number in state_info");
-    state_.number = static_cast<int>(table_.Integer("number", 0, 999).value_or(0));
+    const auto number = table_.Integer("number", 0, 999);
+    place_.has_number = number.has_value();
+    state_.number = static_cast<int>(number.value_or(0));
     state_.light = table_.Bool("light").value_or(false);
     place_.on_fault = table_.At("on_fault");
-    state_.on_fault =
-        Reference(table_, "on_fault", "state", course().states).value_or(course().error);
+    const auto on_fault = Reference(table_, "on_fault", "state", course().states);
+    if (!on_fault && table_.Has("on_fault")) reading_.has_leads = false;
+    state_.on_fault = on_fault.value_or(course().error);
     EachTable("steps", "a step, as in { move = \"forward\", count = 12 }",
               [this](TableReader& step) { ReadStep(step); });
+    place_.has_all_steps = state_.steps.size() == ItemsOf(table_, "steps");
+    place_.has_all_ways = true;
     ReadWays();
+    if (state_.ways.size() != ItemsOf(table_, "next")) place_.has_all_ways = false;
+    // A step that is not known may be a wait that leads to a state.
+    const bool leads = place_.has_all_steps && place_.has_all_ways;
+    if (!leads && MayLead()) reading_.has_leads = false;
   }
 
  private:
   const Course& course() const { return reading_.course; }
+
+  // How many the list of the key has; another value counts as one.
+  static std::size_t ItemsOf(TableReader& table, const char* key) {
+    const Value* value = table.Get(key);
+    if (value == nullptr) return 0;
+    const auto* items = value->As<Array>();
+    return items == nullptr ? 1 : items->size();
+  }
+  bool MayLead() const { return !place_.has_all_ways || leads_; }
 
   // `read` gets each table of the list.
   template <class Read>
@@ -78,6 +96,7 @@ class StateReader {
     if (what == "say") return Add<SayStep>(step, "say", course().speeches);
     if (what == "until") return ReadUntil(step);
     if (what == "set" || what == "add") return ReadCount(step, what == "add");
+    leads_ = true;
     step.Require("move", "a step, as in { move = \"forward\", count = 12 } or { check = … }");
   }
 
@@ -85,6 +104,8 @@ class StateReader {
   void Add(TableReader& step, const char* key, const std::vector<Thing>& things) {
     if (const auto found = Reference(step, key, key, things)) {
       state_.steps.emplace_back(Kind{*found});
+    } else {
+      leads_ = true;
     }
   }
 
@@ -117,6 +138,7 @@ class StateReader {
     const auto until = Reference(step, "until", "until", course().untils);
     const auto stores = CounterAt(step, "stores");
     const auto keep = Reference(step, "keep", "keep", course().keeps);
+    if (!until) leads_ = true;
     if (!until) return;
     state_.steps.emplace_back(UntilStep{*until, stores, keep});
     turned_ = false;
@@ -142,17 +164,22 @@ class StateReader {
 
   void ReadWay(TableReader& table) {
     Way way;
+    std::size_t errors = 0;
     way.result = Reference(table, "result", "result", course().results);
     if (table.Has("result")) table.Require("is", "a value of the result");
     if (const auto word = table.String("is"); word && way.result) {
-      way.is = Refer(table, "is", "value", *word, course().results[*way.result].values).value_or(0);
+      const auto is = Refer(table, "is", "value", *word, course().results[*way.result].values);
+      if (!is) ++errors;
+      way.is = is.value_or(0);
     } else if (word && !table.Has("result")) {
       table.Fault(word->at, "is", "expected result = … beside it");
     }
     way.from = States(table, "from", reading_);
+    if (way.from.size() != ItemsOf(table, "from")) ++errors;
     way.counter = CounterAt(table, "counter");
     const auto number = [&](const char* key, std::optional<int>& limit) {
       if (const auto read = table.Integer(key, 0, kMostSteps)) limit = static_cast<int>(*read);
+      if (table.Has(key) != limit.has_value()) ++errors;
       if (table.Has(key) && !table.Has("counter")) {
         table.Fault(table.At(key), key, "expected counter = … beside it");
       }
@@ -162,6 +189,10 @@ class StateReader {
     if (way.counter && !way.below && !way.at_least) {
       table.Fault(table.At("counter"), "counter", "expected below = … or at_least = … beside it");
     }
+    const bool whole = table.Has("result") == way.result.has_value() &&
+                       table.Has("result") == table.Has("is") &&
+                       table.Has("counter") == way.counter.has_value();
+    if (!whole || errors > 0) place_.has_all_ways = false;
     table.Require("to", "the name of a state");
     AddWay(table, "to", way);
   }
@@ -185,6 +216,7 @@ class StateReader {
   StatePlace& place_;
   Reading& reading_;
   bool turned_ = false;  // by the last movement so far
+  bool leads_ = false;   // a step that is not known may lead to a state
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Reads the tables of a course that refer to few others: movements, results, speech, the robot.
 
+#include <algorithm>
 #include <filesystem>
 
 #include "musher/base/toml/names.hpp"
@@ -95,6 +96,15 @@ void ReadResult(TableReader& table, ResultRule& result) {
   if (const auto command = table.String("command")) result.command = command->text;
   result.once = table.Bool("once").value_or(false);
   result.shown = table.Bool("shown").value_or(false);
+  if (!result.shown) return;
+  for (const std::string& value : result.values) {
+    const bool fits = std::ranges::none_of(
+        value, [](char c) { return c == ',' || (c >= 0 && c < ' ') || c == 0x7f; });
+    if (fits) continue;
+    table.Fault(table.At("values"), "values",
+                "expected no comma and no control character, which state_info would show, found " +
+                    config_toml::Quote(value));
+  }
 }
 
 void ReadSpeech(TableReader& table, Speech& speech, Reading& reading) {

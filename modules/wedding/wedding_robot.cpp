@@ -46,15 +46,11 @@ Result<> WeddingRobot::BuildMachine(fsm::Machine& machine) {
 }
 
 Result<> WeddingRobot::Record(fsm::Machine& machine) {
-  auto file = RecordFile::Open(config_.record);
-  if (!file) return file.error();
-  record_ = std::move(file).value();
-  recorder_ = std::make_unique<fsm::Recorder>(machine, [this](std::string_view line) {
-    const bool good = record_->good();
-    record_->Write(line);
-    if (good && !record_->good()) Log("the recording ends here: its file cannot be written to");
-  });
-  show_.RecordTo(*recorder_);
+  auto recording = FsmRecording::Open(machine, config_.record, "record.file",
+                                      [this](const std::string& line) { Log(line); });
+  if (!recording) return recording.error();
+  recording_ = std::move(recording).value();
+  show_.RecordTo(recording_->recorder());
   return Ok();
 }
 

@@ -12,12 +12,12 @@
 #include <string>
 
 #include "musher/application/fsm_actuator.hpp"
+#include "musher/application/fsm_recording.hpp"
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/wedding/extension/second_generation.hpp"
 #include "musher/modules/wedding/photographer.hpp"
-#include "musher/modules/wedding/record_file.hpp"
 #include "musher/modules/wedding/self_check.hpp"
 #include "musher/modules/wedding/show.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -65,8 +65,7 @@ class WeddingRobot : public FsmActuator, private ShowOutputs {
   void Log(const std::string& line) override;
 
   const WeddingConfig config_;
-  std::unique_ptr<RecordFile> record_;  // before the members that write to it
-  std::unique_ptr<fsm::Recorder> recorder_;
+  std::unique_ptr<FsmRecording> recording_;  // before the member that writes to it
   Show show_;
   std::weak_ptr<Wire> wire_;
   std::optional<Time> seen_at_;  // when vision last published

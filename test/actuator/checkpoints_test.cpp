@@ -118,6 +118,21 @@ TEST_F(CheckpointsOf, AThreadWithoutFurtherCheckpointsIsNotMonitored) {
   EXPECT_FALSE(points_->Period());
 }
 
+TEST_F(CheckpointsOf, AThreadThatMakesProgressDoesNotHideAnotherThatHangs) {
+  constexpr pid_t kThird = 33;
+  points_->Mark(kOther, Duration::zero(), now_);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_NE(After(Milliseconds(15)).work, Health::kHung);
+    points_->Mark(kThird, Milliseconds(500), now_);
+    After(Milliseconds(5));
+    points_->Mark(kThird, Duration::max(), now_);
+  }
+  EXPECT_EQ(After(Milliseconds(5)).work, Health::kHung);
+  points_->Mark(kOther, Duration::max(), now_);
+  EXPECT_EQ(After(Milliseconds(500)).work, Health::kWell);
+  EXPECT_FALSE(points_->Period());
+}
+
 TEST_F(CheckpointsOf, ACallbackWithoutFurtherCheckpointsIsMonitoredAgainFromItsNextMark) {
   points_->Begin("SetUp", now_);
   points_->Mark(kWorker, Duration::max(), now_);

@@ -1,24 +1,17 @@
 // musher-race replay FILE COURSE: replays a recording and prints the first difference.
 
-#include "musher/behavior/fsm/replay.hpp"
-
 #include <CLI/CLI.hpp>
-#include <iomanip>
 #include <iostream>
+#include <memory>
 
 #include "musher/actuator/program/module_main.hpp"
-#include "musher/base/toml/file.hpp"
+#include "musher/application/fsm_replay_file.hpp"
 #include "musher/modules/race/course_reader.hpp"
 #include "musher/modules/race/race.hpp"
 #include "musher/modules/race/tool/tool.hpp"
 
 namespace musher::race::tool {
 namespace {
-
-enum Exit : int { kSame = 0, kOther = 1, kUsage = 2 };
-
-// Recordings are larger than configs: an hour has some 30 MiB.
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
 // There is no robot: outputs are ignored.
 class NoOutputs : public RaceOutputs {
@@ -32,49 +25,16 @@ class NoOutputs : public RaceOutputs {
   void Log(const std::string& line) override { std::cerr << "musher-race: " << line << "\n"; }
 };
 
-class Printer : public fsm::Listener {
- public:
-  void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
-    const auto name = [&](fsm::StateId id) {
-      return id == fsm::kNoState ? std::string_view("-") : machine.Name(id);
-    };
-    const std::chrono::duration<double> at = change.at;
-    std::cout << std::fixed << std::setprecision(3) << std::setw(10) << at.count() << " s  "
-              << name(change.from) << " -> " << name(change.to) << "  " << fsm::Name(change.cause);
-    if (change.command != fsm::kNoEvent) std::cout << " by " << machine.Name(change.command);
-    std::cout << "\n";
-  }
-};
-
-int Fail(const std::string& message) {
-  std::cerr << message << std::endl;
-  return kUsage;
-}
-
-int Play(const std::string& file, const Course& course) {
-  const Result<std::string> text = config_toml::ReadTextFile(file, kMostBytes);
-  if (!text) return Fail(file + ": error: " + text.error().message);
-  const Result<fsm::Recording> recording = fsm::ReadRecording(text.value(), file);
-  if (!recording) return Fail(recording.error().message);
+ReplayExit Play(const std::string& file, const Course& course) {
   NoOutputs outputs;
-  fsm::Machine machine({.name = recording.value().machine});
-  Race race(course, outputs);
-  if (const Result<> built = race.Build(machine); !built) return Fail(built.error().message);
-  Printer printer;
-  machine.Listen(&printer);
-  race.Resume({});
-  const Result<fsm::Replayed> replayed = fsm::Replay(
-      recording.value(), machine,
-      [&](std::string_view input, std::string_view words) { return race.Apply(input, words); });
-  machine.Forget(&printer);
-  if (!replayed) return Fail(replayed.error().message);
-  std::cout << replayed.value().ticks << " ticks, " << replayed.value().changes << " changes: ";
-  if (!replayed.value().difference) {
-    std::cout << "identical" << std::endl;
-    return kSame;
-  }
-  std::cout << "different\n" << *replayed.value().difference << std::endl;
-  return kOther;
+  const auto make = [&](fsm::Machine& machine) -> Result<ReplayedInput> {
+    const auto race = std::make_shared<Race>(course, outputs);
+    if (const Result<> built = race->Build(machine); !built) return built.error();
+    race->Resume({});
+    return ReplayedInput(
+        [race](std::string_view input, std::string_view text) { return race->Apply(input, text); });
+  };
+  return ReplayFile(file, make, std::cout, std::cerr);
 }
 
 }  // namespace
@@ -90,11 +50,12 @@ int Replay(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSame : kUsage;
+    return app.exit(error) == 0 ? 0 : program::kUsageError;
   }
   const CourseReading reading = ReadCourseFile(course_file);
   program::PrintErrors(reading.diagnostics);
-  return reading.course ? Play(file, *reading.course) : kUsage;
+  if (!reading.course) return program::kUsageError;
+  return static_cast<int>(Play(file, *reading.course));
 }
 
 }  // namespace musher::race::tool

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "musher/test/modules/race/race_rig.hpp"
 
@@ -141,6 +142,75 @@ TEST(CourseFile, ReportsEveryUnknownNameAtOnce) {
 
 TEST(CourseFile, ReportsEveryStateThatGetsStuck) {
   ExpectGolden("stuck");
+}
+
+TEST(CourseFile, ReportsStatesThatGetStuckBesideUnknownNames) {
+  ExpectGolden("unknown_and_stuck");
+}
+
+TEST(CourseFile, ReportsStatesThatCannotBeTheSame) {
+  ExpectGolden("same_states");
+}
+
+TEST(CourseFile, ReportsCommandsThatHideOthers) {
+  ExpectGolden("hidden_commands");
+}
+
+TEST(CourseFile, ReportsAWayBackThatNothingLeadsBackFrom) {
+  std::string text = Shipped();
+  const std::size_t light = text.find("[light]");
+  text.erase(light, text.find("[speech.qr_a]") - light);
+  std::vector<std::string> lines;
+  for (const Diagnostic& fault : ReadCourseText(text, "course.toml").diagnostics) {
+    lines.push_back(fault.message);
+  }
+  EXPECT_THAT(lines,
+              ::testing::Contains(HasSubstr(
+                  "state.YELLOW_LIGHT_COUNTDOWN: \"back\" leads to the movement that a light "
+                  "has interrupted, and the course has no [light]")));
+}
+
+TEST(CourseFile, ReportsALightThatIsWatchedInItsOwnState) {
+  EXPECT_THAT(
+      Faults("[state.YELLOW_LIGHT_STOP]\n", "[state.YELLOW_LIGHT_STOP]\nlight = true\n"),
+      ElementsAre(HasSubstr("state.YELLOW_LIGHT_STOP: light = true in the state of [light]")));
+}
+
+TEST(CourseFile, CutAnywhereIsReportedWithAPlace) {
+  const std::string text = Shipped();
+  for (std::size_t size = 0; size < text.size(); size += 397) {
+    const CourseReading reading = ReadCourseText(text.substr(0, size), "course.toml");
+    EXPECT_FALSE(reading.course && size < text.size() - 100) << size;
+    for (const Diagnostic& fault : reading.diagnostics) {
+      EXPECT_THAT(FormatDiagnostic(fault),
+                  ::testing::MatchesRegex("course.toml:[0-9]+:[0-9]+: .+"));
+    }
+  }
+}
+
+// One line is missing at a time: nothing but errors may come of it.
+TEST(CourseFile, WithoutOneOfItsLinesIsReadOrReported) {
+  const std::string text = Shipped();
+  constexpr int kEvery = 5;
+  int line = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+    const std::size_t here = std::exchange(begin, end);
+    if (++line % kEvery != 0) continue;
+    std::string cut = text;
+    cut.erase(here, end - here);
+    const CourseReading reading = ReadCourseText(cut, "course.toml");
+    EXPECT_TRUE(reading.course || !reading.diagnostics.empty()) << text.substr(here, end - here);
+  }
+}
+
+TEST(CourseFile, ReportsNumbersThatAreTooLargeForAnything) {
+  for (const char* number :
+       {"1000000000", "99999999999999999999999", "1e9", "-1", "nan", "\"12\""}) {
+    EXPECT_THAT(Faults("count = 12 }", "count = " + std::string(number) + " }"),
+                ::testing::Contains(HasSubstr("course.toml:")))
+        << number;
+  }
 }
 
 TEST(CourseFile, OfNothingAsksForItsKeys) {

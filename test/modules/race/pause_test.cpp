@@ -67,6 +67,67 @@ TEST(Pause, RepeatsAMotionThatFailedByIt) {
   EXPECT_THAT(rig.field.motions, ElementsAre(111, 111));
 }
 
+// The latch of an emergency stop refuses every motion but standing up.
+class Latched : public ::testing::Test {
+ protected:
+  Latched() {
+    rig_.script.motion = [this](std::int32_t motion) -> Result<> {
+      if (motion == 111) latched_ = false;
+      return latched_ ? Result<>(Error{3040, "the emergency stop is set"}) : Ok();
+    };
+  }
+  void StopAndContinue() {
+    latched_ = true;
+    PauseFor(rig_, std::chrono::seconds(5));
+  }
+
+  Rig rig_;
+  bool latched_ = false;
+};
+
+TEST_F(Latched, BodyStandsUpBeforeALieDownIsRepeated) {
+  rig_.script.motion_replies = false;
+  rig_.Command("START:IN_A1");
+  ASSERT_TRUE(rig_.RunUntil([&] { return rig_.field.motions.size() == 1; }));
+  latched_ = true;
+  rig_.race->Rest(rig_.now);
+  rig_.machine->Pause();
+  rig_.script.motion_replies = true;
+  rig_.Run(std::chrono::seconds(5));
+  rig_.race->Resume(rig_.now);
+  ASSERT_TRUE(rig_.RunTo("A1_TO_S1", std::chrono::seconds(40))) << rig_.race->InfoText();
+  EXPECT_THAT(rig_.field.motions, ElementsAre(101, 111, 101));
+}
+
+TEST_F(Latched, BodyStandsUpWhereTheLieDownIsAnsweredAfterThePause) {
+  rig_.script.motion_replies = false;
+  rig_.Command("START:IN_A1");
+  ASSERT_TRUE(rig_.RunUntil([&] { return rig_.field.motions.size() == 1; }));
+  StopAndContinue();
+  rig_.script.motion_replies = true;
+  ASSERT_TRUE(rig_.RunTo("A1_TO_S1", std::chrono::seconds(40))) << rig_.race->InfoText();
+  EXPECT_THAT(rig_.field.motions, ElementsAre(101, 111, 101));
+}
+
+TEST_F(Latched, BodyLiesOnWhereTheLieDownEndedWellInThePause) {
+  rig_.script.motion_replies = false;
+  rig_.Command("START:IN_A1");
+  ASSERT_TRUE(rig_.RunUntil([&] { return rig_.field.motions.size() == 1; }));
+  PauseFor(rig_, std::chrono::seconds(5));
+  rig_.script.motion_replies = true;
+  ASSERT_TRUE(rig_.RunTo("A1_TO_S1", std::chrono::seconds(40))) << rig_.race->InfoText();
+  EXPECT_THAT(rig_.field.motions, ElementsAre(101));
+}
+
+TEST_F(Latched, BodyStandsUpBeforeALieDownThatHasNotBegun) {
+  rig_.Command("START:QRA_TO_A1");
+  ASSERT_TRUE(rig_.RunTo("IN_A1"));
+  rig_.Run(Milliseconds(2000));
+  StopAndContinue();
+  ASSERT_TRUE(rig_.RunTo("A1_TO_S1", std::chrono::seconds(40))) << rig_.race->InfoText();
+  EXPECT_THAT(rig_.field.motions, ElementsAre(111, 111, 101));
+}
+
 TEST(Pause, OfALyingRobotDoesNotMakeItStand) {
   Rig rig;
   rig.script.speech_replies = false;

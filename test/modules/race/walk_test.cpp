@@ -296,6 +296,16 @@ TEST(Lane, IgnoresTheEndOfAnEarlierWalk) {
   ASSERT_TRUE(rig.RunTo("IN_S2", Milliseconds(2000)));
 }
 
+TEST(Lane, ThatACommandLeadsALyingRobotToIsWalkedStanding) {
+  Rig rig;
+  rig.Command("START:S1_TO_S2");
+  rig.Tick(5);
+  EXPECT_THAT(rig.field.motions, ElementsAre(111));
+  EXPECT_TRUE(rig.field.walker.empty()) << "it does not stand yet";
+  ASSERT_TRUE(rig.RunTo("IN_S2", std::chrono::seconds(20)));
+  EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
+}
+
 TEST(Speech, OfTheCountdownTakesFiveSeconds) {
   Rig rig;
   rig.Command("START:IN_R1");

@@ -59,10 +59,14 @@ TEST_F(FaultyVision, HangsWhenADetectorOfACourseDoesNotReturn) {
   StartWithCamera(kFaultyFile);
   std::optional<msg::String> text;
   Listen("qr_detector/qr_info", text);
+  // It looks: the text's reader is discovered there, and then its reader of pictures here.
+  ASSERT_TRUE(peer_.Until([&] { return text.has_value(); }))
+      << "pictures have " << camera_->MatchedReaders() << " readers; " << peer_.Output();
   SetDetector("hang");
-  EXPECT_TRUE(peer_.Until([&] {
+  ASSERT_TRUE(peer_.Until([&] {
     return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
-  })) << peer_.Output();
+  })) << HeartbeatText(heartbeat)
+      << peer_.Output();
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
   EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorBeat::kWorkWell; }));

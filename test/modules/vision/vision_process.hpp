@@ -56,6 +56,14 @@ class VisionProcess : public ::testing::Test {
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
+// For the message of a failed expectation.
+inline std::string HeartbeatText(const std::optional<msg::ActuatorBeat>& heartbeat) {
+  if (!heartbeat) return "no heartbeat; ";
+  return "the last heartbeat, of " + heartbeat->name + ": work " + std::to_string(heartbeat->work) +
+         " during '" + heartbeat->during + "', silent for " + std::to_string(heartbeat->silent_ns) +
+         " ns, waited for " + std::to_string(heartbeat->waited_ns) + " ns; ";
+}
+
 // With a detector and a camera controlled by the test.
 class FaultyVision : public VisionProcess {
  protected:

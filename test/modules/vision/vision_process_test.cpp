@@ -141,11 +141,7 @@ TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
   SetDetector("hang");
   ASSERT_TRUE(peer_.Until([&] {
     return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
-  })) << (heartbeat
-              ? "the last heartbeat: work " + std::to_string(heartbeat->work) + " during '" +
-                    heartbeat->during + "', silent for " + std::to_string(heartbeat->silent_ns) +
-                    " ns, waited for " + std::to_string(heartbeat->waited_ns) + " ns; "
-              : "no heartbeat; ")
+  })) << HeartbeatText(heartbeat)
       << peer_.Output();
   SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
