@@ -5,6 +5,7 @@
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/transport/clock_reached.hpp"
 #include "musher/transport/timer_queue.hpp"
 
 namespace musher::transport {
@@ -46,6 +47,9 @@ class TopicClock : public Clock {
         kClockQos);
     if (!subscription) return subscription.error();
     subscription_ = std::move(subscription).value();
+    // Where it is not permitted, no world waits for this process.
+    auto reached = MakePublisher<msg::Clock>(node, kClockReachedTopic, kClockReachedQos);
+    if (reached) reached_ = std::move(reached).value();
     return {};
   }
 
@@ -63,7 +67,7 @@ class TopicClock : public Clock {
     const msg::Stamp& stamp = message.clock;
     if (stamp.sec < 0 || stamp.nanosec >= kNanosecondsInSecond) return;  // invalid
     const Time time = Time{} + msg::FromStamp(stamp);
-    if (writer_ == info.writer && time <= now_ && now_ - time < kOvertaken) return;
+    if (writer_ == info.writer && time <= now_ && now_ - time < kOvertaken) return Report();
     const bool first = !writer_.has_value();
     const bool back = !first && time < now_;
     writer_ = info.writer;
@@ -72,13 +76,21 @@ class TopicClock : public Clock {
     if (back && on_jump_back_) on_jump_back_();
     while (timers_.RunNext(now_)) {
     }
+    Report();
+  }
+
+  // The next report replaces one that could not be sent.
+  void Report() {
+    if (!reached_ || reached_->MatchedReaders() == 0) return;
+    static_cast<void>(reached_->Publish({Stamp()}));
   }
 
   std::function<void()> on_jump_back_;
   Time now_{};
   std::optional<PeerId> writer_;  // of the last sample
   TimerQueue timers_;
-  std::unique_ptr<Subscription> subscription_;  // last: its callback uses the rest
+  std::unique_ptr<Publisher<msg::Clock>> reached_;  // null: not permitted
+  std::unique_ptr<Subscription> subscription_;      // last: its callback uses the rest
 };
 
 }  // namespace

@@ -32,6 +32,8 @@ class Caption {
   }
 
   const std::string& text() const { return text_; }
+  // Whether the last change has no picture yet.
+  bool pending() const { return pending_; }
 
  private:
   const std::int64_t settle_ns_;

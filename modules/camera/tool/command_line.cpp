@@ -15,6 +15,9 @@ Examples:
   musher-camera shot image_rgb now.png           one picture into a file
   musher-camera strip image_rgb walk.png --every 2 --count 8
                                                  what was seen over time, side by side
+  musher-camera strip image_left race.jpg --beside image_rgb --beside image_right \
+      --changes race/behavior_state --on-demand --count 40
+                                                 three cameras in each state of an application
   musher-camera watch image_rgb                  rate, age and loss, each second
 
 Topics are relative to the namespace. A picture's age is by the clock that its stamp is of:
@@ -71,12 +74,19 @@ class Grammar {
     CLI::App* command = app_.add_subcommand("strip", "Save pictures over time, side by side");
     AddTopicAndFile(command, strip_.topic, strip_.file);
     AddSeconds(command, "--every", strip_.every_s, "From one to the next; default 2");
+    CLI::Option* changes = command->add_option(
+        "--changes", strip_.changes,
+        "One --every seconds after each change of this topic's text (std_msgs/String), "
+        "with the text under it");
+    changes->type_name("TOPIC");
     command
-        ->add_option(
-            "--changes", strip_.changes,
-            "One --every seconds after each change of this topic's text (std_msgs/String), "
-            "with the text under it")
+        ->add_option("--beside", strip_.beside,
+                     "Another camera, whose picture of that moment is beside it; repeatable")
         ->type_name("TOPIC");
+    command
+        ->add_flag("--on-demand", strip_.on_demand,
+                   "With --changes: subscribe to the pictures only until a change has its own")
+        ->needs(changes);
     command->add_option("--count", strip_.count, "How many; default 8")
         ->check(Between(1, 200))
         ->type_name("N");

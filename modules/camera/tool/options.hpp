@@ -27,6 +27,8 @@ struct StripOptions {
   std::string file;
   double every_s = 2;   // of the pictures' own time
   std::string changes;  // a topic of texts: a picture `every_s` after each change; empty: none
+  std::vector<std::string> beside;  // topics of further cameras, beside the first in each tile
+  bool on_demand = false;           // subscribes to the pictures only until a change has its own
   int count = 8;
   int columns = 0;     // 0: as many as pictures, up to 8
   int width_px = 320;  // of one picture

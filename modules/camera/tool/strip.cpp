@@ -1,12 +1,11 @@
-// musher-camera strip: a camera's pictures over time, side by side.
+// musher-camera strip: the pictures of cameras over time, side by side.
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "musher/messages/stamp.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/camera/pace.hpp"
-#include "musher/modules/camera/tool/caption.hpp"
+#include "musher/modules/camera/tool/collector.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 #include "musher/modules/camera/tool/strip_picture.hpp"
 
@@ -15,58 +14,86 @@ namespace {
 
 constexpr int kMostColumns = 8;
 
-// Takes a picture when it is due, by the pictures' own stamps.
-class Collector {
+// The subscriptions of a strip, and when to give up.
+class Film {
  public:
-  explicit Collector(const StripOptions& options)
-      : options_(options), pace_(1 / options.every_s), caption_(Seconds(options.every_s).count()) {}
+  Film(program::ToolLink& link, const StripOptions& options)
+      : link_(link), options_(options), collector_(options), topics_{options.topic} {
+    topics_.insert(topics_.end(), options.beside.begin(), options.beside.end());
+  }
 
-  void OnText(const std::string& text) { caption_.OnText(text); }
-
-  void Take(msg::Image picture) {
-    last_picture_at_ = std::chrono::steady_clock::now();
-    const std::int64_t stamp_ns = msg::FromStamp(picture.header.stamp).count();
-    if (done() || !Due(stamp_ns)) return;
-    auto tile = TileOf(std::move(picture), static_cast<std::uint32_t>(options_.width_px));
-    if (!tile) {
-      unreadable_ = tile.error();
-      return;
+  // Until it is done, interrupted, or nothing comes any more.
+  Result<> Run() {
+    if (Result<> open = SubscribeToTexts(); !open) return open;
+    while (!collector_.done() && !Silent() && !link_.interrupted()) {
+      if (Result<> open = OpenOrClose(); !open) return open;
+      link_.RunUntil([&] { return collector_.NeedsPictures() == pictures_.empty(); },
+                     Milliseconds(200));
     }
-    if (tiles_.empty()) first_ns_ = stamp_ns;
-    std::string label = LabelOf(stamp_ns, first_ns_);
-    if (!caption_.text().empty()) label += "  " + caption_.text();
-    tiles_.push_back({std::move(tile).value(), std::move(label)});
+    return Ok();
   }
 
-  bool done() const { return static_cast<int>(tiles_.size()) >= options_.count; }
-  bool Silent() const {
-    return std::chrono::steady_clock::now() > last_picture_at_ + Seconds(options_.timeout_s);
+  const Collector& collector() const { return collector_; }
+
+  // Why there is no picture.
+  Error Nothing(const ToolOptions& global) const {
+    if (collector_.unreadable()) return *collector_.unreadable();
+    if (!pictures_.empty()) {
+      return NothingCame(*pictures_.front(), options_.topic, global, options_.timeout_s);
+    }
+    return {kCodeTimeout,
+            "no text on " + options_.changes + " within " + Decimal(options_.timeout_s, 1) + " s"};
   }
-  const std::vector<StripTile>& tiles() const { return tiles_; }
-  const std::optional<Error>& unreadable() const { return unreadable_; }
 
  private:
-  bool Due(std::int64_t stamp_ns) {
-    return options_.changes.empty() ? pace_.Due(stamp_ns) : caption_.Due(stamp_ns);
+  Result<> SubscribeToTexts() {
+    if (options_.changes.empty()) return Ok();
+    auto texts = transport::MakeSubscription<msg::String>(
+        link_.node(), link_.Name(options_.changes),
+        [this](const msg::String& text, const auto&) { collector_.OnText(text.data); });
+    if (!texts) return texts.error();
+    texts_ = std::move(texts).value();
+    return Ok();
   }
 
+  Result<> OpenOrClose() {
+    if (!collector_.NeedsPictures()) {
+      pictures_.clear();
+      return Ok();
+    }
+    if (!pictures_.empty()) return Ok();
+    alive_at_ = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < topics_.size(); ++i) {
+      auto pictures =
+          SubscribeToPictures(link_, topics_[i], [this, i](msg::Image&& picture, const auto&) {
+            alive_at_ = std::chrono::steady_clock::now();
+            collector_.Take(i, std::move(picture));
+          });
+      if (!pictures) return pictures.error();
+      pictures_.push_back(std::move(pictures).value());
+    }
+    return Ok();
+  }
+
+  // While no pictures are needed, the publisher of the texts has to be there.
+  bool Silent() {
+    const Time now = std::chrono::steady_clock::now();
+    if (pictures_.empty() && texts_ && texts_->MatchedWriters() > 0) alive_at_ = now;
+    return now > alive_at_ + Seconds(options_.timeout_s);
+  }
+
+  program::ToolLink& link_;
   const StripOptions options_;
-  Pace pace_;
-  Caption caption_;
-  std::int64_t first_ns_ = 0;
-  Time last_picture_at_ = std::chrono::steady_clock::now();
-  std::vector<StripTile> tiles_;
-  std::optional<Error> unreadable_;
+  Collector collector_;
+  std::vector<std::string> topics_;
+  Time alive_at_ = std::chrono::steady_clock::now();
+  std::unique_ptr<transport::Subscription> texts_;
+  std::vector<std::unique_ptr<transport::Subscription>> pictures_;
 };
 
-// Null without a topic.
-Result<std::unique_ptr<transport::Subscription>> SubscribeToTexts(program::ToolLink& link,
-                                                                  const std::string& topic,
-                                                                  Collector& collector) {
-  if (topic.empty()) return std::unique_ptr<transport::Subscription>();
-  return transport::MakeSubscription<msg::String>(
-      link.node(), link.Name(topic),
-      [&collector](const msg::String& text, const auto&) { collector.OnText(text.data); });
+int ColumnsOf(const StripOptions& options) {
+  if (options.columns > 0) return options.columns;
+  return std::max(1, kMostColumns / static_cast<int>(1 + options.beside.size()));
 }
 
 }  // namespace
@@ -75,35 +102,25 @@ ExitCode Run(const ToolOptions& global, const StripOptions& options) {
   const auto opened = program::ToolLink::Open(global);
   if (!opened) return Fail(ExitCode::kUsage, opened.error());
   program::ToolLink& link = *opened.value();
-  Collector collector(options);
-  const auto subscription = SubscribeToPictures(
-      link, options.topic,
-      [&](msg::Image&& picture, const auto&) { collector.Take(std::move(picture)); });
-  if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
-  const auto texts = SubscribeToTexts(link, options.changes, collector);
-  if (!texts) return Fail(ExitCode::kUsage, texts.error());
-  while (!collector.done() && !collector.Silent() && !link.interrupted()) {
-    link.RunUntil([&] { return collector.done(); }, Milliseconds(200));
-  }
-  if (collector.tiles().empty()) {
+  Film film(link, options);
+  if (Result<> run = film.Run(); !run) return Fail(ExitCode::kUsage, run.error());
+  const std::vector<StripTile> tiles = film.collector().Tiles();
+  if (tiles.empty()) {
     if (link.interrupted()) {
       return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted before the first picture"});
     }
-    if (collector.unreadable()) return Fail(ExitCode::kNotDone, *collector.unreadable());
-    return Fail(ExitCode::kNotDone,
-                NothingCame(*subscription.value(), options.topic, global, options.timeout_s));
+    return Fail(ExitCode::kNotDone, film.Nothing(global));
   }
-  const int columns = options.columns > 0 ? options.columns : kMostColumns;
-  if (Result<> saved = Save(DrawStrip(collector.tiles(), columns), options.file); !saved) {
+  if (Result<> saved = Save(DrawStrip(tiles, ColumnsOf(options)), options.file); !saved) {
     return Fail(ExitCode::kNotDone, saved.error());
   }
   if (global.json) {
     nlohmann::json json = {{"file", options.file}, {"topic", options.topic}};
-    for (const StripTile& tile : collector.tiles()) json["times"].push_back(tile.label);
+    for (const StripTile& tile : tiles) json["times"].push_back(tile.label);
     std::cout << json.dump(2) << std::endl;
   } else {
-    std::cout << options.file << ": " << collector.tiles().size() << " of " << options.count
-              << " pictures of " << options.topic << std::endl;
+    std::cout << options.file << ": " << tiles.size() << " of " << options.count << " pictures of "
+              << options.topic << std::endl;
   }
   return ExitCode::kDone;
 }

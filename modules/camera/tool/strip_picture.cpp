@@ -15,6 +15,17 @@ constexpr int kLabelPx = 22;
 constexpr std::int64_t kLongestWorldNs =
     1'000'000'000'000'000;  // eleven days; a later stamp is a date
 
+// bgr8, white.
+msg::Image Blank(int width, int height) {
+  msg::Image blank;
+  blank.width = static_cast<std::uint32_t>(width);
+  blank.height = static_cast<std::uint32_t>(height);
+  blank.encoding = "bgr8";
+  blank.step = blank.width * 3;
+  blank.data.assign(std::size_t{blank.step} * blank.height, 255);
+  return blank;
+}
+
 cv::Mat View(const msg::Image& picture) {
   return {static_cast<int>(picture.height), static_cast<int>(picture.width), CV_8UC3,
           const_cast<std::uint8_t*>(picture.data.data()), picture.step};
@@ -29,9 +40,29 @@ Result<msg::Image> TileOf(msg::Image picture, std::uint32_t width_px) {
   return Fit(std::move(picture), {width_px, height_px, "bgr8"});
 }
 
+msg::Image SideBySide(const std::vector<std::optional<msg::Image>>& tiles) {
+  if (tiles.size() == 1 && tiles.front()) return *tiles.front();
+  int width = 0;
+  int height = 0;
+  for (const auto& tile : tiles) {
+    if (!tile) continue;
+    width = std::max(width, static_cast<int>(tile->width));
+    height = std::max(height, static_cast<int>(tile->height));
+  }
+  const int count = static_cast<int>(tiles.size());
+  msg::Image row = Blank(count * (width + kGapPx) - kGapPx, height);
+  cv::Mat all = View(row);
+  for (int i = 0; i < count; ++i) {
+    const auto& tile = tiles[static_cast<std::size_t>(i)];
+    if (!tile) continue;
+    const cv::Mat picture = View(*tile);
+    picture.copyTo(all(cv::Rect(i * (width + kGapPx), 0, picture.cols, picture.rows)));
+  }
+  return row;
+}
+
 msg::Image DrawStrip(const std::vector<StripTile>& tiles, int columns) {
-  msg::Image strip;
-  if (tiles.empty()) return strip;
+  if (tiles.empty()) return {};
   int width = 0;
   int height = 0;
   for (const StripTile& tile : tiles) {
@@ -42,11 +73,7 @@ msg::Image DrawStrip(const std::vector<StripTile>& tiles, int columns) {
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
   const int cell_width = width + kGapPx;
   const int cell_height = height + kLabelPx + kGapPx;
-  strip.width = static_cast<std::uint32_t>(columns * cell_width + kGapPx);
-  strip.height = static_cast<std::uint32_t>(rows * cell_height + kGapPx);
-  strip.encoding = "bgr8";
-  strip.step = strip.width * 3;
-  strip.data.assign(std::size_t{strip.step} * strip.height, 255);
+  msg::Image strip = Blank(columns * cell_width + kGapPx, rows * cell_height + kGapPx);
   cv::Mat all = View(strip);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     const int x = kGapPx + static_cast<int>(i) % columns * cell_width;

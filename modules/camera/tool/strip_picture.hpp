@@ -3,6 +3,7 @@
 //
 // Reentrant.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct StripTile {
 
 // The picture as a tile of that width, in its own proportions.
 Result<msg::Image> TileOf(msg::Image picture, std::uint32_t width_px);
+
+// Tiles of several cameras as one, from left to right; a missing one stays white.
+msg::Image SideBySide(const std::vector<std::optional<msg::Image>>& tiles);
 
 // bgr8. In rows of `columns`, all cells as large as the largest tile; empty without tiles.
 msg::Image DrawStrip(const std::vector<StripTile>& tiles, int columns);

@@ -15,8 +15,16 @@
 #include "musher/modules/world/process/world_messages.hpp"
 #include "musher/modules/world/simulation/referee_report.hpp"
 #include "musher/transport/clock.hpp"
+#include "musher/transport/clock_reached.hpp"
 
 namespace musher::world {
+namespace {
+
+// Of real time, in lockstep: how long a step waits before /clock is repeated, and how often.
+constexpr Duration kReminder = Milliseconds(100);
+constexpr int kMostReminders = 9;
+
+}  // namespace
 
 using transport::kLatchedFromManyQos;
 using transport::kLatchedQos;
@@ -41,6 +49,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::Start(transport::Node& node, Scene
 Result<> WorldHost::Connect() {
   Publish();
   if (Result<> made = MakeCameras(); !made) return made;
+  if (world_.scene().lockstep) ListenToFollowers();
   Listen();
   Serve();
   return endpoints_.opened();
@@ -58,11 +67,8 @@ void WorldHost::Publish() {
 }
 
 Result<> WorldHost::MakeCameras() {
-  const auto go_on = [this] {
-    if (std::exchange(late_, false) && !pacer_.paused()) OnStep();
-  };
-  auto cameras =
-      WorldCameras::Make(endpoints_, world_.scene(), {options_.log, options_.shooter, go_on});
+  auto cameras = WorldCameras::Make(endpoints_, world_.scene(),
+                                    {options_.log, options_.shooter, [this] { Continue(); }});
   if (!cameras) return cameras.error();
   cameras_ = std::move(cameras).value();
   return Ok();
@@ -130,10 +136,50 @@ void WorldHost::Arm(Time when) {
   next_step_ = node_.loop().At(when, [this] { OnStep(); });
 }
 
+bool WorldHost::Waits() const {
+  return cameras_->waits() || !followers_.Reached(world_.now());
+}
+
+void WorldHost::Continue() {
+  if (Waits() || !std::exchange(late_, false) || pacer_.paused()) return;
+  reminder_.reset();
+  OnStep();
+}
+
+void WorldHost::ListenToFollowers() {
+  endpoints_.SubscribeEach<msg::Clock>(
+      std::string("/") + transport::kClockReachedTopic,
+      [this](const auto& reached, transport::PeerId follower) {
+        followers_.OnReached(follower, msg::FromStamp(reached.clock));
+        Continue();
+      },
+      [this](transport::PeerId follower) {
+        followers_.OnLost(follower);
+        Continue();
+      },
+      transport::kClockReachedQos);
+}
+
+// A sample of /clock may be lost, and a process may hang or be gone.
+void WorldHost::Remind(int reminders) {
+  reminder_ = node_.loop().At(node_.loop().Now() + kReminder, [this, reminders] {
+    if (followers_.Reached(world_.now())) return;  // time waits for a picture
+    if (reminders < kMostReminders) {
+      static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));
+      return Remind(reminders + 1);
+    }
+    const int lost = followers_.GiveUp(world_.now());
+    Log("time no longer waits for " + std::to_string(lost) + " of the processes that use /clock, " +
+        "which have not handled it for " +
+        std::to_string(ToMilliseconds(kReminder * (kMostReminders + 1))) + " ms");
+    Continue();
+  });
+}
+
 void WorldHost::OnStep() {
-  if (cameras_->waits()) {
+  if (Waits()) {
     late_ = true;
-    return;
+    return Remind(0);
   }
   const StepOutputs outputs = world_.Step();
   static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));  // the next one follows soon

@@ -24,6 +24,7 @@
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
+#include "musher/modules/world/process/followers.hpp"
 #include "musher/modules/world/process/pacer.hpp"
 #include "musher/modules/world/process/world_cameras.hpp"
 #include "musher/modules/world/process/world_sensors.hpp"
@@ -65,6 +66,11 @@ class WorldHost {
 
   void Arm(Time when);
   void OnStep();
+  // Whether a step has to wait, for a picture or a process.
+  bool Waits() const;
+  void Continue();
+  void ListenToFollowers();
+  void Remind(int reminders);
   void Touch(int state);
   void SetSpeed(double factor);
   void SetFault(const std::string& text);
@@ -77,7 +83,9 @@ class WorldHost {
   World world_;
   Pacer pacer_;
   bool drawing_ = false;
-  bool late_ = false;  // a step was due while time waited for the cameras
+  bool late_ = false;  // a step was due while time waited
+  Followers followers_;
+  transport::LoopHandlePtr reminder_;
   transport::LoopHandlePtr next_step_;
   transport::Publisher<msg::Clock>* clock_ = nullptr;
   transport::Publisher<msg::BodyState>* body_state_ = nullptr;

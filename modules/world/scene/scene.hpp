@@ -236,7 +236,8 @@ struct Picture {
 struct Scene {
   std::string name;
   std::uint64_t seed = 1;
-  double speed = 1;  // world time for each second
+  double speed = 1;       // world time for each second
+  bool lockstep = false;  // a step waits until all processes that use /clock have had the last one
   Eigen::Vector2d least_m{-5, -4};
   Eigen::Vector2d most_m{5, 4};
   Pose2 start;

@@ -58,6 +58,7 @@ class Reader {
     const Choices choices(root, scene_.seed, run_.chosen, findings_);
     scene_.sampled = choices.sampled();
     Set(scene_.speed, root.Number("speed", kLeastSpeed, kMostSpeed));
+    Set(scene_.lockstep, root.Bool("lockstep"));
     Section(root, "place", [&](TableReader& reader) { ReadPlace(reader); });
     Section(root, "body", [&](TableReader& reader) { ReadBody(reader); });
     Section(root, "battery", [&](TableReader& reader) { ReadBattery(reader); });

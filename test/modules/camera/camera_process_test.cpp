@@ -236,6 +236,26 @@ TEST_F(CameraManagerProcess, IsSeenAsAStripWithAPictureForEachChangeOfAText) {
   EXPECT_THAT(Said(), AllOf(HasSubstr("s  IDLE"), HasSubstr("s  TRACKING")));
 }
 
+TEST_F(CameraManagerProcess, HasItsPicturesOnDemandInAStripOfTwoCameras) {
+  MakeWorld();
+  Start();
+  ASSERT_TRUE(peer_.Switch("Active"));
+  const auto state = transport::MakePublisher<msg::String>(peer_.node(), "state").value();
+  ASSERT_TRUE(peer_.Until([&] { return shots_->MatchedReaders() == 1; })) << "of the program";
+  exec::Child tool = Tool({"strip", "world/camera/front", "both.png", "--beside", "image_rgb",
+                           "--changes", "state", "--on-demand", "--every", "0.1", "--count", "2"});
+  ASSERT_TRUE(peer_.Until([&] { return state->MatchedReaders() > 0; }));
+  EXPECT_EQ(shots_->MatchedReaders(), 1) << "no state, no subscription";
+  EXPECT_TRUE(state->Publish({"IDLE"}));
+  ASSERT_TRUE(peer_.Until([&] { return shots_->MatchedReaders() == 2; }));
+  ASSERT_TRUE(peer_.Until([&] { return shots_->MatchedReaders() == 1; }));
+  EXPECT_TRUE(state->Publish({"TRACKING"}));
+  EXPECT_EQ(Await(tool), 0) << Said();
+  EXPECT_THAT(Said(), HasSubstr("both.png: 2 of 2 pictures"));
+  exec::Child aimless = Tool({"strip", "image_rgb", "a.png", "--on-demand"});
+  EXPECT_EQ(Await(aimless), 2) << "without --changes";
+}
+
 TEST_F(CameraManagerProcess, IsReportedMissingByTheTool) {
   exec::Child without_publisher = Tool({"shot", "image_rgb", "now.png", "--timeout", "0.5"});
   EXPECT_EQ(Await(without_publisher), 1);

@@ -22,6 +22,7 @@
 namespace musher::world::host_test {
 
 using std::chrono::seconds;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -140,6 +141,50 @@ TEST_F(WorldHostTest, LosesTimeWhenItsProcessIsSuspendedAndDoesNotCatchUp) {
   network_.RunFor(seconds(1));
   EXPECT_LE(clocks_.size(), 53u);
   EXPECT_GE(clocks_.size(), 50u);
+}
+
+TEST_F(WorldHostTest, StepsTogetherWithTheProcessesThatUseItsClockInLockstep) {
+  Scene scene = EmptyYard();
+  scene.speed = 100;
+  scene.lockstep = true;
+  Open(scene);
+  const auto follower = network_.MakeNode("follower");
+  const auto clock = transport::Clock::FromTopic(*follower).value();
+  network_.RunFor(seconds(1));
+  Duration most_behind{};
+  const auto timer = clock->Every(Milliseconds(20), [&] {
+    most_behind = std::max(most_behind, host_->world().now() - clock->Now().time_since_epoch());
+  });
+  const Duration before = host_->world().now();
+  network_.RunFor(seconds(1));
+  EXPECT_GT(host_->world().now() - before, seconds(5)) << "it runs";
+  EXPECT_EQ(most_behind, Duration::zero()) << "no step while the last one is being handled";
+  network_.Pause(*follower);
+  network_.RunFor(Milliseconds(50));
+  const Duration paused_at = host_->world().now();
+  network_.RunFor(Milliseconds(500));
+  EXPECT_EQ(host_->world().now(), paused_at) << "time waits for it";
+  network_.RunFor(seconds(2));
+  EXPECT_GT(host_->world().now(), paused_at) << "but not for ever";
+  EXPECT_THAT(log_, Contains(HasSubstr("time no longer waits for 1 of the processes")));
+  network_.Resume(*follower);
+  network_.RunFor(seconds(1));
+  network_.Pause(*follower);
+  network_.RunFor(Milliseconds(50));
+  const Duration again_at = host_->world().now();
+  network_.RunFor(Milliseconds(500));
+  EXPECT_EQ(host_->world().now(), again_at) << "it is waited for again";
+}
+
+TEST_F(WorldHostTest, WaitsForNoProcessWithoutLockstep) {
+  Open(EmptyYard());
+  const auto follower = network_.MakeNode("follower");
+  const auto clock = transport::Clock::FromTopic(*follower).value();
+  network_.RunFor(seconds(1));
+  network_.Pause(*follower);
+  Forget();
+  network_.RunFor(seconds(1));
+  EXPECT_EQ(clocks_.size(), 50u);
 }
 
 TEST_F(WorldHostTest, ChangesItsSpeedAndStandsStillOnRequest) {
