@@ -70,10 +70,10 @@ TEST(Lane, DoesNotBelieveAJumpAtOnce) {
 TEST(LaneEstimate, BeginsWithALineOfTheLaneAheadAndNotOfAnotherOneBesideIt) {
   const LaneEstimate lane{LaneRules()};
   const auto line = [](double distance_m, double heading_rad) {
-    SideLine line;
-    line.distance_m = distance_m;
-    line.heading_rad = heading_rad;
-    return line;
+    SideLine seen;
+    seen.distance_m = distance_m;
+    seen.heading_rad = heading_rad;
+    return seen;
   };
   EXPECT_TRUE(lane.MayBeFirst(line(0.415, 0), Side::kLeft)) << "in the middle of it";
   EXPECT_TRUE(lane.MayBeFirst(line(0.65, 0.3), Side::kRight));

@@ -168,6 +168,7 @@ parameters.regions = [{ top = 0.1, bottom = 0.2 }, { left = 0.5 }]
   const LinesParameters lines = {{{15, 50, 30}, {35, 255, 255}},
                                  {0.5, 1, 0.1, 0.9},
                                  300,
+                                 2.5,
                                  4,
                                  0.1,
                                  LanePair::kInnermost,
