@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(OfTheCourse, ShippedDetector,
                                            Floor{"Barrier", CourseKind::kBarrier, 3.0, 30, 1, 12},
                                            Floor{"Marker", CourseKind::kMarker, 3.0, 30, 1, 12},
                                            Floor{"Light", CourseKind::kLight, 2.5, 30, 1, 12},
-                                           Floor{"Lines", CourseKind::kLines, 3, 30, 0.9, 300}),
+                                           Floor{"Lines", CourseKind::kLines, 3, 30, 0.85, 300}),
                          [](const auto& each) { return each.param.name; });
 
 }  // namespace
