@@ -4,7 +4,8 @@
 //
 // For each kind of detector there is a grid of cells, a distance by an angle. In each cell a
 // picture is taken in each of several lights: brightness, colour, direction and gradient of the
-// light, exposure and noise of the camera, the robot's tilt and its heading differ at random. Every
+// light (300 K beyond what the scene varies), exposure and noise of the camera, the robot's tilt and
+// its heading differ at random. Every
 // second time the same picture is taken again of a course without the thing, or with something
 // alike in its place: a code that is no word, a green board without an arrow, a red post, white
 // lines, a second light of another colour.
