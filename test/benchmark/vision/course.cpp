@@ -17,7 +17,7 @@
 
 #include "musher/modules/vision/course/course_detectors.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
-#include "musher/test/modules/vision/labelled/judgement.hpp"
+#include "musher/test/modules/vision/labelled/tally.hpp"
 
 namespace musher::benchmark {
 namespace {

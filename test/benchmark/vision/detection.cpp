@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "musher/test/benchmark/common/statistics.hpp"
-#include "musher/test/modules/vision/labelled/judgement.hpp"
+#include "musher/test/modules/vision/labelled/tally.hpp"
 
 namespace musher::benchmark {
 namespace {
@@ -55,7 +55,7 @@ using Readings = std::map<std::pair<int, double>, Reading>;
 
 class Examination {
  public:
-  Examination(std::string missed_folder) : missed_folder_(std::move(missed_folder)) {
+  explicit Examination(std::string missed_folder) : missed_folder_(std::move(missed_folder)) {
     for (const vision::CourseEntry& entry : vision::ShippedDetectors()) entries_.push_back(entry);
   }
 
@@ -70,13 +70,13 @@ class Examination {
     Tally all;
     if (sight.lines) {
       const auto& parameters = std::get<vision::LinesParameters>(entry.parameters);
-      const auto tallies = JudgementOfLines(*sight.lines, parameters, picture);
+      const auto tallies = TallyOfLines(*sight.lines, parameters, picture);
       for (std::size_t i = 0; i < tallies.size(); ++i) {
         score.cells[{vision::kLineRangesM.at(i), picture.cell.angle_deg}].Add(tallies.at(i));
         all.Add(tallies.at(i));
       }
     } else {
-      all = JudgementOf(sight, picture);
+      all = TallyOf(sight, picture);
       score.cells[{picture.cell.distance_m, picture.cell.angle_deg}].Add(all);
     }
     if (picture.kind == CourseKind::kQr && picture.there) Read(picture);

@@ -6,7 +6,7 @@
 #include <map>
 #include <ostream>
 
-#include "musher/test/modules/vision/labelled/judgement.hpp"
+#include "musher/test/modules/vision/labelled/tally.hpp"
 
 namespace musher::vision {
 namespace {
@@ -32,11 +32,11 @@ Tally Looked(CourseKind kind, const LabelledSettings& settings) {
     if (!detector) detector = Made(entry);
     const CourseSight sight = detector->Look(picture.bgr, ++stamp_ns, picture.lens);
     if (!sight.lines) {
-      tally.Add(JudgementOf(sight, picture));
+      tally.Add(TallyOf(sight, picture));
       return;
     }
     const auto& parameters = std::get<LinesParameters>(entry.parameters);
-    const LineTallies by_range = JudgementOfLines(*sight.lines, parameters, picture);
+    const LineTallies by_range = TallyOfLines(*sight.lines, parameters, picture);
     for (std::size_t i = 0; kLineRangesM.at(i + 1) <= kWalkedByM; ++i) tally.Add(by_range.at(i));
   });
   return tally;
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(OfTheCourse, ShippedDetector,
                                            Floor{"Barrier", CourseKind::kBarrier, 3.0, 30, 1, 12},
                                            Floor{"Marker", CourseKind::kMarker, 3.0, 30, 1, 12},
                                            Floor{"Light", CourseKind::kLight, 2.5, 30, 1, 12},
-                                           Floor{"Lines", CourseKind::kLines, 3, 30, 0.9, 300}),
+                                           Floor{"Lines", CourseKind::kLines, 3, 30, 0.85, 300}),
                          [](const auto& each) { return each.param.name; });
 
 }  // namespace

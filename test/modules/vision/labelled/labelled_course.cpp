@@ -216,22 +216,22 @@ world::Pose2 PoseOnLane(const Cell& cell, Sampler& sampler) {
   return pose;
 }
 
-struct Shot {
+struct Viewpoint {
   world::View view;
   world::CameraSpec spec;
 };
 
-Shot ShotFrom(const world::Pose2& pose, const world::Scene& scene, std::size_t camera,
-              Sampler& sampler) {
-  Shot shot{{}, scene.cameras.cameras[camera]};
-  shot.view.body = pose;
-  shot.view.attitude.height_m = scene.body.stand_height_m;
-  shot.view.attitude.roll_rad = sampler.Between(-1, 1) * kRadPerDeg;
-  shot.view.attitude.pitch_rad = sampler.Between(-1, 1) * kRadPerDeg;
-  shot.view.seed = sampler.Next();
-  shot.spec.noise = sampler.Between(1, 4);
-  shot.spec.exposure *= sampler.Between(0.8, 1.15);
-  return shot;
+Viewpoint ViewpointFrom(const world::Pose2& pose, const world::Scene& scene, std::size_t camera,
+                        Sampler& sampler) {
+  Viewpoint viewpoint{{}, scene.cameras.cameras[camera]};
+  viewpoint.view.body = pose;
+  viewpoint.view.attitude.height_m = scene.body.stand_height_m;
+  viewpoint.view.attitude.roll_rad = sampler.Between(-1, 1) * kRadPerDeg;
+  viewpoint.view.attitude.pitch_rad = sampler.Between(-1, 1) * kRadPerDeg;
+  viewpoint.view.seed = sampler.Next();
+  viewpoint.spec.noise = sampler.Between(1, 4);
+  viewpoint.spec.exposure *= sampler.Between(0.8, 1.15);
+  return viewpoint;
 }
 
 std::vector<std::size_t> HiddenBalls(const world::Scene& scene) {
@@ -256,25 +256,25 @@ struct Place {
   std::unique_ptr<world::Scenery> scenery;
 };
 
-void Draw(const Place& place, Shot shot, LabelledPicture& picture) {
-  shot.view.hidden_balls = HiddenBalls(place.scene);
-  const world::Camera camera(shot.spec);
-  const world::Image image = camera.Shoot(*place.scenery, shot.view);
+void Draw(const Place& place, Viewpoint viewpoint, LabelledPicture& picture) {
+  viewpoint.view.hidden_balls = HiddenBalls(place.scene);
+  const world::Camera camera(viewpoint.spec);
+  const world::Image image = camera.Shoot(*place.scenery, viewpoint.view);
   picture.bgr.create(image.height, image.width, CV_8UC3);
   std::copy(image.bgr.begin(), image.bgr.end(), picture.bgr.data);
   picture.intrinsics = camera.intrinsics();
   picture.lens.fisheye = picture.intrinsics.model == world::CameraModel::kFisheye;
   picture.lens.focal_x = picture.intrinsics.focal_px / image.width;
   picture.lens.focal_y = picture.intrinsics.focal_px / image.height;
-  picture.X_WC = world::CameraInPlace(shot.spec, shot.view.body, shot.view.attitude);
-  picture.body_m = shot.view.body.position_m;
+  picture.X_WC = world::CameraInPlace(viewpoint.spec, viewpoint.view.body, viewpoint.view.attitude);
+  picture.body_m = viewpoint.view.body.position_m;
 }
 
 // False when the picture does not show all of it.
-bool Label(const Target& target, const Shot& shot, LabelledPicture& picture) {
-  const world::Intrinsics intrinsics = world::IntrinsicsOf(shot.spec);
+bool Label(const Target& target, const Viewpoint& viewpoint, LabelledPicture& picture) {
+  const world::Intrinsics intrinsics = world::IntrinsicsOf(viewpoint.spec);
   const Eigen::Isometry3d X_CW =
-      world::CameraInPlace(shot.spec, shot.view.body, shot.view.attitude).inverse();
+      world::CameraInPlace(viewpoint.spec, viewpoint.view.body, viewpoint.view.attitude).inverse();
   Vector2d least(1e9, 1e9), most = -least;
   for (const Vector3d& point : target.outline_m) {
     const auto pixel = Project(intrinsics, X_CW * point);
@@ -350,16 +350,17 @@ void SeeCells(const LabelledSettings& settings, int light, CourseKind kind, bool
     picture.cell = cell;
     picture.there = there;
     picture.lines = with.lines;
-    Shot shot;
+    Viewpoint viewpoint;
     if (kind == CourseKind::kLines) {
       picture.camera = (number + std::uint64_t(light)) % world::kCameras;
-      shot = ShotFrom(PoseOnLane(cell, sampler), with.scene, picture.camera, sampler);
+      viewpoint = ViewpointFrom(PoseOnLane(cell, sampler), with.scene, picture.camera, sampler);
     } else {
       const Target target = TargetOf(kind, with.scene, sampler);
-      shot = ShotFrom(PoseBefore(target, kind, cell, with.scene, sampler), with.scene, 0, sampler);
-      if (!Label(target, shot, picture)) continue;
+      viewpoint = ViewpointFrom(PoseBefore(target, kind, cell, with.scene, sampler), with.scene, 0,
+                                sampler);
+      if (!Label(target, viewpoint, picture)) continue;
     }
-    Draw(place, shot, picture);
+    Draw(place, viewpoint, picture);
     see(picture);
   }
 }

@@ -3,11 +3,11 @@
 // has to find in each, for figures and for tests.
 //
 // For each kind of detector there is a grid of cells, a distance by an angle. In each cell a
-// picture is taken in each of several lights: brightness, colour, direction and gradient of the
-// light, exposure and noise of the camera, the robot's tilt and its heading differ at random. Every
-// second time the same picture is taken again of a course without the thing, or with something
-// alike in its place: a code that is no word, a green board without an arrow, a red post, white
-// lines, a second light of another colour.
+// picture is taken in each of several lights: brightness, direction, gradient and colour of the
+// light (300 K beyond what the scene varies), exposure and noise of the camera, the robot's tilt
+// and its heading differ at random. Every second time the same picture is taken again of a course
+// without the thing, or with something alike in its place: a code that is no word, a green board
+// without an arrow, a red post, white lines, a blue sign, a white lamp.
 //
 // Units: metres, degrees, pixels. Distances are from the camera; of lines, from the body's middle
 // to the place of the line. Angles are those between the line of sight and the front of a board, a

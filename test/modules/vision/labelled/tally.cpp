@@ -1,4 +1,4 @@
-#include "musher/test/modules/vision/labelled/judgement.hpp"
+#include "musher/test/modules/vision/labelled/tally.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ void Tally::Add(const Tally& other) {
   errors.insert(errors.end(), other.errors.begin(), other.errors.end());
 }
 
-Tally JudgementOf(const CourseSight& sight, const LabelledPicture& picture) {
+Tally TallyOf(const CourseSight& sight, const LabelledPicture& picture) {
   Tally tally;
   const msg::Sighting& sighting = *sight.sighting;
   if (!picture.there) {
@@ -83,8 +83,8 @@ Tally JudgementOf(const CourseSight& sight, const LabelledPicture& picture) {
   return tally;
 }
 
-LineTallies JudgementOfLines(const msg::YellowLines& lines, const LinesParameters& parameters,
-                             const LabelledPicture& picture) {
+LineTallies TallyOfLines(const msg::YellowLines& lines, const LinesParameters& parameters,
+                         const LabelledPicture& picture) {
   constexpr double kNearPx = 3, kNearM = 0.02, kOnLineM = 0.04;
   const cv::Size size = picture.bgr.size();
   const cv::Rect region = RectOf(parameters.region, size);

@@ -2,7 +2,7 @@
 // Whether a detector has found what a labelled picture shows.
 //
 // A board, bar, sign or light counts as found when its word is right and the box is over it.
-// A detector of lines is judged in each of its columns: its edge is found when it is within 3
+// A detector of lines is evaluated in each of its columns: its edge is found when it is within 3
 // pixels or 2 cm of the lowest place of a line in that column, and false when it is farther than 4
 // cm from all lines.
 // Only lines within 2 m of the body's middle count: the walker uses no others.
@@ -26,13 +26,13 @@ struct Tally {
   void Add(const Tally& other);
 };
 
-Tally JudgementOf(const CourseSight& sight, const LabelledPicture& picture);
+Tally TallyOf(const CourseSight& sight, const LabelledPicture& picture);
 
 // One for each range of the distance from the body's middle, see kLineRangesM.
 inline constexpr std::array<double, 6> kLineRangesM{0.3, 0.5, 0.7, 1.0, 1.5, 2.0};
 using LineTallies = std::array<Tally, kLineRangesM.size() - 1>;
-LineTallies JudgementOfLines(const msg::YellowLines& lines, const LinesParameters& parameters,
-                             const LabelledPicture& picture);
+LineTallies TallyOfLines(const msg::YellowLines& lines, const LinesParameters& parameters,
+                         const LabelledPicture& picture);
 
 // The tables [[detectors]] of config/vision/course.toml.
 std::vector<CourseEntry> ShippedDetectors();
