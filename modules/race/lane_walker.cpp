@@ -9,6 +9,8 @@ namespace {
 
 // The end of an earlier walk may be in the statuses for so long after START.
 constexpr Duration kOldEnd = Milliseconds(1000);
+// A walker that has not begun so long after START has not received it, or ignores it.
+constexpr Duration kLatestBegin = Milliseconds(5000);
 
 // The value of ",End:<reason>"; empty: none.
 std::string_view EndOf(std::string_view status) {
@@ -47,6 +49,11 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     return End::kOther;
   }
   ended_at_.reset();
+  if (!running_ && now - started_at_ >= kLatestBegin && now - heard_at_ < walk.silent) {
+    reason = "the line walker has not begun to walk within " +
+             std::to_string(ToMilliseconds(kLatestBegin)) + " ms of its START";
+    return End::kOther;
+  }
   if (now - heard_at_ >= walk.silent) {
     reason = "no " + walk.status + " for " + std::to_string(ToMilliseconds(walk.silent)) +
              " ms: the line walker is lost";
@@ -74,7 +81,10 @@ void LaneWalker::OnStatus(Index walk, std::string_view status) {
   if (walk_ != walk || !started_) return;
   heard_ = true;
   end_ = EndOf(status);
-  if (end_.empty()) running_ = true;
+  if (!end_.empty()) return;
+  const bool idle = status.find("Active:False") != std::string_view::npos;
+  if (!idle) running_ = true;
+  if (idle && running_) end_ = "no walk: it was restarted";
 }
 
 }  // namespace musher::race

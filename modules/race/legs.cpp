@@ -165,13 +165,14 @@ void Legs::Resume(bool stand, Duration now) {
   if (stand) StandFirst(now);
 }
 
-// Clears the latch of an emergency stop, too, which refuses every other motion. A motion that has
-// not been answered yet may have ended well.
+// Clears the latch of an emergency stop, too, which refuses every other motion, also that of a
+// lying robot. A motion that has not been answered yet may have ended well.
 void Legs::StandFirst(Duration now) {
   const bool begins =
-      !motion_ || motion_->stage == Stage::kBefore || motion_->stage == Stage::kCall;
+      motion_ && (motion_->stage == Stage::kBefore || motion_->stage == Stage::kCall);
   const bool stands = motion_ && motion_->movement == course_.stand;
-  if (begins && !stands && !lying_) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
+  const bool needed = motion_ ? begins && !stands : !lying_;
+  if (needed) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
 }
 
 bool Legs::AdvanceStanding(Duration now) {

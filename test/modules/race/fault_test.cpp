@@ -80,6 +80,23 @@ TEST(RaceFault, OfALostWalkerLeadsToTheError) {
   EXPECT_THAT(rig.field.walker, ElementsAre("START", "STOP"));
 }
 
+TEST(RaceFault, OfAWalkerThatWasRestartedLeadsToTheError) {
+  Rig rig;
+  rig.script.walker = [](Duration walked) -> std::string {
+    return walked < Milliseconds(2000) ? "State:WALKING,Active:True" : "State:IDLE,Active:False";
+  };
+  rig.Command("START:S1_TO_S2");
+  ExpectError(rig, std::chrono::seconds(4),
+              "the line walker has ended with no walk: it was restarted");
+}
+
+TEST(RaceFault, OfAWalkerThatIgnoresItsStartLeadsToTheError) {
+  Rig rig;
+  rig.script.walker = [](Duration) { return std::string("State:IDLE,Active:False"); };
+  rig.Command("START:S1_TO_S2");
+  ExpectError(rig, std::chrono::seconds(7), "has not begun to walk within 5000 ms of its START");
+}
+
 TEST(RaceFault, OfAWalkerThatLosesItsLineLeadsToTheError) {
   Rig rig;
   rig.script.walker = [](Duration walked) -> std::string {
