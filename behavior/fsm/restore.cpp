@@ -2,10 +2,8 @@
 // of it is valid takes over the rest.
 
 #include <algorithm>
-#include <exception>
 #include <utility>
 
-#include "musher/base/suggest.hpp"
 #include "musher/behavior/fsm/snapshot.hpp"
 
 namespace musher::fsm {
@@ -14,73 +12,6 @@ namespace {
 using Faults = std::vector<SnapshotFault>;
 
 constexpr Duration kFarthest{kFarthestNs};
-
-// "there is no state TRAKCING; did you mean TRACKING?"
-std::string Unknown(const std::string& kind, const std::string& name,
-                    const std::vector<std::string>& known) {
-  const std::string near = Nearest(name, known);
-  return "there is no " + kind + " " + name + (near.empty() ? "" : "; did you mean " + near + "?");
-}
-
-std::string KindOf(const Snapshot::Value& value) {
-  constexpr const char* kKinds[] = {"true or false", "an integer", "a number", "a text"};
-  return kKinds[value.index()];
-}
-
-class RestoringArchive : public Archive {
- public:
-  RestoringArchive(const Snapshot::Part& part, const std::string& key, Faults& faults)
-      : part_(part), key_(key), faults_(faults), read_(part.fields.size()) {}
-
-  using Archive::Field;
-  void Field(std::string_view name, bool& value) override { Set(name, value); }
-  void Field(std::string_view name, std::int64_t& value) override { Set(name, value); }
-  void Field(std::string_view name, double& value) override { Set(name, value); }
-  void Field(std::string_view name, std::string& value) override { Set(name, value); }
-
-  bool read_any() const { return !names_.empty(); }
-
-  void RefuseOthers() {
-    for (std::size_t i = 0; i < read_.size(); ++i) {
-      if (read_[i]) continue;
-      const std::string& name = part_.fields[i].name;
-      faults_.push_back({SnapshotKey(key_, name), Unknown("field", name, names_)});
-    }
-  }
-
- private:
-  template <class T>
-  void Set(std::string_view name, T& value) {
-    names_.emplace_back(name);
-    const auto found = std::ranges::find(part_.fields, name, &Snapshot::Field::name);
-    if (found == part_.fields.end()) return;
-    read_[static_cast<std::size_t>(found - part_.fields.begin())] = true;
-    if (Take(found->value, value)) return;
-    faults_.push_back(
-        {SnapshotKey(key_, found->name),
-         "has to be " + KindOf(Snapshot::Value(value)) + ", not " + KindOf(found->value)});
-  }
-
-  template <class T>
-  static bool Take(const Snapshot::Value& saved, T& value) {
-    if (const T* same = std::get_if<T>(&saved)) {
-      value = *same;
-      return true;
-    }
-    if constexpr (std::is_same_v<T, double>) {  // a person wrote 1 for 1.0
-      const auto* whole = std::get_if<std::int64_t>(&saved);
-      if (whole != nullptr) value = static_cast<double>(*whole);
-      return whole != nullptr;
-    }
-    return false;
-  }
-
-  const Snapshot::Part& part_;
-  const std::string& key_;
-  Faults& faults_;
-  std::vector<bool> read_;          // by field of the part
-  std::vector<std::string> names_;  // of the fields that were read
-};
 
 }  // namespace
 
@@ -199,7 +130,7 @@ class Machine::Restoring {
     std::vector<std::string> known;
     known.reserve(machine_.nodes_.size());
     for (const Node& node : machine_.nodes_) known.push_back(node.name);
-    return Unknown("state", name, known);
+    return UnknownName("state", name, known);
   }
 
   void Events(const std::string& key, const std::vector<std::string>& names) {
@@ -207,7 +138,7 @@ class Machine::Restoring {
     known.reserve(machine_.events_.size());
     for (const Event& event : machine_.events_) known.push_back(event.name);
     for (const std::string& name : names) {
-      if (!name.empty() && !machine_.FindEvent(name)) Fail(key, Unknown("event", name, known));
+      if (!name.empty() && !machine_.FindEvent(name)) Fail(key, UnknownName("event", name, known));
     }
   }
 
@@ -219,7 +150,7 @@ class Machine::Restoring {
       if (key == "states" && !machine_.FindState(part.name)) {
         Fail(SnapshotKey(key, part.name), UnknownState(part.name));
       } else if (key == "data" && std::ranges::find(known, part.name) == known.end()) {
-        Fail(SnapshotKey(key, part.name), Unknown("data", part.name, known));
+        Fail(SnapshotKey(key, part.name), UnknownName("data", part.name, known));
       }
     }
   }
@@ -230,16 +161,11 @@ class Machine::Restoring {
     const std::string local = SnapshotKey(kind, name);
     const std::string key = SnapshotKey(prefix_, local);
     const auto part = std::ranges::find(parts, name, &Snapshot::Part::name);
-    const Snapshot::Part none{name, {}};
     Faults own;
-    RestoringArchive archive(part == parts.end() ? none : *part, key, own);
-    try {
-      persist(archive);
-      archive.RefuseOthers();
-    } catch (const std::exception& thrown) {
-      own.push_back({key, std::string("Persist: ") + thrown.what()});
-    }
-    if (part == parts.end() && archive.read_any()) Fail(local, "is missing");
+    const std::vector<SavedField> none;
+    const bool has_any =
+        RestoreFields(part == parts.end() ? none : part->fields, key, persist, own);
+    if (part == parts.end() && has_any) Fail(local, "is missing");
     faults_.insert(faults_.end(), own.begin(), own.end());
   }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <stdexcept>
 #include <utility>
 
 #include "musher/behavior/fsm/snapshot.hpp"
@@ -10,40 +9,13 @@
 namespace musher::fsm {
 namespace {
 
-class SavingArchive : public Archive {
- public:
-  explicit SavingArchive(std::vector<Snapshot::Field>& fields) : fields_(fields) {}
-
-  using Archive::Field;
-  void Field(std::string_view name, bool& value) override { Add(name, value); }
-  void Field(std::string_view name, std::int64_t& value) override { Add(name, value); }
-  void Field(std::string_view name, double& value) override { Add(name, value); }
-  void Field(std::string_view name, std::string& value) override { Add(name, value); }
-
- private:
-  void Add(std::string_view name, Snapshot::Value value) {
-    if (std::ranges::find(fields_, name, &Snapshot::Field::name) != fields_.end()) {
-      throw std::logic_error("the field " + std::string(name) + " occurs twice");
-    }
-    fields_.push_back({std::string(name), std::move(value)});
-  }
-
-  std::vector<Snapshot::Field>& fields_;
-};
-
 template <class Persist>
 void SavePart(const std::string& name, std::vector<Snapshot::Part>& parts, Persist&& persist) {
-  Snapshot::Part part{name, {}};
-  SavingArchive archive(part.fields);
-  persist(archive);
+  Snapshot::Part part{name, SaveFields(persist)};
   if (!part.fields.empty()) parts.push_back(std::move(part));
 }
 
 }  // namespace
-
-std::string SnapshotKey(const std::string& prefix, const std::string& name) {
-  return prefix.empty() ? name : prefix + "." + name;
-}
 
 // The persisted fields of states and data, and the machines inside.
 Result<> Machine::SaveParts(Snapshot& saved) const {

@@ -5,26 +5,18 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "musher/behavior/fsm/machine.hpp"
+#include "musher/behavior/fsm/saved_part.hpp"
 
 namespace musher::fsm {
 
 struct Snapshot {
-  using Value = std::variant<bool, std::int64_t, double, std::string>;
-  struct Field {
-    std::string name;
-    Value value;
-    friend bool operator==(const Field&, const Field&) = default;
-  };
+  using Value = SavedValue;
+  using Field = SavedField;
   // The persisted fields of a state, or of shared data.
-  struct Part {
-    std::string name;
-    std::vector<Field> fields;
-    friend bool operator==(const Part&, const Part&) = default;
-  };
+  using Part = SavedPart;
   // A gradual transition under way, from the present state.
   struct Transition {
     std::string to;
@@ -80,16 +72,5 @@ struct Snapshot::Inside {
   Snapshot machine;
   friend bool operator==(const Inside&, const Inside&) = default;
 };
-
-// Why a snapshot cannot be restored.
-struct SnapshotFault {
-  std::string key;  // the invalid key: "state", "states.TRACKING.lost_for", "inside.SHOW.commands"
-  std::string what;
-
-  friend bool operator==(const SnapshotFault&, const SnapshotFault&) = default;
-};
-
-// "states" and "TRACKING" make "states.TRACKING".
-std::string SnapshotKey(const std::string& prefix, const std::string& name);
 
 }  // namespace musher::fsm

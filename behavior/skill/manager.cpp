@@ -33,7 +33,6 @@ Duration Between(Time last, Time now) {
   return Duration(static_cast<std::int64_t>(std::min<std::uint64_t>(passed, kFarthestNs)));
 }
 
-// A run of the skill that has not begun.
 Result<std::unique_ptr<Run>> MakeRun(const Entry& entry) {
   try {
     std::unique_ptr<Skill> skill = entry.make ? entry.make() : nullptr;
@@ -71,6 +70,13 @@ Result<const Entry*> Manager::Lookup(std::string_view skill) const {
   return &*found;
 }
 
+// A run of the skill that has not begun.
+Result<std::unique_ptr<Run>> Manager::Make(std::string_view skill) const {
+  const Result<const Entry*> entry = Lookup(skill);
+  if (!entry) return entry.error();
+  return MakeRun(*entry.value());
+}
+
 Result<> Manager::Allowed(std::string_view skill) const {
   if (!in_step_) return Ok();
   return Error{kCodeStateInvalid,
@@ -103,9 +109,7 @@ Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters) {
 
 Result<> Manager::Start(std::string_view skill, const Values& parameters) {
   if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
-  const Result<const Entry*> entry = Lookup(skill);
-  if (!entry) return entry.error();
-  Result<std::unique_ptr<Run>> run = MakeRun(*entry.value());
+  Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
   return Begin(std::move(run).value(), parameters);
 }
@@ -113,9 +117,7 @@ Result<> Manager::Start(std::string_view skill, const Values& parameters) {
 Result<> Manager::StartWithTexts(
     std::string_view skill, const std::vector<std::pair<std::string, std::string>>& parameters) {
   if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
-  const Result<const Entry*> entry = Lookup(skill);
-  if (!entry) return entry.error();
-  Result<std::unique_ptr<Run>> run = MakeRun(*entry.value());
+  Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
   const Run& made = *run.value();
   const Result<Values> values = made.table().Parse(parameters);

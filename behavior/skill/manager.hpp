@@ -20,13 +20,13 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
+#include "musher/behavior/fsm/saved_part.hpp"
 #include "musher/behavior/skill/registry.hpp"
 #include "musher/behavior/skill/run.hpp"
 
 namespace musher::skill {
 
 struct ManagerSnapshot;  // snapshot.hpp
-struct SnapshotFault;
 
 class Manager {
  public:
@@ -71,10 +71,11 @@ class Manager {
   Result<ManagerSnapshot> Save() const;
   // Continues from the snapshot, as if the last step had just been. Nothing may run. Returns all
   // errors of the snapshot; if there are any, nothing has changed.
-  [[nodiscard]] std::vector<SnapshotFault> Restore(const ManagerSnapshot& saved);
+  [[nodiscard]] std::vector<fsm::SnapshotFault> Restore(const ManagerSnapshot& saved);
 
  private:
   Result<const Entry*> Lookup(std::string_view skill) const;
+  Result<std::unique_ptr<Run>> Make(std::string_view skill) const;
   Result<Run*> Running(std::string_view skill) const;
   Result<> Free(const Run& run) const;
   Result<> Allowed(std::string_view skill) const;

@@ -4,8 +4,8 @@
 #include <utility>
 #include <variant>
 
-#include "musher/base/diagnostic.hpp"
 #include "musher/base/toml/table_reader.hpp"
+#include "musher/behavior/fsm/toml/finding_lines.hpp"
 #include "musher/behavior/fsm/toml/snapshot_toml.hpp"
 
 namespace musher::fsm {
@@ -229,14 +229,6 @@ class SnapshotReader {
   std::map<std::string, Position> places_;
 };
 
-std::string FormatAll(Findings&& findings, const std::string& file, std::string_view text) {
-  std::string lines;
-  for (const Diagnostic& diagnostic : std::move(findings).Take(file, text)) {
-    lines += (lines.empty() ? "" : "\n") + FormatDiagnostic(diagnostic);
-  }
-  return lines;
-}
-
 }  // namespace
 
 Result<> RestoreSnapshot(Machine& machine, std::string_view text, const std::string& file,
@@ -257,7 +249,7 @@ Result<> RestoreSnapshot(Machine& machine, std::string_view text, const std::str
     }
   }
   if (!findings.HasErrors()) return Ok();
-  return Error{kCodeParametersInvalid, FormatAll(std::move(findings), file, text)};
+  return Error{kCodeParametersInvalid, FindingLines(std::move(findings), file, text)};
 }
 
 }  // namespace musher::fsm

@@ -1,24 +1,17 @@
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <utility>
 
-#include "musher/base/toml/text.hpp"
 #include "musher/behavior/fsm/toml/snapshot_toml.hpp"
+#include "musher/behavior/fsm/toml/toml_writer.hpp"
 
 namespace musher::fsm {
 namespace {
 
-class SnapshotWriter {
+class SnapshotWriter : private TomlWriter {
  public:
   Result<std::string> Write(const Snapshot& snapshot) && {
-    text_ = "# A state machine between two ticks. Times are nanoseconds of machine time.\n";
+    Append("# A state machine between two ticks. Times are nanoseconds of machine time.\n");
     WriteMachine(snapshot, "");
-    if (!unwritable_.empty()) {
-      return Error{kCodeFailed, snapshot.machine + ": " + unwritable_ +
-                                    " cannot be saved: it is not UTF-8, or has a NUL"};
-    }
-    return std::move(text_);
+    return Written(snapshot.machine);
   }
 
  private:
@@ -49,26 +42,25 @@ class SnapshotWriter {
   }
 
   void WriteCommands(const Snapshot& snapshot) {
-    text_ += "commands = [";
+    Append("commands = [");
     for (std::size_t i = 0; i < snapshot.commands.size(); ++i) {
-      text_ += (i == 0 ? "" : ", ") + Quoted(snapshot.commands[i], "commands");
+      Append((i == 0 ? "" : ", ") + Quoted(snapshot.commands[i], "commands"));
     }
-    text_ += "]\n";
+    Append("]\n");
   }
 
   void WriteHistory(const Snapshot& snapshot) {
     if (snapshot.history.empty()) return;
-    text_ += "history = [\n";
+    Append("history = [\n");
     for (const Snapshot::PastChange& change : snapshot.history) {
-      text_ += "  { tick = " + std::to_string(change.tick) +
-               ", at_ns = " + std::to_string(change.at.count()) +
-               ", from = " + Quoted(change.from, "history") +
-               ", to = " + Quoted(change.to, "history") + ", cause = \"" +
-               std::string(Name(change.cause)) + "\"";
-      if (!change.command.empty()) text_ += ", command = " + Quoted(change.command, "history");
-      text_ += " },\n";
+      Append("  { tick = " + std::to_string(change.tick) + ", at_ns = " +
+             std::to_string(change.at.count()) + ", from = " + Quoted(change.from, "history") +
+             ", to = " + Quoted(change.to, "history") + ", cause = \"" +
+             std::string(Name(change.cause)) + "\"");
+      if (!change.command.empty()) Append(", command = " + Quoted(change.command, "history"));
+      Append(" },\n");
     }
-    text_ += "]\n";
+    Append("]\n");
   }
 
   void WriteCounts(const Counts& counts, const std::string& path) {
@@ -108,64 +100,6 @@ class SnapshotWriter {
       }
     }
   }
-
-  void Field(const std::string& name, bool value) { Bool(Key(name), value); }
-  void Field(const std::string& name, std::int64_t value) {
-    Line(Key(name), std::to_string(value));
-  }
-  void Field(const std::string& name, const std::string& value) { Text(Key(name), value); }
-  void Field(const std::string& name, double value) {
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-    std::string number(digits.data(), end);
-    if (std::isfinite(value) && number.find_first_of(".e") == std::string::npos) number += ".0";
-    Line(Key(name), number);
-  }
-
-  void Table(const std::string& path) { text_ += "\n[" + path + "]\n"; }
-  void Bool(const std::string& key, bool value) { Line(key, value ? "true" : "false"); }
-  void Number(const std::string& key, std::uint64_t value) { Line(key, std::to_string(value)); }
-  void Time(const std::string& key, Duration value) { Line(key, std::to_string(value.count())); }
-  void Text(const std::string& key, std::string_view value) { Line(key, Quoted(value, key)); }
-  void Line(const std::string& key, const std::string& value) {
-    text_ += key;
-    text_ += " = ";
-    text_ += value;
-    text_ += '\n';
-  }
-
-  std::string Key(const std::string& name) {
-    constexpr std::string_view kBare =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
-    const bool bare = !name.empty() && name.find_first_not_of(kBare) == std::string::npos;
-    return bare ? name : Quoted(name, "a name");
-  }
-
-  std::string Quoted(std::string_view text, std::string_view key) {
-    std::string quoted = "\"";
-    while (!text.empty()) {
-      const std::size_t size = config_toml::CharacterSize(text);
-      if (size == 0 || text.front() == '\0') {
-        unwritable_ = key;
-        break;
-      }
-      quoted += size == 1 ? Escaped(text.front()) : std::string(text.substr(0, size));
-      text.remove_prefix(size);
-    }
-    return quoted + "\"";
-  }
-
-  static std::string Escaped(char c) {
-    constexpr std::string_view kHex = "0123456789ABCDEF";
-    if (c == '"' || c == '\\') return {'\\', c};
-    if (c == '\n') return "\\n";
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte != 0x7f) return {c};
-    return std::string("\\u00") + kHex[byte >> 4] + kHex[byte & 0xf];
-  }
-
-  std::string text_;
-  std::string unwritable_;  // the key of a text that TOML cannot represent
 };
 
 }  // namespace

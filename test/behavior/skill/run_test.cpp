@@ -280,7 +280,7 @@ TEST_F(ARun, KeepsTheReasonOfItsFailureWhenItsEndFailsToo) {
   EXPECT_EQ(run_->errors()[0].what, "OnEnd: the motor does not stop");
 }
 
-TEST_F(ARun, TellsTheSkillOfAPauseOnceAndOfItsEnd) {
+TEST_F(ARun, PassesAPauseToTheSkillOnce) {
   Begun();
   Steps(1);
   run_->Pause();

@@ -1,0 +1,37 @@
+#pragma once
+// Which skills a kind of robot has, and their limits, as a TOML text:
+//
+//   [group.drone]
+//   robots = ["cf2x", "drone_autel"]     # kinds of robots; without the key: all
+//   skills = ["take_off", "wait"]
+//
+//   [skill.take_off]
+//   time_limit_ms = 40000                # of a run; 0: none
+//   cancel_limit_ms = 5000               # of its own cancellation; 0: none
+//   retries = 3                          # of a run, 0 to 1000
+//   state_limits_ms = { EXECUTING = 30000 }      # 0: none
+//   parameters = { altitude = 2.0 }              # defaults
+//
+// All keys are optional; what is not there is as the skill declares it. All errors are reported at
+// once, as "file:line:column: error: …", an unknown name with the nearest one.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/behavior/skill/registry.hpp"
+
+namespace musher::skill {
+
+struct ConfigReading {
+  std::optional<Config> config;  // nothing where there are errors
+  std::vector<Diagnostic> diagnostics;
+};
+
+// `registry` has the skills, states and parameters that may be named.
+ConfigReading ReadConfig(std::string_view text, const std::string& file, const Registry& registry);
+ConfigReading ReadConfigFile(const std::string& path, const Registry& registry);
+
+}  // namespace musher::skill
