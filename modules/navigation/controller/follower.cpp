@@ -68,6 +68,7 @@ void Follower::Stop() {
   progress_ = Progress::kIdle;
   reference_ = driven_ = waiting_ = Duration::zero();
   pace_ = pace_change_ = 0;
+  slowed_ = false;
   obstruction_.reset();
   failure_.reset();
 }
@@ -105,6 +106,7 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   moving.margin_m += moving.side_s * std::min(speed_m_s, rules_.limits.speed_m_s);
   const bool passes = !obstruction_ && FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
                                                         rules_.flat, moving);
+  slowed_ = obstruction_ || passes || (slowed_ && pace_ < 1);
   const bool hold = obstruction_ || passes || lead_m > rules_.lead_m;
   // The speed is the pace times that of the trajectory, so it changes with both.
   const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
@@ -170,6 +172,7 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
   const double dt_s = std::min(passed_s, kLongestStepS);
   last_ = std::max(last_, now);
   Command command;
+  const Duration before = reference_;
   if (active && IsFinite(pose)) {
     MoveReference(dt_s, pose, velocity, obstacles);
     progress_ = obstruction_ ? Progress::kWaiting : Progress::kFollowing;
@@ -186,7 +189,7 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
     }
   } else if (progress_ == Progress::kFollowing) {
     waiting_ = Duration::zero();
-    driven_ += FromSeconds(passed_s);
+    driven_ += slowed_ ? reference_ - before : FromSeconds(passed_s);
     const Pose& goal = trajectory_.points.back().pose;
     if (driven_ > trajectory_.duration() + rules_.late) {
       Fail(MakeError(

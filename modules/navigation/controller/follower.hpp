@@ -14,7 +14,7 @@
 // - Each axis is controlled with a receding horizon (axis_control.hpp); the command is limited to
 //   the highest speed in space.
 // - Arrived: the reference is at the end and the body within `arrive_m` and `arrive_rad` of it.
-//   Failed: `late` after the trajectory's time without arrival, waiting for obstacles not counted;
+//   Failed: `late` after the trajectory's time without arrival, without what obstacles cost;
 //   or an obstacle in the way for `give_up` in one go. In both the velocity is 0 and stays so.
 // - `replan` of the command: the obstacle has been in the way for `replan_after`. A new
 //   trajectory, by Start(), may come at any time.
@@ -93,6 +93,7 @@ class Follower {
   Duration reference_{};    // on the trajectory
   Duration driven_{};       // since Start(), without waiting
   Duration waiting_{};      // in one go
+  bool slowed_ = false;     // by obstacles, now or just before
   double pace_ = 0;         // 1: the reference moves as the trajectory says
   double pace_change_ = 0;  // a second
   std::optional<Obstruction> obstruction_;

@@ -3,13 +3,13 @@
 //
 //   1. Cells with room for the body form regions, computed once for a map. A start or goal in an
 //      obstacle, outside the map or in another region is refused at once, without a search.
-//   2. The shortest way from cell to cell (A*), with `comfort_m` more room where the detour is
-//   small.
+//   2. The shortest way from cell to cell (A*), with `comfort_m` more room if the detour is
+//      small.
 //   3. OMPL's shortcuts and B-splines make it short and smooth; the body fits everywhere.
 //
 // Complete to the resolution of the map: a passage is found if it is wider than the body by a cell.
-// No search by samples: on grids it finds fewer ways in more time, and cannot say that there is
-// none (the module's README has the figures). Metres, radians, the frame of the map. Immutable once
+// No search by samples: it is not faster for ways of the same length, and cannot say that there is
+// none (docs/decisions/30-search-by-cells.md). Metres, radians, the frame of the map. Immutable once
 // made; any thread. Errors have a code of Fault.
 
 #include <functional>
