@@ -121,7 +121,7 @@ await_line() {
 lose_sight() {
   local process
   step "Its vision module is killed on the way: it is restarted, and the race continues"
-  expect "the state" "${1}" "$(state_within 200 "$1" ERROR)"
+  expect "the state" "${1}" "$(state_within 400 "$1" ERROR)"
   shown musher-world tell speed 1
   process=$(status .actuators.vision.pid)
   say "\$ kill -KILL $process  # vision"
