@@ -81,8 +81,8 @@ TEST(InnermostLines, AreTheOnlyTwoOfALane) {
 }
 
 TEST(InnermostLines, AreTheOutermostWhereASideHasNone) {
-  EXPECT_NEAR(OffsetsOf({400, 420, 600}).innermost, (500.0 - 320) / 640, kHalfPx);
-  EXPECT_NEAR(OffsetsOf({40, 220, 240}).innermost, (140.0 - 320) / 640, kHalfPx);
+  EXPECT_NEAR(OffsetsOf({400, 460, 600}).innermost, (500.0 - 320) / 640, kHalfPx);
+  EXPECT_NEAR(OffsetsOf({40, 180, 240}).innermost, (140.0 - 320) / 640, kHalfPx);
 }
 
 TEST(InnermostLines, AreThoseBesideTheCentreOfTheKey) {
@@ -101,8 +101,8 @@ RC_GTEST_PROP(InnermostLines, DoNotDependOnLinesBeyondThem, ()) {
   const int left = *rc::gen::inRange(100, 305), right = *rc::gen::inRange(340, 540);
   std::vector<int> middles{left, right};
   const Offsets of_two = OffsetsOf(middles);
-  if (*rc::gen::arbitrary<bool>()) middles.push_back(*rc::gen::inRange(15, left - 22));
-  if (*rc::gen::arbitrary<bool>()) middles.push_back(*rc::gen::inRange(right + 22, 625));
+  if (*rc::gen::arbitrary<bool>()) middles.push_back(*rc::gen::inRange(15, left - 29));
+  if (*rc::gen::arbitrary<bool>()) middles.push_back(*rc::gen::inRange(right + 30, 625));
   RC_ASSERT(OffsetsOf(middles).innermost == of_two.innermost);
 }
 
