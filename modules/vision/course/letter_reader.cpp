@@ -61,6 +61,10 @@ struct LetterReader::Engine {
   ~Engine() { api.End(); }
 
   std::string Text(const cv::Mat& letters, int page_mode, double least_confidence) {
+    // It scales each line to one height: a strip of a picture would take minutes, and has no word.
+    constexpr int kMostAspect = 40;
+    const auto [shorter, longer] = std::minmax(letters.cols, letters.rows);
+    if (longer > kMostAspect * shorter) return "";
     api.SetPageSegMode(static_cast<tesseract::PageSegMode>(page_mode));
     api.SetImage(letters.data, letters.cols, letters.rows, 1, static_cast<int>(letters.step));
     constexpr int kDotsPerInch = 300;  // else it estimates, and prints so

@@ -1,4 +1,4 @@
-// Input that nothing promises: boards with other texts, boxes and stamps without sense, detectors
+// Input without sense: boards with other texts, boxes and stamps that cannot be, detectors
 // that contradict each other, replies and statuses at the wrong time.
 
 #include <gmock/gmock.h>
