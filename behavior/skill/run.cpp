@@ -232,6 +232,7 @@ void Run::Pause() {
   fresh_ = true;
   if (!running() || in_step_ || std::exchange(paused_, true)) return;
   if (const auto thrown = Thrown("OnPause", [&] { skill_->OnPause(); })) FailByFault(*thrown);
+  ShowState();  // a skill inside may have failed
 }
 
 void Run::Cancel(const std::string& why) {

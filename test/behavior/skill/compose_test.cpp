@@ -167,6 +167,16 @@ TEST_F(AComposition, PausesTheSkillsInside) {
   EXPECT_EQ(ToMilliseconds(part(0).now()), 200);
 }
 
+TEST_F(AComposition, ShowsASkillInsideThatFailsInAPause) {
+  scripts_[0].throws = {{"OnPause", "no brake"}};
+  Start(Order::kParallel, {{"a"}, {"b"}});
+  After(1);
+  manager_->Pause();
+  EXPECT_EQ(feedback().state, "RUNNING/b/EXECUTING");
+  EXPECT_EQ(After(2), "FAILED");
+  EXPECT_EQ(feedback().message, "a: failed: OnPause: no brake");
+}
+
 TEST_F(AComposition, HoldsItsSkillsForItself) {
   Start(Order::kInOrder, {{"a"}, {"b"}});
   After(1);
