@@ -100,8 +100,9 @@ Result<Trajectory> MakeTrajectory(const Path& path, const TrajectoryRules& rules
   double begin_s = 0;
   for (const Interval& interval : FastestProgress(pieces, rules.limits, rules.start_speed_m_s)) {
     const double end_s = begin_s + interval.seconds;
-    for (double at_s = static_cast<double>(trajectory.points.size()) * kStepS; at_s < end_s;
-         at_s = static_cast<double>(trajectory.points.size()) * kStepS) {
+    for (;;) {
+      const double at_s = static_cast<double>(trajectory.points.size()) * kStepS;
+      if (at_s >= end_s) break;
       trajectory.points.push_back(PointIn(pieces[interval.piece], interval, at_s - begin_s));
     }
     begin_s = end_s;
