@@ -9,8 +9,8 @@
 //
 // Complete to the resolution of the map: a passage is found if it is wider than the body by a cell.
 // No search by samples: it is not faster for ways of the same length, and cannot say that there is
-// none (docs/decisions/30-search-by-cells.md). Metres, radians, the frame of the map. Immutable once
-// made; any thread. Errors have a code of Fault.
+// none (docs/decisions/30-search-by-cells.md). Metres, radians, the frame of the map. Immutable
+// once made; any thread. Errors have a code of Fault.
 
 #include <functional>
 #include <memory>
