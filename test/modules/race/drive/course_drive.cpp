@@ -20,6 +20,7 @@ namespace musher::race::testing {
 namespace {
 
 constexpr Duration kSpoken = Milliseconds(900);
+constexpr double kTickHz = 20;  // of the race and of the walker, as in their processes
 constexpr double kRateHz = 15;  // of the cameras, of which a detector takes its share
 constexpr std::array<std::string_view, world::kCameras> kTopics{"image_rgb", "image_left",
                                                                 "image_right"};
@@ -178,7 +179,12 @@ void CourseDrive::Step() {
       race_.OnWalkerStatus(i, walker_.StatusText(now), now);
     }
   }
-  if (dog_.world().now() % Milliseconds(40) == Duration::zero()) TickWalker();
+  if (world::IsDue(dog_.world().now(), kTickHz)) TickWalker();
+  if (world::IsDue(dog_.world().now(), kTickHz)) TickRace(now);
+  if (settings_.on_step) settings_.on_step(dog_.world(), walker_.active());
+}
+
+void CourseDrive::TickRace(Time now) {
   const std::size_t decisions = result_.latencies.of_race.size();
   const Duration begun = CpuTime();
   machine_.RunOnce(now);
@@ -187,7 +193,6 @@ void CourseDrive::Step() {
     result_.latencies.race_cpu.push_back(CpuTime() - begun);
   }
   race_.PassTime(now);
-  if (settings_.on_step) settings_.on_step(dog_.world(), walker_.active());
 }
 
 bool CourseDrive::Wanted(const Eye& eye) const {

@@ -91,6 +91,7 @@ class CourseDrive : private RaceOutputs {
   void ShowWalker(line_walker::View view, const msg::YellowLines& lines, Time taken);
   void Deliver();
   void TickWalker();
+  void TickRace(Time now);
   void Later(Duration by, std::function<void()> work) {
     due_.push_back({dog_.now() + by, std::move(work)});
   }
