@@ -118,7 +118,8 @@ MachineOrigin Controller::Origin() const {
 }
 
 Result<> Controller::OpenStore() {
-  auto store = StateStore::Open(config_.state_dir, Origin());
+  auto store = TakeFromKilled([&] { return StateStore::Open(config_.state_dir, Origin()); },
+                              [&] { return StateStore::OwnerOf(config_.state_dir); });
   if (!store && store.error().code == kCodePermissionDenied) return store.error();
   if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
     if (auto ended = EndOwnerOf(config_.state_dir); !ended) return ended;
@@ -140,7 +141,8 @@ Result<> Controller::OpenStore() {
 // One controller leads the actuators of a namespace, whatever its folder is.
 Result<> Controller::TakeName() {
   const std::string name = LockOf("musher/controller");
-  auto lock = NameLock::Acquire(name);
+  auto lock = TakeFromKilled([&] { return NameLock::Acquire(name); },
+                             [&] { return NameLock::HolderOf(name).pid; });
   if (!lock && lock.error().code == kCodeTargetBusy) {
     const NameLock::Holder holder = NameLock::HolderOf(name);
     const std::string leads =

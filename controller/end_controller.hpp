@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "musher/base/code.hpp"
 #include "musher/base/result.hpp"
 
 namespace musher {
@@ -19,5 +20,19 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it);
 // Ends the controller that holds the folder's lock. The pid in the lock file is not trusted: others
 // may be able to write there.
 Result<> EndOwnerOf(const std::string& state_dir);
+
+// Waits for the exit of a process that was killed and has not exited yet: until then it holds its
+// locks, on a busy computer for a while. False, at once, for a process that runs. True as well for
+// one that does not exist.
+bool AwaitKilled(pid_t pid);
+
+// What `take` returns, a lock or an error; once more if the lock is held by a process that was
+// killed, after its exit. `holder`: the pid of the process that holds it, 0 if it is unknown.
+template <class Take>
+auto TakeFromKilled(Take take, const std::function<pid_t()>& holder) {
+  auto taken = take();
+  if (!taken && taken.error().code == kCodeTargetBusy && AwaitKilled(holder())) taken = take();
+  return taken;
+}
 
 }  // namespace musher

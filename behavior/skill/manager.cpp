@@ -100,15 +100,15 @@ Result<> Manager::Free(const Run& run) const {
 }
 
 Result<> Manager::Begin(std::unique_ptr<Run> run, const Values& parameters) {
-  if (const Result<> free = Free(*run); !free) return free;
-  if (const Result<> begun = run->Begin(parameters); !begun) return begun;
+  if (Result<> free = Free(*run); !free) return free;
+  if (Result<> begun = run->Begin(parameters); !begun) return begun;
   Remove(run->name());
   runs_.push_back(std::move(run));
   return Ok();
 }
 
 Result<> Manager::Start(std::string_view skill, const Values& parameters) {
-  if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
+  if (Result<> allowed = Allowed(skill); !allowed) return allowed;
   Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
   return Begin(std::move(run).value(), parameters);
@@ -116,7 +116,7 @@ Result<> Manager::Start(std::string_view skill, const Values& parameters) {
 
 Result<> Manager::StartWithTexts(
     std::string_view skill, const std::vector<std::pair<std::string, std::string>>& parameters) {
-  if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
+  if (Result<> allowed = Allowed(skill); !allowed) return allowed;
   Result<std::unique_ptr<Run>> run = Make(skill);
   if (!run) return run.error();
   const Run& made = *run.value();
@@ -141,7 +141,7 @@ void Manager::Pause() {
 }
 
 Result<Run*> Manager::Running(std::string_view skill) const {
-  if (const Result<> allowed = Allowed(skill); !allowed) return allowed.error();
+  if (Result<> allowed = Allowed(skill); !allowed) return allowed.error();
   const Result<const Entry*> entry = Lookup(skill);
   if (!entry) return entry.error();
   const auto found = std::ranges::find(
@@ -182,7 +182,7 @@ void Manager::Remove(std::string_view skill) {
 }
 
 Result<> Manager::Reset(std::string_view skill) {
-  if (const Result<> allowed = Allowed(skill); !allowed) return allowed;
+  if (Result<> allowed = Allowed(skill); !allowed) return allowed;
   const Result<const Entry*> entry = Lookup(skill);
   if (!entry) return entry.error();
   if (Running(skill)) static_cast<void>(CancelNow(skill, "it is reset"));

@@ -106,14 +106,14 @@ Result<CellMap> FromOccupancyGrid(const OccupancyGrid& grid, const OccupancyRule
               1,
               std::vector<std::uint8_t>(grid.data.size())};
   for (std::size_t i = 0; i < grid.data.size(); ++i) {
-    const int per_cent = grid.data[i];
-    if (per_cent < -1 || per_cent > 100) {
+    const std::int8_t occupancy = grid.data[i];
+    if (occupancy < -1 || occupancy > 100) {
       const Cell cell = map.CellAt(i);
       return MakeError(Fault::kMap,
                        fmt::format("occupancy grid: cell ({}, {}) is {}, expected -1 to 100",
-                                   cell.x, cell.y, per_cent));
+                                   cell.x, cell.y, static_cast<int>(occupancy)));
     }
-    map.blocked[i] = per_cent < 0 ? !rules.unknown_is_free : per_cent >= rules.blocked_from;
+    map.blocked[i] = occupancy < 0 ? !rules.unknown_is_free : occupancy >= rules.blocked_from;
   }
   return map;
 }

@@ -131,6 +131,7 @@ std::vector<Cell> CellSearch::EntriesOf(const Point& place, double reach_m, doub
   std::stable_sort(entries.begin(), entries.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Cell> cells;
+  cells.reserve(entries.size());
   for (const auto& entry : entries) cells.push_back(entry.second);
   return cells;
 }

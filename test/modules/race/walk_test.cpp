@@ -158,8 +158,8 @@ TEST(Check, CorrectsByTheMovementBefore) {
   const Twist backward{-0.3, 0, 0};
   const Twist left{0, 0.3, 0};
   const Twist right{0, -0.3, 0};
-  const Twist turn_left{0, 0, 0.9};
-  const Twist turn_right{0, 0, -0.9};
+  const Twist turn_left{0, 0, 0.45};
+  const Twist turn_right{0, 0, -0.45};
   const auto correction = [](const char* state, const char* detector, LineWord word,
                              bool dy = false) {
     return Checked(state, detector, word, dy).Correction();
@@ -191,7 +191,7 @@ TEST(Check, TurnsTowardsTheBoardWhoseBoxIsBesideTheMiddle) {
     rig.Command("START:S1_TO_A1");
     ASSERT_TRUE(rig.RunUntil([&] { return rig.field.Logged("check board: "); }));
     ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
-    EXPECT_EQ(rig.field.frames.back().twist, (Twist{0, 0, offset > 0 ? -0.9 : 0.9}));
+    EXPECT_EQ(rig.field.frames.back().twist, (Twist{0, 0, offset > 0 ? -0.45 : 0.45}));
   }
 }
 

@@ -72,7 +72,7 @@ TEST_P(ShippedDetector, FindsTheThingAndNothingElse) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheCourse, ShippedDetector,
-                         ::testing::Values(Floor{"Qr", CourseKind::kQr, 3.0, 15, 1, 10},
+                         ::testing::Values(Floor{"Qr", CourseKind::kQr, 3.0, 15, 0.9, 10},
                                            Floor{"Arrow", CourseKind::kArrow, 3.0, 30, 1, 12},
                                            Floor{"Barrier", CourseKind::kBarrier, 3.0, 30, 1, 12},
                                            Floor{"Marker", CourseKind::kMarker, 3.0, 30, 1, 12},

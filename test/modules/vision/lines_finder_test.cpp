@@ -164,7 +164,7 @@ TEST(Line, AcrossIsFrontOrBackOfItsTarget) {
 
 TEST(Line, AcrossIsToldFromOneBesideItByItsLength) {
   cv::Mat bgr = GreyPicture();
-  bgr(cv::Rect(220, 140, 200, 20)).setTo(kYellow);
+  bgr(cv::Rect(180, 140, 200, 20)).setTo(kYellow);
   bgr(cv::Rect(310, 300, 30, 100)).setTo(kYellow);  // ahead, and nearer to the centre line
   EXPECT_EQ(FindLines(bgr, WholePicture()).lines.dy, "back");
   LinesParameters across = WholePicture();

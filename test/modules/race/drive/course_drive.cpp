@@ -44,8 +44,8 @@ world::Scene SceneOf(const DriveSettings& settings) {
   world::Scene scene = Valid(reading, reading.scene);
   for (world::Ball& ball : scene.balls) {
     if (!settings.yellow_light || ball.name != "yellow light") continue;
-    ball.show_within_m = 0.75;
-    ball.show_for = std::chrono::seconds(4);
+    ball.show_within_m = 1.1;
+    ball.show_for = std::chrono::seconds(6);
   }
   return scene;
 }
