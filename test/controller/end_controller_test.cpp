@@ -52,7 +52,7 @@ TEST_F(AwaitKilledTest, IsTrueForAProcessThatHasExited) {
   kill(child_, SIGKILL);
   siginfo_t info{};
   ASSERT_EQ(waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOWAIT), 0);
-  EXPECT_TRUE(AwaitKilled(child_)) << "nobody has reaped it";
+  EXPECT_TRUE(AwaitKilled(child_)) << "a zombie";
   EXPECT_FALSE(NameLock::IsHeld(name_));
 }
 

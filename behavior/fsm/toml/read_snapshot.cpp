@@ -1,11 +1,11 @@
 #include <array>
 #include <limits>
-#include <map>
 #include <utility>
 #include <variant>
 
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/behavior/fsm/toml/finding_lines.hpp"
+#include "musher/behavior/fsm/toml/places.hpp"
 #include "musher/behavior/fsm/toml/snapshot_toml.hpp"
 
 namespace musher::fsm {
@@ -64,15 +64,7 @@ class SnapshotReader {
     return snapshot;
   }
 
-  // Of a missing part, the position of the table around it.
-  Position Where(std::string key) const {
-    for (;;) {
-      if (const auto found = places_.find(key); found != places_.end()) return found->second;
-      const std::size_t dot = key.rfind('.');
-      if (dot == std::string::npos) return {1, 1};
-      key.resize(dot);
-    }
-  }
+  Position Where(const std::string& key) const { return places_.Where(key); }
 
  private:
   void ReadCommands(TableReader& table, Snapshot& snapshot) {
@@ -223,10 +215,10 @@ class SnapshotReader {
     return Duration(ns.value_or(0));
   }
 
-  void Note(const std::string& key, Position at) { places_[key] = at; }
+  void Note(const std::string& key, Position at) { places_.Note(key, at); }
 
   Findings& findings_;
-  std::map<std::string, Position> places_;
+  Places places_;
 };
 
 }  // namespace

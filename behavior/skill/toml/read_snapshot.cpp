@@ -1,9 +1,9 @@
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/behavior/fsm/toml/finding_lines.hpp"
+#include "musher/behavior/fsm/toml/places.hpp"
 #include "musher/behavior/skill/toml/read_value.hpp"
 #include "musher/behavior/skill/toml/snapshot_toml.hpp"
 
@@ -34,15 +34,7 @@ class SkillsReader {
     return snapshot;
   }
 
-  // Of a missing part, the position of what is around it.
-  Position Where(std::string key) const {
-    for (;;) {
-      if (const auto found = places_.find(key); found != places_.end()) return found->second;
-      const std::size_t dot = key.rfind('.');
-      if (dot == std::string::npos) return {1, 1};
-      key.resize(dot);
-    }
-  }
+  Position Where(const std::string& key) const { return places_.Where(key); }
 
  private:
   std::vector<Snapshot> ReadRuns(TableReader& table, std::string_view key,
@@ -50,7 +42,7 @@ class SkillsReader {
     std::vector<Snapshot> runs;
     for (const config_toml::Value* value : table.Tables(key)) {
       const std::string own = Indexed(path, runs.size());
-      places_[own] = value->at;
+      places_.Note(own, value->at);
       TableReader run(*value->As<config_toml::Table>(), value->at, own, findings_);
       runs.push_back(ReadRun(run));
     }
@@ -91,7 +83,7 @@ class SkillsReader {
     }
     for (const config_toml::Value* value : table.Tables("history")) {
       const std::string path = Indexed(table.path() + ".history", run.history.size());
-      places_[path] = value->at;
+      places_.Note(path, value->at);
       TableReader entry(*value->As<config_toml::Table>(), value->at, path, findings_);
       Snapshot::PastChange change;
       change.at = Time(entry, "at");
@@ -132,7 +124,7 @@ class SkillsReader {
   void ReadFields(TableReader& table, Snapshot& run) {
     const std::string path = table.path() + ".fields";
     for (const Member& member : Members(table, "fields")) {
-      places_[path + "." + member.key] = member.at;
+      places_.Note(path + "." + member.key, member.at);
       auto value = ReadValue(member.value);
       if (!value || KindOf(*value) == Kind::kNumbers) {
         findings_.Error(member.value.at,
@@ -152,7 +144,7 @@ class SkillsReader {
   const config_toml::Table& Members(TableReader& table, const std::string& key) {
     static const config_toml::Table none;
     const config_toml::Table* members = table.SubTable(key);
-    if (members != nullptr) places_[table.path() + "." + key] = table.At(key);
+    if (members != nullptr) places_.Note(table.path() + "." + key, table.At(key));
     return members == nullptr ? none : *members;
   }
 
@@ -162,29 +154,29 @@ class SkillsReader {
   }
   std::string Text(TableReader& table, const std::string& key) {
     const auto word = Needed(table, key).String(key);
-    places_[table.path() + "." + key] = table.At(key);
+    places_.Note(table.path() + "." + key, table.At(key));
     return word ? word->text : "";
   }
   bool Flag(TableReader& table, const std::string& key) {
     const auto flag = Needed(table, key).Bool(key);
-    places_[table.path() + "." + key] = table.At(key);
+    places_.Note(table.path() + "." + key, table.At(key));
     return flag.value_or(false);
   }
   std::int64_t Whole(TableReader& table, const std::string& key, std::int64_t most) {
     const auto number = Needed(table, key).Integer(key, 0, most);
-    places_[table.path() + "." + key] = table.At(key);
+    places_.Note(table.path() + "." + key, table.At(key));
     return number.value_or(0);
   }
   // The key "time_ns" of what a SnapshotFault calls "time".
   Duration Time(TableReader& table, const std::string& name) {
     const std::string key = name + "_ns";
     const auto ns = Needed(table, key).Integer(key, 0, kFarthestNs, " (nanoseconds)");
-    places_[table.path() + "." + name] = table.At(key);
+    places_.Note(table.path() + "." + name, table.At(key));
     return Duration(ns.value_or(0));
   }
 
   Findings& findings_;
-  std::map<std::string, Position> places_;
+  fsm::Places places_;
 };
 
 }  // namespace
