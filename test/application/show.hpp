@@ -167,9 +167,10 @@ class Harness {
   transport::NodeThread& node() { return *node_; }
   MachineController& controller() { return controller_; }
 
-  // The show is set up and has received /clock.
-  void Open(Show& show) {
-    const Result<> ready = show.Prepare(path());
+  // The show, or another actuator with its name, is set up and has received /clock.
+  template <class Application>
+  void Open(Application& show) {
+    const Result<> ready = show.Init(path());
     ASSERT_TRUE(ready) << ready.error().message;
     const Result<> started = show.Start();
     ASSERT_TRUE(started) << started.error().message;
@@ -178,18 +179,20 @@ class Harness {
     Advance(show, Milliseconds(20));
   }
   // Advances /clock, and waits until the show has received it.
-  void Advance(Show& show, Duration step) {
+  template <class Application>
+  void Advance(Application& show, Duration step) {
     now_ += step;
     const Time there = Time{} + now_;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (show.Of([](Show& s) { return s.Now(); }) != there) {
+    while (show.Of([](auto& s) { return s.Now(); }) != there) {
       ASSERT_LT(std::chrono::steady_clock::now(), deadline);
       node_->RunOnLoop([this] { static_cast<void>(world_->Publish({msg::ToStamp(now_)})); });
       std::this_thread::yield();
     }
   }
   // This many ticks of 20 ms.
-  void Tick(Show& show, int count) {
+  template <class Application>
+  void Tick(Application& show, int count) {
     for (int i = 0; i < count; ++i) Advance(show, Milliseconds(20));
   }
 

@@ -1,0 +1,278 @@
+#include "musher/application/skill_actuator.hpp"
+
+#include <exception>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "musher/base/check.hpp"
+#include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher {
+namespace {
+
+using Goal = transport::ServerGoal<msg::SkillExecution>;
+
+// What the endpoints provide, and keep as long as they exist.
+struct SkillWire {
+  transport::Clock* clock = nullptr;
+  transport::LoopHandlePtr steps;
+};
+
+// The request of a goal: the skill and its parameters.
+struct Request {
+  std::string skill;
+  std::vector<std::pair<std::string, std::string>> parameters;
+};
+
+Result<Request> RequestOf(const Goal& goal) {
+  const auto& skills = goal.goal().skill_request.skill_list;
+  if (skills.size() != 1) {
+    return Error{kCodeParametersInvalid,
+                 "expected one skill in skill_list, found " + std::to_string(skills.size())};
+  }
+  Request request{skills.front().skill, {}};
+  for (const msg::SkillParameter& parameter : skills.front().params) {
+    request.parameters.emplace_back(parameter.key, parameter.value);
+  }
+  return request;
+}
+
+}  // namespace
+
+class SkillActuator::Impl {
+ public:
+  Impl(SkillActuator& owner, Options options) : owner_(owner), options_(std::move(options)) {
+    MUSHER_CHECK(options_.rate_hz > 0);
+  }
+
+  Result<> Run(const State& state) {
+    if (state == kSetUp) return SetUp();
+    if (state == kSelfCheck) return owner_.SelfCheck();
+    Result<> result;
+    owner_.RunOnLoop([&] {
+      if (state == kActive) {
+        result = Continue();
+      } else if (state == kTearDown || state == kError || state == kOta) {
+        CancelAtOnce("the robot goes to " + state);
+      } else {
+        Pause(state);
+      }
+    });
+    return result;
+  }
+
+  void StopAtOnce() {
+    if (open_) CancelAtOnce("emergency stop");
+  }
+
+  skill::Manager& manager() {
+    MUSHER_CHECK(manager_ != nullptr);
+    return *manager_;
+  }
+  bool stepping() const { return stepping_; }
+  Time Now() const {
+    const auto wire = wire_.lock();
+    return wire ? wire->clock->Now() : Time{};
+  }
+
+ private:
+  struct Open {
+    Goal goal;
+    std::string shown;  // the last feedback
+  };
+
+  Result<> SetUp() {
+    owner_.RunOnLoop([this] { open_ = false; });
+    skill::Registry registry;
+    if (Result<> registered = owner_.RegisterSkills(registry); !registered) return registered;
+    if (registry.All().empty()) {
+      return Error{kCodeFailed, "RegisterSkills() has not added a skill"};
+    }
+    goals_.clear();
+    manager_ = std::make_unique<skill::Manager>(registry.All());
+    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
+      const auto wire = std::make_shared<SkillWire>();
+      wire->clock = &topics.clock();
+      topics.Keep(wire);
+      wire_ = wire;
+      transport::ActionHandlers<msg::SkillExecution> handlers;
+      handlers.start = [this](const Goal& goal) { Start(goal); };
+      handlers.cancel = [this](const Goal& goal) { Cancel(goal); };
+      topics.ServeAction<msg::SkillExecution>(options_.action, std::move(handlers));
+      owner_.OpenTopics(topics);
+    });
+    owner_.RunOnLoop([&] { open_ = opened.ok(); });
+    return opened;
+  }
+
+  Result<> Continue() {
+    if (owner_.EmergencyStopped()) {
+      return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
+    }
+    if (std::exchange(stepping_, true)) return Ok();
+    if (const auto wire = wire_.lock()) {
+      const std::chrono::duration<double> period(1 / options_.rate_hz);
+      wire->steps =
+          wire->clock->Every(std::chrono::duration_cast<Duration>(period), [this] { Step(); });
+    }
+    return Ok();
+  }
+
+  void StopStepping() {
+    if (const auto wire = wire_.lock()) wire->steps.reset();
+    stepping_ = false;
+  }
+
+  void Pause(const State& state) {
+    if (options_.cancels_when_paused) return CancelAtOnce("the robot goes to " + state);
+    StopStepping();
+    if (!manager_) return;
+    manager_->Pause();
+    ReportGoals();
+  }
+
+  void CancelAtOnce(const std::string& why) {
+    StopStepping();
+    if (!manager_) return;
+    manager_->CancelAllNow(why);
+    ReportGoals();
+  }
+
+  void Start(const Goal& goal) {
+    const Result<Request> request = RequestOf(goal);
+    Result<> started = request ? Ok() : Result<>(request.error());
+    if (started && !stepping_) {
+      started =
+          Error{kCodeStateInvalid, owner_.name() + " runs no skills in " + owner_.CurrentState() +
+                                       (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
+    }
+    if (started) {
+      started = manager_->StartWithTexts(request.value().skill, request.value().parameters);
+    }
+    Goal own = goal;
+    if (!started) {
+      owner_.Log(LogLevel::kWarning, "goal refused: " + started.error().message);
+      own.Abort({false, started.error().message});
+      return;
+    }
+    const std::string& skill = request.value().skill;
+    owner_.Log(skill + " started");
+    own.Execute();
+    own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
+    goals_.insert_or_assign(skill, Open{std::move(own), ""});
+  }
+
+  void Cancel(const Goal& goal) {
+    for (const auto& [skill, open] : goals_) {
+      if (open.goal.id() != goal.id()) continue;
+      static_cast<void>(manager_->Cancel(skill, "by its client"));
+      if (!stepping_) {  // no step would see it
+        static_cast<void>(manager_->CancelNow(skill, "by its client"));
+        ReportGoals();
+      }
+      return;
+    }
+    Goal own = goal;  // canceled before it was started
+    own.Canceled({false, "cancelled: before it was started"});
+  }
+
+  void Step() {
+    const Time now = Now();
+    const auto before = Thrown("BeforeStep", [&] { owner_.BeforeStep(now); });
+    if (!before) manager_->RunOnce(now);
+    const auto after = Thrown("AfterStep", [&] { owner_.AfterStep(now); });
+    for (const auto& thrown : {before, after}) {
+      if (!thrown) continue;
+      if (manager_->running()) owner_.Log(LogLevel::kError, "fault: " + *thrown);
+      manager_->CancelAllNow(*thrown);
+    }
+    ReportGoals();
+  }
+
+  // Feedback of the goals, and the results of those that have ended.
+  void ReportGoals() {
+    std::vector<std::pair<std::string, Goal>> ended;
+    for (auto& [skill, open] : goals_) {
+      const skill::Run* run = manager_->Find(skill);
+      const std::string text = run == nullptr ? "" : skill::ToText(run->feedback());
+      if (run == nullptr || run->ended()) {
+        ended.emplace_back(skill, open.goal);
+      } else if (text != open.shown) {
+        open.shown = text;
+        open.goal.PublishFeedback({text});
+      }
+    }
+    for (auto& [skill, goal] : ended) {
+      goals_.erase(skill);
+      End(skill, goal);
+    }
+  }
+
+  void End(const std::string& skill, Goal& goal) {
+    const skill::Run* run = manager_->Find(skill);
+    if (run == nullptr) {
+      goal.Abort({false, "cancelled: it was reset"});
+      return;
+    }
+    const skill::Feedback& feedback = run->feedback();
+    owner_.Log(skill + " " + skill::ToText(feedback));
+    const bool completed = feedback.status == skill::Status::kCompleted;
+    const msg::SkillExecution::Result result{completed, skill::ToText(feedback)};
+    if (completed) {
+      goal.Succeed(result);
+    } else if (feedback.status == skill::Status::kFailed || !goal.Canceled(result)) {
+      goal.Abort(result);
+    }
+  }
+
+  // The text of an exception of a hook.
+  static std::optional<std::string> Thrown(const char* name, const std::function<void()>& hook) {
+    try {
+      hook();
+      return std::nullopt;
+    } catch (const std::exception& thrown) {
+      return std::string(name) + ": " + thrown.what();
+    } catch (...) {
+      return std::string(name) + ": threw something that is not a std::exception";
+    }
+  }
+
+  SkillActuator& owner_;
+  const Options options_;
+  std::unique_ptr<skill::Manager> manager_;
+  std::weak_ptr<SkillWire> wire_;
+  std::map<std::string, Open> goals_;  // by skill
+  bool open_ = false;                  // SetUp is done; before, the skills belong to the worker
+  bool stepping_ = false;
+};
+
+SkillActuator::SkillActuator(const std::string& actuator_name, const Options& options)
+    : MachineActuator(actuator_name), impl_(std::make_unique<Impl>(*this, options)) {
+  RegisterStateCallback([this](const State& state) { return impl_->Run(state); });
+}
+
+SkillActuator::~SkillActuator() {
+  MUSHER_CHECK(!started(), name(),
+               "is destroyed while it is started, and the members that its hooks use are already "
+               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
+}
+
+skill::Manager& SkillActuator::manager() {
+  return impl_->manager();
+}
+bool SkillActuator::stepping() const {
+  return impl_->stepping();
+}
+Time SkillActuator::Now() const {
+  return impl_->Now();
+}
+
+void SkillActuator::OnEmergencyStop() {
+  impl_->StopAtOnce();
+}
+
+}  // namespace musher

@@ -1,0 +1,93 @@
+#pragma once
+// The base class of an application that offers skills (behavior/skill): an actuator that runs the
+// requested skills while the robot is Active.
+//
+//   class Arm : public musher::SkillActuator {
+//    public:
+//     Arm() : SkillActuator("arm") {}
+//
+//    private:
+//     Result<> RegisterSkills(skill::Registry& registry) override {
+//       return registry.Add<Grasp>("grasp", gripper_);
+//     }
+//     void OpenTopics(transport::Endpoints& topics) override { ... of the gripper ... }
+//
+//     Gripper gripper_;
+//   };
+//
+// clang-format off
+//   robot          skills
+//   SetUp          are registered; topics are opened
+//   SelfCheck      SelfCheck() is called
+//   Active         are started by goals, and stepped; paused ones continue
+//   DeActive, Protected, LowPower, and states of the config
+//                  are paused: their time stands still, a goal stays open (or, with
+//                  Options::cancels_when_paused, cancelled at once)
+//   OTA, Error, TearDown, an emergency stop
+//                  are cancelled at once
+// clang-format on
+//
+// Interface: action `skill_execution` (plan_msgs/SkillExecution) in the namespace of the machine. A
+// goal has one skill with its parameters as texts ("[10, 20, 0]"); see skill::Parse(). One that
+// cannot be started is aborted at once, with the reason in its result: an unknown skill, one that
+// runs, invalid parameters, a robot that is not Active. Feedback is
+// "processing: Planning the path (15%)", at each change. A goal succeeds only when its skill has
+// completed; cancelling the goal cancels the skill; a skill that is cancelled by anything else
+// aborts its goal.
+//
+// In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
+// clock: skills are registered and cancelled, and not stepped.
+//
+// Threads: skills, hooks and handlers of topics run on the loop, one at a time. RegisterSkills()
+// and SelfCheck() run on the actuator's worker. Times are the machine's, see [controller] clock.
+
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/behavior/skill/manager.hpp"
+
+namespace musher {
+
+class SkillActuator : public MachineActuator {
+ public:
+  struct Options {
+    double rate_hz = 10;  // of steps; more than 0
+    bool cancels_when_paused = false;
+    std::string action = "skill_execution";
+  };
+
+  explicit SkillActuator(const std::string& actuator_name)
+      : SkillActuator(actuator_name, Options{}) {}
+  SkillActuator(const std::string& actuator_name, const Options& options);
+  ~SkillActuator() override;
+
+ protected:
+  // In SetUp. A failure fails SetUp.
+  virtual Result<> RegisterSkills(skill::Registry& registry) = 0;
+  // After that, on the loop: topics and services. Not called in a fault-injection test.
+  virtual void OpenTopics(transport::Endpoints& /*topics*/) {}
+  // Whether its dependencies are available. May block.
+  virtual Result<> SelfCheck() { return Ok(); }
+  // Before and after each step of all skills. An exception cancels all skills at once.
+  virtual void BeforeStep(Time /*now*/) {}
+  virtual void AfterStep(Time /*now*/) {}
+
+  // From SetUp on. On the loop only. Skills may also be started here; those have no goal.
+  skill::Manager& manager();
+  // Whether skills are stepped now. On the loop only.
+  bool stepping() const;
+  // The time of the machine's clock. On the loop only.
+  Time Now() const;
+
+  void OnEmergencyStop() override;
+
+ private:
+  // Not available: a callback of a derived class would replace the one that runs the skills.
+  using MachineActuator::RegisterStateCallback;
+
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace musher

@@ -1,0 +1,120 @@
+#pragma once
+// What skills use of their robot: its pose, its velocity command, and the services of other
+// processes. `RosRobot` provides it over DDS, a fake one in tests.
+//
+// Metres, radians, seconds; poses in the frame of the map. Velocity commands are in the frame of
+// the body: x forward, y to the left, z up. Requests return futures; see behavior/skill/future.hpp.
+//
+// Threads: the loop of the actuator, where skills are stepped.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/behavior/skill/future.hpp"
+#include "musher/modules/navigation/pose.hpp"
+
+namespace musher::skills {
+
+// A picture as it came: 8 bits a channel, blue, green, red; row by row without gaps.
+struct Picture {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<std::uint8_t> bgr;
+};
+
+// An object of the world's ground truth, or one that a detector has seen.
+struct SeenObject {
+  std::string name;      // "box_red"
+  std::string category;  // "box"
+  navigation::Pose pose;
+  std::string held_by;  // a robot; empty: none
+};
+
+enum class HandAction : std::uint8_t { kCheckDistance, kAttach, kRelease, kPlace };
+
+struct HandRequest {
+  HandAction action = HandAction::kCheckDistance;
+  std::string object;
+  double distance_threshold_m = 2;  // from hand to object; of kCheckDistance and kAttach
+  navigation::Point target{};       // of kPlace
+};
+
+struct HandReply {
+  bool success = false;
+  std::string message;     // "Within grasp distance"
+  double distance_m = -1;  // from hand to object; negative: not known
+};
+
+// A drive along a path that the robot's controller executes. To give it up, Cancel() it, and wait
+// until `end` is done. A drive that is destroyed before its end is cancelled.
+class Drive {
+ public:
+  virtual ~Drive() = default;
+  virtual std::optional<double> distance_to_goal_m() const = 0;  // nullopt: not reported yet
+  virtual void Cancel() = 0;
+  // True: arrived. False: cancelled. An error: why it has failed, or was refused.
+  virtual skill::Future<bool> end() const = 0;
+};
+
+class Robot {
+ public:
+  virtual ~Robot() = default;
+
+  virtual const std::string& name() const = 0;  // "cf2x_0"
+  virtual const std::string& kind() const = 0;  // "cf2x"
+  virtual double radius_m() const = 0;
+
+  // The time of the present step.
+  virtual Time Now() const = 0;
+  // Nullopt: no odometry came within the last 0.5 s.
+  virtual std::optional<navigation::Pose> pose() const = 0;
+  virtual navigation::Velocity velocity() const = 0;  // in the frame of the map
+
+  // Sent until the next command, at 20 Hz. StopMotion() sends 0 and then nothing more. Both also
+  // end at an emergency stop and when skills are paused.
+  virtual void SetVelocity(const navigation::Velocity& command) = 0;
+  virtual void StopMotion() = 0;
+
+  // Whether the planner and the controller can be reached now.
+  virtual bool HasPlanner() const = 0;
+  virtual bool HasController() const = 0;
+  // A path from `start`, or from where the robot is. Fails with the planner's reason.
+  virtual skill::Future<navigation::Path> ComputePath(
+      const navigation::Pose& goal, const std::optional<navigation::Pose>& start) = 0;
+  virtual std::unique_ptr<Drive> FollowPath(const navigation::Path& path) = 0;
+
+  // Points that a scan of the last 0.5 s has seen, in the frame of the map. Empty: none, or no
+  // scan; see HasScan().
+  virtual std::vector<navigation::Point> obstacles() const = 0;
+  virtual bool HasScan() const = 0;
+
+  // Objects by the source of the config, of the last 0.5 s.
+  virtual std::vector<SeenObject> objects() const = 0;
+  virtual bool HasObjects() const = 0;
+  // The poses that came on `topic` (nav_msgs/Odometry) within the last 0.5 s; the first call
+  // subscribes. Nullopt: none.
+  virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;
+
+  virtual bool HasCamera(const std::string& camera) const = 0;
+  virtual std::vector<std::string> cameras() const = 0;
+  // The next picture of that camera.
+  virtual skill::Future<Picture> TakePicture(const std::string& camera) = 0;
+  // The file is written by another thread. Fails with the reason.
+  virtual skill::Future<std::string> SavePng(const Picture& picture, const std::string& path) = 0;
+  // The lateral offset (m, left positive) and heading (rad) of the line that the robot follows, of
+  // the last 0.5 s. Nullopt: it is not seen.
+  struct Line {
+    double offset_m = 0;
+    double heading_rad = 0;
+  };
+  virtual std::optional<Line> line() const = 0;
+
+  virtual bool HasHand() const = 0;
+  virtual skill::Future<HandReply> UseHand(const HandRequest& request) = 0;
+};
+
+}  // namespace musher::skills

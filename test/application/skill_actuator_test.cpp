@@ -1,0 +1,251 @@
+// Skills as an actuator: goals, their feedback and results, and what the states of the robot do to
+// them.
+
+#include "musher/application/skill_actuator.hpp"
+
+#include "musher/behavior/skill/wait.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/test/application/show.hpp"
+#include "musher/transport/action.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::skill_actuator_test {
+
+using ::testing::Contains;
+using testing::Harness;
+using ::testing::HasSubstr;
+using transport::GoalEnd;
+
+using Client = transport::ActionClient<msg::SkillExecution>;
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
+// Has the name that the harness has a config for.
+class Tasks : public SkillActuator {
+ public:
+  explicit Tasks(const Options& options = {.rate_hz = 50}) : SkillActuator("show", options) {}
+
+  template <class Look>
+  auto Of(Look look) {
+    decltype(look(*this)) found{};
+    RunOnLoop([&] { found = look(*this); });
+    return found;
+  }
+  std::string StateOf(const std::string& skill) {
+    return Of([&](Tasks& tasks) { return tasks.manager().StateOf(skill).value_or("?"); });
+  }
+
+  std::string throws;  // the exception of BeforeStep; by RunOnLoop()
+  bool registers = true;
+
+  using SkillActuator::manager;
+  using SkillActuator::Now;
+  using SkillActuator::stepping;
+
+ private:
+  Result<> RegisterSkills(skill::Registry& registry) override {
+    if (!registers) return Ok();
+    const auto fails = [] {
+      return std::make_unique<skill::StepFunction>(
+          [](skill::Table& table) { table.To(table.State("TRYING"), skill::kSucceeded, ""); },
+          [](skill::Tick&) { return skill::Next::Fail("no path"); });
+    };
+    if (Result<> added = registry.Add("fail", fails); !added) return added;
+    return registry.Add("wait", skill::Wait());
+  }
+  void BeforeStep(Time /*now*/) override {
+    if (!throws.empty()) throw std::runtime_error(throws);
+  }
+};
+
+struct Sent {
+  transport::GoalId id{};
+  bool accepted = false;
+  std::vector<std::string> feedback;
+  std::optional<transport::GoalOutcome<msg::SkillExecution>> outcome;
+};
+
+class ASkillActuator : public ::testing::Test {
+ protected:
+  ~ASkillActuator() override {
+    harness_.node().RunOnLoop([this] { client_.reset(); });
+  }
+
+  void Begin(Tasks& tasks) {
+    harness_.Open(tasks);
+    ASSERT_TRUE(Go("SelfCheck"));
+    ASSERT_TRUE(Go("Active"));
+    harness_.node().RunOnLoop([this] {
+      client_ = transport::MakeActionClient<msg::SkillExecution>(harness_.node().node(),
+                                                                 "skill_execution")
+                    .value();
+    });
+  }
+  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+
+  std::shared_ptr<Sent> Send(const std::string& skill, const Parameters& parameters = {}) {
+    msg::SkillExecution::Goal goal;
+    goal.skill_request.skill_list.resize(1);
+    goal.skill_request.skill_list[0].skill = skill;
+    for (const auto& [key, value] : parameters) {
+      goal.skill_request.skill_list[0].params.push_back({key, value});
+    }
+    return SendGoal(goal);
+  }
+  std::shared_ptr<Sent> SendGoal(const msg::SkillExecution::Goal& goal) {
+    auto sent = std::make_shared<Sent>();
+    transport::GoalEvents<msg::SkillExecution> events;
+    events.on_accepted = [sent] { sent->accepted = true; };
+    events.on_feedback = [sent](const auto& feedback) {
+      sent->feedback.push_back(feedback.status);
+    };
+    events.on_end = [sent](const auto& outcome) { sent->outcome = outcome; };
+    harness_.node().RunOnLoop(
+        [&] { sent->id = client_->SendGoal(goal, std::chrono::seconds(20), events); });
+    return sent;
+  }
+  // Until `condition` holds on the client's loop.
+  template <class Condition>
+  void Await(Condition condition) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    bool met = false;
+    while (!met) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+      harness_.node().RunOnLoop([&] { met = condition(); });
+      std::this_thread::yield();
+    }
+  }
+  void AwaitAccepted(const std::shared_ptr<Sent>& sent) {
+    Await([&] { return sent->accepted && !sent->feedback.empty(); });
+  }
+  // "succeeded true completed: Waited (100%)"
+  std::string EndOf(const std::shared_ptr<Sent>& sent) {
+    Await([&] { return sent->outcome.has_value(); });
+    const std::map<GoalEnd, std::string> ends{{GoalEnd::kSucceeded, "succeeded"},
+                                              {GoalEnd::kCanceled, "canceled"},
+                                              {GoalEnd::kAborted, "aborted"}};
+    if (!sent->outcome) return "none";
+    const auto end = ends.find(sent->outcome->end);
+    return (end == ends.end() ? "lost" : end->second) +
+           (sent->outcome->result.success ? " true " : " false ") + sent->outcome->result.message;
+  }
+
+  Harness harness_;
+  std::unique_ptr<Client> client_;
+};
+
+TEST_F(ASkillActuator, ExecutesAGoalWithFeedbackAndItsResult) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "0.1"}});
+  AwaitAccepted(sent);
+  harness_.Tick(tasks, 8);
+  EXPECT_EQ(EndOf(sent), "succeeded true completed: Waited (100%)");
+  EXPECT_EQ(sent->feedback.front(), "processing: Skill wait started (0%)");
+  EXPECT_THAT(sent->feedback, Contains("processing: Waiting (60%)"));
+}
+
+TEST_F(ASkillActuator, ReportsAFailureAsAFailure) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("fail");
+  AwaitAccepted(sent);
+  harness_.Tick(tasks, 2);
+  EXPECT_EQ(EndOf(sent), "aborted false failed: no path (0%)");
+}
+
+TEST_F(ASkillActuator, RefusesWhatItCannotStartWithTheReason) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  EXPECT_EQ(EndOf(Send("wiat")),
+            "aborted false there is no skill 'wiat'; did you mean 'wait'? There are fail and wait");
+  EXPECT_THAT(EndOf(Send("wait", {{"duration", "1"}})), HasSubstr("did you mean duration_s?"));
+  EXPECT_THAT(EndOf(SendGoal({})), HasSubstr("expected one skill in skill_list, found 0"));
+  const auto first = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(first);
+  EXPECT_EQ(EndOf(Send("wait")), "aborted false wait is running already");
+  EXPECT_EQ(tasks.StateOf("wait"), "WAITING");
+  ASSERT_TRUE(Go("Protected"));
+  EXPECT_THAT(EndOf(Send("fail")), HasSubstr("show runs no skills in Protected"));
+}
+
+TEST_F(ASkillActuator, CancelsTheSkillOfAGoal) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(sent);
+  harness_.Tick(tasks, 1);
+  bool replied = false;
+  harness_.node().RunOnLoop([&] {
+    client_->Cancel(sent->id, std::chrono::seconds(20), [&](const auto&) { replied = true; });
+  });
+  Await([&] { return replied; });
+  harness_.Tick(tasks, 2);
+  EXPECT_EQ(EndOf(sent), "canceled false cancelled: Cancelled: by its client (0%)");
+}
+
+TEST_F(ASkillActuator, PausesItsSkillsInLowPowerAndContinuesThem) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "0.1"}});
+  AwaitAccepted(sent);
+  harness_.Tick(tasks, 2);
+  for (const std::string state : {"Protected", "DeActive", "LowPower"}) {
+    ASSERT_TRUE(Go(state));
+    harness_.Advance(tasks, std::chrono::hours(1));
+    EXPECT_EQ(tasks.StateOf("wait"), "WAITING") << state;
+    ASSERT_TRUE(Go("Active"));
+  }
+  harness_.Tick(tasks, 8);
+  EXPECT_THAT(EndOf(sent), HasSubstr("succeeded true"));
+}
+
+TEST_F(ASkillActuator, CancelsItsSkillsInOtaAndErrorAndWithThatOptionInLowPower) {
+  for (const std::string state : {"OTA", "Error", "LowPower"}) {
+    Harness harness;
+    ActuatorRunner<Tasks> tasks(
+        SkillActuator::Options{.rate_hz = 50, .cancels_when_paused = state == "LowPower"});
+    harness.Open(tasks);
+    ASSERT_TRUE(harness.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness.controller().Switch("Active").done());
+    ASSERT_TRUE(tasks.Of([](Tasks& t) { return t.manager().Start("wait").ok(); }));
+    ASSERT_TRUE(harness.controller().Switch(state).done());
+    EXPECT_EQ(tasks.StateOf("wait"), "CANCELLED") << state;
+  }
+}
+
+TEST_F(ASkillActuator, CancelsItsSkillsAtOnceByAnEmergencyStop) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(sent);
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
+  harness_.node().RunOnLoop([&] {
+    button = transport::MakePublisher<msg::EmergencyStop>(
+                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 .value();
+    static_cast<void>(button->Publish({7, true, "a test", ""}));
+  });
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: Cancelled: emergency stop (0%)");
+  EXPECT_FALSE(tasks.Of([](Tasks& t) { return t.stepping(); }));
+  harness_.node().RunOnLoop([&] { button.reset(); });
+}
+
+TEST_F(ASkillActuator, CancelsItsSkillsWhenAHookThrows) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto sent = Send("wait", {{"duration_s", "9"}});
+  AwaitAccepted(sent);
+  tasks.RunOnLoop([&] { tasks.throws = "no camera"; });
+  harness_.Tick(tasks, 1);
+  EXPECT_EQ(EndOf(sent), "aborted false cancelled: Cancelled: BeforeStep: no camera (0%)");
+}
+
+TEST_F(ASkillActuator, FailsItsSetUpWithoutASkill) {
+  ActuatorRunner<Tasks> tasks;
+  tasks.registers = false;
+  ASSERT_TRUE(tasks.Init(harness_.path()).ok());
+  EXPECT_THAT(tasks.Start().error().message, HasSubstr("has not added a skill"));
+}
+
+}  // namespace musher::skill_actuator_test
