@@ -243,6 +243,7 @@ struct LightRule {
   Index state = 0;                        // that is entered
   Duration clear = Milliseconds(2000);    // out of sight for so long, the next one is another light
   Duration again = Milliseconds(10'000);  // after so long the same one stops the movement again
+  Duration blind = Milliseconds(1000);    // without a picture for so long the movement stands still
 };
 
 // A command that sets a counter and leaves states.

@@ -293,6 +293,7 @@ class CourseReader {
     light.state = state.value_or(light.state);
     Take(table, "clear_ms", light.clear);
     Take(table, "again_ms", light.again);
+    Take(table, "blind_ms", light.blind);
   }
 
   void ReadCommand(TableReader& table, CourseCommand& command) {

@@ -1,5 +1,6 @@
 #include "musher/modules/race/eyes.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace musher::race {
@@ -39,15 +40,22 @@ const Lines* Eyes::LinesSince(Index detector, Time after) const {
 std::optional<Index> Eyes::EndTick(Duration now) {
   bool changed = false;
   std::optional<Index> silent;
+  const Duration passed =
+      std::clamp(now - std::exchange(ticked_at_, now), Duration(0), kTickCounts);
   for (Index i = 0; i < watched_.size(); ++i) {
     Watched& watched = watched_[i];
+    watched.silent += passed;
     if (watched.wanted != open_[i]) {
       changed = true;
+      watched.silent = Duration(0);
       open_[i] = watched.wanted;
       watched.taken.reset();
       watched.heard_at = now;
     }
-    if (std::exchange(watched.heard, false)) watched.heard_at = now;
+    if (std::exchange(watched.heard, false)) {
+      watched.heard_at = now;
+      watched.silent = Duration(0);
+    }
     if (watched.wanted && now - watched.heard_at >= course_.check.silent) silent = i;
   }
   if (changed) outputs_.Watch(open_);

@@ -49,6 +49,9 @@ class Eyes {
   // The newest sample that was taken at `after` or later; null: none.
   const Sighting* SightingSince(Index detector, Time after) const;
   const Lines* LinesSince(Index detector, Time after) const;
+  // Since its last sample, or since it was opened; 0 while it is closed. Of a tick that came late
+  // at most kTickCounts counts: this process was late itself.
+  Duration SilentFor(Index detector) const { return watched_[detector].silent; }
   // Opens and closes detectors. Returns one that has been silent for too long.
   std::optional<Index> EndTick(Duration now);
 
@@ -60,6 +63,7 @@ class Eyes {
     bool wanted = false;
     bool heard = false;  // a sample since the last tick
     Duration heard_at{};
+    Duration silent{};
     std::optional<Time> taken;
     Sighting sighting;
     Lines lines;
@@ -67,8 +71,11 @@ class Eyes {
 
   bool Takes(Index detector, Detector::Kind kind, Time taken);
 
+  static constexpr Duration kTickCounts = Milliseconds(200);
+
   const Course& course_;
   RaceOutputs& outputs_;
+  Duration ticked_at_{};
   std::vector<Watched> watched_;  // by detector
   std::vector<bool> open_;
 };

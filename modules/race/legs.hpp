@@ -52,6 +52,9 @@ class Legs {
     return Stop();
   }
 
+  // The walk stands still until the next Advance().
+  void Wait() { EndStream(); }
+
   bool walking() const { return walk_.has_value(); }
   const std::optional<WalkProgress>& walk() const { return walk_; }
   // Whether the walk leads ahead.

@@ -87,6 +87,9 @@ class Runner {
 
   // Advances the walk or motion under way. kDone, kRunning, or kTarget: a light has stopped it.
   Outcome Advance(Duration now, Time time);
+  bool WatchesLight() const;
+  // No picture comes that could show the light: the movement ahead waits for one.
+  bool Blind();
   bool StoppedByLight(Duration now);
   void Steer(const std::optional<Index>& keep, Time time);
   bool WalkEndsSoon() const;
@@ -120,6 +123,7 @@ class Runner {
   bool light_stops_ = false;  // the state is left for the light's
   bool returns_ = false;      // and now back again
   bool skips_ = false;        // see SkipSteps()
+  bool blind_ = false;
   Index target_ = 0;
   std::vector<std::string> unknown_;  // texts without a meaning, in this state
   std::string fault_;                 // found by a step in this tick

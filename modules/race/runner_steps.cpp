@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "musher/base/suggest.hpp"
 #include "musher/modules/race/printable.hpp"
@@ -22,6 +23,10 @@ std::string Steps(int count) {
 }  // namespace
 
 Runner::Outcome Runner::Advance(Duration now, Time time) {
+  if (Blind()) {
+    legs_.Wait();
+    return Outcome::kRunning;
+  }
   if (legs_.Advance(now, time)) return Outcome::kDone;
   if (!StoppedByLight(now)) return Outcome::kRunning;
   interrupted_ = Interrupted{state_, previous_, at_, legs_.Halt(time)};
@@ -32,8 +37,26 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
   return Outcome::kTarget;
 }
 
+bool Runner::WatchesLight() const {
+  return light_ && rule().light && legs_.ahead();
+}
+
+bool Runner::Blind() {
+  const bool before = std::exchange(blind_, false);
+  if (!WatchesLight()) return false;
+  const Index detector = course_.light->detector;
+  blind_ = eyes_.SilentFor(detector) >= course_.light->blind;
+  if (!blind_) return false;
+  eyes_.Want(detector);
+  if (!before) {
+    Say("no picture for the detector " + course_.detectors[detector].name + " for " +
+        std::to_string(ToMilliseconds(course_.light->blind)) + " ms: it stands until one comes");
+  }
+  return true;
+}
+
 bool Runner::StoppedByLight(Duration now) {
-  if (!light_ || !rule().light || !legs_.ahead()) return false;
+  if (!WatchesLight()) return false;
   eyes_.Want(course_.light->detector);
   return light_->Stops(eyes_.SightingSince(course_.light->detector, Time::min()), now);
 }

@@ -75,7 +75,7 @@ TEST(BadInput, ABoxWithoutAPlaceIsNoBoardInTheMiddle) {
 
 TEST(BadInput, APictureWithAStampOfTheFutureIsNoneOfAfterTheMovement) {
   Rig rig;
-  rig.script.cameras = false;
+  rig.script.silent = {"right_lane"};
   rig.Command("START:QRA_TO_A1");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.Wants("right_lane"); }));
   ASSERT_TRUE(rig.field.streaming) << "opened before the end of the walk";

@@ -51,6 +51,33 @@ TEST(YellowLight, ThatIsFarOrOfUnknownDistanceStopsNothing) {
   EXPECT_EQ(rig.state(), "QRA_TO_A1");
 }
 
+TEST(YellowLight, StopsAMovementWhileNoPictureComes) {
+  Lamp rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(2000));
+  ASSERT_TRUE(rig.field.streaming);
+  rig.script.cameras = false;
+  rig.Run(Milliseconds(1100));
+  EXPECT_FALSE(rig.field.streaming);
+  rig.Run(Milliseconds(3000));
+  EXPECT_FALSE(rig.field.streaming);
+  EXPECT_TRUE(rig.field.Logged("no picture for the detector light for 1000 ms"));
+  rig.script.cameras = true;
+  ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 2; }));
+  const int frames = rig.field.frames_of_stream[0] + rig.field.frames_of_stream[1];
+  EXPECT_GE(frames, 23 * 4);
+  EXPECT_LE(frames, 23 * 4 + 1);
+  EXPECT_TRUE(rig.RunTo("IN_A1"));
+}
+
+TEST(YellowLight, WithoutPicturesForTenSecondsLeadsToTheError) {
+  Lamp rig;
+  rig.Command("START:QRA_TO_A1");
+  rig.Run(Milliseconds(2000));
+  rig.script.cameras = false;
+  EXPECT_TRUE(rig.RunTo("ERROR", Milliseconds(10'100)));
+}
+
 TEST(YellowLight, IsOnlyWatchedDuringMovementsAhead) {
   Lamp rig;
   rig.seen = true;

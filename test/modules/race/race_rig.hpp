@@ -97,6 +97,7 @@ struct Script {
   bool body_reports = true;
   int body_status = 0;
   bool cameras = true;
+  std::set<std::string> silent;  // detectors without samples
 };
 
 class Rig {
@@ -199,6 +200,7 @@ class Rig {
     for (Index i = 0; i < field.watched.size(); ++i) {
       if (!field.watched[i]) continue;
       const Detector& detector = course_.detectors[i];
+      if (script.silent.contains(detector.name)) continue;
       if (detector.kind == Detector::Kind::kSighting) {
         race->OnSighting(i, script.sight(detector.name), taken, now);
         continue;

@@ -31,10 +31,12 @@ TEST(Walk, LastsAsLongAtAnUnevenPace) {
   rig.Command("START:QRA_TO_A1");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.streaming; }));
   const Time begin = rig.now;
+  const Index light = FindByName(rig.course_.detectors, "light").value();
   const std::vector<int> steps_ms = {50, 51, 90, 10};
   for (std::size_t i = 0; rig.field.ends == 0 && i < 1000; ++i) {
     rig.now += Milliseconds(steps_ms[i % steps_ms.size()]);
     rig.race->OnBody(0, 303, rig.now);
+    rig.race->OnSighting(light, {false, kUnknown, "", ""}, rig.now, rig.now);
     rig.machine->RunOnce(rig.now);
   }
   EXPECT_GE(rig.now - begin, 23 * Milliseconds(200));
@@ -210,7 +212,7 @@ TEST(Check, CorrectsThreeTimesAtMostAndThenContinues) {
 
 TEST(Check, NeedsAPictureThatIsHalfASecondNewerThanTheMovement) {
   Rig rig;
-  rig.script.cameras = false;
+  rig.script.silent = {"right_lane"};
   rig.Command("START:QRA_TO_A1");
   ASSERT_TRUE(rig.RunUntil([&] { return rig.field.ends == 1; }));
   const Time end = rig.now;
