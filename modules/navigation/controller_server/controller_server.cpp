@@ -37,6 +37,10 @@ ControllerServer::ControllerServer(const Dependencies& dependencies, ControllerC
       background_(std::move(background)),
       endpoints_(dependencies.node, dependencies.name_space) {}
 
+ControllerServer::~ControllerServer() {
+  Permit(false, "the server ends");
+}
+
 Result<std::unique_ptr<ControllerServer>> ControllerServer::Make(
     const Dependencies& dependencies, const ControllerConfig& config,
     std::unique_ptr<Background> background) {

@@ -31,6 +31,8 @@ class ControllerServer {
   static Result<std::unique_ptr<ControllerServer>> Make(
       const Dependencies& dependencies, const ControllerConfig& config,
       std::unique_ptr<Background> background = nullptr);
+  // The robots stand.
+  ~ControllerServer();
 
   // Whether goals are accepted. With false the robots stand at once; `why` is logged.
   void Permit(bool permitted, const std::string& why);

@@ -29,9 +29,7 @@ PlannerServer::PlannerServer(const Dependencies& dependencies, PlannerConfig con
 
 PlannerServer::~PlannerServer() {
   // Ends the searches, for whose threads the destructors of the robots wait.
-  for (const auto& robot : robots_) {
-    if (robot->request) *robot->request->stop = true;
-  }
+  Permit(false, "the server ends");
 }
 
 Result<std::unique_ptr<PlannerServer>> PlannerServer::Make(const Dependencies& dependencies,

@@ -32,6 +32,7 @@ class PlannerServer {
   static Result<std::unique_ptr<PlannerServer>> Make(const Dependencies& dependencies,
                                                      const PlannerConfig& config,
                                                      const MakeBackground& background = {});
+  // Present goals are aborted.
   ~PlannerServer();
 
   // Whether goals are accepted. With false the present ones are aborted; `why` is logged.

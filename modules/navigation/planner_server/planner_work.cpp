@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "musher/modules/navigation/navigation_fault.hpp"
@@ -22,15 +24,34 @@ PlannerRules RulesOf(const PlannerRobot& robot) {
   return rules;
 }
 
-// A flyer stays between the ground and the ceiling.
-void BlockLayers(double ceiling_m, CellMap& map) {
-  const std::size_t layer = std::size_t(map.size_x) * map.size_y;
-  for (int z = 0; z < map.size_z; ++z) {
-    const double low_m = map.origin.at.z_m + z * map.resolution_m;
-    const double high_m = low_m + map.resolution_m;
-    if (high_m > 1e-6 && low_m < ceiling_m - 1e-6) continue;
-    std::fill_n(map.blocked.begin() + static_cast<std::ptrdiff_t>(z * layer), layer, 1);
+// The layers of a map between the ground and the ceiling, and a blocked one below and above them.
+Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
+  constexpr double kRounding = 1e-6;
+  const double ground = -map.origin.at.z_m / map.resolution_m;
+  const int below = static_cast<int>(std::floor(ground + kRounding)) - 1;
+  const int above = static_cast<int>(std::ceil(ground + ceiling_m / map.resolution_m - kRounding));
+  CellMap between = map;
+  between.origin.at.z_m += below * map.resolution_m;
+  between.size_z = above - below + 1;
+  const std::int64_t layer = std::int64_t{map.size_x} * map.size_y;
+  if (layer * between.size_z > kMostCells) {
+    return MakeError(
+        Fault::kMap,
+        fmt::format("point cloud: {} x {} x {} cells of {} m, at most {} in all; use "
+                    "a coarser cloud_resolution_m",
+                    map.size_x, map.size_y, between.size_z, map.resolution_m, kMostCells));
   }
+  between.blocked.assign(static_cast<std::size_t>(layer * between.size_z), 0);
+  for (int z = 0; z < between.size_z; ++z) {
+    const auto to = between.blocked.begin() + static_cast<std::ptrdiff_t>(z * layer);
+    const int from = below + z;
+    if (z == 0 || z == between.size_z - 1) {
+      std::fill_n(to, layer, 1);
+    } else if (from >= 0 && from < map.size_z) {
+      std::copy_n(map.blocked.begin() + static_cast<std::ptrdiff_t>(from * layer), layer, to);
+    }
+  }
+  return between;
 }
 
 // What the scan has seen near the robot and the map does not have.
@@ -99,8 +120,9 @@ Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& 
   tree.value().Block(points.value());
   auto map = tree.value().Cells({true, config.cloud_margin_m});
   if (!map) return map.error();
-  BlockLayers(config.ceiling_m, map.value());
-  return Planner::Make(std::move(map).value(), RulesOf(robot));
+  auto between = BetweenGroundAndCeiling(map.value(), config.ceiling_m);
+  if (!between) return between.error();
+  return Planner::Make(std::move(between).value(), RulesOf(robot));
 }
 
 PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
@@ -109,6 +131,10 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     if (auto checked = CheckAltitude(request.goal, config); !checked) {
       return Refused(checked.error());
     }
+  }
+  // A search of a few cells does not ask; the request may have waited for a map.
+  if (stop && stop()) {
+    return Refused(MakeError(Fault::kTimeLimit, "the request reached its time limit"));
   }
   const CellMap& map = planner.clearance().map();
   if (map.count() <= kMostCopied) {

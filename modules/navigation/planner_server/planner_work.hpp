@@ -18,7 +18,7 @@ using PathCode = msg::ComputePathToPose_Result;
 // Of a robot on the ground; the body has room for its radius and margin.
 Result<Planner> MakePlanner(const msg::OccupancyGrid& grid, const PlannerConfig& config,
                             const PlannerRobot& robot);
-// Of a flyer. The cells below the ground and above the ceiling are blocked.
+// Of a flyer, between the ground and the ceiling.
 Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& config,
                             const PlannerRobot& robot);
 

@@ -37,7 +37,6 @@ class ServerActuator : public MachineActuator {
   ~ServerActuator() override {
     if (!node_) return;
     node_->RunOnLoop([this] {
-      if (server_) server_->Permit(false, "the program exits");
       server_.reset();
       clock_.reset();
     });
