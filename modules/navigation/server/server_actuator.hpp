@@ -6,6 +6,7 @@
 //   Active       goals are accepted
 //   all others   present goals end at once, new ones are rejected
 //   an emergency stop: the same, until Active is set again after its release
+//   SIGTERM, SIGINT: the same, then the process ends by the signal
 //
 // Threads: state callbacks on the actuator's worker, topics and emergency stops on the loop.
 
@@ -16,6 +17,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/actuator/program/await.hpp"
+#include "musher/modules/navigation/server/end_signals.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::navigation {
@@ -37,6 +39,7 @@ class ServerActuator : public MachineActuator {
   ~ServerActuator() override {
     if (!node_) return;
     node_->RunOnLoop([this] {
+      signal_watch_.reset();
       server_.reset();
       clock_.reset();
     });
@@ -85,6 +88,10 @@ class ServerActuator : public MachineActuator {
                      config_);
     if (!server) return server.error();
     server_ = std::move(server).value();
+    signal_watch_ = node_->loop().WhenReadable(signals_.fd(), [this] {
+      server_.reset();
+      signals_.End();
+    });
     return Ok();
   }
   Result<> SelfCheck() {
@@ -94,10 +101,12 @@ class ServerActuator : public MachineActuator {
         [this] { return StopRequested(); });
   }
 
+  const EndSignals signals_;  // before any thread
   const typename Server::Config config_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<Server> server_;
+  transport::LoopHandlePtr signal_watch_;
 };
 
 }  // namespace musher::navigation

@@ -60,6 +60,7 @@ void SimulatedRobot::OnCommand(const msg::Twist& twist) {
   command_ = twist;
   command_at_ = node_.loop().Now();
   ++commands_;
+  zeros_ += twist == msg::Twist{} ? 1 : 0;
 }
 
 void SimulatedRobot::Move() {

@@ -46,6 +46,7 @@ class SimulatedRobot {
   const Pose& pose() const { return pose_; }
   double speed_m_s() const { return Speed(velocity_); }
   int commands() const { return commands_; }
+  int zeros() const { return zeros_; }  // of the commands
   const msg::Twist& last_command() const { return command_; }
   double hardest_m_s2() const { return hardest_m_s2_; }  // change of the command's speed
   void ForgetHardest() { hardest_m_s2_ = 0; }
@@ -70,6 +71,7 @@ class SimulatedRobot {
   Velocity velocity_;  // in the frame of the map
   msg::Twist command_;
   int commands_ = 0;
+  int zeros_ = 0;
   Time command_at_;
   double hardest_m_s2_ = 0;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
