@@ -12,6 +12,7 @@
 #include "musher/test/modules/navigation/maps.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
 #include "musher/transport/action.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::navigation::navigation_process_test {
 
@@ -153,6 +154,25 @@ TEST_F(ControllerProcess, SendsAZeroVelocityWhenItIsTerminated) {
   EXPECT_TRUE(peer_.Until([&] { return robot_.zeros() == 1; })) << "a robot that gets nothing "
                                                                    "stops later, without a zero";
   EXPECT_EQ(peer_.AwaitExit(), -SIGTERM) << peer_.Output();
+}
+
+TEST_F(ControllerProcess, StandsAtAnEmergencyStop) {
+  PublishMap();
+  Start();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Drive();
+  ASSERT_TRUE(AwaitMotion()) << peer_.Output();
+  const auto stop = transport::MakePublisher<msg::EmergencyStop>(
+                        peer_.node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                        .value();
+  msg::EmergencyStop engaged;
+  engaged.id = 1;
+  engaged.engaged = true;
+  ASSERT_TRUE(stop->Publish(engaged));
+  EXPECT_TRUE(AwaitStand());
+  EXPECT_EQ(robot_.zeros(), 1);
+  EXPECT_THAT(peer_.Output(), HasSubstr("the drive has ended: an emergency stop holds it"));
 }
 
 TEST_F(ControllerProcess, FailsItsSelfCheckWithoutOdometry) {
