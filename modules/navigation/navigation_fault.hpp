@@ -20,6 +20,11 @@ enum class Fault : std::int32_t {
   kTimeLimit = 5326,     // the search was stopped before its end
   kLate = 5327,          // the body did not arrive in time
   kObstacle = 5328,      // an obstacle stayed in the way
+  kFrame = 5329,         // a pose or map in another frame than the map's
+  kOdometry = 5330,      // no recent odometry
+  kScan = 5331,          // no recent scan
+  kIdentifier = 5332,    // a planner or controller that the server does not have
+  kGoalOutside = 5333,   // the goal is not on the map, or above the ceiling
 };
 
 inline Error MakeError(Fault fault, std::string message) {

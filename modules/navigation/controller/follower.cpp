@@ -68,7 +68,7 @@ void Follower::Stop() {
   progress_ = Progress::kIdle;
   reference_ = driven_ = waiting_ = Duration::zero();
   pace_ = pace_change_ = 0;
-  slowed_ = false;
+  slowed_ = halting_ = false;
   obstruction_.reset();
   failure_.reset();
 }
@@ -107,7 +107,7 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   const bool passes = !obstruction_ && FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
                                                         rules_.flat, moving);
   slowed_ = obstruction_ || passes || (slowed_ && pace_ < 1);
-  const bool hold = obstruction_ || passes || lead_m > rules_.lead_m;
+  const bool hold = halting_ || obstruction_ || passes || lead_m > rules_.lead_m;
   // The speed is the pace times that of the trajectory, so it changes with both.
   const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
   const double wanted_m_s2 = hold ? -Braking(speed_m_s) : rules_.limits.acceleration_m_s2;

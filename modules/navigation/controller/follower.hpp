@@ -70,11 +70,17 @@ class Follower {
   // Idle, velocity 0.
   void Stop();
 
+  // Brakes on its way, within the limits, until Start() or Stop().
+  void Halt() { halting_ = true; }
+  // After Halt(): the reference stands.
+  bool Halted() const { return halting_ && pace_ == 0; }
+
   // `velocity` of the body in the frame of the map. `obstacles`: points that the trajectory's map
   // does not have.
   Command Update(Time now, const Pose& pose, const Velocity& velocity,
                  const std::vector<Point>& obstacles);
 
+  const Trajectory& trajectory() const { return trajectory_; }
   Progress progress() const { return progress_; }
 
  private:
@@ -90,10 +96,11 @@ class Follower {
   Trajectory trajectory_;
   Progress progress_ = Progress::kIdle;
   Time last_{};
-  Duration reference_{};    // on the trajectory
-  Duration driven_{};       // since Start(), without waiting
-  Duration waiting_{};      // in one go
-  bool slowed_ = false;     // by obstacles, now or just before
+  Duration reference_{};  // on the trajectory
+  Duration driven_{};     // since Start(), without waiting
+  Duration waiting_{};    // in one go
+  bool slowed_ = false;   // by obstacles, now or just before
+  bool halting_ = false;
   double pace_ = 0;         // 1: the reference moves as the trajectory says
   double pace_change_ = 0;  // a second
   std::optional<Obstruction> obstruction_;

@@ -1,0 +1,71 @@
+#include "musher/modules/navigation/controller_server/controller_config.hpp"
+
+#include <utility>
+
+#include "musher/base/toml/document.hpp"
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/findings.hpp"
+
+namespace musher::navigation {
+namespace {
+
+using config_toml::TableReader;
+
+ControllerRobot ReadControllerRobot(TableReader& reader, const std::vector<std::string>& names) {
+  ControllerRobot robot;
+  config::ReadRobot(reader, names, robot);
+  robot.differential = reader.Choice<bool>("drive", {{"differential", true}, {"omni", false}})
+                           .value_or(!robot.flies);
+  if (robot.flies && robot.differential) {
+    reader.Fault(reader.At("drive"), "drive", "a flyer is \"omni\"");
+  }
+  config::SetNumber(reader, "speed_m_s", 0.01, 20, robot.limits.speed_m_s);
+  config::SetNumber(reader, "acceleration_m_s2", 0.01, 20, robot.limits.acceleration_m_s2);
+  config::SetNumber(reader, "yaw_rad_s", 0.01, 20, robot.limits.yaw_rad_s);
+  config::SetNumber(reader, "yaw_rad_s2", 0.01, 50, robot.limits.yaw_rad_s2);
+  config::SetNumber(reader, "lag_s", 0, 2, robot.lag_s);
+  config::SetNumber(reader, "arrive_m", 0.01, 5, robot.arrive_m);
+  config::SetNumber(reader, "arrive_rad", 0.01, 3.15, robot.arrive_rad);
+  config::SetNumber(reader, "join_m", 0.05, 100, robot.join_m);
+  robot.action = robot.name + "/follow_path";
+  robot.trajectory = robot.name + "/timed_trajectory";
+  robot.command = robot.name + "/cmd_vel";
+  config::SetTopic(reader, "action", robot.action);
+  config::SetTopic(reader, "trajectory", robot.trajectory);
+  config::SetTopic(reader, "command", robot.command);
+  reader.RefuseOthers();
+  return robot;
+}
+
+ControllerConfig ReadController(const config_toml::Table& table, config_toml::Findings& findings) {
+  ControllerConfig config;
+  TableReader root(table, {1, 1}, "", findings);
+  if (const auto frame = root.String("frame")) config.frame = frame->text;
+  config::SetTopic(root, "map", config.map, true);
+  config::SetTime(root, "odometry_stale_ms", config.odometry_stale);
+  config::SetTime(root, "scan_stale_ms", config.scan_stale);
+  config::SetTime(root, "patience_ms", config.patience);
+  config::SetTime(root, "late_ms", config.late);
+  config::SetTime(root, "self_check_ms", config.self_check_time);
+  root.Require("robot", "a table [[robot]] for each robot");
+  std::vector<std::string> names;
+  for (const config_toml::Value* value : root.Tables("robot")) {
+    TableReader reader(*value->As<config_toml::Table>(), value->at, "robot", findings);
+    config.robots.push_back(ReadControllerRobot(reader, names));
+    names.push_back(config.robots.back().name);
+  }
+  root.RefuseOthers();
+  return config;
+}
+
+}  // namespace
+
+ControllerReading ReadControllerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<ControllerReading>(text, path, ReadController);
+}
+
+ControllerReading ReadControllerFile(const std::string& path) {
+  return config_toml::ReadFileWith(path, ReadControllerText);
+}
+
+}  // namespace musher::navigation

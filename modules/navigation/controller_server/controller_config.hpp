@@ -1,0 +1,50 @@
+#pragma once
+// The file of musher-controller; config/navigation/controller.toml explains its keys.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/modules/navigation/controller/follower.hpp"
+#include "musher/modules/navigation/server/robot_table.hpp"
+
+namespace musher::navigation {
+
+struct ControllerRobot : RobotTable {
+  // Drives ahead and turns, never aside; false for bodies that move in every direction.
+  bool differential = true;
+  MotionLimits limits;
+  double lag_s = 0;  // of the body behind the command, 0 if not known
+  double arrive_m = 0.2;
+  double arrive_rad = 0.1;
+  double join_m = 2;       // how far from the robot a path may begin
+  std::string action;      // <name>/follow_path
+  std::string trajectory;  // <name>/timed_trajectory
+  std::string command;     // <name>/cmd_vel
+};
+
+struct ControllerConfig {
+  std::string frame = "map";
+  std::string map = "map";                      // empty: none
+  Duration odometry_stale = Milliseconds(400);  // older odometry ends a drive
+  Duration scan_stale = Milliseconds(1000);
+  Duration patience = Milliseconds(2000);  // with an obstacle in the way
+  Duration late = Milliseconds(5000);      // after the trajectory's time
+  Duration self_check_time = Milliseconds(5000);
+  std::vector<ControllerRobot> robots;
+};
+
+struct ControllerReading {
+  std::optional<ControllerConfig> config;  // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;     // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+ControllerReading ReadControllerFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+ControllerReading ReadControllerText(std::string_view text, const std::string& path);
+
+}  // namespace musher::navigation

@@ -1,0 +1,251 @@
+#include "musher/modules/navigation/controller_server/controller_server.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/modules/navigation/server/work_thread.hpp"
+
+namespace musher::navigation {
+namespace {
+
+constexpr Duration kUpdatePeriod = Duration(std::chrono::seconds(1)) / 60;
+constexpr int kUpdatesAFeedback = 6;
+constexpr Duration kQuietPeriod = std::chrono::seconds(2);  // between warnings of one kind
+constexpr const char* kControllerId = "FollowPath";         // nav2's default name
+
+Result<std::shared_ptr<const Clearance>> ClearanceOf(const msg::OccupancyGrid& map,
+                                                     const std::string& frame) {
+  auto grid = ToGrid(map, frame);
+  if (!grid) return grid.error();
+  auto cells = FromOccupancyGrid(grid.value(), {});
+  if (!cells) return cells.error();
+  if (auto checked = CheckCellMap(cells.value()); !checked) return checked.error();
+  return std::make_shared<const Clearance>(std::move(cells).value());
+}
+
+}  // namespace
+
+ControllerServer::ControllerServer(const Dependencies& dependencies, ControllerConfig config,
+                                   std::unique_ptr<Background> background)
+    : dependencies_(dependencies),
+      config_(std::move(config)),
+      warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuietPeriod),
+      background_(std::move(background)),
+      endpoints_(dependencies.node, dependencies.name_space) {}
+
+ControllerServer::~ControllerServer() {
+  Permit(false, "the server ends");
+}
+
+Result<std::unique_ptr<ControllerServer>> ControllerServer::Make(
+    const Dependencies& dependencies, const ControllerConfig& config,
+    std::unique_ptr<Background> background) {
+  if (!background) background = std::make_unique<WorkThread>(dependencies.node.loop());
+  std::unique_ptr<ControllerServer> server(
+      new ControllerServer(dependencies, config, std::move(background)));
+  if (const Result<> opened = server->Open(); !opened) return opened.error();
+  return server;
+}
+
+Result<> ControllerServer::Open() {
+  for (const ControllerRobot& config : config_.robots) {
+    robots_.push_back(std::make_unique<Robot>(config, config_));
+    OpenRobot(*robots_.back());
+  }
+  if (!config_.map.empty()) {
+    endpoints_.Subscribe<msg::OccupancyGrid>(
+        config_.map, [this](msg::OccupancyGrid&& map) { OnMap(std::move(map)); },
+        transport::kLatchedQos);
+  }
+  auto& loop = dependencies_.node.loop();
+  quiet_ticks_ = loop.Every(kQuietPeriod, [this, &loop] { warnings_.Tick(loop.Now()); });
+  return endpoints_.opened();
+}
+
+void ControllerServer::OpenRobot(Robot& robot) {
+  const ControllerRobot& config = robot.config;
+  robot.command = endpoints_.Advertise<msg::Twist>(config.command);
+  robot.trajectory = endpoints_.Advertise<msg::JointTrajectory>(config.trajectory);
+  endpoints_.Subscribe<msg::Odometry>(
+      config.odometry,
+      [this, &robot](const msg::Odometry& odometry) { OnOdometry(robot, odometry); },
+      transport::kSensorDataQos);
+  if (!config.scan.empty()) {
+    endpoints_.Subscribe<msg::LaserScan>(
+        config.scan,
+        [this, &robot](const msg::LaserScan& scan) {
+          robot.drive.OnScan(ToScan(scan), msg::FromStamp(scan.header.stamp), Now());
+        },
+        transport::kSensorDataQos);
+  }
+  transport::ActionHandlers<Action> handlers;
+  handlers.accept = [this, &robot](const Action::Goal&, transport::PeerId) {
+    if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
+    return permitted_;
+  };
+  handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
+  handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
+  transport::ActionServerOptions options;
+  options.stamp = [this] { return dependencies_.clock.Stamp(); };
+  endpoints_.ServeAction<Action>(config.action, std::move(handlers), std::move(options));
+}
+
+void ControllerServer::Warn(const Robot& robot, const std::string& kind, const std::string& what) {
+  warnings_.Log(robot.config.name + kind, robot.config.name + ": " + what,
+                dependencies_.node.loop().Now());
+}
+
+void ControllerServer::OnMap(msg::OccupancyGrid&& map) {
+  const auto grid = std::make_shared<const msg::OccupancyGrid>(std::move(map));
+  background_->Do([this, grid, frame = config_.frame] {
+    const auto made =
+        std::make_shared<Result<std::shared_ptr<const Clearance>>>(ClearanceOf(*grid, frame));
+    return [this, made] {
+      if (!*made) {
+        return warnings_.Log("map", "a map is not used: " + made->error().message,
+                             dependencies_.node.loop().Now());
+      }
+      for (const auto& robot : robots_) {
+        if (!robot->config.flies) robot->drive.SetMap(made->value());
+      }
+    };
+  });
+}
+
+void ControllerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
+  auto motion = ToMotion(odometry, config_.frame);
+  if (!motion) return Warn(robot, "odometry", "refused: " + motion.error().message);
+  robot.drive.OnOdometry(motion.value(), msg::FromStamp(odometry.header.stamp), Now());
+}
+
+void ControllerServer::OnGoal(Robot& robot, const Goal& goal) {
+  if (robot.goal) {
+    Abort(robot, FollowCode::kUnknown);
+    Log(LogLevel::kInfo, robot.config.name + ": a newer goal has replaced the present one");
+  }
+  robot.goal = goal;
+  robot.goal->Execute();
+  robot.updates = 0;
+  if (!permitted_) return Conclude(robot, {FollowCode::kUnknown, not_permitted_});
+  const std::string& id = goal.goal().controller_id;
+  if (!id.empty() && id != kControllerId) {
+    return Conclude(robot, {FollowCode::kInvalidController,
+                            "there is no controller of that controller_id, expected '' or '" +
+                                std::string(kControllerId) + "'"});
+  }
+  const auto path = ToPath(goal.goal().path, config_.frame);
+  if (!path) {
+    const bool frame = Is(path.error(), Fault::kFrame);
+    return Conclude(
+        robot, {frame ? FollowCode::kTfError : FollowCode::kInvalidPath, path.error().message});
+  }
+  if (const auto refused = robot.drive.Start(path.value(), Now())) {
+    return Conclude(robot, *refused);
+  }
+  if (!ticks_) ticks_ = dependencies_.clock.Every(kUpdatePeriod, [this] { Tick(); });
+}
+
+void ControllerServer::OnCancel(Robot& robot, Goal goal) {
+  goal.Canceled({});
+  if (!robot.goal || robot.goal->id() != goal.id()) return;
+  robot.goal.reset();
+  Stand(robot);
+  Log(LogLevel::kInfo, robot.config.name + ": the drive is cancelled");
+}
+
+void ControllerServer::Tick() {
+  for (const auto& robot : robots_) {
+    if (robot->drive.driving()) Update(*robot);
+  }
+  const bool drives = std::any_of(robots_.begin(), robots_.end(),
+                                  [](const auto& robot) { return robot->drive.driving(); });
+  if (!drives) ticks_.reset();
+}
+
+void ControllerServer::Update(Robot& robot) {
+  const PathDrive::Step step = robot.drive.Update(Now());
+  if (step.begins) PublishTrajectory(robot);
+  if (step.end) return Conclude(robot, *step.end);
+  msg::Twist twist;
+  twist.linear = {step.command.x_m_s, step.command.y_m_s, step.command.z_m_s};
+  twist.angular.z = step.command.yaw_rad_s;
+  static_cast<void>(robot.command->Publish(twist));  // the next one comes soon
+  if (robot.goal && robot.updates++ % kUpdatesAFeedback == 0) {
+    robot.goal->PublishFeedback(
+        {static_cast<float>(step.distance_m), static_cast<float>(step.speed_m_s)});
+  }
+}
+
+void ControllerServer::PublishTrajectory(Robot& robot) {
+  msg::Header header;
+  header.stamp = dependencies_.clock.Stamp();
+  header.frame_id = config_.frame;
+  static_cast<void>(robot.trajectory->Publish(ToMessage(robot.drive.trajectory(), header)));
+}
+
+void ControllerServer::Stand(Robot& robot) {
+  robot.drive.Stop();
+  static_cast<void>(robot.command->Publish({}));  // without commands the robot stops as well
+}
+
+void ControllerServer::Abort(Robot& robot, std::uint16_t error_code) {
+  Action::Result result;
+  result.error_code = error_code;
+  robot.goal->Abort(result);
+  robot.goal.reset();
+}
+
+void ControllerServer::Conclude(Robot& robot, const DriveEnd& end) {
+  Stand(robot);
+  if (!robot.goal) return;
+  if (end.error_code == FollowCode::kNone) {
+    robot.goal->Succeed({});
+    robot.goal.reset();
+    return Log(LogLevel::kInfo, robot.config.name + ": it has arrived");
+  }
+  Abort(robot, end.error_code);
+  Warn(robot, fmt::format("end {}", end.error_code),
+       fmt::format("the drive has ended: {} (error_code {})", end.reason, end.error_code));
+}
+
+void ControllerServer::Halt(Robot& robot, const std::string& why) {
+  if (!robot.goal) return;
+  Stand(robot);
+  Abort(robot, FollowCode::kUnknown);
+  Log(LogLevel::kInfo, robot.config.name + ": the drive has ended: " + why);
+}
+
+void ControllerServer::Permit(bool permitted, const std::string& why) {
+  permitted_ = permitted;
+  if (permitted) return;
+  not_permitted_ = why;
+  for (const auto& robot : robots_) Halt(*robot, why);
+  ticks_.reset();
+}
+
+void ControllerServer::OnTimeJump() {
+  for (const auto& robot : robots_) {
+    Halt(*robot, "the time has jumped back");
+    robot->drive.Forget();
+  }
+}
+
+Result<> ControllerServer::Check() const {
+  std::string missing;
+  for (const auto& robot : robots_) {
+    const auto need = [&](bool there, const std::string& what) {
+      if (!there) missing += (missing.empty() ? "" : ", ") + robot->config.name + ": " + what;
+    };
+    const auto blind = robot->drive.Blind(Now());
+    need(!blind, blind ? blind->reason : "");
+    need(robot->command->MatchedReaders() > 0, "no subscriber of " + robot->config.command);
+  }
+  if (missing.empty()) return Ok();
+  return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kSelfCheckFailed), missing};
+}
+
+}  // namespace musher::navigation

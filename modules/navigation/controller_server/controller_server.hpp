@@ -1,0 +1,92 @@
+#pragma once
+// controller_server on the network: odometry, scans and the map in; for each robot an action
+// nav2_msgs/FollowPath, its trajectory, and its velocity 60 times a second while it drives. Runs on
+// any transport.
+//
+// A newer goal aborts the present one, and the robot goes on or brakes within its limits. At each
+// other end, also when it is not permitted any more, velocity 0 is sent, once, and then nothing.
+//
+// Threads: the loop's; the distances of a new map are computed on a Background.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/rate_limited_log.hpp"
+#include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/modules/navigation/controller_server/path_drive.hpp"
+#include "musher/modules/navigation/server/background.hpp"
+#include "musher/modules/navigation/server/server_actuator.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::navigation {
+
+class ControllerServer {
+ public:
+  using Config = ControllerConfig;
+
+  // `background`: for maps; null: a WorkThread.
+  static Result<std::unique_ptr<ControllerServer>> Make(
+      const Dependencies& dependencies, const ControllerConfig& config,
+      std::unique_ptr<Background> background = nullptr);
+  // The robots stand.
+  ~ControllerServer();
+
+  // Whether goals are accepted. With false the robots stand at once; `why` is logged.
+  void Permit(bool permitted, const std::string& why);
+  // The world was restarted: the robots stand.
+  void OnTimeJump();
+  // Each robot has odometry, a scan, and a program that drives it.
+  Result<> Check() const;
+
+ private:
+  using Action = msg::FollowPath;
+  using Goal = transport::ServerGoal<Action>;
+
+  struct Robot {
+    explicit Robot(const ControllerRobot& robot, const ControllerConfig& config)
+        : config(robot), drive(robot, config) {}
+
+    const ControllerRobot& config;
+    PathDrive drive;
+    std::optional<Goal> goal;
+    int updates = 0;
+    transport::Publisher<msg::Twist>* command = nullptr;
+    transport::Publisher<msg::JointTrajectory>* trajectory = nullptr;
+  };
+
+  ControllerServer(const Dependencies& dependencies, ControllerConfig config,
+                   std::unique_ptr<Background> background);
+  Result<> Open();
+  void OpenRobot(Robot& robot);
+  void OnMap(msg::OccupancyGrid&& map);
+  void OnOdometry(Robot& robot, const msg::Odometry& odometry);
+  void OnGoal(Robot& robot, const Goal& goal);
+  void OnCancel(Robot& robot, Goal goal);
+  void Tick();
+  void Update(Robot& robot);
+  void PublishTrajectory(Robot& robot);
+  // Ends the goal of a robot as its drive has ended, and lets it stand.
+  void Conclude(Robot& robot, const DriveEnd& end);
+  void Stand(Robot& robot);
+  void Abort(Robot& robot, std::uint16_t error_code);
+  void Halt(Robot& robot, const std::string& why);
+  void Warn(const Robot& robot, const std::string& kind, const std::string& what);
+  void Log(LogLevel level, const std::string& line) const { dependencies_.log(level, line); }
+  Time Now() const { return dependencies_.clock.Now(); }
+
+  const Dependencies dependencies_;
+  const ControllerConfig config_;
+  RateLimitedLog warnings_;
+  bool permitted_ = false;
+  std::string not_permitted_ = "it is not in Active";
+  std::vector<std::unique_ptr<Robot>> robots_;
+  transport::LoopHandlePtr quiet_ticks_;
+  transport::LoopHandlePtr ticks_;  // while a robot drives
+  std::unique_ptr<Background> background_;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
+};
+
+}  // namespace musher::navigation

@@ -1,0 +1,228 @@
+#include "musher/modules/navigation/controller_server/path_drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "musher/modules/navigation/controller_server/drive_path.hpp"
+#include "musher/modules/navigation/navigation_fault.hpp"
+
+namespace musher::navigation {
+namespace {
+
+constexpr Duration kKeptPoses = std::chrono::seconds(1);
+constexpr double kStandsMS = 0.05;    // m/s; a slower body stands
+constexpr double kAlignedRad = 0.35;  // between the motion and a path on which it goes on
+constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
+constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
+
+double SecondsOf(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+FollowerRules RulesOf(const ControllerRobot& robot, const ControllerConfig& config) {
+  FollowerRules rules;
+  rules.limits = robot.limits;
+  rules.lag_s = robot.lag_s;
+  rules.flat = !robot.flies;
+  rules.arrive_m = robot.arrive_m;
+  rules.arrive_rad = robot.arrive_rad;
+  rules.late = config.late;
+  rules.replan_after = config.patience;
+  rules.obstacles.radius_m = robot.radius_m;
+  rules.obstacles.margin_m = robot.margin_m;
+  rules.obstacles.brake_m_s2 = robot.limits.acceleration_m_s2;
+  return rules;
+}
+
+}  // namespace
+
+PathDrive::PathDrive(const ControllerRobot& robot, const ControllerConfig& config)
+    : robot_(robot), config_(config), follower_(RulesOf(robot, config)) {}
+
+void PathDrive::OnOdometry(const Motion& motion, Duration stamp, Time now) {
+  motion_ = motion;
+  motion_at_ = now;
+  if (!poses_.empty() && stamp < poses_.back().stamp) poses_.clear();  // its clock was set
+  poses_.push_back({stamp, motion.pose});
+  while (poses_.front().stamp < stamp - kKeptPoses) poses_.pop_front();
+}
+
+Pose PathDrive::PoseAt(Duration stamp) const {
+  const Stamped* nearest = &poses_.back();
+  if (stamp == Duration::zero()) return nearest->pose;
+  for (const Stamped& pose : poses_) {
+    const auto away = std::chrono::abs(pose.stamp - stamp);
+    if (away < std::chrono::abs(nearest->stamp - stamp)) nearest = &pose;
+  }
+  return nearest->pose;
+}
+
+void PathDrive::OnScan(const Scan& scan, Duration stamp, Time now) {
+  if (poses_.empty()) return;  // it is not known where the scan was taken
+  seen_ = PointsOf(scan, PoseAt(stamp));
+  seen_at_ = now;
+  obstacles_ = leaves_out_map_ && map_ ? NewPoints(seen_, *map_, kMapWithinM) : seen_;
+}
+
+void PathDrive::Forget() {
+  motion_.reset();
+  poses_.clear();
+  seen_at_.reset();
+  seen_.clear();
+  obstacles_.clear();
+}
+
+std::optional<DriveEnd> PathDrive::Blind(Time now) const {
+  if (!motion_ || now - motion_at_ > config_.odometry_stale) {
+    return DriveEnd{FollowCode::kTfError,
+                    motion_ ? fmt::format("no odometry on {} for {:.1f} s", robot_.odometry,
+                                          SecondsOf(now - motion_at_))
+                            : fmt::format("no odometry on {} yet", robot_.odometry)};
+  }
+  if (robot_.scan.empty() || (seen_at_ && now - *seen_at_ <= config_.scan_stale)) {
+    return std::nullopt;
+  }
+  return DriveEnd{
+      FollowCode::kNoValidControl,
+      seen_at_ ? fmt::format("no scan on {} for {:.1f} s", robot_.scan, SecondsOf(now - *seen_at_))
+               : fmt::format("no scan on {} yet", robot_.scan)};
+}
+
+bool PathDrive::Fits(const Path& path, double radius_m) const {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (!map_->FitsAlong(path[i - 1].at, path[i].at, radius_m)) return false;
+  }
+  return true;
+}
+
+// The speed with which the body moves along the begin of a path; 0 if it moves elsewhere.
+double PathDrive::AlignedSpeed(const Path& joined) const {
+  const Velocity& v = motion_->velocity;
+  const double speed_m_s = Speed(v);
+  if (speed_m_s < kStandsMS) return 0;
+  const Point& from = joined[0].at;
+  for (const Pose& pose : joined) {
+    const double away_m = Distance(pose.at, from);
+    if (away_m < 0.1) continue;
+    const double along = (v.x_m_s * (pose.at.x_m - from.x_m) + v.y_m_s * (pose.at.y_m - from.y_m) +
+                          v.z_m_s * (pose.at.z_m - from.z_m)) /
+                         away_m;
+    return along > speed_m_s * std::cos(kAlignedRad) ? along : 0;
+  }
+  return 0;
+}
+
+std::optional<DriveEnd> PathDrive::Start(const Path& path, Time now) {
+  if (auto blind = Blind(now)) {
+    Stop();
+    return blind;
+  }
+  const Path joined = JoinedPath(path, motion_->pose, robot_.join_m, !robot_.flies);
+  const double aligned_m_s = joined.empty() ? 0 : AlignedSpeed(joined);
+  if (driving_ && aligned_m_s == 0 && Speed(motion_->velocity) >= kStandsMS) {
+    next_ = path;
+    follower_.Halt();
+    return std::nullopt;
+  }
+  return Begin(path, driving_ ? aligned_m_s : 0, now);
+}
+
+std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_s, Time now) {
+  next_.reset();
+  const auto refused = [this](const std::string& why) {
+    Stop();
+    return DriveEnd{FollowCode::kInvalidPath, why};
+  };
+  Path joined = JoinedPath(path, motion_->pose, robot_.join_m, !robot_.flies);
+  if (joined.empty()) {
+    return refused(fmt::format("the path begins {:.1f} m from the robot, at most {:.1f} m",
+                               Distance(path[0].at, motion_->pose.at), robot_.join_m));
+  }
+  leaves_out_map_ = map_ && Fits(joined, robot_.radius_m);
+  if (robot_.differential) joined = LookingAhead(joined, start_speed_m_s > 0);
+  TrajectoryRules rules;
+  rules.limits = robot_.limits;
+  rules.start_speed_m_s = start_speed_m_s;
+  auto trajectory = MakeTrajectory(joined, rules);
+  if (!trajectory) return refused(trajectory.error().message);
+  lengths_m_ = {0};
+  const auto& points = trajectory.value().points;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    lengths_m_.push_back(lengths_m_.back() + Distance(points[i - 1].pose.at, points[i].pose.at));
+  }
+  obstacles_ = leaves_out_map_ ? NewPoints(seen_, *map_, kMapWithinM) : seen_;
+  if (auto started = follower_.Start(std::move(trajectory).value(), now); !started) {
+    return refused(started.error().message);
+  }
+  driving_ = true;
+  begins_ = true;
+  return std::nullopt;
+}
+
+void PathDrive::Stop() {
+  follower_.Stop();
+  next_.reset();
+  driving_ = begins_ = false;
+}
+
+DriveEnd PathDrive::Failure(const Error& error) const {
+  const bool obstacle = Is(error, Fault::kObstacle);
+  return {obstacle ? FollowCode::kPatienceExceeded : FollowCode::kFailedToMakeProgress,
+          error.message};
+}
+
+Velocity PathDrive::BodyCommand(const Velocity& velocity) const {
+  Velocity command = InBodyFrame(velocity, motion_->pose.yaw_rad);
+  if (!robot_.differential) return command;
+  const double turn = command.x_m_s < 0 ? -kAsideGain : kAsideGain;
+  const double most = robot_.limits.yaw_rad_s;
+  command.yaw_rad_s = std::clamp(command.yaw_rad_s + turn * command.y_m_s, -most, most);
+  command.y_m_s = 0;
+  return command;
+}
+
+double PathDrive::DistanceLeft(Duration reference) const {
+  const auto index = static_cast<std::size_t>(reference / kTrajectoryStep);
+  return lengths_m_.back() - lengths_m_[std::min(index, lengths_m_.size() - 1)];
+}
+
+PathDrive::Step PathDrive::Update(Time now) {
+  Step step;
+  const auto end = [&](DriveEnd how) {
+    Stop();
+    step.command = {};
+    step.end = std::move(how);
+    return step;
+  };
+  if (!driving_) return step;
+  if (auto blind = Blind(now)) return end(std::move(*blind));
+  step.speed_m_s = Speed(motion_->velocity);
+  const Command command = follower_.Update(now, motion_->pose, motion_->velocity, obstacles_);
+  const bool over = command.progress == Progress::kArrived || command.progress == Progress::kFailed;
+  if (next_ && (over || (follower_.Halted() && step.speed_m_s < kStandsMS))) {
+    if (auto refused = Begin(*std::exchange(next_, std::nullopt), 0, now)) {
+      return end(std::move(*refused));
+    }
+    step.distance_m = lengths_m_.back();
+    step.begins = std::exchange(begins_, false);
+    return step;
+  }
+  step.begins = std::exchange(begins_, false);
+  step.distance_m = DistanceLeft(command.reference);
+  if (command.failure) return end(Failure(*command.failure));
+  if (command.progress == Progress::kArrived) return end({FollowCode::kNone, ""});
+  if (command.replan && command.obstruction) {
+    const Point& at = command.obstruction->at;
+    return end({FollowCode::kPatienceExceeded,
+                fmt::format("an obstacle at ({:.2f}, {:.2f}, {:.2f}) has been in the way for "
+                            "{:.1f} s",
+                            at.x_m, at.y_m, at.z_m, SecondsOf(config_.patience))});
+  }
+  step.command = BodyCommand(command.velocity);
+  return step;
+}
+
+}  // namespace musher::navigation

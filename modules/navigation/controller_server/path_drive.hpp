@@ -1,0 +1,107 @@
+#pragma once
+// Drives one robot along paths: makes the trajectory, follows it, and says how the drive has ended.
+// Pure: odometry, scans and the time are arguments.
+//
+//   standing ──Start()──▶ driving ──▶ standing, with an end
+//                          │   ▲
+//     Start() of another   ▼   │
+//     path in motion      braking on the present way, until it stands
+//
+// A body that moves in the direction of the new path goes on without braking.
+//
+// - Points of a scan that the map has are left out, as long as the way fits the map: they do not
+//   slow the body down. Those that are on its way stop it.
+// - The velocity is in the frame of the body. A differential body gets none aside; what it is
+// beside
+//   its way turns it.
+// - Without odometry or a scan (if the robot has one) for their times the drive ends.
+//
+// Metres, radians, the frame of the map. One thread.
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/nav2_msgs/follow_path.hpp"
+#include "musher/modules/navigation/controller/follower.hpp"
+#include "musher/modules/navigation/controller_server/controller_config.hpp"
+#include "musher/modules/navigation/messages/conversions.hpp"
+#include "musher/modules/navigation/planner/clearance.hpp"
+
+namespace musher::navigation {
+
+using FollowCode = msg::FollowPath_Result;
+
+// How a drive has ended.
+struct DriveEnd {
+  std::uint16_t error_code = 0;  // of nav2_msgs/FollowPath; NONE: arrived
+  std::string reason;            // why not
+};
+
+class PathDrive {
+ public:
+  PathDrive(const ControllerRobot& robot, const ControllerConfig& config);
+
+  // Null: none is known.
+  void SetMap(std::shared_ptr<const Clearance> map) { map_ = std::move(map); }
+  // `stamp`: of the message, since the zero of its clock.
+  void OnOdometry(const Motion& motion, Duration stamp, Time now);
+  void OnScan(const Scan& scan, Duration stamp, Time now);
+  // Odometry and scans of before are not used.
+  void Forget();
+
+  // Drives along `path`, also in the middle of another one. An end: why not; then the body has to
+  // stand.
+  std::optional<DriveEnd> Start(const Path& path, Time now);
+  // The body has to stand at once.
+  void Stop();
+
+  struct Step {
+    Velocity command;             // in the frame of the body
+    bool begins = false;          // with a new trajectory()
+    std::optional<DriveEnd> end;  // then the command is 0
+    double distance_m = 0;        // to the goal, along the path
+    double speed_m_s = 0;         // of the body
+  };
+  Step Update(Time now);
+
+  bool driving() const { return driving_; }
+  const Trajectory& trajectory() const { return follower_.trajectory(); }
+
+  // Why the robot cannot drive now; nothing if it can.
+  std::optional<DriveEnd> Blind(Time now) const;
+
+ private:
+  struct Stamped {
+    Duration stamp{};
+    Pose pose;
+  };
+
+  std::optional<DriveEnd> Begin(const Path& path, double start_speed_m_s, Time now);
+  bool Fits(const Path& path, double radius_m) const;
+  double AlignedSpeed(const Path& joined) const;
+  Pose PoseAt(Duration stamp) const;
+  DriveEnd Failure(const Error& error) const;
+  Velocity BodyCommand(const Velocity& velocity) const;
+  double DistanceLeft(Duration reference) const;
+
+  const ControllerRobot robot_;
+  const ControllerConfig config_;
+  Follower follower_;
+  std::shared_ptr<const Clearance> map_;
+  bool leaves_out_map_ = false;  // points that the map has do not count
+  bool driving_ = false;
+  bool begins_ = false;            // the trajectory has not been reported yet
+  std::optional<Path> next_;       // while it brakes
+  std::vector<double> lengths_m_;  // of the trajectory up to each point
+  std::optional<Motion> motion_;
+  Time motion_at_;
+  std::deque<Stamped> poses_;  // of the last second
+  std::vector<Point> seen_;
+  std::optional<Time> seen_at_;
+  std::vector<Point> obstacles_;  // those of seen_ that count
+};
+
+}  // namespace musher::navigation

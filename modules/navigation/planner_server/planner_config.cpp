@@ -1,0 +1,64 @@
+#include "musher/modules/navigation/planner_server/planner_config.hpp"
+
+#include <utility>
+
+#include "musher/base/toml/document.hpp"
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/findings.hpp"
+
+namespace musher::navigation {
+namespace {
+
+using config_toml::Findings;
+using config_toml::TableReader;
+
+PlannerRobot ReadPlannerRobot(TableReader& reader, const std::vector<std::string>& names) {
+  PlannerRobot robot;
+  config::ReadRobot(reader, names, robot);
+  config::SetNumber(reader, "comfort_m", 0, 10, robot.comfort_m);
+  robot.action = robot.name + "/compute_path_to_pose";
+  robot.path = robot.name + "/planned_path";
+  config::SetTopic(reader, "action", robot.action);
+  config::SetTopic(reader, "path", robot.path);
+  reader.RefuseOthers();
+  return robot;
+}
+
+PlannerConfig ReadPlanner(const config_toml::Table& table, Findings& findings) {
+  PlannerConfig config;
+  TableReader root(table, {1, 1}, "", findings);
+  if (const auto frame = root.String("frame")) config.frame = frame->text;
+  config::SetTopic(root, "map", config.map);
+  config::SetTopic(root, "cloud", config.cloud);
+  config::SetTime(root, "limit_ms", config.limit);
+  config::SetTime(root, "stale_ms", config.stale);
+  config::SetTime(root, "self_check_ms", config.self_check_time);
+  if (const auto blocked = root.Integer("blocked_from", 1, 100, "%")) {
+    config.blocked_from = static_cast<int>(*blocked);
+  }
+  config.unknown_is_free = root.Bool("unknown_is_free").value_or(config.unknown_is_free);
+  config::SetNumber(root, "cloud_resolution_m", 0.01, 10, config.cloud_resolution_m);
+  config::SetNumber(root, "cloud_margin_m", 0, 100, config.cloud_margin_m);
+  config::SetNumber(root, "ceiling_m", 0.1, 1000, config.ceiling_m);
+  root.Require("robot", "a table [[robot]] for each robot");
+  std::vector<std::string> names;
+  for (const config_toml::Value* value : root.Tables("robot")) {
+    TableReader reader(*value->As<config_toml::Table>(), value->at, "robot", findings);
+    config.robots.push_back(ReadPlannerRobot(reader, names));
+    names.push_back(config.robots.back().name);
+  }
+  root.RefuseOthers();
+  return config;
+}
+
+}  // namespace
+
+PlannerReading ReadPlannerText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<PlannerReading>(text, path, ReadPlanner);
+}
+
+PlannerReading ReadPlannerFile(const std::string& path) {
+  return config_toml::ReadFileWith(path, ReadPlannerText);
+}
+
+}  // namespace musher::navigation

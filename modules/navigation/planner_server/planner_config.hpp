@@ -1,0 +1,46 @@
+#pragma once
+// The file of musher-planner; config/navigation/planner.toml explains its keys.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/modules/navigation/server/robot_table.hpp"
+
+namespace musher::navigation {
+
+struct PlannerRobot : RobotTable {
+  double comfort_m = 0.1;  // more room than the margin, where it is cheap
+  std::string action;      // <name>/compute_path_to_pose
+  std::string path;        // <name>/planned_path
+};
+
+struct PlannerConfig {
+  std::string frame = "map";
+  std::string map = "map";                // nav_msgs/OccupancyGrid, for the ground
+  std::string cloud = "map_point_cloud";  // sensor_msgs/PointCloud2, for the air
+  Duration limit = Milliseconds(5000);    // of a request
+  Duration stale = Milliseconds(500);     // older odometry and scans are not used
+  Duration self_check_time = Milliseconds(5000);
+  int blocked_from = 65;  // per cent, of a cell of the map
+  bool unknown_is_free = false;
+  double cloud_resolution_m = 0.1;
+  double cloud_margin_m = 1;  // of free space around the points
+  double ceiling_m = 3;       // flyers stay below
+  std::vector<PlannerRobot> robots;
+};
+
+struct PlannerReading {
+  std::optional<PlannerConfig> config;  // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+PlannerReading ReadPlannerFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+PlannerReading ReadPlannerText(std::string_view text, const std::string& path);
+
+}  // namespace musher::navigation

@@ -1,0 +1,298 @@
+#include "musher/modules/navigation/planner_server/planner_server.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/modules/navigation/server/work_thread.hpp"
+
+namespace musher::navigation {
+namespace {
+
+constexpr Duration kQuietTime = std::chrono::seconds(2);  // between warnings of one kind
+constexpr const char* kPlannerId = "GridBased";           // nav2's default name
+
+// How long a search takes is real time, also where /clock is slower or faster.
+Time SteadyNow() {
+  return std::chrono::steady_clock::now();
+}
+
+}  // namespace
+
+PlannerServer::PlannerServer(const Dependencies& dependencies, PlannerConfig config)
+    : dependencies_(dependencies),
+      config_(std::move(config)),
+      warnings_([this](const std::string& line) { Log(LogLevel::kWarning, line); }, kQuietTime),
+      endpoints_(dependencies.node, dependencies.name_space) {}
+
+PlannerServer::~PlannerServer() {
+  // Ends the searches, for whose threads the destructors of the robots wait.
+  Permit(false, "the server ends");
+}
+
+Result<std::unique_ptr<PlannerServer>> PlannerServer::Make(const Dependencies& dependencies,
+                                                           const PlannerConfig& config,
+                                                           const MakeBackground& background) {
+  std::unique_ptr<PlannerServer> server(new PlannerServer(dependencies, config));
+  const auto thread = [&dependencies]() -> std::unique_ptr<Background> {
+    return std::make_unique<WorkThread>(dependencies.node.loop());
+  };
+  const Result<> opened = server->Open(background ? background : MakeBackground(thread));
+  if (!opened) return opened.error();
+  return server;
+}
+
+Result<> PlannerServer::Open(const MakeBackground& background) {
+  bool ground = false, air = false;
+  for (const PlannerRobot& config : config_.robots) {
+    robots_.push_back(std::make_unique<Robot>());
+    Robot& robot = *robots_.back();
+    robot.config = &config;
+    robot.background = background();
+    (config.flies ? air : ground) = true;
+    OpenRobot(robot);
+  }
+  if (ground) {
+    endpoints_.Subscribe<msg::OccupancyGrid>(
+        config_.map,
+        [this](msg::OccupancyGrid&& map) {
+          const auto grid = std::make_shared<const msg::OccupancyGrid>(std::move(map));
+          for (const auto& robot : robots_) {
+            if (robot->config->flies) continue;
+            OnMap(*robot, [grid, config = config_, of = *robot->config] {
+              return MakePlanner(*grid, config, of);
+            });
+          }
+        },
+        transport::kLatchedQos);
+  }
+  if (air) {
+    endpoints_.Subscribe<msg::PointCloud2>(
+        config_.cloud,
+        [this](msg::PointCloud2&& map) {
+          const auto cloud = std::make_shared<const msg::PointCloud2>(std::move(map));
+          for (const auto& robot : robots_) {
+            if (!robot->config->flies) continue;
+            OnMap(*robot, [cloud, config = config_, of = *robot->config] {
+              return MakePlanner(*cloud, config, of);
+            });
+          }
+        },
+        transport::kLatchedQos);
+  }
+  auto& loop = dependencies_.node.loop();
+  ticks_ = loop.Every(kQuietTime, [this, &loop] { warnings_.Tick(loop.Now()); });
+  return endpoints_.opened();
+}
+
+void PlannerServer::OpenRobot(Robot& robot) {
+  const PlannerRobot& config = *robot.config;
+  robot.path = endpoints_.Advertise<msg::Path>(config.path, transport::kLatchedQos);
+  endpoints_.Subscribe<msg::Odometry>(
+      config.odometry,
+      [this, &robot](const msg::Odometry& odometry) { OnOdometry(robot, odometry); },
+      transport::kSensorDataQos);
+  if (!config.scan.empty()) {
+    endpoints_.Subscribe<msg::LaserScan>(
+        config.scan, [this, &robot](const msg::LaserScan& scan) { OnScan(robot, scan); },
+        transport::kSensorDataQos);
+  }
+  transport::ActionHandlers<Action> handlers;
+  handlers.accept = [this, &robot](const Action::Goal&, transport::PeerId) {
+    if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
+    return permitted_;
+  };
+  handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
+  handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
+  transport::ActionServerOptions options;
+  options.stamp = [this] { return dependencies_.clock.Stamp(); };
+  endpoints_.ServeAction<Action>(config.action, std::move(handlers), std::move(options));
+}
+
+void PlannerServer::Warn(const Robot& robot, const std::string& kind, const std::string& what) {
+  warnings_.Log(robot.config->name + kind, robot.config->name + ": " + what,
+                dependencies_.node.loop().Now());
+}
+
+void PlannerServer::OnMap(Robot& robot, std::function<Result<Planner>()> convert) {
+  if (robot.converting) {
+    robot.waiting = std::move(convert);
+    return;
+  }
+  robot.converting = true;
+  robot.background->Do([this, &robot, convert = std::move(convert)] {
+    auto planner = std::make_shared<Result<Planner>>(convert());
+    return [this, &robot, planner] { OnConverted(robot, std::move(*planner)); };
+  });
+}
+
+void PlannerServer::OnConverted(Robot& robot, Result<Planner> planner) {
+  robot.converting = false;
+  if (planner) {
+    robot.planner = std::make_shared<const Planner>(std::move(planner).value());
+    const CellMap& map = robot.planner->clearance().map();
+    Log(LogLevel::kInfo, fmt::format("{}: a map of {} cells of {:.2f} m, {}", robot.config->name,
+                                     map.count(), map.resolution_m, map.ExtentText()));
+  } else {
+    Warn(robot, "map",
+         "a map is not used: " + planner.error().message +
+             (robot.planner ? "; the one before stays" : ""));
+  }
+  if (robot.waiting) OnMap(robot, std::exchange(robot.waiting, nullptr));
+}
+
+void PlannerServer::OnOdometry(Robot& robot, const msg::Odometry& odometry) {
+  auto motion = ToMotion(odometry, config_.frame);
+  if (!motion) return Warn(robot, "odometry", "refused: " + motion.error().message);
+  robot.motion = motion.value();
+  robot.motion_at = Now();
+}
+
+void PlannerServer::OnScan(Robot& robot, const msg::LaserScan& scan) {
+  if (!robot.motion || !IsFresh(robot.motion_at)) return;
+  robot.seen = PointsOf(ToScan(scan), robot.motion->pose);
+  robot.seen_at = Now();
+}
+
+void PlannerServer::OnTimeJump() {
+  for (const auto& robot : robots_) {
+    robot->motion.reset();
+    robot->seen.clear();
+    Drop(*robot, "the time has jumped back");
+  }
+}
+
+void PlannerServer::Permit(bool permitted, const std::string& why) {
+  permitted_ = permitted;
+  if (permitted) return;
+  not_permitted_ = why;
+  for (const auto& robot : robots_) Drop(*robot, why);
+}
+
+void PlannerServer::Drop(Robot& robot, const std::string& why) {
+  if (!robot.request) return;
+  *robot.request->stop = true;
+  Action::Result result;
+  result.error_code = PathCode::kUnknown;
+  robot.request->goal.Abort(result);
+  robot.request.reset();
+  Log(LogLevel::kInfo, robot.config->name + ": planning has ended: " + why);
+}
+
+void PlannerServer::OnCancel(Robot& robot, Goal goal) {
+  goal.Canceled({});
+  if (!robot.request || robot.request->goal.id() != goal.id()) return;
+  *robot.request->stop = true;
+  robot.request.reset();
+}
+
+void PlannerServer::OnGoal(Robot& robot, const Goal& goal) {
+  Drop(robot, "a newer goal has replaced this one");
+  robot.request.emplace(Request{goal, std::make_shared<std::atomic<bool>>(false), SteadyNow()});
+  robot.request->goal.Execute();
+  if (!permitted_) return Refuse(robot, MakeError(Fault::kInput, not_permitted_));
+  auto request = RequestOf(robot, goal.goal());
+  if (!request) return Refuse(robot, request.error());
+  Plan(robot, std::move(request).value());
+}
+
+Result<PathRequest> PlannerServer::RequestOf(const Robot& robot, const Action::Goal& goal) const {
+  if (!goal.planner_id.empty() && goal.planner_id != kPlannerId) {
+    return MakeError(
+        Fault::kIdentifier,
+        "there is no planner of that planner_id, expected '' or '" + std::string(kPlannerId) + "'");
+  }
+  auto to = ToPose(goal.goal, config_.frame, "goal");
+  if (!to) return to.error();
+  PathRequest request;
+  request.goal = to.value();
+  const bool knows_place = robot.motion && IsFresh(robot.motion_at);
+  if (goal.use_start) {
+    auto from = ToPose(goal.start, config_.frame, "start");
+    if (!from) return from.error();
+    request.start = from.value();
+  } else if (knows_place) {
+    request.start = robot.motion->pose;
+  } else {
+    return MakeError(
+        Fault::kOdometry,
+        fmt::format(
+            "the place of the robot is not known: no odometry on {} {}", robot.config->odometry,
+            robot.motion
+                ? fmt::format("for {:.1f} s",
+                              std::chrono::duration<double>(Now() - robot.motion_at).count())
+                : "yet"));
+  }
+  if (!robot.planner) {
+    return MakeError(Fault::kMap, "there is no map yet, on " +
+                                      (robot.config->flies ? config_.cloud : config_.map));
+  }
+  if (knows_place && IsFresh(robot.seen_at)) request.seen = robot.seen;
+  return request;
+}
+
+void PlannerServer::Plan(Robot& robot, PathRequest request) {
+  const auto stop = robot.request->stop;
+  const Time deadline = robot.request->begin + config_.limit;
+  robot.background->Do([this, &robot, planner = robot.planner, request = std::move(request),
+                        config = config_, of = *robot.config, stop, deadline] {
+    const auto reply = std::make_shared<const PathReply>(
+        FindPath(*planner, request, config, of, [&] { return *stop || SteadyNow() >= deadline; }));
+    return [this, &robot, reply, stop] {
+      // A request that was cancelled or replaced has ended.
+      if (robot.request && robot.request->stop == stop) OnReply(robot, *reply);
+    };
+  });
+}
+
+void PlannerServer::OnReply(Robot& robot, const PathReply& reply) {
+  if (!reply.plan) return Refuse(robot, reply.plan.error());
+  const navigation::Plan& plan = reply.plan.value();
+  const Duration took = SteadyNow() - robot.request->begin;
+  msg::Header header;
+  header.stamp = dependencies_.clock.Stamp();
+  header.frame_id = config_.frame;
+  Action::Result result;
+  result.path = ToMessage(plan.path, header);
+  const msg::Stamp span = msg::ToStamp(took);
+  result.planning_time = {span.sec, span.nanosec};
+  static_cast<void>(robot.path->Publish(result.path));  // latched; the result has it as well
+  robot.request->goal.Succeed(result);
+  robot.request.reset();
+  const Point& goal = plan.path.back().at;
+  Log(LogLevel::kInfo,
+      fmt::format("{}: a path of {:.2f} m to ({:.2f}, {:.2f}, {:.2f}), {:.0f} ms{}",
+                  robot.config->name, plan.length_m, goal.x_m, goal.y_m, goal.z_m,
+                  std::chrono::duration<double, std::milli>(took).count(),
+                  reply.around_seen ? ", around what its scan sees" : ""));
+}
+
+void PlannerServer::Refuse(Robot& robot, const Error& error) {
+  Action::Result result;
+  result.error_code = ErrorCodeOf(error);
+  robot.request->goal.Abort(result);
+  robot.request.reset();
+  Warn(robot, fmt::format("refused {}", error.code),
+       fmt::format("no path: {} (error_code {})", WithCode(error.message, error.code),
+                   result.error_code));
+}
+
+Result<> PlannerServer::Check() const {
+  std::string missing;
+  for (const auto& robot : robots_) {
+    const PlannerRobot& config = *robot->config;
+    const auto need = [&missing](bool there, const std::string& what) {
+      if (!there) missing += (missing.empty() ? "" : ", ") + what;
+    };
+    need(robot->planner != nullptr,
+         config.name + ": no map on " + (config.flies ? config_.cloud : config_.map));
+    need(robot->motion && IsFresh(robot->motion_at),
+         config.name + ": no odometry on " + config.odometry);
+  }
+  if (missing.empty()) return Ok();
+  return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kSelfCheckFailed), missing};
+}
+
+}  // namespace musher::navigation

@@ -1,0 +1,98 @@
+#pragma once
+// planner_server on the network: maps, odometry and scans in; for each robot an action
+// nav2_msgs/ComputePathToPose and its last path. Runs on any transport.
+//
+// A robot has one request at a time: a newer goal aborts the present one. A goal that cannot be
+// planned is aborted with a code of nav2, and its reason is logged once. A map that cannot be used
+// is logged and dropped; the one before stays.
+//
+// Planning and the conversion of maps run on a Background a robot. Threads: the loop's.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/rate_limited_log.hpp"
+#include "musher/modules/navigation/planner_server/planner_work.hpp"
+#include "musher/modules/navigation/server/background.hpp"
+#include "musher/modules/navigation/server/server_actuator.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::navigation {
+
+class PlannerServer {
+ public:
+  using Config = PlannerConfig;
+  using MakeBackground = std::function<std::unique_ptr<Background>()>;
+
+  // `background`: by default a WorkThread.
+  static Result<std::unique_ptr<PlannerServer>> Make(const Dependencies& dependencies,
+                                                     const PlannerConfig& config,
+                                                     const MakeBackground& background = {});
+  // Present goals are aborted.
+  ~PlannerServer();
+
+  // Whether goals are accepted. With false the present ones are aborted; `why` is logged.
+  void Permit(bool permitted, const std::string& why);
+  // The world was restarted: odometry and scans of before are not used, requests are aborted.
+  void OnTimeJump();
+  // Each robot has a map and odometry.
+  Result<> Check() const;
+
+ private:
+  using Action = msg::ComputePathToPose;
+  using Goal = transport::ServerGoal<Action>;
+
+  struct Request {
+    Goal goal;
+    std::shared_ptr<std::atomic<bool>> stop;
+    Time begin;  // of the steady clock
+  };
+  struct Robot {
+    const PlannerRobot* config = nullptr;
+    std::shared_ptr<const Planner> planner;    // of the last usable map
+    std::function<Result<Planner>()> waiting;  // the newest map, while one is converted
+    bool converting = false;
+    std::optional<Motion> motion;
+    Time motion_at;
+    std::vector<Point> seen;
+    Time seen_at;
+    std::optional<Request> request;
+    transport::Publisher<msg::Path>* path = nullptr;
+    std::unique_ptr<Background> background;
+  };
+
+  PlannerServer(const Dependencies& dependencies, PlannerConfig config);
+  Result<> Open(const MakeBackground& background);
+  void OpenRobot(Robot& robot);
+  void OnMap(Robot& robot, std::function<Result<Planner>()> convert);
+  void OnConverted(Robot& robot, Result<Planner> planner);
+  void OnOdometry(Robot& robot, const msg::Odometry& odometry);
+  void OnScan(Robot& robot, const msg::LaserScan& scan);
+  void OnGoal(Robot& robot, const Goal& goal);
+  void OnCancel(Robot& robot, Goal goal);
+  Result<PathRequest> RequestOf(const Robot& robot, const Action::Goal& goal) const;
+  void Plan(Robot& robot, PathRequest request);
+  void OnReply(Robot& robot, const PathReply& reply);
+  void Refuse(Robot& robot, const Error& error);
+  // Ends the request of a robot; what is planned for it is dropped.
+  void Drop(Robot& robot, const std::string& why);
+  void Warn(const Robot& robot, const std::string& kind, const std::string& what);
+  void Log(LogLevel level, const std::string& line) const { dependencies_.log(level, line); }
+  Time Now() const { return dependencies_.clock.Now(); }
+  bool IsFresh(Time at) const { return Now() - at <= config_.stale; }
+
+  const Dependencies dependencies_;
+  const PlannerConfig config_;
+  RateLimitedLog warnings_;
+  bool permitted_ = false;
+  std::string not_permitted_ = "it is not in Active";
+  std::vector<std::unique_ptr<Robot>> robots_;
+  transport::LoopHandlePtr ticks_;
+  transport::Endpoints endpoints_;  // last: its callbacks use the rest
+};
+
+}  // namespace musher::navigation

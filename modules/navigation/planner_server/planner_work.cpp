@@ -1,0 +1,157 @@
+#include "musher/modules/navigation/planner_server/planner_work.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/modules/navigation/planner/octree_map.hpp"
+
+namespace musher::navigation {
+namespace {
+
+constexpr double kSeenWithinM = 4;            // points farther from the robot do not matter yet
+constexpr std::size_t kMostCopied = 4 << 20;  // cells of a map that is copied for a request
+
+PlannerRules RulesOf(const PlannerRobot& robot) {
+  PlannerRules rules;
+  rules.radius_m = robot.radius_m + robot.margin_m;
+  rules.comfort_m = robot.comfort_m;
+  rules.start_within_m = robot.margin_m;
+  rules.heading = robot.flies ? Heading::kTurning : Heading::kAlong;
+  return rules;
+}
+
+// The layers of a map between the ground and the ceiling, and a blocked one below and above them.
+Result<CellMap> BetweenGroundAndCeiling(const CellMap& map, double ceiling_m) {
+  constexpr double kRounding = 1e-6;
+  const double ground = -map.origin.at.z_m / map.resolution_m;
+  const int below = static_cast<int>(std::floor(ground + kRounding)) - 1;
+  const int above = static_cast<int>(std::ceil(ground + ceiling_m / map.resolution_m - kRounding));
+  CellMap between = map;
+  between.origin.at.z_m += below * map.resolution_m;
+  between.size_z = above - below + 1;
+  const std::int64_t layer = std::int64_t{map.size_x} * map.size_y;
+  if (layer * between.size_z > kMostCells) {
+    return MakeError(
+        Fault::kMap,
+        fmt::format("point cloud: {} x {} x {} cells of {} m, at most {} in all; use "
+                    "a coarser cloud_resolution_m",
+                    map.size_x, map.size_y, between.size_z, map.resolution_m, kMostCells));
+  }
+  between.blocked.assign(static_cast<std::size_t>(layer * between.size_z), 0);
+  for (int z = 0; z < between.size_z; ++z) {
+    const auto to = between.blocked.begin() + static_cast<std::ptrdiff_t>(z * layer);
+    const int from = below + z;
+    if (z == 0 || z == between.size_z - 1) {
+      std::fill_n(to, layer, 1);
+    } else if (from >= 0 && from < map.size_z) {
+      std::copy_n(map.blocked.begin() + static_cast<std::ptrdiff_t>(from * layer), layer, to);
+    }
+  }
+  return between;
+}
+
+// What the scan has seen near the robot and the map does not have.
+std::vector<Point> NewNearby(const Planner& planner, const PathRequest& request) {
+  std::vector<Point> nearby;
+  for (const Point& point : request.seen) {
+    if (Distance(point, request.start.at) <= kSeenWithinM) nearby.push_back(point);
+  }
+  const double within_m = 2 * planner.clearance().map().resolution_m;
+  return NewPoints(nearby, planner.clearance(), within_m);
+}
+
+Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
+  if (goal.at.z_m > 0 && goal.at.z_m <= config.ceiling_m) return Ok();
+  return MakeError(Fault::kGoalOutside,
+                   fmt::format("goal: its altitude is {:.2f} m, expected more than 0 and at most "
+                               "{:.2f} m",
+                               goal.at.z_m, config.ceiling_m));
+}
+
+PathReply Refused(const Error& error) {
+  return {error, ErrorCodeOf(error), false};
+}
+
+}  // namespace
+
+std::uint16_t ErrorCodeOf(const Error& error) {
+  switch (static_cast<Fault>(error.code)) {
+    case Fault::kIdentifier:
+      return PathCode::kInvalidPlanner;
+    case Fault::kFrame:
+    case Fault::kOdometry:
+      return PathCode::kTfError;
+    case Fault::kOutside:
+      return PathCode::kStartOutsideMap;
+    case Fault::kGoalOutside:
+      return PathCode::kGoalOutsideMap;
+    case Fault::kStartBlocked:
+      return PathCode::kStartOccupied;
+    case Fault::kGoalBlocked:
+      return PathCode::kGoalOccupied;
+    case Fault::kTimeLimit:
+      return PathCode::kTimeout;
+    case Fault::kWalledIn:
+      return PathCode::kNoValidPath;
+    default:
+      return PathCode::kUnknown;
+  }
+}
+
+Result<Planner> MakePlanner(const msg::OccupancyGrid& grid, const PlannerConfig& config,
+                            const PlannerRobot& robot) {
+  auto values = ToGrid(grid, config.frame);
+  if (!values) return values.error();
+  auto map = FromOccupancyGrid(values.value(), {config.blocked_from, config.unknown_is_free});
+  if (!map) return map.error();
+  return Planner::Make(std::move(map).value(), RulesOf(robot));
+}
+
+Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& config,
+                            const PlannerRobot& robot) {
+  auto points = ToPoints(cloud, config.frame);
+  if (!points) return points.error();
+  auto tree = OctreeMap::Make(config.cloud_resolution_m);
+  if (!tree) return tree.error();
+  tree.value().Block(points.value());
+  auto map = tree.value().Cells({true, config.cloud_margin_m});
+  if (!map) return map.error();
+  auto between = BetweenGroundAndCeiling(map.value(), config.ceiling_m);
+  if (!between) return between.error();
+  return Planner::Make(std::move(between).value(), RulesOf(robot));
+}
+
+PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
+                   const PlannerRobot& robot, const std::function<bool()>& stop) {
+  if (robot.flies) {
+    if (auto checked = CheckAltitude(request.goal, config); !checked) {
+      return Refused(checked.error());
+    }
+  }
+  // A search of a few cells does not ask; the request may have waited for a map.
+  if (stop && stop()) {
+    return Refused(MakeError(Fault::kTimeLimit, "the request reached its time limit"));
+  }
+  const CellMap& map = planner.clearance().map();
+  if (map.count() <= kMostCopied) {
+    const std::vector<Point> seen = NewNearby(planner, request);
+    if (!seen.empty()) {
+      CellMap now = map;
+      BlockPoints(seen, now);
+      auto around = Planner::Make(std::move(now), RulesOf(robot));
+      auto plan = around ? around.value().Find(request.start, request.goal, stop) : around.error();
+      if (plan.ok()) return {std::move(plan), PathCode::kNone, true};
+    }
+  }
+  auto plan = planner.Find(request.start, request.goal, stop);
+  if (plan.ok()) return {std::move(plan), PathCode::kNone, false};
+  if (!Is(plan.error(), Fault::kOutside)) return Refused(plan.error());
+  const bool goal = !map.Has(map.CellOf(request.goal.at));
+  return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
+}
+
+}  // namespace musher::navigation

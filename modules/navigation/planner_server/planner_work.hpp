@@ -1,0 +1,45 @@
+#pragma once
+// The work of planner_server without a network: maps become planners, requests become paths. Every
+// failure has a code of Fault, and an error code of nav2 for the client. Pure, apart from `stop`;
+// any thread. Metres, radians, the frame of the map.
+
+#include <functional>
+#include <vector>
+
+#include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
+#include "musher/modules/navigation/messages/conversions.hpp"
+#include "musher/modules/navigation/planner/planner.hpp"
+#include "musher/modules/navigation/planner_server/planner_config.hpp"
+
+namespace musher::navigation {
+
+using PathCode = msg::ComputePathToPose_Result;
+
+// Of a robot on the ground; the body has room for its radius and margin.
+Result<Planner> MakePlanner(const msg::OccupancyGrid& grid, const PlannerConfig& config,
+                            const PlannerRobot& robot);
+// Of a flyer, between the ground and the ceiling.
+Result<Planner> MakePlanner(const msg::PointCloud2& cloud, const PlannerConfig& config,
+                            const PlannerRobot& robot);
+
+struct PathRequest {
+  Pose start;
+  Pose goal;
+  std::vector<Point> seen;  // by the robot's scan
+};
+
+struct PathReply {
+  Result<Plan> plan;
+  std::uint16_t error_code = 0;  // of nav2_msgs/ComputePathToPose; NONE for a plan
+  bool around_seen = false;      // the plan avoids points that the map does not have
+};
+
+// What is seen and the map does not have blocks the way, where there is a way around it. Where
+// there is none the plan is that of the map alone: what blocks it may move.
+PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
+                   const PlannerRobot& robot, const std::function<bool()>& stop);
+
+// The code of nav2 for a failure.
+std::uint16_t ErrorCodeOf(const Error& error);
+
+}  // namespace musher::navigation

@@ -1,0 +1,49 @@
+#include "musher/modules/navigation/server/robot_table.hpp"
+
+#include <algorithm>
+
+#include "musher/base/toml/names.hpp"
+
+namespace musher::navigation::config {
+
+using config_toml::TableReader;
+
+void SetNumber(TableReader& reader, std::string_view key, double least, double most,
+               double& value) {
+  value = reader.Number(key, least, most).value_or(value);
+}
+
+void SetTime(TableReader& reader, std::string_view key, Duration& value) {
+  value = reader.Time(key).value_or(value);
+}
+
+void SetTopic(TableReader& reader, std::string_view key, std::string& value, bool may_be_empty) {
+  const auto topic = reader.String(key);
+  if (!topic) return;
+  const bool left_out = may_be_empty && topic->text.empty();
+  if (!left_out && !config_toml::IsTopic(topic->text)) {
+    reader.Fault(topic->at, key, "expected the name of a topic, as in \"jetbot_0/odom\"");
+  }
+  value = topic->text;
+}
+
+void ReadRobot(TableReader& reader, const std::vector<std::string>& names, RobotTable& robot) {
+  reader.Require("name", "the name of the robot, as in \"jetbot_0\"");
+  if (const auto name = reader.String("name")) {
+    robot.name = name->text;
+    if (!config_toml::IsName(robot.name)) {
+      reader.Fault(name->at, "name", "expected " + std::string(config_toml::kNameRule));
+    } else if (std::find(names.begin(), names.end(), robot.name) != names.end()) {
+      reader.Fault(name->at, "name", "another table has the robot \"" + robot.name + "\"");
+    }
+  }
+  robot.flies = reader.Choice<bool>("kind", {{"ground", false}, {"flyer", true}}).value_or(false);
+  robot.odometry = robot.name + "/odom";
+  robot.scan = robot.name + "/scan";
+  SetNumber(reader, "radius_m", 0.01, 10, robot.radius_m);
+  SetNumber(reader, "margin_m", 0, 10, robot.margin_m);
+  SetTopic(reader, "odometry", robot.odometry);
+  SetTopic(reader, "scan", robot.scan, true);
+}
+
+}  // namespace musher::navigation::config

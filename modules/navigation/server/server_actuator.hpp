@@ -1,0 +1,112 @@
+#pragma once
+// The actuator of a server of the navigation chain. `Server` has a type Config with
+// `self_check_time`, Make(), Permit(), Check() and OnTimeJump(), as PlannerServer has them.
+//
+//   SelfCheck    Check() holds within the time of the config
+//   Active       goals are accepted
+//   all others   present goals end at once, new ones are rejected
+//   an emergency stop: the same, until Active is set again after its release
+//   SIGTERM, SIGINT: the same, then the process ends by the signal
+//
+// Threads: state callbacks on the actuator's worker, topics and emergency stops on the loop.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/actuator/program/await.hpp"
+#include "musher/modules/navigation/server/end_signals.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::navigation {
+
+struct Dependencies {
+  transport::Node& node;
+  transport::Clock& clock;
+  std::string name_space;
+  std::function<void(LogLevel level, const std::string& line)> log;
+};
+
+template <class Server>
+class ServerActuator : public MachineActuator {
+ public:
+  ServerActuator(const std::string& actuator_name, typename Server::Config config)
+      : MachineActuator(actuator_name), config_(std::move(config)) {
+    RegisterStateCallback([this](const State& state) { return Run(state); });
+  }
+  ~ServerActuator() override {
+    if (!node_) return;
+    node_->RunOnLoop([this] {
+      signal_watch_.reset();
+      server_.reset();
+      clock_.reset();
+    });
+  }
+
+ protected:
+  void OnEmergencyStop() override {
+    if (server_) server_->Permit(false, "an emergency stop holds it");
+  }
+
+ private:
+  Result<> Run(const State& state) {
+    if (state == kSetUp) return SetUp();
+    if (state == kSelfCheck) return SelfCheck();
+    Result<> entered;
+    node_->RunOnLoop([&] {
+      if (state != kActive) return server_->Permit(false, "it is in " + state);
+      if (!EmergencyStopped()) return server_->Permit(true, "");
+      entered = Error{MakeCode(ModuleCode::kNavigation, KeyCode::kStateInvalid),
+                      "an emergency stop was engaged meanwhile"};
+    });
+    return entered;
+  }
+  Result<> SetUp() {
+    node_ = node();
+    if (!node_) {
+      return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kUninitialized),
+                   "there is no node for its topics"};
+    }
+    Result<> made;
+    node_->RunOnLoop([&] {
+      if (!server_) made = MakeServer();
+    });
+    return made;
+  }
+  // On the loop.
+  Result<> MakeServer() {
+    auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
+      if (server_) server_->OnTimeJump();
+    });
+    if (!clock) return clock.error();
+    clock_ = std::move(clock).value();
+    auto server =
+        Server::Make({node_->node(), *clock_, machine_config().name_space,
+                      [this](LogLevel level, const std::string& line) { Log(level, line); }},
+                     config_);
+    if (!server) return server.error();
+    server_ = std::move(server).value();
+    signal_watch_ = node_->loop().WhenReadable(signals_.fd(), [this] {
+      server_.reset();
+      signals_.End();
+    });
+    return Ok();
+  }
+  Result<> SelfCheck() {
+    node_->RunOnLoop([&] { server_->Permit(false, "it is in SelfCheck"); });
+    return program::AwaitOnLoop(
+        *node_, config_.self_check_time, [this] { return server_->Check(); },
+        [this] { return StopRequested(); });
+  }
+
+  const EndSignals signals_;  // before any thread
+  const typename Server::Config config_;
+  std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<Server> server_;
+  transport::LoopHandlePtr signal_watch_;
+};
+
+}  // namespace musher::navigation

@@ -1,0 +1,282 @@
+// controller_server on a simulated network with a simulated differential robot, in virtual time.
+
+#include "musher/modules/navigation/controller_server/controller_server.hpp"
+
+#include <limits>
+
+#include "musher/test/modules/navigation/navigation_rig.hpp"
+
+namespace musher::navigation::controller_server_test {
+
+using testing::At;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using transport::GoalEnd;
+
+msg::Path PathOf(const std::vector<msg::PoseStamped>& poses) {
+  msg::Path path;
+  path.header.frame_id = "map";
+  path.poses = poses;
+  return path;
+}
+
+class ControllerServerTest : public testing::NavigationRig {
+ protected:
+  // On the way to (3, 2), with some speed.
+  std::size_t StartDriving() {
+    const std::size_t drive = Follow(PathOf({At(1, 2), At(6.5, 2)}));
+    EXPECT_TRUE(RunUntil([&] { return robot_.speed_m_s() > 0.8; }, 5000));
+    return drive;
+  }
+  void ExpectStanding() {
+    EXPECT_EQ(robot_.last_command(), msg::Twist{});
+    EXPECT_EQ(robot_.speed_m_s(), 0);
+    const int commands = robot_.commands();
+    Run(1000);
+    EXPECT_EQ(robot_.commands(), commands) << "nothing is sent any more";
+  }
+};
+
+TEST_F(ControllerServerTest, ArrivesWithinItsTolerancesAndSaysSo) {
+  StartServers();
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(3, 2), At(3, 3.5, 3)}));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_EQ(drives_.ends[drive]->result.error_code, 0);
+  EXPECT_NEAR(robot_.pose().at.x_m, 3, 0.2);
+  EXPECT_NEAR(robot_.pose().at.y_m, 3.5, 0.2);
+  EXPECT_NEAR(robot_.pose().yaw_rad, 3, 0.1);
+  Run(100);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, ReportsTheWayLeftTenTimesASecond) {
+  StartServers();
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(6, 2)}));
+  Run(500);
+  drives_.feedback.clear();
+  Run(2000);
+  ASSERT_NEAR(double(drives_.feedback.size()), 20, 2);
+  EXPECT_GT(drives_.feedback.front().distance_to_goal, 4);
+  EXPECT_LT(drives_.feedback.back().distance_to_goal, 4);
+  EXPECT_GT(drives_.feedback.back().speed, 1);
+  EXPECT_TRUE(AwaitEnd(drive));
+  EXPECT_LT(drives_.feedback.back().distance_to_goal, 0.25);
+}
+
+TEST_F(ControllerServerTest, PublishesTheTrajectoryOfADrive) {
+  std::vector<msg::JointTrajectory> trajectories;
+  const auto in = Must(transport::MakeSubscription<msg::JointTrajectory>(
+      *peers_, "jetbot_0/timed_trajectory",
+      [&](const msg::JointTrajectory& t, const auto&) { trajectories.push_back(t); }));
+  StartServers();
+  ASSERT_TRUE(AwaitEnd(Follow(PathOf({At(1, 2), At(3, 2)}))));
+  ASSERT_EQ(trajectories.size(), 1U);
+  EXPECT_EQ(trajectories[0].header.frame_id, "map");
+  EXPECT_NEAR(trajectories[0].points.back().positions[0], 3, 1e-6);
+}
+
+TEST_F(ControllerServerTest, SendsVelocitiesAheadAndTurnsOnlyToADifferentialRobot) {
+  StartServers();
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(2, 2.4), At(3, 3.5)}));
+  int aside = 0;
+  double fastest = 0;
+  while (!drives_.ends[drive] && network_.Step()) {
+    aside += robot_.last_command().linear.y != 0;
+    fastest = std::max(fastest, robot_.last_command().linear.x);
+  }
+  EXPECT_EQ(aside, 0);
+  EXPECT_GT(fastest, 0.7);
+  EXPECT_LE(fastest, 1.5);
+}
+
+TEST_F(ControllerServerTest, StopsBeforeAnObstacleThatStaysAndNamesItsPlace) {
+  StartServers();
+  robot_.discs = {{{4, 2, 0}, 0.2}};
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(6.5, 2)}));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(CodeOf(drive), 104);
+  EXPECT_THAT(log_, Contains(HasSubstr("jetbot_0: the drive has ended: an obstacle at (3.8")));
+  EXPECT_LT(robot_.pose().at.x_m, 4 - 0.2 - 0.2);
+  EXPECT_GT(robot_.pose().at.x_m, 2.8);
+  Run(100);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, GoesOnWhenAnObstacleHasLeft) {
+  StartServers();
+  robot_.discs = {{{4, 2, 0}, 0.2}};
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(6.5, 2)}));
+  ASSERT_TRUE(
+      RunUntil([&] { return robot_.pose().at.x_m > 2 && robot_.speed_m_s() < 0.01; }, 20'000));
+  robot_.discs.clear();
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+}
+
+TEST_F(ControllerServerTest, IsNotSlowedDownByTheWallsOfTheMap) {
+  StartServers();
+  // 0.1 m more than the body and its margin from the wall.
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(1, 0.8), At(3.3, 0.8)}));
+  double fastest = 0;
+  while (!drives_.ends[drive] && network_.Step()) fastest = std::max(fastest, robot_.speed_m_s());
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_GT(fastest, 1.2);
+}
+
+TEST_F(ControllerServerTest, StopsBeforeAWallThatAPathLeadsThrough) {
+  StartServers();
+  const std::size_t drive = Follow(PathOf({At(1, 1), At(6.5, 1)}));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(CodeOf(drive), 104) << log_.back();
+  EXPECT_LT(robot_.pose().at.x_m, 3.6 - 0.2);
+}
+
+TEST_F(ControllerServerTest, FailsWhenTheBodyDoesNotMove) {
+  StartServers();
+  robot_.stuck = true;
+  const std::size_t drive = Follow(PathOf({At(1, 2), At(3, 2)}));
+  ASSERT_TRUE(AwaitEnd(drive));
+  EXPECT_EQ(CodeOf(drive), 105);
+  EXPECT_THAT(log_, Contains(HasSubstr("not arrived 5.0 s after the trajectory's time")));
+  Run(100);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, StopsWithinHalfASecondWithoutOdometry) {
+  StartServers();
+  const std::size_t drive = StartDriving();
+  robot_.odometry_silent = true;
+  Run(500);
+  ASSERT_TRUE(drives_.ends[drive]);
+  EXPECT_EQ(CodeOf(drive), 102);
+  EXPECT_THAT(log_, Contains(HasSubstr("no odometry on jetbot_0/odom for 0.4 s")));
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, StopsWithoutAScan) {
+  StartServers();
+  const std::size_t drive = StartDriving();
+  robot_.scan_silent = true;
+  Run(1200);
+  ASSERT_TRUE(drives_.ends[drive]);
+  EXPECT_EQ(CodeOf(drive), 106);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, StandsAtOnceWhenItIsCancelled) {
+  StartServers();
+  const std::size_t drive = StartDriving();
+  drives_.Cancel(drive);
+  Run(100);
+  ASSERT_TRUE(drives_.ends[drive]);
+  EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kCanceled);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, StandsAtOnceInEveryStateButActive) {
+  StartServers();
+  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
+    const std::size_t drive = Follow(PathOf({At(1, 2), At(6.5, 2)}));
+    Run(1500);
+    ASSERT_GT(robot_.commands(), 0);
+    controller_->Permit(false, "it is in " + std::string(state));
+    Run(50);
+    ASSERT_TRUE(drives_.ends[drive]) << state;
+    EXPECT_EQ(CodeOf(drive), 100) << state;
+    ExpectStanding();
+    const std::size_t refused = Follow(PathOf({At(1, 2), At(3, 2)}));
+    Run(300);
+    ASSERT_TRUE(drives_.ends[refused]);
+    EXPECT_EQ(drives_.ends[refused]->end, GoalEnd::kRejected) << state;
+    controller_->Permit(true, "");
+  }
+}
+
+TEST_F(ControllerServerTest, StandsWhenTheWorldIsRestarted) {
+  StartServers();
+  const std::size_t drive = StartDriving();
+  controller_->OnTimeJump();
+  Run(50);
+  EXPECT_EQ(CodeOf(drive), 100);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, GoesOnWithoutAJerkAlongANewPathInItsDirection) {
+  StartServers();
+  const std::size_t first = StartDriving();
+  robot_.ForgetHardest();
+  const double x_m = robot_.pose().at.x_m;
+  const std::size_t second = Follow(PathOf({At(x_m, 2), At(6, 2)}));
+  double slowest = 9;
+  for (int i = 0; i < 10; ++i) {
+    Run(50);
+    slowest = std::min(slowest, robot_.speed_m_s());
+  }
+  EXPECT_GT(slowest, 0.7) << "it does not stop";
+  ASSERT_TRUE(AwaitEnd(second));
+  EXPECT_EQ(CodeOf(first), 100);
+  EXPECT_EQ(drives_.ends[second]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_LT(robot_.hardest_m_s2(), 8);
+}
+
+TEST_F(ControllerServerTest, BrakesWithinItsLimitsForANewPathElsewhere) {
+  StartServers();
+  const std::size_t first = StartDriving();
+  robot_.ForgetHardest();
+  const std::size_t second = Follow(PathOf({At(robot_.pose().at.x_m, 2), At(1, 3.2)}));
+  ASSERT_TRUE(AwaitEnd(second));
+  EXPECT_EQ(CodeOf(first), 100);
+  EXPECT_EQ(drives_.ends[second]->end, GoalEnd::kSucceeded) << log_.back();
+  EXPECT_NEAR(robot_.pose().at.x_m, 1, 0.2);
+  EXPECT_NEAR(robot_.pose().at.y_m, 3.2, 0.2);
+  EXPECT_LT(robot_.hardest_m_s2(), 8);
+}
+
+TEST_F(ControllerServerTest, RefusesAGoalThatItCannotDrive) {
+  StartServers();
+  const auto expect = [&](const msg::FollowPath::Goal& goal, int code, const std::string& why) {
+    const std::size_t drive = drives_.Send(goal);
+    ASSERT_TRUE(AwaitEnd(drive, 1000)) << why;
+    EXPECT_EQ(CodeOf(drive), code) << why;
+    EXPECT_THAT(log_, Contains(HasSubstr(why)));
+    log_.clear();
+    Run(2100);
+  };
+  expect({.path = PathOf({At(1, 2), At(3, 2)}), .controller_id = "MPPI"}, 101,
+         "expected '' or 'FollowPath'");
+  msg::Path path = PathOf({At(1, 2), At(3, 2)});
+  path.header.frame_id = "odom";
+  expect({.path = path}, 102, "path: its frame is 'odom', expected 'map'");
+  expect({.path = PathOf({})}, 103, "path: it has no pose");
+  expect({.path = PathOf({At(1, 2), At(3, std::numeric_limits<double>::infinity())})}, 103,
+         "path: pose 2 of 2: it has a number that is not finite");
+  expect({.path = PathOf({At(5, 2), At(6, 2)})}, 103,
+         "the path begins 4.0 m from the robot, at most 2.0 m");
+  path = PathOf({At(1, 2), At(3, 2)});
+  path.poses[1].pose.orientation = {0, 0, 0, 0};
+  expect({.path = path}, 103, "path: pose 2 of 2: its orientation is (0, 0, 0, 0)");
+}
+
+TEST_F(ControllerServerTest, StandsAfterAPathInMotionThatItCannotDrive) {
+  StartServers();
+  const std::size_t first = StartDriving();
+  const std::size_t second = Follow(PathOf({}));
+  Run(100);
+  EXPECT_EQ(CodeOf(first), 100);
+  EXPECT_EQ(CodeOf(second), 103);
+  ExpectStanding();
+}
+
+TEST_F(ControllerServerTest, ChecksThatTheRobotIsThere) {
+  StartServers();
+  EXPECT_TRUE(controller_->Check());
+  robot_.scan_silent = true;
+  Run(1500);
+  const Result<> checked = controller_->Check();
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().code, 5309);
+  EXPECT_THAT(checked.error().message, HasSubstr("jetbot_0: no scan on jetbot_0/scan for 1."));
+}
+
+}  // namespace musher::navigation::controller_server_test

@@ -1,0 +1,191 @@
+// musher-planner and musher-controller as a controller and the robot's other programs use them: the
+// real programs over DDS.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/modules/navigation/maps.hpp"
+#include "musher/test/modules/navigation/simulated_robot.hpp"
+#include "musher/transport/action.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::navigation::navigation_process_test {
+
+using msg::ActuatorCommand;
+using testing::At;
+using ::testing::HasSubstr;
+using transport::GoalEnd;
+
+const std::vector<std::string> kEveryState = {"SetUp",    "TearDown", "SelfCheck",
+                                              "Active",   "DeActive", "Protected",
+                                              "LowPower", "OTA",      "Error"};
+
+constexpr const char* kFile = "self_check_ms = 15000\n[[robot]]\nname = \"jetbot_0\"\n";
+
+class NavigationProcess : public ::testing::Test {
+ protected:
+  NavigationProcess(const std::string& actuator, const std::string& program)
+      : peer_(actuator, kEveryState, program) {}
+
+  void Start() {
+    peer_.Start(kFile);
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  }
+  void PublishMap() {
+    map_ = transport::MakePublisher<msg::OccupancyGrid>(peer_.node(), "map", transport::kLatchedQos)
+               .value();
+    EXPECT_TRUE(map_->Publish(testing::GridOf(walls_.map())));
+  }
+  void ExpectDone(const State& state) {
+    const auto done = peer_.Switch(state);
+    ASSERT_TRUE(done) << state;
+    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
+        << state << ": " << done.value().message << peer_.Output();
+  }
+  void ExpectFailedSelfCheck(const std::string& why) {
+    const auto done = peer_.Switch("SelfCheck");
+    ASSERT_TRUE(done);
+    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictFailed);
+    EXPECT_EQ(done.value().code, 5309);
+    EXPECT_THAT(done.value().message, HasSubstr(why));
+  }
+
+  Clearance walls_{testing::Drawn({"##########", "#........#", "#........#", "##########"}, 1, 10)};
+  test::ActuatorPeer peer_;
+  testing::SimulatedRobot robot_{peer_.node(), walls_, {"jetbot_0", {{2, 2, 0}, 0}}};
+  std::unique_ptr<transport::Publisher<msg::OccupancyGrid>> map_;
+};
+
+class PlannerProcess : public NavigationProcess {
+ protected:
+  PlannerProcess() : NavigationProcess("planner_server", "musher-planner") {}
+};
+
+class ControllerProcess : public NavigationProcess {
+ protected:
+  ControllerProcess() : NavigationProcess("controller_server", "musher-controller") {}
+
+  // Drives ahead; the end comes to `end_`.
+  void Drive() {
+    if (!client_) {
+      client_ = transport::MakeActionClient<msg::FollowPath>(peer_.node(), "jetbot_0/follow_path")
+                    .value();
+    }
+    msg::FollowPath::Goal goal;
+    const Pose& pose = robot_.pose();
+    const double to_m = pose.at.x_m < 5 ? 8 : 2;
+    goal.path.poses = {At(pose.at.x_m, pose.at.y_m), At(to_m, 2)};
+    end_.reset();
+    transport::GoalEvents<msg::FollowPath> events;
+    events.on_end = [this](const auto& outcome) { end_ = outcome.end; };
+    client_->SendGoal(goal, Milliseconds(10'000), std::move(events));
+  }
+  bool AwaitMotion() {
+    return peer_.Until([&] { return robot_.speed_m_s() > 0.2; });
+  }
+  bool AwaitStand() {
+    return peer_.Until([&] { return robot_.last_command() == msg::Twist{} && end_.has_value(); });
+  }
+
+  std::optional<GoalEnd> end_;
+  std::unique_ptr<transport::ActionClient<msg::FollowPath>> client_;
+};
+
+TEST_F(PlannerProcess, PlansInActive) {
+  PublishMap();
+  Start();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  const auto client = transport::MakeActionClient<msg::ComputePathToPose>(
+                          peer_.node(), "jetbot_0/compute_path_to_pose")
+                          .value();
+  std::optional<transport::GoalOutcome<msg::ComputePathToPose>> outcome;
+  transport::GoalEvents<msg::ComputePathToPose> events;
+  events.on_end = [&](const auto& end) { outcome = end; };
+  client->SendGoal({.goal = At(8, 2)}, Milliseconds(10'000), std::move(events));
+  ASSERT_TRUE(peer_.Until([&] { return outcome.has_value(); })) << peer_.Output();
+  EXPECT_EQ(outcome->end, GoalEnd::kSucceeded) << outcome->reason << peer_.Output();
+  EXPECT_GE(outcome->result.path.poses.size(), 2U);
+  EXPECT_THAT(peer_.Output(), HasSubstr("jetbot_0: a path of 6.00 m to (8.00, 2.00, 0.00)"));
+  ExpectDone("TearDown");
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+}
+
+TEST_F(PlannerProcess, FailsItsSelfCheckWithoutAMap) {
+  peer_.Start("self_check_ms = 100\n[[robot]]\nname = \"jetbot_0\"\n");
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  ExpectFailedSelfCheck("jetbot_0: no map on map");
+}
+
+TEST_F(PlannerProcess, IsNotStartedWithAnInvalidFile) {
+  peer_.Start("[[robot]]\nname = 3\n");
+  EXPECT_EQ(peer_.AwaitExit(), 2);
+  EXPECT_THAT(peer_.Output(), HasSubstr("planner_server.toml:2:8: error: robot.name"));
+}
+
+TEST_F(ControllerProcess, DrivesInActiveAndStandsInEveryOtherState) {
+  PublishMap();
+  Start();
+  ExpectDone("SelfCheck");
+  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error", "SelfCheck"}) {
+    ExpectDone("Active");
+    Drive();
+    ASSERT_TRUE(AwaitMotion()) << state << peer_.Output();
+    ExpectDone(state);
+    EXPECT_TRUE(AwaitStand()) << state;
+    EXPECT_EQ(end_, GoalEnd::kAborted) << state;
+  }
+  EXPECT_THAT(peer_.Output(), HasSubstr("jetbot_0: the drive has ended: it is in LowPower"));
+}
+
+TEST_F(ControllerProcess, SendsAZeroVelocityWhenItIsTerminated) {
+  PublishMap();
+  Start();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Drive();
+  ASSERT_TRUE(AwaitMotion()) << peer_.Output();
+  peer_.Signal(SIGTERM);
+  EXPECT_TRUE(peer_.Until([&] { return robot_.zeros() == 1; })) << "a robot that gets nothing "
+                                                                   "stops later, without a zero";
+  EXPECT_EQ(peer_.AwaitExit(), -SIGTERM) << peer_.Output();
+}
+
+TEST_F(ControllerProcess, StandsAtAnEmergencyStop) {
+  PublishMap();
+  Start();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Drive();
+  ASSERT_TRUE(AwaitMotion()) << peer_.Output();
+  const auto stop = transport::MakePublisher<msg::EmergencyStop>(
+                        peer_.node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                        .value();
+  msg::EmergencyStop engaged;
+  engaged.id = 1;
+  engaged.engaged = true;
+  ASSERT_TRUE(stop->Publish(engaged));
+  EXPECT_TRUE(AwaitStand());
+  EXPECT_EQ(robot_.zeros(), 1);
+  EXPECT_THAT(peer_.Output(), HasSubstr("the drive has ended: an emergency stop holds it"));
+}
+
+TEST_F(ControllerProcess, FailsItsSelfCheckWithoutOdometry) {
+  robot_.odometry_silent = true;
+  peer_.Start("self_check_ms = 100\n[[robot]]\nname = \"jetbot_0\"\n");
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  ExpectFailedSelfCheck("jetbot_0: no odometry on jetbot_0/odom yet");
+}
+
+TEST_F(ControllerProcess, IsNotStartedWithAnInvalidFile) {
+  peer_.Start("[[robot]]\nname = \"a\"\nspeed_m_s = -1\n");
+  EXPECT_EQ(peer_.AwaitExit(), 2);
+  EXPECT_THAT(peer_.Output(), HasSubstr("controller_server.toml:3:13: error: robot.speed_m_s"));
+}
+
+}  // namespace musher::navigation::navigation_process_test

@@ -1,0 +1,169 @@
+// Maps and requests of planner_server, without a network.
+
+#include "musher/modules/navigation/planner_server/planner_work.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+
+#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/test/modules/navigation/maps.hpp"
+#include "musher/test/modules/navigation/simulated_robot.hpp"
+
+namespace musher::navigation::planner_work_test {
+
+using ::testing::HasSubstr;
+
+PlannerRobot Ground() {
+  PlannerRobot robot;
+  robot.name = "jetbot_0";
+  return robot;
+}
+
+PlannerRobot Flyer() {
+  PlannerRobot robot;
+  robot.name = "cf2x_0";
+  robot.flies = true;
+  robot.radius_m = 0.15;
+  return robot;
+}
+
+msg::PointCloud2 CloudOf(const std::vector<Point>& points) {
+  msg::PointCloud2 cloud;
+  cloud.width = static_cast<std::uint32_t>(points.size());
+  cloud.height = 1;
+  cloud.point_step = 12;
+  cloud.row_step = cloud.width * 12;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    cloud.fields.push_back({std::string(1, char('x' + i)), 4 * i, msg::PointField::kFloat32, 1});
+  }
+  cloud.data.resize(cloud.row_step);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float values[3] = {float(points[i].x_m), float(points[i].y_m), float(points[i].z_m)};
+    std::memcpy(cloud.data.data() + 12 * i, values, sizeof values);
+  }
+  return cloud;
+}
+
+// A wall across x = 2, from the ground to a height of 1 m, between y = -3 and 3.
+std::vector<Point> WallOfOneMetre() {
+  std::vector<Point> points;
+  for (int y = -60; y <= 60; ++y) {
+    for (int z = 0; z <= 20; ++z) points.push_back({2, y * 0.05, z * 0.05});
+  }
+  return points;
+}
+
+// A hall of 8 m with a wall across, which has a door at its upper end.
+CellMap Hall() {
+  return testing::Drawn({"####################", "#..................#", "#..................#",
+                         "#........#.........#", "#........#.........#", "#........#.........#",
+                         "#........#.........#", "####################"},
+                        0.4, 4);
+}
+
+PathReply Find(const Planner& planner, const Pose& start, const Pose& goal,
+               const PlannerRobot& robot = Ground(), const std::vector<Point>& seen = {}) {
+  return FindPath(planner, {start, goal, seen}, {}, robot, {});
+}
+
+TEST(PlannerWork, GivesEachFailureItsCodeOfNav2) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  ASSERT_TRUE(planner) << planner.error().message;
+  const auto code = [&](const Pose& start, const Pose& goal) {
+    return Find(planner.value(), start, goal).error_code;
+  };
+  const Pose here{{1, 1, 0}, 0}, there{{6, 1, 0}, 0};
+  EXPECT_EQ(code(here, there), 0);
+  EXPECT_EQ(code({{-5, 1, 0}, 0}, there), 203);
+  EXPECT_EQ(code(here, {{50, 1, 0}, 0}), 204);
+  EXPECT_EQ(code({{0.1, 0.1, 0}, 0}, there), 205);
+  EXPECT_EQ(code(here, {{3.7, 1, 0}, 0}), 206);
+  const auto stopped =
+      FindPath(planner.value(), {here, there, {}}, {}, Ground(), [] { return true; });
+  EXPECT_EQ(stopped.error_code, 207);
+}
+
+TEST(PlannerWork, SaysThatThereIsNoWay) {
+  const CellMap map = testing::Drawn({"#########", "#...#...#", "#...#...#", "#########"}, 1, 10);
+  const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
+  const PathReply reply = Find(planner.value(), {{2, 2, 0}, 0}, {{6, 2, 0}, 0});
+  EXPECT_EQ(reply.error_code, 208);
+  EXPECT_THAT(reply.plan.error().message, HasSubstr("walled in"));
+}
+
+TEST(PlannerWork, GoesAroundWhatTheScanSees) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  const Pose start{{5, 1.2, 0}, 0}, goal{{7, 1.2, 0}, 0};
+  const std::vector<Point> box = {{6, 1.1, 0}, {6, 1.2, 0}, {6, 1.3, 0}};
+  const PathReply reply = Find(planner.value(), start, goal, Ground(), box);
+  ASSERT_TRUE(reply.plan) << reply.plan.error().message;
+  EXPECT_TRUE(reply.around_seen);
+  for (const Pose& pose : reply.plan.value().path) {
+    for (const Point& point : box) EXPECT_GT(Distance(pose.at, point), 0.29);
+  }
+}
+
+TEST(PlannerWork, IgnoresAScanOfTheWallsOfTheMap) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  const std::vector<Point> wall = {{3.62, 1, 0}, {3.61, 1.2, 0}, {0.42, 1, 0}};
+  const PathReply reply = Find(planner.value(), {{2, 1, 0}, 0}, {{2, 2, 0}, 0}, Ground(), wall);
+  ASSERT_TRUE(reply.plan);
+  EXPECT_FALSE(reply.around_seen);
+}
+
+TEST(PlannerWork, PlansByTheMapWhereNothingLeadsAroundWhatIsSeen) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  std::vector<Point> in_the_door;
+  for (int i = 0; i < 8; ++i) in_the_door.push_back({3.8, 1.6 + 0.15 * i, 0});
+  const PathReply reply =
+      Find(planner.value(), {{2.6, 2.2, 0}, 0}, {{5, 2.2, 0}, 0}, Ground(), in_the_door);
+  ASSERT_TRUE(reply.plan) << reply.plan.error().message;
+  EXPECT_FALSE(reply.around_seen);
+}
+
+TEST(PlannerWork, FliesOverAWall) {
+  const auto planner = MakePlanner(CloudOf(WallOfOneMetre()), {}, Flyer());
+  ASSERT_TRUE(planner) << planner.error().message;
+  const PathReply reply = Find(planner.value(), {{1.3, 0, 0.5}, 0}, {{2.8, 0, 0.5}, 0}, Flyer());
+  ASSERT_TRUE(reply.plan) << reply.plan.error().message;
+  double highest_m = 0;
+  for (const Pose& pose : reply.plan.value().path) {
+    highest_m = std::max(highest_m, pose.at.z_m);
+    EXPECT_GT(pose.at.z_m, 0.2);
+  }
+  EXPECT_GT(highest_m, 1.2);
+  EXPECT_LT(highest_m, 3);
+}
+
+TEST(PlannerWork, RefusesAnAltitudeBelowTheGroundOrAboveTheCeiling) {
+  const auto planner = MakePlanner(CloudOf(WallOfOneMetre()), {}, Flyer());
+  ASSERT_TRUE(planner);
+  const Pose start{{1.3, 0, 0.5}, 0};
+  for (const double z_m : {-0.5, 0.0, 3.1}) {
+    const PathReply reply = Find(planner.value(), start, {{1.3, 1, z_m}, 0}, Flyer());
+    EXPECT_EQ(reply.error_code, 204) << z_m;
+    EXPECT_THAT(reply.plan.error().message, HasSubstr("at most 3.00 m"));
+  }
+  EXPECT_EQ(Find(planner.value(), start, {{1.3, 1, 2.6}, 0}, Flyer()).error_code, 0)
+      << "above the points, below the ceiling";
+}
+
+TEST(PlannerWork, TakesACloudOfAMillionPoints) {
+  std::vector<Point> points;
+  points.reserve(1'000'000);
+  for (int i = 0; i < 1'000'000; ++i) {
+    points.push_back({(i % 1000) * 0.01, (i / 1000) * 0.01, 0});
+  }
+  const auto planner = MakePlanner(CloudOf(points), {}, Flyer());
+  ASSERT_TRUE(planner) << planner.error().message;
+  EXPECT_LT(planner.value().clearance().map().count(), 500'000U);
+}
+
+TEST(PlannerWork, RefusesACloudOfTooManyCells) {
+  const auto planner = MakePlanner(CloudOf({{0, 0, 1}, {3000, 3000, 1}}), {}, Flyer());
+  ASSERT_FALSE(planner);
+  EXPECT_TRUE(Is(planner.error(), Fault::kMap));
+}
+
+}  // namespace musher::navigation::planner_work_test

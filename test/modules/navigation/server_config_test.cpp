@@ -1,0 +1,126 @@
+// The files of musher-planner and musher-controller: their defaults, and messages about errors.
+
+#include <gmock/gmock.h>
+
+#include "musher/modules/navigation/controller_server/controller_config.hpp"
+#include "musher/modules/navigation/planner_server/planner_config.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::navigation::server_config_test {
+
+using ::testing::IsEmpty;
+
+template <class Reading>
+std::string ErrorIn(const Reading& reading) {
+  EXPECT_FALSE(reading.config);
+  return reading.diagnostics.empty() ? "" : FormatDiagnostic(reading.diagnostics.front());
+}
+
+std::string PlannerError(const std::string& text) {
+  return ErrorIn(ReadPlannerText(text, "planner.toml"));
+}
+
+std::string ControllerError(const std::string& text) {
+  return ErrorIn(ReadControllerText(text, "controller.toml"));
+}
+
+TEST(PlannerFile, ThatIsShippedHasTheDefaults) {
+  const auto reading = ReadPlannerFile(SourceDir() + "/config/navigation/planner.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  const PlannerConfig& file = *reading.config;
+  const PlannerConfig defaults;
+  EXPECT_EQ(file.frame, defaults.frame);
+  EXPECT_EQ(file.map, defaults.map);
+  EXPECT_EQ(file.cloud, defaults.cloud);
+  EXPECT_EQ(file.limit, defaults.limit);
+  EXPECT_EQ(file.stale, defaults.stale);
+  EXPECT_EQ(file.self_check_time, defaults.self_check_time);
+  EXPECT_EQ(file.blocked_from, defaults.blocked_from);
+  EXPECT_EQ(file.unknown_is_free, defaults.unknown_is_free);
+  EXPECT_EQ(file.cloud_resolution_m, defaults.cloud_resolution_m);
+  EXPECT_EQ(file.cloud_margin_m, defaults.cloud_margin_m);
+  EXPECT_EQ(file.ceiling_m, defaults.ceiling_m);
+  ASSERT_EQ(file.robots.size(), 3U);
+  const auto same = ReadPlannerText("[[robot]]\nname = \"jetbot_0\"\n", "short.toml");
+  ASSERT_TRUE(same.config);
+  const PlannerRobot &full = file.robots[0], &brief = same.config->robots[0];
+  EXPECT_EQ(full.radius_m, brief.radius_m);
+  EXPECT_EQ(full.margin_m, brief.margin_m);
+  EXPECT_EQ(full.comfort_m, brief.comfort_m);
+  EXPECT_EQ(full.flies, brief.flies);
+  EXPECT_EQ(full.odometry, brief.odometry);
+  EXPECT_EQ(full.scan, brief.scan);
+  EXPECT_EQ(full.action, brief.action);
+  EXPECT_EQ(full.path, brief.path);
+  EXPECT_TRUE(file.robots[2].flies);
+  EXPECT_EQ(file.robots[2].action, "cf2x_0/compute_path_to_pose");
+}
+
+TEST(ControllerFile, ThatIsShippedHasTheDefaults) {
+  const auto reading = ReadControllerFile(SourceDir() + "/config/navigation/controller.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  const ControllerConfig& file = *reading.config;
+  const ControllerConfig defaults;
+  EXPECT_EQ(file.frame, defaults.frame);
+  EXPECT_EQ(file.map, defaults.map);
+  EXPECT_EQ(file.odometry_stale, defaults.odometry_stale);
+  EXPECT_EQ(file.scan_stale, defaults.scan_stale);
+  EXPECT_EQ(file.patience, defaults.patience);
+  EXPECT_EQ(file.late, defaults.late);
+  EXPECT_EQ(file.self_check_time, defaults.self_check_time);
+  ASSERT_EQ(file.robots.size(), 3U);
+  const auto same = ReadControllerText("[[robot]]\nname = \"jetbot_0\"\n", "short.toml");
+  ASSERT_TRUE(same.config);
+  const ControllerRobot &full = file.robots[0], &brief = same.config->robots[0];
+  EXPECT_EQ(full.radius_m, brief.radius_m);
+  EXPECT_EQ(full.margin_m, brief.margin_m);
+  EXPECT_EQ(full.differential, brief.differential);
+  EXPECT_EQ(full.limits.speed_m_s, brief.limits.speed_m_s);
+  EXPECT_EQ(full.limits.acceleration_m_s2, brief.limits.acceleration_m_s2);
+  EXPECT_EQ(full.limits.yaw_rad_s, brief.limits.yaw_rad_s);
+  EXPECT_EQ(full.limits.yaw_rad_s2, brief.limits.yaw_rad_s2);
+  EXPECT_EQ(full.lag_s, brief.lag_s);
+  EXPECT_EQ(full.arrive_m, brief.arrive_m);
+  EXPECT_EQ(full.arrive_rad, brief.arrive_rad);
+  EXPECT_EQ(full.join_m, brief.join_m);
+  EXPECT_EQ(full.odometry, brief.odometry);
+  EXPECT_EQ(full.scan, brief.scan);
+  EXPECT_EQ(full.action, brief.action);
+  EXPECT_EQ(full.trajectory, brief.trajectory);
+  EXPECT_EQ(full.command, brief.command);
+  EXPECT_FALSE(file.robots[2].differential) << "a flyer";
+}
+
+TEST(PlannerFile, ReportsErrorsAtTheirPlace) {
+  EXPECT_EQ(PlannerError("ceiling_m = 3.0\n"),
+            "planner.toml:1:1: error: the key \"robot\" is missing; expected a table [[robot]] "
+            "for each robot");
+  EXPECT_EQ(PlannerError("[[robot]]\nname = \"a\"\n[[robot]]\nname = \"a\"\n"),
+            "planner.toml:4:8: error: robot.name: another table has the robot \"a\"");
+  EXPECT_EQ(PlannerError("[[robot]]\nname = \"a\"\nradius = 1\n"),
+            "planner.toml:3:1: error: robot: unknown key \"radius\"; did you mean \"radius_m\"?");
+  EXPECT_EQ(PlannerError("[[robot]]\nname = \"a\"\nscan = \"a b\"\n"),
+            "planner.toml:3:8: error: robot.scan: expected the name of a topic, as in "
+            "\"jetbot_0/odom\"");
+}
+
+TEST(ControllerFile, ReportsErrorsAtTheirPlace) {
+  EXPECT_EQ(ControllerError("[[robot]]\nname = \"a\"\nkind = \"flyer\"\ndrive = "
+                            "\"differential\"\n"),
+            "controller.toml:4:9: error: robot.drive: a flyer is \"omni\"");
+  EXPECT_EQ(ControllerError("[[robot]]\nname = \"0a\"\n"),
+            "controller.toml:2:8: error: robot.name: expected a name of letters, digits and '_' "
+            "that begins with no digit, at most 64 long");
+}
+
+TEST(ControllerFile, MayLeaveOutMapAndScan) {
+  const auto reading =
+      ReadControllerText("map = \"\"\n[[robot]]\nname = \"a\"\nscan = \"\"\n", "controller.toml");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->map, "");
+  EXPECT_EQ(reading.config->robots[0].scan, "");
+}
+
+}  // namespace musher::navigation::server_config_test
