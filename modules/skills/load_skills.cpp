@@ -34,11 +34,11 @@ LoadedSkills LoadSkills(const SkillsConfig& config, Robot& robot, const Register
   Result<std::vector<skill::Entry>> entries = registry.Of(*reading.config, config.kind);
   if (!entries) {
     return WithError(std::move(loaded), config.file, config.kind_at,
-                     "'kind': " + entries.error().message + " (" + config.skill_config + ")");
+                     "kind: " + entries.error().message + " (" + config.skill_config + ")");
   }
   if (entries.value().empty()) {
     return WithError(std::move(loaded), config.file, config.kind_at,
-                     "'kind': a " + config.kind + " has no skill by " + config.skill_config);
+                     "kind: a " + config.kind + " has no skill by " + config.skill_config);
   }
   loaded.entries = std::move(entries).value();
   return loaded;

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
+#include "musher/messages/nav2_msgs/follow_path.hpp"
+
 namespace musher::skills::conversions_test {
 
 using ::testing::ElementsAre;

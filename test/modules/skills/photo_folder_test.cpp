@@ -25,8 +25,8 @@ class APhotoFolder : public ::testing::Test {
  protected:
   Result<std::string> Save(const std::string& name, const Picture& picture = kPicture) {
     const auto written = photos_.Save(picture, name);
-    EXPECT_TRUE(loop_.RunUntil([&] { return written.done(); },
-                               loop_.Now() + std::chrono::seconds(20)));
+    EXPECT_TRUE(
+        loop_.RunUntil([&] { return written.done(); }, loop_.Now() + std::chrono::seconds(20)));
     return written.result();
   }
 

@@ -71,8 +71,9 @@ TEST_F(APlan, EndsAfterThreeSecondsWithoutAServerAndNamesTheRobots) {
   gone_ = {"b"};
   static_cast<void>(Advance(run));
   EXPECT_EQ(Advance(run, Milliseconds(3000)).end,
-            (PlanEnd{PlanOutcome::kAborted, "Execution failed in timestep 10. no action server "
-                                            "within 3.0 s: b"}));
+            (PlanEnd{PlanOutcome::kAborted,
+                     "Execution failed in timestep 10. no action server "
+                     "within 3.0 s: b"}));
 }
 
 TEST_F(APlan, CancelsTheOthersOfTheStepAtAFailureAndWaitsForTheirEnds) {

@@ -72,14 +72,15 @@ front = 3
   EXPECT_THAT(
       Lines(reading.diagnostics),
       ElementsAre(
-          "dog.toml:1:1: error: missing key 'kind': the kind of robot, as in \"jetbot\"",
-          "dog.toml:1:9: error: 'robot': expected a name of letters, digits and '_' that begins "
+          "dog.toml:1:1: error: the key \"kind\" is missing; expected the kind of robot, as in "
+          "\"jetbot\"",
+          "dog.toml:1:9: error: robot: expected a name of letters, digits and '_' that begins "
           "with no digit, at most 64 long, found \"1dog\"",
-          "dog.toml:2:12: error: 'radius_m': expected a number from 0.01 to 10, found 50",
-          "dog.toml:3:1: error: unknown key 'hnd'; did you mean 'hand'?",
-          "dog.toml:5:12: error: in 'topics': 'odometry': expected a name as in "
+          "dog.toml:2:12: error: radius_m: expected a number from 0.01 to 10, found 50",
+          "dog.toml:3:1: error: unknown key \"hnd\"; did you mean \"hand\"?",
+          "dog.toml:5:12: error: topics.odometry: expected a name as in "
           "\"jetbot_0/odom\", found \"\"",
-          "dog.toml:7:9: error: in 'cameras': 'front': expected a string, found an integer"));
+          "dog.toml:7:9: error: cameras.front: expected a string, found an integer"));
 }
 
 TEST(DispatcherConfig, MayBeEmptyAndReportsAllErrors) {
@@ -89,9 +90,9 @@ TEST(DispatcherConfig, MayBeEmptyAndReportsAllErrors) {
   EXPECT_THAT(
       Lines(ReadDispatcherText("server_wait_ms = 0\nrobot_action = \"/a\"\n", "plan.toml")
                 .diagnostics),
-      ElementsAre("plan.toml:1:18: error: 'server_wait_ms': expected an integer from 1 to 3600000 "
+      ElementsAre("plan.toml:1:18: error: server_wait_ms: expected an integer from 1 to 3600000 "
                   "(milliseconds), found 0",
-                  "plan.toml:2:16: error: 'robot_action': expected the name of an action, as in "
+                  "plan.toml:2:16: error: robot_action: expected the name of an action, as in "
                   "\"skill_execution\", found \"/a\""));
 }
 
