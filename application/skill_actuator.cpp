@@ -1,5 +1,6 @@
 #include "musher/application/skill_actuator.hpp"
 
+#include <cstdio>
 #include <exception>
 #include <functional>
 #include <map>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/application/skill_report.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -20,7 +22,19 @@ using Goal = transport::ServerGoal<msg::SkillExecution>;
 struct SkillWire {
   transport::Clock* clock = nullptr;
   transport::LoopHandlePtr steps;
+  std::function<void(const msg::SkillFeedback&)> publish;
 };
+
+// 32 hexadecimal digits.
+std::string HexText(const transport::GoalId& id) {
+  std::string text;
+  char digits[3];
+  for (const std::uint8_t byte : id) {
+    std::snprintf(digits, sizeof digits, "%02x", byte);
+    text += digits;
+  }
+  return text;
+}
 
 // The request of a goal: the skill and its parameters.
 struct Request {
@@ -84,6 +98,12 @@ class SkillActuator::Impl {
     Goal goal;
     std::string shown;  // the last feedback
   };
+  // The last run of a skill, as it was published.
+  struct Published {
+    std::string goal_id;
+    msg::SkillFeedback feedback{};
+    bool ended = false;
+  };
 
   Result<> SetUp() {
     owner_.RunOnLoop([this] { open_ = false; });
@@ -93,6 +113,7 @@ class SkillActuator::Impl {
       return Error{kCodeFailed, "RegisterSkills() has not added a skill"};
     }
     goals_.clear();
+    published_.clear();
     manager_ = std::make_unique<skill::Manager>(registry.All());
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<SkillWire>();
@@ -103,10 +124,26 @@ class SkillActuator::Impl {
       handlers.start = [this](const Goal& goal) { Start(goal); };
       handlers.cancel = [this](const Goal& goal) { Cancel(goal); };
       topics.ServeAction<msg::SkillExecution>(options_.action, std::move(handlers));
+      OpenReports(topics, *wire);
       owner_.OpenTopics(topics);
     });
     owner_.RunOnLoop([&] { open_ = opened.ok(); });
     return opened;
+  }
+
+  // Topics `skill_feedback` and `skills`, and the service `<actuator>/get_skill`.
+  void OpenReports(transport::Endpoints& topics, SkillWire& wire) {
+    wire.publish = topics.PublishFunction<msg::SkillFeedback>("skill_feedback");
+    const std::string action =
+        "/" + transport::ResolveName(owner_.machine_config().name_space, options_.action);
+    topics.PublishFunction<msg::SkillOffers>(
+        "skills", transport::kLatchedQos)(OfferSkills(owner_.name(), action, *manager_));
+    topics.Serve<msg::GetSkill>(owner_.name() + "/get_skill", [this](const auto& request,
+                                                                     auto reply) {
+      const auto published = published_.find(request.skill);
+      reply(ReportSkill(owner_.name(), *manager_, stepping_,
+                        published == published_.end() ? "" : published->second.goal_id, request));
+    });
   }
 
   Result<> Continue() {
@@ -132,13 +169,20 @@ class SkillActuator::Impl {
     StopStepping();
     if (!manager_) return;
     manager_->Pause();
-    ReportGoals();
+    AfterPause();
   }
 
   void CancelAtOnce(const std::string& why) {
     StopStepping();
     if (!manager_) return;
     manager_->CancelAllNow(why);
+    AfterPause();
+  }
+
+  void AfterPause() {
+    if (const auto thrown = Thrown("OnPause", [&] { owner_.OnPause(); })) {
+      owner_.Log(LogLevel::kError, "fault: " + *thrown);
+    }
     ReportGoals();
   }
 
@@ -163,7 +207,9 @@ class SkillActuator::Impl {
     owner_.Log(skill + " started");
     own.Execute();
     own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
+    published_[skill] = {HexText(goal.id())};
     goals_.insert_or_assign(skill, Open{std::move(own), ""});
+    PublishChanges();
   }
 
   void Cancel(const Goal& goal) {
@@ -193,8 +239,26 @@ class SkillActuator::Impl {
     ReportGoals();
   }
 
+  // The feedback of each run that has changed.
+  void PublishChanges() {
+    const auto wire = wire_.lock();
+    if (!wire) return;
+    for (const skill::Run* run : manager_->Runs()) {
+      Published& last = published_[run->name()];
+      msg::SkillFeedback feedback = ReportRun(owner_.name(), *run, last.goal_id);
+      if (feedback == last.feedback) continue;
+      // An end is final: this run is another one, and no goal has started it.
+      if (last.ended) last.goal_id = feedback.goal_id = "";
+      last.feedback = feedback;
+      last.ended = run->ended();
+      feedback.header.stamp = wire->clock->Stamp();
+      wire->publish(feedback);
+    }
+  }
+
   // Feedback of the goals, and the results of those that have ended.
   void ReportGoals() {
+    PublishChanges();
     std::vector<std::pair<std::string, Goal>> ended;
     for (auto& [skill, open] : goals_) {
       const skill::Run* run = manager_->Find(skill);
@@ -245,8 +309,9 @@ class SkillActuator::Impl {
   const Options options_;
   std::unique_ptr<skill::Manager> manager_;
   std::weak_ptr<SkillWire> wire_;
-  std::map<std::string, Open> goals_;  // by skill
-  bool open_ = false;                  // SetUp is done; before, the skills belong to the worker
+  std::map<std::string, Open> goals_;           // by skill
+  std::map<std::string, Published> published_;  // by skill
+  bool open_ = false;  // SetUp is done; before, the skills belong to the worker
   bool stepping_ = false;
 };
 

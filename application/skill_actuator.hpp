@@ -27,7 +27,15 @@
 //                  are cancelled at once
 // clang-format on
 //
-// Interface: action `skill_execution` (plan_msgs/SkillExecution) in the namespace of the machine. A
+// Interfaces, in the namespace of the machine:
+//
+//   skill_execution        action plan_msgs/SkillExecution
+//   skills                 musher_msgs/SkillOffers, latched: its skills with their parameters
+//   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, also of one without a
+//                          goal
+//   <actuator>/get_skill   service musher_msgs/GetSkill: a run's feedback, history, errors, picture
+//
+// Several skills may run at once, each at most once. A
 // goal has one skill with its parameters as texts ("[10, 20, 0]"); see skill::Parse(). One that
 // cannot be started is aborted at once, with the reason in its result: an unknown skill, one that
 // runs, invalid parameters, a robot that is not Active. Feedback is
@@ -72,6 +80,10 @@ class SkillActuator : public MachineActuator {
   // Before and after each step of all skills. An exception cancels all skills at once.
   virtual void BeforeStep(Time /*now*/) {}
   virtual void AfterStep(Time /*now*/) {}
+  // No skill is stepped from now on: the robot is not Active, or an emergency stop was engaged.
+  // Skills are already paused or cancelled. Bring the outputs to neutral; must return at once and
+  // be idempotent. An exception is logged.
+  virtual void OnPause() {}
 
   // From SetUp on. On the loop only. Skills may also be started here; those have no goal.
   skill::Manager& manager();

@@ -33,6 +33,7 @@ class Composite : public Skill {
 
   void Declare(Table& table) override {
     RefuseUnfit(table);
+    table.Does(Summary());
     running_ = table.State("RUNNING");
     stopping_ = table.State("STOPPING");
     table.To(running_, kSucceeded,
@@ -90,6 +91,17 @@ class Composite : public Skill {
   }
 
  private:
+  // "Runs take_off, then navigate_to"
+  std::string Summary() const {
+    std::string text = "Runs ";
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      if (i > 0) text += order_ == Order::kInOrder ? ", then " : " and ";
+      text += runs_[i]->name();
+    }
+    if (order_ == Order::kParallel) return text + " at the same time";
+    return order_ == Order::kFirstToFinish ? text + " until the first completes" : text;
+  }
+
   void RefuseUnfit(Table& table) const {
     if (!error_.empty()) table.Refuse(error_);
     if (error_.empty() && runs_.empty()) table.Refuse("has no skills");

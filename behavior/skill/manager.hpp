@@ -66,6 +66,10 @@ class Manager {
   // "IDLE" when it was not started since its last reset; nullopt: unknown.
   std::optional<std::string> StateOf(std::string_view skill) const;
   std::vector<std::string> Names() const;
+  const std::vector<Entry>& entries() const { return entries_; }
+  // A run that has not begun, for its table and its chart. Fails for an unknown name, with the
+  // nearest.
+  Result<std::unique_ptr<Run>> Make(std::string_view skill) const;
 
   // Between two steps. Fails, with the name of the skill, when one cannot be saved.
   Result<ManagerSnapshot> Save() const;
@@ -75,7 +79,6 @@ class Manager {
 
  private:
   Result<const Entry*> Lookup(std::string_view skill) const;
-  Result<std::unique_ptr<Run>> Make(std::string_view skill) const;
   Result<Run*> Running(std::string_view skill) const;
   Result<> Free(const Run& run) const;
   Result<> Allowed(std::string_view skill) const;

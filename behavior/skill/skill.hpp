@@ -6,6 +6,7 @@
 //    public:
 //     explicit TakeOff(Drone& drone) : drone_(drone) {}
 //     void Declare(skill::Table& table) override {
+//       table.Does("Rises to an altitude above the ground");
 //       table.Takes("altitude", 1.0, "m above the ground");
 //       rising_ = table.State("EXECUTING", std::chrono::seconds(30));
 //       table.To(rising_, skill::kSucceeded, "at most 0.1 m below the altitude");

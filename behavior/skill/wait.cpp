@@ -6,6 +6,7 @@ namespace {
 class Waiting : public Skill {
  public:
   void Declare(Table& table) override {
+    table.Does("Waits for a time");
     table.Takes("duration_s", 1.0, "seconds, 0 or more");
     table.To(table.State("WAITING"), kSucceeded, "the time is over");
     table.MonotoneProgress();

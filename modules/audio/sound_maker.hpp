@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 
+#include "musher/base/work_thread.hpp"
 #include "musher/modules/audio/phrases.hpp"
 #include "musher/modules/audio/sound.hpp"
 #include "musher/modules/audio/voice.hpp"
-#include "musher/modules/audio/work_thread.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::audio {

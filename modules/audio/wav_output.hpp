@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "musher/base/work_thread.hpp"
 #include "musher/modules/audio/output.hpp"
-#include "musher/modules/audio/work_thread.hpp"
 
 namespace musher::audio {
 

@@ -5,6 +5,7 @@
 
 #include "musher/behavior/skill/wait.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/transport/action.hpp"
@@ -37,6 +38,8 @@ class Tasks : public SkillActuator {
 
   std::string throws;  // the exception of BeforeStep; by RunOnLoop()
   bool registers = true;
+  int pauses = 0;
+  bool throws_when_paused = false;
 
   using SkillActuator::manager;
   using SkillActuator::Now;
@@ -55,6 +58,10 @@ class Tasks : public SkillActuator {
   }
   void BeforeStep(Time /*now*/) override {
     if (!throws.empty()) throw std::runtime_error(throws);
+  }
+  void OnPause() override {
+    ++pauses;
+    if (throws_when_paused) throw std::runtime_error("stuck");
   }
 };
 
@@ -145,6 +152,76 @@ TEST_F(ASkillActuator, ExecutesAGoalWithFeedbackAndItsResult) {
   EXPECT_THAT(sent->feedback, Contains("processing: Waiting (60%)"));
 }
 
+TEST_F(ASkillActuator, PublishesItsSkillsAndEachChangeOfARun) {
+  std::vector<msg::SkillFeedback> received;
+  std::vector<msg::SkillOffers> offers;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions;
+  harness_.node().RunOnLoop([&] {
+    transport::Node& node = harness_.node().node();
+    subscriptions.push_back(
+        transport::MakeSubscription<msg::SkillFeedback>(
+            node, "skill_feedback", [&](auto&& sample, const auto&) { received.push_back(sample); })
+            .value());
+    subscriptions.push_back(transport::MakeSubscription<msg::SkillOffers>(
+                                node, "skills",
+                                [&](auto&& sample, const auto&) { offers.push_back(sample); },
+                                transport::kLatchedFromManyQos)
+                                .value());
+  });
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  Await([&] { return !offers.empty() && subscriptions[0]->MatchedWriters() == 1; });
+  EXPECT_EQ(offers[0].action, "/skill_execution");
+  EXPECT_EQ(offers[0].skills.size(), 2U);
+  const auto sent = Send("wait", {{"duration_s", "0.1"}});
+  AwaitAccepted(sent);
+  harness_.Tick(tasks, 8);
+  Await([&] { return !received.empty() && received.back().progress == 100; });
+  EXPECT_EQ(received.front().state, "WAITING");
+  EXPECT_EQ(received.back().goal_id.size(), 32U);
+  EXPECT_EQ(received.back().goal_id, received.front().goal_id);
+  EXPECT_EQ(received.back().status, msg::SkillFeedback::kStatusCompleted);
+  EXPECT_GE(received.back().header.stamp.sec, 1'000);
+  // A run without a goal has no id.
+  ASSERT_TRUE(tasks.Of([](Tasks& t) { return t.manager().Start("wait").ok(); }));
+  harness_.Tick(tasks, 2);
+  Await([&] { return received.back().status == msg::SkillFeedback::kStatusProcessing; });
+  EXPECT_EQ(received.back().goal_id, "");
+  harness_.node().RunOnLoop([&] { subscriptions.clear(); });
+}
+
+TEST_F(ASkillActuator, ServesTheRunOfASkill) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  std::unique_ptr<transport::Client<msg::GetSkill>> client;
+  std::optional<msg::GetSkill::Response> reply;
+  harness_.node().RunOnLoop([&] {
+    client = transport::MakeClient<msg::GetSkill>(harness_.node().node(), "show/get_skill").value();
+    msg::GetSkill::Request request;
+    request.skill = "wait";
+    request.format = "dot";
+    client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+  });
+  Await([&] { return reply.has_value(); });
+  EXPECT_EQ(reply->error, "");
+  EXPECT_TRUE(reply->stepping);
+  EXPECT_EQ(reply->feedback.state, "IDLE");
+  EXPECT_THAT(reply->graph, HasSubstr("digraph"));
+  harness_.node().RunOnLoop([&] { client.reset(); });
+}
+
+TEST_F(ASkillActuator, RunsSeveralSkillsAtOnce) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const auto waits = Send("wait", {{"duration_s", "0.1"}});
+  const auto fails = Send("fail");
+  AwaitAccepted(waits);
+  AwaitAccepted(fails);
+  harness_.Tick(tasks, 8);
+  EXPECT_THAT(EndOf(waits), HasSubstr("succeeded true"));
+  EXPECT_THAT(EndOf(fails), HasSubstr("aborted false failed: no path"));
+}
+
 TEST_F(ASkillActuator, ReportsAFailureAsAFailure) {
   ActuatorRunner<Tasks> tasks;
   Begin(tasks);
@@ -191,7 +268,10 @@ TEST_F(ASkillActuator, PausesItsSkillsInLowPowerAndContinuesThem) {
   AwaitAccepted(sent);
   harness_.Tick(tasks, 2);
   for (const std::string state : {"Protected", "DeActive", "LowPower"}) {
+    const int pauses = tasks.Of([](Tasks& t) { return t.pauses; });
+    tasks.RunOnLoop([&] { tasks.throws_when_paused = state == "DeActive"; });
     ASSERT_TRUE(Go(state));
+    EXPECT_EQ(tasks.Of([](Tasks& t) { return t.pauses; }), pauses + 1) << state;
     harness_.Advance(tasks, std::chrono::hours(1));
     EXPECT_EQ(tasks.StateOf("wait"), "WAITING") << state;
     ASSERT_TRUE(Go("Active"));

@@ -178,4 +178,14 @@ TEST(Settings, ReplaceLimitsAndDefaultsAndAreRefusedWithTheNearestName) {
             "there is no parameter hight");
 }
 
+TEST(SkillTable, SaysWhatTheSkillDoesAndWhatItTakes) {
+  Table table;
+  table.Does("Rises to an altitude");
+  table.Takes("altitude", 1.0, "m above the ground");
+  table.Needs("names", Kind::kText, "");
+  EXPECT_EQ(table.summary(), "Rises to an altitude");
+  EXPECT_EQ(ToText(table.parameters()[0]), "altitude: a number, default 1 (m above the ground)");
+  EXPECT_EQ(ToText(table.parameters()[1]), "names: a text, required");
+}
+
 }  // namespace musher::skill::table_test

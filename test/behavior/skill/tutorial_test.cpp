@@ -28,6 +28,7 @@ class TakeOff : public skill::Skill {
   explicit TakeOff(Drone& drone) : drone_(drone) {}
 
   void Declare(skill::Table& table) override {
+    table.Does("Rises to an altitude above the ground");
     table.Takes("altitude", 1.0, "m above the ground");
     const auto rising = table.State("EXECUTING", std::chrono::seconds(30));
     table.To(rising, skill::kSucceeded, "at most 0.1 m below the altitude");

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-namespace musher::audio {
+namespace musher {
 
 class WorkThread {
  public:
@@ -55,4 +55,4 @@ class WorkThread {
   std::thread thread_;  // last: it uses the rest
 };
 
-}  // namespace musher::audio
+}  // namespace musher

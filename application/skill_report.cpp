@@ -1,0 +1,101 @@
+#include "musher/application/skill_report.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "musher/behavior/fsm/graph.hpp"
+
+namespace musher {
+namespace {
+
+static_assert(msg::SkillFeedback::kStatusProcessing ==
+              static_cast<std::uint8_t>(skill::Status::kProcessing));
+static_assert(msg::SkillFeedback::kStatusCancelled ==
+              static_cast<std::uint8_t>(skill::Status::kCancelled));
+
+std::string RunTimeText(Duration time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f s", std::chrono::duration<double>(time).count());
+  return text;
+}
+
+// "1.20 s PLANNING → MOVING: decided, the path is planned"
+std::string ChangeText(const skill::Run& run, const skill::Change& change) {
+  std::string text = RunTimeText(change.at) + " " + std::string(run.table().Name(change.from)) +
+                     " → " + std::string(run.table().Name(change.to)) + ": " +
+                     std::string(skill::Name(change.cause));
+  return change.why.empty() ? text : text + ", " + change.why;
+}
+
+}  // namespace
+
+msg::SkillOffers OfferSkills(const std::string& actuator, const std::string& action,
+                             const skill::Manager& manager) {
+  msg::SkillOffers offers{actuator, action, {}};
+  for (const std::string& name : manager.Names()) {
+    const auto run = manager.Make(name);
+    if (!run) continue;
+    const skill::Table& table = run.value()->table();
+    msg::SkillOffer offer{name, table.summary(), {}};
+    for (const auto& parameter : table.parameters()) {
+      offer.parameters.push_back(skill::ToText(parameter));
+    }
+    offers.skills.push_back(std::move(offer));
+  }
+  return offers;
+}
+
+msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
+                             const std::string& goal_id) {
+  const skill::Feedback& feedback = run.feedback();
+  msg::SkillFeedback report;
+  report.actuator = actuator;
+  report.skill = run.name();
+  report.goal_id = goal_id;
+  report.status = static_cast<std::uint8_t>(feedback.status);
+  report.state = feedback.state;
+  report.progress = static_cast<std::uint8_t>(feedback.progress);
+  report.message = feedback.message;
+  for (const skill::Values::Named& detail : feedback.details) {
+    report.details.push_back({detail.name, skill::ToText(detail.value)});
+  }
+  return report;
+}
+
+msg::GetSkill::Response ReportSkill(const std::string& actuator, const skill::Manager& manager,
+                                    bool stepping, const std::string& goal_id,
+                                    const msg::GetSkill::Request& request) {
+  msg::GetSkill::Response report;
+  report.stepping = stepping;
+  const skill::Run* run = manager.Find(request.skill);
+  std::unique_ptr<skill::Run> idle;
+  if (run == nullptr) {
+    auto made = manager.Make(request.skill);
+    if (!made) {
+      report.error = made.error().message;
+      return report;
+    }
+    idle = std::move(made).value();
+    run = idle.get();
+  }
+  report.feedback = ReportRun(actuator, *run, idle ? "" : goal_id);
+  if (idle) report.feedback.state = idle->Path();
+  for (std::size_t i = 0; i < run->history().size(); ++i) {
+    report.history.push_back(ChangeText(*run, run->history()[i]));
+  }
+  for (std::size_t i = 0; i < run->errors().size(); ++i) {
+    const skill::Failure& failure = run->errors()[i];
+    report.errors.push_back(RunTimeText(failure.at) + " " + failure.state + ": " + failure.what);
+  }
+  if (request.format == "dot") {
+    report.graph = fsm::ToDot(run->chart(), run->Path());
+  } else if (request.format == "mermaid") {
+    report.graph = fsm::ToMermaid(run->chart(), run->Path());
+  } else if (!request.format.empty()) {
+    report.error = "unknown graph format; expected dot or mermaid";
+  }
+  return report;
+}
+
+}  // namespace musher

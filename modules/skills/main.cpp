@@ -1,0 +1,32 @@
+// musher-skills: the skills of a robot. See README.md in this folder.
+
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/modules/skills/load_skills.hpp"
+#include "musher/modules/skills/robot/ros_robot.hpp"
+#include "musher/modules/skills/skills/all.hpp"
+#include "musher/modules/skills/skills_actuator.hpp"
+
+namespace {
+
+int Run(const musher::program::Options& options) {
+  using namespace musher::skills;
+  const SkillsReading reading = ReadSkillsFile(options.file);
+  musher::program::PrintErrors(reading.diagnostics);
+  if (!reading.config) return musher::program::kUsageError;
+  RosRobot robot(*reading.config);
+  const LoadedSkills skills = LoadSkills(robot.config(), robot, RegisterSkills);
+  musher::program::PrintErrors(skills.diagnostics);
+  if (!skills.entries) return musher::program::kUsageError;
+  SkillsActuator actuator(options.actuator, robot, *skills.entries);
+  return musher::program::RunToEnd(actuator, options.state_config);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return musher::program::Main(
+      argc, argv,
+      {"musher-skills", "Runs the skills of a robot: goals of the action <robot>/skill_execution.",
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
+      Run);
+}

@@ -1,0 +1,41 @@
+#include "musher/modules/skills/plan/dispatcher_actuator.hpp"
+
+#include <utility>
+
+namespace musher::skills {
+
+DispatcherActuator::DispatcherActuator(const std::string& actuator_name, DispatcherConfig config)
+    : MachineActuator(actuator_name), config_(std::move(config)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
+
+void DispatcherActuator::OnEmergencyStop() {
+  if (const auto server = server_.lock()) server->Permit(false, "an emergency stop holds it");
+}
+
+Result<> DispatcherActuator::SetUp() {
+  return OpenEndpoints([this](transport::Endpoints& endpoints) {
+    const auto server = std::make_shared<PlanServer>(
+        endpoints.node(), machine_config().name_space, config_,
+        [this](LogLevel level, const std::string& line) { Log(level, line); });
+    server->Open(endpoints);
+    endpoints.Keep(server);
+    server_ = server;
+  });
+}
+
+Result<> DispatcherActuator::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  Result<> entered;
+  RunOnLoop([&] {
+    const auto server = server_.lock();
+    if (state == kActive && EmergencyStopped()) {
+      entered = Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
+    } else if (server) {
+      server->Permit(state == kActive, "it is in " + state);
+    }
+  });
+  return entered;
+}
+
+}  // namespace musher::skills

@@ -1,0 +1,34 @@
+#pragma once
+// The actuator `plan_dispatcher`. See ../README.md.
+//
+//   Active       plans are executed
+//   all others   the present plan is cancelled, new ones are refused
+//   an emergency stop: the same, until Active is set again after its release
+//
+// Threads: state callbacks on the actuator's worker, the action and emergency stops on the loop.
+
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/skills/plan/plan_server.hpp"
+
+namespace musher::skills {
+
+class DispatcherActuator : public MachineActuator {
+ public:
+  DispatcherActuator(const std::string& actuator_name, DispatcherConfig config);
+  ~DispatcherActuator() override = default;
+
+ protected:
+  void OnEmergencyStop() override;
+
+ private:
+  Result<> Run(const State& state);
+  Result<> SetUp();
+
+  const DispatcherConfig config_;
+  std::weak_ptr<PlanServer> server_;  // kept by the endpoints
+};
+
+}  // namespace musher::skills

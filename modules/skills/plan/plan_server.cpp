@@ -1,0 +1,169 @@
+#include "musher/modules/skills/plan/plan_server.hpp"
+
+#include <cstdio>
+#include <set>
+#include <utility>
+
+#include "musher/modules/skills/plan/plan_check.hpp"
+
+namespace musher::skills {
+namespace {
+
+constexpr Duration kTick = Milliseconds(50);
+constexpr Duration kAnswerTime = std::chrono::seconds(3);  // of a server, to a goal
+constexpr Duration kCancelTime = std::chrono::seconds(3);
+
+std::string GoalText(const transport::GoalId& id) {
+  std::string text;
+  char digits[3];
+  for (const std::uint8_t byte : id) {
+    std::snprintf(digits, sizeof digits, "%02x", byte);
+    text += digits;
+  }
+  return text;
+}
+
+}  // namespace
+
+PlanServer::~PlanServer() {
+  if (!execution_) return;
+  for (const auto& sent : execution_->sent) CancelGoal(sent.first);
+}
+
+void PlanServer::Open(transport::Endpoints& endpoints) {
+  transport::ActionHandlers<msg::PlanExecution> handlers;
+  handlers.start = [this](const Goal& goal) { Start(goal); };
+  handlers.cancel = [this](const Goal& goal) {
+    if (!execution_ || execution_->goal.id() != goal.id()) return;
+    execution_->run.Cancel("by its client", true);
+    Advance();
+  };
+  endpoints.ServeAction<msg::PlanExecution>(config_.action, std::move(handlers));
+}
+
+void PlanServer::Permit(bool permitted, const std::string& why) {
+  permitted_ = permitted;
+  if (permitted) return;
+  not_permitted_ = why;
+  if (!execution_) return;
+  execution_->run.Cancel(why, false);
+  Advance();
+}
+
+Result<> PlanServer::Admit(const msg::SkillPlan& plan) {
+  if (!permitted_) return Error{kCodeStateInvalid, "no plans are executed: " + not_permitted_};
+  if (execution_) return Error{kCodeTargetBusy, "another plan is executed"};
+  if (Result<> valid = CheckPlan(plan); !valid) return valid;
+  std::set<std::string> robots;
+  for (const msg::TimestepSkills& step : plan.steps) {
+    for (const msg::RobotSkill& robot : step.robots) robots.insert(robot.robot_id);
+  }
+  std::erase_if(clients_, [&](const auto& client) { return !robots.contains(client.first); });
+  for (const std::string& robot : robots) {
+    std::unique_ptr<Client>& client = clients_[robot];
+    if (client) continue;
+    auto made = transport::MakeActionClient<msg::SkillExecution>(
+        node_, transport::ResolveName(name_space_, robot + "/" + config_.robot_action));
+    if (!made) {
+      clients_.erase(robot);
+      return made.error();
+    }
+    client = std::move(made).value();
+  }
+  return Ok();
+}
+
+void PlanServer::Start(const Goal& goal) {
+  Goal own = goal;
+  const msg::SkillPlan& plan = goal.goal().plan;
+  if (const Result<> admitted = Admit(plan); !admitted) {
+    log_(LogLevel::kWarning, "plan refused: " + admitted.error().message);
+    own.Abort({false, admitted.error().message});
+    return;
+  }
+  own.Execute();
+  log_(LogLevel::kInfo, "plan of " + std::to_string(plan.steps.size()) + " steps started");
+  execution_ = std::make_shared<Execution>(
+      Execution{own, PlanRun(plan, config_.rules, node_.loop().Now()), {}, {}});
+  ticks_ = node_.loop().Every(kTick, [this] { Advance(); });
+  Advance();
+}
+
+void PlanServer::Advance() {
+  if (!execution_) return;
+  const std::size_t step = execution_->run.step();
+  const PlanActions actions =
+      execution_->run.Advance(node_.loop().Now(), [this](const std::string& robot) {
+        const auto client = clients_.find(robot);
+        return client != clients_.end() && client->second->Ready();
+      });
+  if (execution_->run.step() != step) {
+    execution_->sent.clear();
+    execution_->cancelled.clear();
+  }
+  for (const std::size_t robot : actions.send) Send(robot);
+  for (const std::size_t robot : actions.cancel) CancelGoal(robot);
+  if (actions.feedback) execution_->goal.PublishFeedback(execution_->run.Feedback());
+  if (actions.end) End(*actions.end);
+}
+
+void PlanServer::Send(std::size_t robot) {
+  const msg::RobotSkill& asked = execution_->run.present().robots[robot];
+  const auto id = clients_.at(asked.robot_id)->SendGoal({asked}, kAnswerTime, EventsOf(robot));
+  execution_->sent[robot] = id;
+  execution_->run.OnSent(robot, GoalText(id));
+}
+
+transport::GoalEvents<msg::SkillExecution> PlanServer::EventsOf(std::size_t robot) {
+  const std::weak_ptr<Execution> weak = execution_;
+  const std::size_t step = execution_->run.step();
+  const auto execution = [weak, step]() -> std::shared_ptr<Execution> {
+    auto present = weak.lock();
+    return present && present->run.step() == step ? present : nullptr;
+  };
+  transport::GoalEvents<msg::SkillExecution> events;
+  // A goal that was cancelled before its server knew it.
+  events.on_accepted = [this, execution, robot] {
+    const auto present = execution();
+    if (present && present->cancelled.contains(robot)) CancelGoal(robot);
+  };
+  events.on_feedback = [this, execution, robot](const auto& feedback) {
+    const auto present = execution();
+    if (!present) return;
+    present->run.OnFeedback(robot, feedback.status);
+    Advance();
+  };
+  events.on_end = [this, execution, robot](const auto& outcome) {
+    const auto present = execution();
+    if (!present) return;
+    const bool success = outcome.end == transport::GoalEnd::kSucceeded && outcome.result.success;
+    const std::string& message = outcome.reason.empty() ? outcome.result.message : outcome.reason;
+    present->run.OnEnd(robot, success, message);
+    Advance();
+  };
+  return events;
+}
+
+void PlanServer::CancelGoal(std::size_t robot) {
+  execution_->cancelled.insert(robot);
+  const auto sent = execution_->sent.find(robot);
+  const msg::RobotSkill& asked = execution_->run.present().robots[robot];
+  const auto client = clients_.find(asked.robot_id);
+  if (sent == execution_->sent.end() || client == clients_.end()) return;
+  client->second->Cancel(sent->second, kCancelTime, [](const auto& /*reply*/) {});
+}
+
+void PlanServer::End(const PlanEnd& end) {
+  ticks_.reset();
+  Goal goal = std::exchange(execution_, nullptr)->goal;
+  const bool success = end.outcome == PlanOutcome::kSucceeded;
+  log_(success ? LogLevel::kInfo : LogLevel::kWarning, "plan ended: " + end.message);
+  const msg::PlanExecution::Result result{success, end.message};
+  if (success) {
+    goal.Succeed(result);
+  } else if (end.outcome == PlanOutcome::kAborted || !goal.Canceled(result)) {
+    goal.Abort(result);
+  }
+}
+
+}  // namespace musher::skills

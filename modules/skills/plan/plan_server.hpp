@@ -1,0 +1,76 @@
+#pragma once
+// The action `plan_execution` (plan_msgs/PlanExecution): executes one plan at a time by the action
+// `<robot>/skill_execution` of each robot.
+//
+// A goal is aborted at once, with the reason in its result: an invalid plan, a plan while another
+// one is executed, a machine that is not Active. When it is destroyed it cancels the goals of the
+// present step.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "musher/base/log.hpp"
+#include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/modules/skills/plan/dispatcher_config.hpp"
+#include "musher/modules/skills/plan/plan_run.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::skills {
+
+class PlanServer {
+ public:
+  using LogLine = std::function<void(LogLevel level, const std::string& line)>;
+
+  // The node must outlive it.
+  PlanServer(transport::Node& node, std::string name_space, DispatcherConfig config, LogLine log)
+      : node_(node),
+        name_space_(std::move(name_space)),
+        config_(std::move(config)),
+        log_(std::move(log)) {}
+  ~PlanServer();
+  PlanServer(const PlanServer&) = delete;
+  PlanServer& operator=(const PlanServer&) = delete;
+
+  // Serves the action, for as long as these endpoints exist; it must be destroyed before them.
+  void Open(transport::Endpoints& endpoints);
+  // Whether plans are executed. False cancels the present one; `why` is for people.
+  void Permit(bool permitted, const std::string& why);
+
+ private:
+  using Goal = transport::ServerGoal<msg::PlanExecution>;
+  using Client = transport::ActionClient<msg::SkillExecution>;
+  // A plan that is executed.
+  struct Execution {
+    Goal goal;
+    PlanRun run;
+    std::map<std::size_t, transport::GoalId> sent;  // of the present step, by robot
+    std::set<std::size_t> cancelled;                // the same
+  };
+
+  void Start(const Goal& goal);
+  Result<> Admit(const msg::SkillPlan& plan);
+  void Advance();
+  void Send(std::size_t robot);
+  void CancelGoal(std::size_t robot);
+  void End(const PlanEnd& end);
+  // The events of a goal that was sent, as long as its step is executed.
+  transport::GoalEvents<msg::SkillExecution> EventsOf(std::size_t robot);
+
+  transport::Node& node_;
+  const std::string name_space_;
+  const DispatcherConfig config_;
+  const LogLine log_;
+  bool permitted_ = false;
+  std::string not_permitted_ = "it is not in Active";
+  std::map<std::string, std::unique_ptr<Client>> clients_;  // by robot
+  std::shared_ptr<Execution> execution_;                    // null: no plan is executed
+  transport::LoopHandlePtr ticks_;                          // during an execution
+};
+
+}  // namespace musher::skills

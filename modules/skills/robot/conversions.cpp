@@ -1,0 +1,204 @@
+#include "musher/modules/skills/robot/conversions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
+#include "musher/messages/nav2_msgs/follow_path.hpp"
+
+namespace musher::skills {
+namespace {
+
+double FiniteOr0(double number) {
+  return std::isfinite(number) ? number : 0;
+}
+
+struct Layout {
+  std::size_t channels = 0;
+  bool red_first = false;
+};
+
+std::optional<Layout> LayoutOf(const std::string& encoding) {
+  if (encoding == "bgr8") return Layout{3, false};
+  if (encoding == "rgb8") return Layout{3, true};
+  if (encoding == "bgra8") return Layout{4, false};
+  if (encoding == "rgba8") return Layout{4, true};
+  if (encoding == "mono8") return Layout{1, false};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<navigation::Pose> ToPose(const msg::Pose& pose) {
+  const msg::Quaternion& q = pose.orientation;
+  const double length = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
+  if (!std::isfinite(length) || length < 1e-6) return std::nullopt;
+  const double x = q.x / length, y = q.y / length, z = q.z / length, w = q.w / length;
+  const navigation::Pose converted{{pose.position.x, pose.position.y, pose.position.z},
+                                   std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))};
+  if (!navigation::IsFinite(converted)) return std::nullopt;
+  return converted;
+}
+
+msg::PoseStamped ToMessage(const navigation::Pose& pose, const msg::Stamp& stamp) {
+  msg::PoseStamped message;
+  message.header = {stamp, kMapFrame};
+  message.pose.position = {pose.at.x_m, pose.at.y_m, pose.at.z_m};
+  message.pose.orientation = {0, 0, std::sin(pose.yaw_rad / 2), std::cos(pose.yaw_rad / 2)};
+  return message;
+}
+
+std::optional<navigation::Path> ToPath(const msg::Path& path) {
+  navigation::Path converted;
+  for (const msg::PoseStamped& stamped : path.poses) {
+    const auto pose = ToPose(stamped.pose);
+    if (!pose) return std::nullopt;
+    converted.push_back(*pose);
+  }
+  if (converted.empty()) return std::nullopt;
+  return converted;
+}
+
+msg::Path ToMessage(const navigation::Path& path, const msg::Stamp& stamp) {
+  msg::Path message;
+  message.header = {stamp, kMapFrame};
+  for (const navigation::Pose& pose : path) message.poses.push_back(ToMessage(pose, stamp));
+  return message;
+}
+
+navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad) {
+  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+  const double x = FiniteOr0(twist.linear.x), y = FiniteOr0(twist.linear.y);
+  return {c * x - s * y, s * x + c * y, FiniteOr0(twist.linear.z), FiniteOr0(twist.angular.z)};
+}
+
+msg::Twist ToMessage(const navigation::Velocity& command) {
+  msg::Twist twist;
+  twist.linear = {FiniteOr0(command.x_m_s), FiniteOr0(command.y_m_s), FiniteOr0(command.z_m_s)};
+  twist.angular.z = FiniteOr0(command.yaw_rad_s);
+  return twist;
+}
+
+std::vector<navigation::Point> ToPoints(const msg::LaserScan& scan, const navigation::Pose& body) {
+  std::vector<navigation::Point> points;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double range = scan.ranges[i];
+    const double angle =
+        body.yaw_rad + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    if (!std::isfinite(range) || !std::isfinite(angle)) continue;
+    if (range < scan.range_min || range > scan.range_max) continue;
+    points.push_back({body.at.x_m + range * std::cos(angle), body.at.y_m + range * std::sin(angle),
+                      body.at.z_m});
+  }
+  return points;
+}
+
+Result<Picture> ToPicture(const msg::Image& image) {
+  const auto layout = LayoutOf(image.encoding);
+  if (!layout) {
+    return Error{kCodeParametersInvalid, "a picture's encoding is '" +
+                                             image.encoding.substr(0, 20) +
+                                             "'; expected bgr8, rgb8, bgra8, rgba8 or mono8"};
+  }
+  const std::uint64_t row = std::uint64_t{image.width} * layout->channels;
+  if (image.width == 0 || image.height == 0 || image.step < row ||
+      image.data.size() < std::uint64_t{image.step} * image.height) {
+    return Error{kCodeParametersInvalid, "a picture has fewer bytes than its size needs"};
+  }
+  Picture picture{image.width, image.height, {}};
+  picture.bgr.reserve(std::size_t{image.width} * image.height * 3);
+  for (std::size_t y = 0; y < image.height; ++y) {
+    const std::uint8_t* pixel = image.data.data() + y * image.step;
+    for (std::size_t x = 0; x < image.width; ++x, pixel += layout->channels) {
+      if (layout->channels == 1) {
+        picture.bgr.insert(picture.bgr.end(), 3, pixel[0]);
+      } else if (layout->red_first) {
+        picture.bgr.insert(picture.bgr.end(), {pixel[2], pixel[1], pixel[0]});
+      } else {
+        picture.bgr.insert(picture.bgr.end(), pixel, pixel + 3);
+      }
+    }
+  }
+  return picture;
+}
+
+std::vector<SeenObject> ToObjects(const msg::ObjectStates& states) {
+  std::vector<SeenObject> objects;
+  for (const msg::ObjectState& state : states.objects) {
+    const auto pose = ToPose(state.pose);
+    if (pose) objects.push_back({state.name, state.category, *pose, state.held_by});
+  }
+  return objects;
+}
+
+std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView& view) {
+  if (lines.contours == 0 || !std::isfinite(lines.middle_offset)) return std::nullopt;
+  Robot::Line line{-double{lines.middle_offset} * view.width_m, 0};
+  // The edge from its lowest to its highest point; shares of the picture, y downwards.
+  const std::size_t count = std::min(lines.edge_x.size(), lines.edge_y.size());
+  std::optional<std::size_t> low, high;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(lines.edge_x[i]) || !std::isfinite(lines.edge_y[i])) continue;
+    if (!low || lines.edge_y[i] > lines.edge_y[*low]) low = i;
+    if (!high || lines.edge_y[i] < lines.edge_y[*high]) high = i;
+  }
+  if (!low || *low == *high) return line;
+  const double ahead_m = double{lines.edge_y[*low] - lines.edge_y[*high]} * view.depth_m;
+  const double right_m = double{lines.edge_x[*high] - lines.edge_x[*low]} * view.width_m;
+  if (ahead_m > 0) line.heading_rad = std::atan2(-right_m, ahead_m);
+  return line;
+}
+
+msg::ManipulationControl::Request ToMessage(const HandRequest& request) {
+  return {static_cast<std::uint8_t>(request.action),
+          request.object,
+          request.distance_threshold_m,
+          {request.target.x_m, request.target.y_m, request.target.z_m}};
+}
+
+std::string PlannerReason(std::uint16_t error_code) {
+  using Code = msg::ComputePathToPose_Result;
+  switch (error_code) {
+    case Code::kInvalidPlanner:
+      return "the planner has no such planner_id";
+    case Code::kTfError:
+      return "the planner does not know where the robot is, or the frame of the goal";
+    case Code::kStartOutsideMap:
+      return "the start is outside the map";
+    case Code::kGoalOutsideMap:
+      return "the goal is outside the map";
+    case Code::kStartOccupied:
+      return "the robot does not fit where it is";
+    case Code::kGoalOccupied:
+      return "the robot does not fit at the goal";
+    case Code::kTimeout:
+      return "the planner found no path in its time";
+    case Code::kNoValidPath:
+      return "there is no path to the goal";
+    default:
+      return "the planner has failed (code " + std::to_string(error_code) + ")";
+  }
+}
+
+std::string ControllerReason(std::uint16_t error_code) {
+  using Code = msg::FollowPath_Result;
+  switch (error_code) {
+    case Code::kInvalidController:
+      return "the controller has no such controller_id";
+    case Code::kTfError:
+      return "the controller does not know where the robot is";
+    case Code::kInvalidPath:
+      return "the controller refuses the path";
+    case Code::kPatienceExceeded:
+      return "an obstacle stays in the way";
+    case Code::kFailedToMakeProgress:
+      return "the robot did not arrive in time";
+    case Code::kNoValidControl:
+      return "the controller finds no command";
+    default:
+      return "the controller has failed (code " + std::to_string(error_code) + ")";
+  }
+}
+
+}  // namespace musher::skills

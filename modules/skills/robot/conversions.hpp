@@ -1,0 +1,54 @@
+#pragma once
+// The messages of a robot as the values of its port (robot.hpp), and back. Plain functions, any
+// thread. Messages come from outside: what is not finite, too short or too long is refused.
+//
+// Frames: poses in the map; twists of messages in the body's frame, x forward, y to the left.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/musher_msgs/manipulation.hpp"
+#include "musher/messages/musher_msgs/yellow_lines.hpp"
+#include "musher/messages/nav_msgs/path.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/skills_config.hpp"
+
+namespace musher::skills {
+
+inline constexpr const char* kMapFrame = "map";
+
+// Nullopt: a number is not finite, or the quaternion has no length.
+std::optional<navigation::Pose> ToPose(const msg::Pose& pose);
+msg::PoseStamped ToMessage(const navigation::Pose& pose, const msg::Stamp& stamp);
+
+// Nullopt: no pose, or one that is not finite.
+std::optional<navigation::Path> ToPath(const msg::Path& path);
+msg::Path ToMessage(const navigation::Path& path, const msg::Stamp& stamp);
+
+navigation::Velocity ToMapFrame(const msg::Twist& twist, double yaw_rad);
+// Numbers that are not finite become 0.
+msg::Twist ToMessage(const navigation::Velocity& command);
+
+// The points of the rays that hit something, in the map. `body`: where the scan was taken.
+std::vector<navigation::Point> ToPoints(const msg::LaserScan& scan, const navigation::Pose& body);
+
+// bgr8, rgb8, bgra8, rgba8 and mono8.
+Result<Picture> ToPicture(const msg::Image& image);
+
+// Objects whose pose is not finite are left out.
+std::vector<SeenObject> ToObjects(const msg::ObjectStates& states);
+
+// Nullopt: no line is seen.
+std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView& view);
+
+msg::ManipulationControl::Request ToMessage(const HandRequest& request);
+
+// The reason of a planner's or controller's result code, for people. `planner`: "/r/planner".
+std::string PlannerReason(std::uint16_t error_code);
+std::string ControllerReason(std::uint16_t error_code);
+
+}  // namespace musher::skills

@@ -1,0 +1,164 @@
+#include "musher/modules/skills/robot/navigator.hpp"
+
+#include <utility>
+
+#include "musher/modules/skills/robot/conversions.hpp"
+
+namespace musher::skills {
+namespace {
+
+constexpr Duration kAnswerTime = std::chrono::seconds(3);  // of a server, to a goal
+constexpr Duration kCancelTime = std::chrono::seconds(1);  // then the cancellation is repeated
+
+using transport::GoalEnd;
+
+Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToPose>& outcome) {
+  if (outcome.end == GoalEnd::kSucceeded) {
+    auto path = ToPath(outcome.result.path);
+    if (path) return *std::move(path);
+    return Error{kCodeFailed, "the planner's path is empty or not finite"};
+  }
+  if (outcome.end == GoalEnd::kAborted) {
+    return Error{kCodeFailed, PlannerReason(outcome.result.error_code)};
+  }
+  if (outcome.end == GoalEnd::kCanceled) return Error{kCodeFailed, "the planning was cancelled"};
+  return Error{kCodeFailed, "the planner: " + outcome.reason};
+}
+
+Result<bool> ArrivalOf(const transport::GoalOutcome<msg::FollowPath>& outcome, bool cancelled) {
+  if (outcome.end == GoalEnd::kSucceeded) return true;
+  if (cancelled || outcome.end == GoalEnd::kCanceled) return false;
+  if (outcome.end == GoalEnd::kAborted) {
+    return Error{kCodeFailed, ControllerReason(outcome.result.error_code)};
+  }
+  return Error{kCodeFailed, "the controller: " + outcome.reason};
+}
+
+}  // namespace
+
+struct Navigator::Request {
+  transport::GoalId id{};
+  skill::Source<navigation::Path> source;
+  bool waits_for_reply = false;  // of the cancellation
+  bool ended = false;
+};
+
+struct Navigator::DriveGoal {
+  Navigator* navigator = nullptr;  // null: it has ended, or the navigator is destroyed
+  transport::GoalId id{};
+  skill::Source<bool> source;
+  skill::Future<bool> end = source.future();
+  std::optional<double> distance_m;
+  bool accepted = false;
+  bool cancelled = false;
+  bool waits_for_reply = false;  // of the cancellation
+};
+
+// Outlives its navigator, whose end fails the future.
+class Navigator::GoalDrive : public Drive {
+ public:
+  explicit GoalDrive(std::shared_ptr<DriveGoal> goal) : goal_(std::move(goal)) {}
+  ~GoalDrive() override { GoalDrive::Cancel(); }
+
+  std::optional<double> distance_to_goal_m() const override { return goal_->distance_m; }
+  void Cancel() override {
+    if (goal_->navigator != nullptr) goal_->navigator->CancelGoal(goal_);
+  }
+  skill::Future<bool> end() const override { return goal_->end; }
+
+ private:
+  const std::shared_ptr<DriveGoal> goal_;
+};
+
+skill::Future<navigation::Path> Navigator::ComputePath(
+    const navigation::Pose& goal, const std::optional<navigation::Pose>& start) {
+  auto request = std::make_shared<Request>();
+  skill::Future<navigation::Path> future = request->source.future();
+  if (planner_ == nullptr) {
+    request->source.Fail("there is no planner");
+    return future;
+  }
+  const msg::Stamp stamp = stamp_();
+  msg::ComputePathToPose::Goal message;
+  message.goal = ToMessage(goal, stamp);
+  message.use_start = start.has_value();
+  if (start) message.start = ToMessage(*start, stamp);
+  transport::GoalEvents<msg::ComputePathToPose> events;
+  events.on_end = [request](const auto& outcome) {
+    request->ended = true;
+    request->source.Set(PathOf(outcome));
+  };
+  request->id = planner_->SendGoal(message, kAnswerTime, std::move(events));
+  requests_.push_back(std::move(request));
+  return future;
+}
+
+std::unique_ptr<Drive> Navigator::FollowPath(const navigation::Path& path) {
+  auto goal = std::make_shared<DriveGoal>();
+  if (controller_ == nullptr) {
+    goal->source.Fail("there is no controller");
+    return std::make_unique<GoalDrive>(std::move(goal));
+  }
+  msg::FollowPath::Goal message;
+  message.path = ToMessage(path, stamp_());
+  transport::GoalEvents<msg::FollowPath> events;
+  events.on_accepted = [goal] {
+    goal->accepted = true;
+    if (goal->cancelled && goal->navigator != nullptr) goal->navigator->CancelGoal(goal);
+  };
+  events.on_feedback = [goal](const msg::FollowPath::Feedback& feedback) {
+    goal->distance_m = feedback.distance_to_goal;
+  };
+  events.on_end = [goal](const auto& outcome) {
+    goal->navigator = nullptr;
+    goal->source.Set(ArrivalOf(outcome, goal->cancelled));
+  };
+  goal->id = controller_->SendGoal(message, kAnswerTime, std::move(events));
+  goal->navigator = this;
+  drives_.push_back(goal);
+  return std::make_unique<GoalDrive>(std::move(goal));
+}
+
+Navigator::~Navigator() {
+  for (const auto& goal : drives_) goal->navigator = nullptr;
+}
+
+// A goal that is not accepted yet is cancelled once it is: its server does not know it before.
+void Navigator::CancelGoal(const std::shared_ptr<DriveGoal>& goal) {
+  goal->cancelled = true;
+  if (!goal->accepted || goal->waits_for_reply) return;
+  goal->waits_for_reply = true;
+  controller_->Cancel(goal->id, kCancelTime, [goal](const auto& reply) {
+    goal->waits_for_reply = false;
+    if (!reply && goal->navigator != nullptr) goal->navigator->CancelGoal(goal);
+  });
+}
+
+void Navigator::CancelRequest(const std::shared_ptr<Request>& request) {
+  if (request->waits_for_reply) return;
+  request->waits_for_reply = true;
+  planner_->Cancel(request->id, kCancelTime,
+                   [request](const auto& /*reply*/) { request->waits_for_reply = false; });
+}
+
+void Navigator::Tend() {
+  std::erase_if(requests_, [](const auto& request) { return request->ended; });
+  std::erase_if(drives_, [](const auto& goal) { return goal->navigator == nullptr; });
+  for (const auto& request : requests_) {
+    if (!request->source.wanted()) CancelRequest(request);
+  }
+  for (const auto& goal : drives_) {
+    if (goal->cancelled) CancelGoal(goal);
+  }
+}
+
+void Navigator::CancelAll() {
+  Tend();
+  for (const auto& request : requests_) {
+    request->source.Fail("the planning was cancelled");
+    CancelRequest(request);
+  }
+  for (const auto& goal : drives_) CancelGoal(goal);
+}
+
+}  // namespace musher::skills

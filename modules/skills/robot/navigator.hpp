@@ -1,0 +1,62 @@
+#pragma once
+// The planner and the controller of a robot: its requests of paths and its drives, as goals of
+// their actions.
+//
+//   request  sent ──→ path or reason.        Its goal is cancelled when its future is dropped.
+//   drive    sent ──→ arrived, cancelled or failed.   Cancel() is repeated until it has ended.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
+#include "musher/messages/nav2_msgs/follow_path.hpp"
+#include "musher/modules/skills/robot.hpp"
+#include "musher/transport/action.hpp"
+
+namespace musher::skills {
+
+class Navigator {
+ public:
+  using Planner = transport::ActionClient<msg::ComputePathToPose>;
+  using Controller = transport::ActionClient<msg::FollowPath>;
+
+  // Both must outlive it; null: there is none. `stamp`: of the messages.
+  Navigator(Planner* planner, Controller* controller, std::function<msg::Stamp()> stamp)
+      : planner_(planner), controller_(controller), stamp_(std::move(stamp)) {}
+
+  ~Navigator();  // ends nothing: see CancelAll()
+  Navigator(const Navigator&) = delete;
+  Navigator& operator=(const Navigator&) = delete;
+
+  bool HasPlanner() const { return planner_ != nullptr && planner_->Ready(); }
+  bool HasController() const { return controller_ != nullptr && controller_->Ready(); }
+
+  skill::Future<navigation::Path> ComputePath(const navigation::Pose& goal,
+                                              const std::optional<navigation::Pose>& start);
+  std::unique_ptr<Drive> FollowPath(const navigation::Path& path);
+
+  // At each step: cancels what is not wanted any more, and repeats cancellations.
+  void Tend();
+  // Cancels all requests and drives.
+  void CancelAll();
+
+ private:
+  struct Request;
+  struct DriveGoal;
+  class GoalDrive;
+
+  void CancelRequest(const std::shared_ptr<Request>& request);
+  void CancelGoal(const std::shared_ptr<DriveGoal>& goal);
+
+  Planner* const planner_;
+  Controller* const controller_;
+  const std::function<msg::Stamp()> stamp_;
+  std::vector<std::shared_ptr<Request>> requests_;  // not ended
+  std::vector<std::shared_ptr<DriveGoal>> drives_;  // not ended
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,173 @@
+#include "musher/modules/skills/robot/ros_robot.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/modules/skills/robot/wire.hpp"
+
+namespace musher::skills {
+namespace {
+
+constexpr Duration kHandTime = std::chrono::seconds(2);  // of its server, to a request
+
+static_assert(static_cast<std::uint8_t>(HandAction::kPlace) == msg::ManipulationControl::kPlace);
+
+template <class T>
+skill::Future<T> Failed(const std::string& why) {
+  skill::Source<T> source;
+  source.Fail(why);
+  return source.future();
+}
+
+constexpr const char* kClosed = "the robot's topics are not open";
+
+// A drive that could not begin.
+class NoDrive : public Drive {
+ public:
+  std::optional<double> distance_to_goal_m() const override { return std::nullopt; }
+  void Cancel() override {}
+  skill::Future<bool> end() const override { return Failed<bool>(kClosed); }
+};
+
+}  // namespace
+
+void RosRobot::Open(transport::Endpoints& endpoints, const std::string& name_space) {
+  const auto wire = std::make_shared<Wire>(config_, endpoints, name_space);
+  now_ = wire->Now();
+  wire_ = wire;
+  endpoints.Keep(wire);  // dropped before what it uses
+}
+
+void RosRobot::BeginStep(Time now) {
+  now_ = now;
+  const auto wire = wire_.lock();
+  if (!wire) return;
+  wire->navigator->Tend();
+  wire->cameras->Tend();
+}
+
+void RosRobot::Rest() {
+  if (const auto wire = wire_.lock()) wire->Rest();
+}
+
+RosRobot::Missing RosRobot::Look() const {
+  const auto wire = wire_.lock();
+  return wire ? wire->Look() : Missing{kClosed, {}};
+}
+
+std::optional<navigation::Pose> RosRobot::pose() const {
+  const auto wire = wire_.lock();
+  const Wire::Motion* motion = wire ? wire->motion.At(wire->Now()) : nullptr;
+  if (motion == nullptr) return std::nullopt;
+  return motion->pose;
+}
+
+navigation::Velocity RosRobot::velocity() const {
+  const auto wire = wire_.lock();
+  const Wire::Motion* motion = wire ? wire->motion.At(wire->Now()) : nullptr;
+  return motion == nullptr ? navigation::Velocity{} : motion->velocity;
+}
+
+void RosRobot::SetVelocity(const navigation::Velocity& command) {
+  if (const auto wire = wire_.lock()) wire->velocity->Set(command);
+}
+
+void RosRobot::StopMotion() {
+  if (const auto wire = wire_.lock()) wire->velocity->Stop();
+}
+
+bool RosRobot::HasPlanner() const {
+  const auto wire = wire_.lock();
+  return wire && wire->navigator->HasPlanner();
+}
+
+bool RosRobot::HasController() const {
+  const auto wire = wire_.lock();
+  return wire && wire->navigator->HasController();
+}
+
+skill::Future<navigation::Path> RosRobot::ComputePath(
+    const navigation::Pose& goal, const std::optional<navigation::Pose>& start) {
+  const auto wire = wire_.lock();
+  return wire ? wire->navigator->ComputePath(goal, start) : Failed<navigation::Path>(kClosed);
+}
+
+std::unique_ptr<Drive> RosRobot::FollowPath(const navigation::Path& path) {
+  const auto wire = wire_.lock();
+  if (!wire) return std::make_unique<NoDrive>();
+  return wire->navigator->FollowPath(path);
+}
+
+std::vector<navigation::Point> RosRobot::obstacles() const {
+  const auto wire = wire_.lock();
+  const auto* points = wire ? wire->obstacles.At(wire->Now()) : nullptr;
+  return points == nullptr ? std::vector<navigation::Point>{} : *points;
+}
+
+bool RosRobot::HasScan() const {
+  const auto wire = wire_.lock();
+  return wire && wire->obstacles.At(wire->Now()) != nullptr;
+}
+
+std::vector<SeenObject> RosRobot::objects() const {
+  const auto wire = wire_.lock();
+  const auto* seen = wire ? wire->objects.At(wire->Now()) : nullptr;
+  return seen == nullptr ? std::vector<SeenObject>{} : *seen;
+}
+
+bool RosRobot::HasObjects() const {
+  const auto wire = wire_.lock();
+  return wire && wire->objects.At(wire->Now()) != nullptr;
+}
+
+std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {
+  const auto wire = wire_.lock();
+  const navigation::Pose* pose = wire ? wire->PoseOf(topic) : nullptr;
+  if (pose == nullptr) return std::nullopt;
+  return *pose;
+}
+
+bool RosRobot::HasCamera(const std::string& camera) const {
+  return std::ranges::any_of(config_.cameras,
+                             [&](const auto& named) { return named.first == camera; });
+}
+
+std::vector<std::string> RosRobot::cameras() const {
+  std::vector<std::string> names;
+  for (const auto& [name, topic] : config_.cameras) names.push_back(name);
+  return names;
+}
+
+skill::Future<Picture> RosRobot::TakePicture(const std::string& camera) {
+  const auto wire = wire_.lock();
+  return wire ? wire->cameras->Take(camera) : Failed<Picture>(kClosed);
+}
+
+skill::Future<std::string> RosRobot::SavePng(const Picture& picture, const std::string& path) {
+  const auto wire = wire_.lock();
+  return wire ? wire->photos->Save(picture, path) : Failed<std::string>(kClosed);
+}
+
+std::optional<Robot::Line> RosRobot::line() const {
+  const auto wire = wire_.lock();
+  const Line* seen = wire ? wire->line.At(wire->Now()) : nullptr;
+  if (seen == nullptr) return std::nullopt;
+  return *seen;
+}
+
+skill::Future<HandReply> RosRobot::UseHand(const HandRequest& request) {
+  const auto wire = wire_.lock();
+  if (!wire) return Failed<HandReply>(kClosed);
+  if (wire->hand == nullptr) return Failed<HandReply>(name() + " has no hand");
+  const auto source = std::make_shared<skill::Source<HandReply>>();
+  wire->hand->Call(ToMessage(request), kHandTime, [source](const auto& reply) {
+    if (reply) {
+      source->Finish({reply.value().success, reply.value().message, reply.value().distance_m});
+    } else {
+      source->Fail("the hand: " + reply.error().message);
+    }
+  });
+  return source->future();
+}
+
+}  // namespace musher::skills

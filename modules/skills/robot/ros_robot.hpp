@@ -1,0 +1,78 @@
+#pragma once
+// A robot behind ROS 2 topics, actions and services, as skills use it (robot.hpp).
+//
+//   no topics ── Open() ──→ open ── its endpoints are dropped ──→ no topics
+//
+// Without topics it has no pose and nothing to see, requests fail, and commands go nowhere: skills
+// may be declared and be tested under injected faults. When the endpoints are dropped, and by
+// Rest(), the robot stands: 0 is published and drives are cancelled.
+//
+// Units and frames: those of robot.hpp. Threads: the loop's; a thread of its own writes photos.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/skills_config.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::skills {
+
+class RosRobot final : public Robot {
+ public:
+  explicit RosRobot(SkillsConfig config) : config_(std::move(config)) {}
+
+  const SkillsConfig& config() const { return config_; }
+
+  // Opens its topics, for as long as these endpoints exist. `name_space`: theirs.
+  void Open(transport::Endpoints& endpoints, const std::string& name_space);
+  // Before the skills make a step at this time.
+  void BeginStep(Time now);
+  // The robot stands, its drives are cancelled.
+  void Rest();
+
+  // What of its environment cannot be reached.
+  struct Missing {
+    std::string odometry;             // empty: it comes
+    std::vector<std::string> others;  // "no server of jetbot_0/compute_path_to_pose", ...
+  };
+  Missing Look() const;
+
+  const std::string& name() const override { return config_.robot; }
+  const std::string& kind() const override { return config_.kind; }
+  double radius_m() const override { return config_.radius_m; }
+
+  Time Now() const override { return now_; }
+  std::optional<navigation::Pose> pose() const override;
+  navigation::Velocity velocity() const override;
+  void SetVelocity(const navigation::Velocity& command) override;
+  void StopMotion() override;
+  bool HasPlanner() const override;
+  bool HasController() const override;
+  skill::Future<navigation::Path> ComputePath(
+      const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override;
+  std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override;
+  std::vector<navigation::Point> obstacles() const override;
+  bool HasScan() const override;
+  std::vector<SeenObject> objects() const override;
+  bool HasObjects() const override;
+  std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
+  bool HasCamera(const std::string& camera) const override;
+  std::vector<std::string> cameras() const override;
+  skill::Future<Picture> TakePicture(const std::string& camera) override;
+  skill::Future<std::string> SavePng(const Picture& picture, const std::string& path) override;
+  std::optional<Line> line() const override;
+  bool HasHand() const override { return config_.hand; }
+  skill::Future<HandReply> UseHand(const HandRequest& request) override;
+
+ private:
+  struct Wire;
+
+  const SkillsConfig config_;
+  Time now_;
+  std::weak_ptr<Wire> wire_;
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,104 @@
+#include "musher/modules/skills/robot/wire.hpp"
+
+#include <utility>
+
+#include "musher/base/toml/names.hpp"
+#include "musher/modules/skills/robot/conversions.hpp"
+
+namespace musher::skills {
+namespace {
+
+constexpr std::size_t kMostTracked = 16;  // topics that skills have named
+
+}  // namespace
+
+RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& endpoints,
+                     std::string machine_name_space)
+    : config(robot_config),
+      node(endpoints.node()),
+      clock(endpoints.clock()),
+      name_space(std::move(machine_name_space)) {
+  const InterfaceNames& names = config.names;
+  velocity =
+      std::make_unique<VelocityOutput>(endpoints.Advertise<msg::Twist>(names.velocity), clock);
+  navigator =
+      std::make_unique<Navigator>(endpoints.OpenActionClient<msg::ComputePathToPose>(names.planner),
+                                  endpoints.OpenActionClient<msg::FollowPath>(names.controller),
+                                  [this] { return clock.Stamp(); });
+  std::map<std::string, std::string> topics;
+  for (const auto& [camera, topic] : config.cameras) {
+    topics[camera] = transport::ResolveName(name_space, topic);
+  }
+  cameras = std::make_unique<CameraFeeds>(node, std::move(topics));
+  photos = std::make_unique<PhotoFolder>(config.photo_folder, node.loop());
+  if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
+  Subscribe(endpoints);
+}
+
+void RosRobot::Wire::Subscribe(transport::Endpoints& endpoints) {
+  const InterfaceNames& names = config.names;
+  endpoints.Subscribe<msg::Odometry>(names.odometry, [this](const msg::Odometry& odometry) {
+    const auto pose = ToPose(odometry.pose.pose);
+    if (!pose) return;
+    motion.Set({*pose, ToMapFrame(odometry.twist.twist, pose->yaw_rad)}, Now());
+  });
+  if (!names.scan.empty()) {
+    optional[names.scan] = endpoints.Subscribe<msg::LaserScan>(
+        names.scan,
+        [this](const msg::LaserScan& scan) {
+          const Motion* here = motion.At(Now());
+          if (here != nullptr) obstacles.Set(ToPoints(scan, here->pose), Now());
+        },
+        transport::kSensorDataQos);
+  }
+  if (!names.objects.empty()) {
+    optional[names.objects] = endpoints.Subscribe<msg::ObjectStates>(
+        names.objects,
+        [this](const msg::ObjectStates& states) { objects.Set(ToObjects(states), Now()); });
+  }
+  if (!names.line.empty()) {
+    optional[names.line] = endpoints.Subscribe<msg::YellowLines>(
+        names.line,
+        [this](const msg::YellowLines& lines) {
+          if (const auto seen = ToLine(lines, config.line)) {
+            line.Set(*seen, Now());
+          } else {
+            line.Clear();
+          }
+        },
+        transport::kSensorDataQos);
+  }
+}
+
+RosRobot::Missing RosRobot::Wire::Look() const {
+  Missing missing;
+  if (motion.At(Now()) == nullptr) missing.odometry = "no odometry on " + config.names.odometry;
+  const auto add = [&](bool there, const std::string& what) {
+    if (!there) missing.others.push_back("no " + what);
+  };
+  add(navigator->HasPlanner(), "server of " + config.names.planner);
+  add(navigator->HasController(), "server of " + config.names.controller);
+  if (hand != nullptr) add(hand->Ready(), "server of " + config.names.hand);
+  for (const auto& [topic, subscription] : optional) {
+    add(subscription == nullptr || subscription->MatchedWriters() > 0, "publisher of " + topic);
+  }
+  return missing;
+}
+
+const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
+  auto found = tracked.find(topic);
+  if (found == tracked.end()) {
+    if (!config_toml::IsTopic(topic) || tracked.size() >= kMostTracked) return nullptr;
+    found = tracked.emplace(topic, Tracked{}).first;
+    Tracked& made = found->second;
+    auto subscription = transport::MakeSubscription<msg::Odometry>(
+        node, transport::ResolveName(name_space, topic),
+        [this, &made](const msg::Odometry& odometry, const transport::SampleInfo&) {
+          if (const auto pose = ToPose(odometry.pose.pose)) made.pose.Set(*pose, Now());
+        });
+    if (subscription) made.subscription = std::move(subscription).value();
+  }
+  return found->second.pose.At(Now());
+}
+
+}  // namespace musher::skills

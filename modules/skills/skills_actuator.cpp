@@ -1,0 +1,57 @@
+#include "musher/modules/skills/skills_actuator.hpp"
+
+#include <utility>
+
+#include "musher/actuator/program/await.hpp"
+
+namespace musher::skills {
+namespace {
+
+constexpr std::int32_t kSelfCheckFailed = RobotCode(KeyCode::kSelfCheckFailed);
+
+Result<> Verdict(const RosRobot::Missing& missing) {
+  std::string all = missing.odometry;
+  for (const std::string& other : missing.others) all += (all.empty() ? "" : "; ") + other;
+  if (all.empty()) return Ok();
+  return Error{kSelfCheckFailed, all};
+}
+
+}  // namespace
+
+SkillsActuator::SkillsActuator(const std::string& actuator_name, RosRobot& robot,
+                               std::vector<skill::Entry> entries)
+    : SkillActuator(actuator_name, {.action = robot.config().robot + "/skill_execution"}),
+      robot_(robot),
+      entries_(std::move(entries)) {}
+
+Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
+  skill::Config settings;
+  for (const skill::Entry& entry : entries_) {
+    if (Result<> added = registry.Add(entry.name, entry.make); !added) return added;
+    settings.settings.emplace_back(entry.name, entry.settings);
+  }
+  return registry.Configure(settings);
+}
+
+void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
+  robot_.Open(topics, machine_config().name_space);
+}
+
+Result<> SkillsActuator::SelfCheck() {
+  const auto here = node();
+  if (!here) return Ok();  // a fault-injection test: there is no transport
+  RosRobot::Missing missing;
+  static_cast<void>(program::AwaitOnLoop(
+      *here, robot_.config().self_check_time,
+      [&] {
+        missing = robot_.Look();
+        return Verdict(missing);
+      },
+      [this] { return StopRequested(); }));
+  Result<> verdict = Verdict(missing);
+  if (!missing.odometry.empty() || verdict) return verdict;
+  ReportDegraded(verdict.error());
+  return Ok();
+}
+
+}  // namespace musher::skills

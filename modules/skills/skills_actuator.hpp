@@ -1,0 +1,38 @@
+#pragma once
+// The actuator of a robot's skills. See README.md in this folder.
+//
+//   Active                                     goals start skills, which are stepped 10 times a
+//   second DeActive, Protected, LowPower, own states  skills are paused, the robot stands OTA,
+//   Error, TearDown, an emergency stop, the end of the process
+//                                              skills are cancelled, the robot stands
+//
+// SelfCheck fails without odometry. What else cannot be reached makes it degraded.
+//
+// Threads: those of SkillActuator.
+
+#include <string>
+#include <vector>
+
+#include "musher/application/skill_actuator.hpp"
+#include "musher/modules/skills/robot/ros_robot.hpp"
+
+namespace musher::skills {
+
+class SkillsActuator : public SkillActuator {
+ public:
+  // `robot` must outlive it, and be what the entries were made with.
+  SkillsActuator(const std::string& actuator_name, RosRobot& robot,
+                 std::vector<skill::Entry> entries);
+
+ private:
+  Result<> RegisterSkills(skill::Registry& registry) override;
+  void OpenTopics(transport::Endpoints& topics) override;
+  Result<> SelfCheck() override;
+  void BeforeStep(Time now) override { robot_.BeginStep(now); }
+  void OnPause() override { robot_.Rest(); }
+
+  RosRobot& robot_;
+  const std::vector<skill::Entry> entries_;
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,135 @@
+#include "musher/modules/skills/skills_config.hpp"
+
+#include <filesystem>
+
+#include "musher/base/toml/file.hpp"
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/base/toml/table_reader.hpp"
+
+namespace musher::skills {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Word;
+
+class Reader {
+ public:
+  Reader(const std::string& path, Findings& findings)
+      : folder_(config_toml::FolderOf(path)), findings_(findings) {
+    config_.file = path;
+  }
+
+  SkillsConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    config_.robot = Name(root, "robot", "the robot's name, as in \"jetbot_0\"");
+    config_.kind = Name(root, "kind", "the kind of robot, as in \"jetbot\"");
+    config_.kind_at = root.At("kind");
+    config_.radius_m = root.Number("radius_m", 0.01, 10).value_or(config_.radius_m);
+    config_.hand = root.Bool("hand").value_or(false);
+    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
+    config_.photo_folder = PathOf(root, "photo_folder", "photos");
+    config_.skill_config = PathOf(root, "skill_config", "");
+    SetNames();
+    if (const Table* topics = root.SubTable("topics")) {
+      TableReader reader(*topics, root.At("topics"), "topics", findings_);
+      ReadTopics(reader);
+      reader.RefuseOthers();
+    }
+    if (const Table* line = root.SubTable("line")) {
+      TableReader reader(*line, root.At("line"), "line", findings_);
+      config_.line.width_m = reader.Number("width_m", 0.01, 10).value_or(config_.line.width_m);
+      config_.line.depth_m = reader.Number("depth_m", 0.01, 10).value_or(config_.line.depth_m);
+      reader.RefuseOthers();
+    }
+    ReadCameras(root);
+    root.RefuseOthers();
+    return config_;
+  }
+
+ private:
+  static std::string Name(TableReader& root, std::string_view key, std::string_view expected) {
+    root.Require(key, expected);
+    const std::optional<Word> name = root.String(key);
+    if (!name) return "";
+    if (!config_toml::IsName(name->text)) {
+      root.Fault(name->at, key,
+                 "expected " + std::string(config_toml::kNameRule) + ", found " +
+                     config_toml::Quote(name->text));
+    }
+    return name->text;
+  }
+
+  std::string PathOf(TableReader& root, std::string_view key, const std::string& otherwise) {
+    const std::optional<Word> path = root.String(key);
+    const std::string text = path ? path->text : otherwise;
+    if (path && text.empty()) root.Fault(path->at, key, "expected a path, found an empty text");
+    return text.empty() ? "" : config_toml::Absolute(folder_, text);
+  }
+
+  void SetNames() {
+    const std::string prefix = config_.robot + "/";
+    config_.names = {prefix + "cmd_vel",
+                     prefix + "odom",
+                     prefix + "scan",
+                     "world/objects",
+                     "",
+                     prefix + "compute_path_to_pose",
+                     prefix + "follow_path",
+                     prefix + "manipulation_control"};
+  }
+
+  void ReadTopics(TableReader& reader) {
+    InterfaceNames& names = config_.names;
+    Topic(reader, "velocity", names.velocity, false);
+    Topic(reader, "odometry", names.odometry, false);
+    Topic(reader, "scan", names.scan, true);
+    Topic(reader, "objects", names.objects, true);
+    Topic(reader, "line", names.line, true);
+    Topic(reader, "planner", names.planner, false);
+    Topic(reader, "controller", names.controller, false);
+    Topic(reader, "hand", names.hand, false);
+  }
+
+  static void Topic(TableReader& reader, std::string_view key, std::string& name, bool optional) {
+    const std::optional<Word> topic = reader.String(key);
+    if (!topic) return;
+    name = topic->text;
+    if ((optional && name.empty()) || config_toml::IsTopic(name)) return;
+    reader.Fault(topic->at, key,
+                 "expected a name as in \"jetbot_0/odom\"" +
+                     std::string(optional ? ", or \"\" for none" : "") + ", found " +
+                     config_toml::Quote(name));
+  }
+
+  void ReadCameras(TableReader& root) {
+    const Table* cameras = root.SubTable("cameras");
+    if (cameras == nullptr) return;
+    TableReader reader(*cameras, root.At("cameras"), "cameras", findings_);
+    for (const config_toml::Member& member : *cameras) {
+      std::string topic;
+      Topic(reader, member.key, topic, false);
+      config_.cameras.emplace_back(member.key, topic);
+    }
+  }
+
+  const std::filesystem::path folder_;
+  Findings& findings_;
+  SkillsConfig config_;
+};
+
+}  // namespace
+
+SkillsReading ReadSkillsText(std::string_view text, const std::string& path) {
+  return config_toml::ReadTextWith<SkillsReading>(
+      text, path,
+      [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
+}
+
+SkillsReading ReadSkillsFile(const std::string& path) {
+  return config_toml::ReadFileWith(path, ReadSkillsText);
+}
+
+}  // namespace musher::skills

@@ -1,0 +1,62 @@
+#pragma once
+// The config of musher-skills: which robot, its topics and what it has. A TOML file; every key is
+// explained in config/skills/jetbot_0.toml.
+//
+// Reading reports all errors at once, with line and column.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
+#include "musher/base/toml/document.hpp"
+
+namespace musher::skills {
+
+// Topics, services and actions; relative ones are in the machine's namespace. Empty: none.
+struct InterfaceNames {
+  std::string velocity;    // geometry_msgs/Twist, published
+  std::string odometry;    // nav_msgs/Odometry
+  std::string scan;        // sensor_msgs/LaserScan
+  std::string objects;     // musher_msgs/ObjectStates
+  std::string line;        // musher_msgs/YellowLines
+  std::string planner;     // action nav2_msgs/ComputePathToPose
+  std::string controller;  // action nav2_msgs/FollowPath
+  std::string hand;        // service musher_msgs/ManipulationControl
+};
+
+// The ground that the picture of the line shows, as if the camera looked straight down.
+struct LineView {
+  double width_m = 0.8;  // from its left to its right edge
+  double depth_m = 0.6;  // from its lower to its upper edge
+};
+
+struct SkillsConfig {
+  std::string file;  // of the diagnostics about it
+  std::string robot;
+  std::string kind;
+  config_toml::Position kind_at;
+  double radius_m = 0.25;
+  bool hand = false;
+  InterfaceNames names;
+  LineView line;
+  std::vector<std::pair<std::string, std::string>> cameras;  // name, topic sensor_msgs/Image
+  std::string photo_folder;                                  // absolute
+  std::string skill_config;  // absolute path of the groups and limits; empty: all skills
+  Duration self_check_time = Milliseconds(5000);  // of the steady clock
+};
+
+struct SkillsReading {
+  std::optional<SkillsConfig> config;   // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+SkillsReading ReadSkillsFile(const std::string& path);
+// The same for a text; `path` is what diagnostics refer to, and relative paths are in its folder.
+SkillsReading ReadSkillsText(std::string_view text, const std::string& path);
+
+}  // namespace musher::skills

@@ -1,0 +1,143 @@
+// Messages of a robot as the values that skills use.
+
+#include "musher/modules/skills/robot/conversions.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
+#include "musher/messages/nav2_msgs/follow_path.hpp"
+
+namespace musher::skills::conversions_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Conversions, ReadWhatTheyWrite) {
+  const navigation::Pose pose{{1, -2, 3}, 2.5};
+  const auto back = ToPose(ToMessage(pose, {7, 8}).pose);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->at, pose.at);
+  EXPECT_NEAR(back->yaw_rad, 2.5, 1e-9);
+  EXPECT_EQ(ToMessage(pose, {7, 8}).header.frame_id, "map");
+  const auto path = ToPath(ToMessage(navigation::Path{pose, pose}, {}));
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->size(), 2U);
+}
+
+TEST(Conversions, RefuseAPoseThatIsNotFiniteOrHasNoDirection) {
+  msg::Pose pose;
+  pose.position.x = kNan;
+  EXPECT_FALSE(ToPose(pose));
+  pose = {};
+  pose.orientation = {0, 0, 0, 0};
+  EXPECT_FALSE(ToPose(pose));
+  pose.orientation = {0, 0, 0, 2};  // of another length
+  EXPECT_TRUE(ToPose(pose));
+  EXPECT_FALSE(ToPath({}));
+}
+
+TEST(Conversions, TurnTheVelocityOfTheBodyIntoTheMap) {
+  msg::Twist twist;
+  twist.linear = {1, 0, 0.5};
+  twist.angular.z = 0.25;
+  const navigation::Velocity velocity = ToMapFrame(twist, M_PI / 2);
+  EXPECT_NEAR(velocity.x_m_s, 0, 1e-9);
+  EXPECT_NEAR(velocity.y_m_s, 1, 1e-9);
+  EXPECT_EQ(velocity.z_m_s, 0.5);
+  EXPECT_EQ(velocity.yaw_rad_s, 0.25);
+}
+
+TEST(Conversions, NeverCommandANumberThatIsNotFinite) {
+  const msg::Twist twist = ToMessage({kNan, INFINITY, 0.5, -INFINITY});
+  EXPECT_EQ(twist.linear, (msg::Vector3{0, 0, 0.5}));
+  EXPECT_EQ(twist.angular.z, 0);
+}
+
+TEST(Conversions, PutTheRaysThatHitSomethingIntoTheMap) {
+  msg::LaserScan scan;
+  scan.angle_min = 0;
+  scan.angle_increment = static_cast<float>(M_PI / 2);
+  scan.range_min = 0.1F;
+  scan.range_max = 10;
+  scan.ranges = {2, INFINITY, 0.05F, 20};
+  const auto points = ToPoints(scan, {{1, 1, 0.5}, M_PI / 2});
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_NEAR(points[0].x_m, 1, 1e-6);
+  EXPECT_NEAR(points[0].y_m, 3, 1e-6);
+  EXPECT_EQ(points[0].z_m, 0.5);
+}
+
+TEST(Conversions, ReadPicturesOfAllEncodings) {
+  msg::Image image;
+  image.width = 1;
+  image.height = 2;
+  image.step = 4;  // a gap behind each row
+  image.encoding = "rgb8";
+  image.data = {1, 2, 3, 99, 4, 5, 6, 99};
+  auto picture = ToPicture(image);
+  ASSERT_TRUE(picture) << picture.error().message;
+  EXPECT_THAT(picture.value().bgr, ElementsAre(3, 2, 1, 6, 5, 4));
+  image.encoding = "bgra8";
+  EXPECT_THAT(ToPicture(image).value().bgr, ElementsAre(1, 2, 3, 4, 5, 6));
+  image.encoding = "mono8";
+  EXPECT_THAT(ToPicture(image).value().bgr, ElementsAre(1, 1, 1, 4, 4, 4));
+}
+
+TEST(Conversions, RefuseAPictureThatIsNotWhatItSays) {
+  msg::Image image;
+  image.width = 4'000'000'000;
+  image.height = 4'000'000'000;
+  image.step = 4'294'967'295;
+  image.encoding = "bgr8";
+  EXPECT_THAT(ToPicture(image).error().message, HasSubstr("fewer bytes than its size needs"));
+  image.width = image.height = 2;
+  image.step = 6;
+  image.data.resize(11);
+  EXPECT_FALSE(ToPicture(image));
+  image.data.resize(12);
+  EXPECT_TRUE(ToPicture(image));
+  image.encoding = "16UC1";
+  EXPECT_THAT(ToPicture(image).error().message, HasSubstr("'16UC1'; expected bgr8"));
+}
+
+TEST(Conversions, LeaveOutObjectsWithoutAPlace) {
+  msg::ObjectStates states;
+  states.objects.resize(2);
+  states.objects[0].name = "box";
+  states.objects[1].pose.position.z = kNan;
+  const auto objects = ToObjects(states);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].name, "box");
+}
+
+TEST(Conversions, SeeTheLineToTheLeftAsPositive) {
+  msg::YellowLines lines;
+  EXPECT_FALSE(ToLine(lines, {}));
+  lines.contours = 1;
+  lines.middle_offset = static_cast<float>(kNan);
+  EXPECT_FALSE(ToLine(lines, {}));
+  lines.middle_offset = -0.25F;
+  lines.edge_x = {0.5F, 0.25F};
+  lines.edge_y = {1, 0.5F};
+  const auto line = ToLine(lines, {.width_m = 0.8, .depth_m = 0.4});
+  ASSERT_TRUE(line);
+  EXPECT_NEAR(line->offset_m, 0.2, 1e-6);
+  EXPECT_NEAR(line->heading_rad, M_PI / 4, 1e-6);  // 0.2 m to the left, 0.2 m ahead
+}
+
+TEST(Conversions, SayWhyANavigationFailed) {
+  EXPECT_EQ(PlannerReason(msg::ComputePathToPose_Result::kGoalOccupied),
+            "the robot does not fit at the goal");
+  EXPECT_EQ(PlannerReason(0), "the planner has failed (code 0)");
+  EXPECT_EQ(ControllerReason(msg::FollowPath_Result::kPatienceExceeded),
+            "an obstacle stays in the way");
+}
+
+}  // namespace musher::skills::conversions_test

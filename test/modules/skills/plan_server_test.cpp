@@ -1,0 +1,179 @@
+// Plans for several robots, on a simulated network in virtual time, with fakes of the robots.
+
+#include "musher/modules/skills/plan/plan_server.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::skills::plan_server_test {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+using transport::GoalEnd;
+
+// The action of a robot, whose goals the test ends.
+struct FakeSkills {
+  using Goal = transport::ServerGoal<msg::SkillExecution>;
+
+  FakeSkills(transport::Node& node, const std::string& robot) : endpoints(node, "") {
+    transport::ActionHandlers<msg::SkillExecution> handlers;
+    handlers.start = [this](Goal goal) {
+      goal.Execute();
+      goals.push_back(goal);
+    };
+    handlers.cancel = [this](Goal goal) {
+      ++cancels;
+      goal.Canceled({false, "cancelled: by its client (0%)"});
+    };
+    endpoints.ServeAction<msg::SkillExecution>(robot + "/skill_execution", std::move(handlers));
+  }
+
+  std::vector<Goal> goals;
+  int cancels = 0;
+  transport::Endpoints endpoints;
+};
+
+class APlanServer : public ::testing::Test {
+ protected:
+  APlanServer() {
+    endpoints_ = std::make_unique<transport::Endpoints>(*node_, "");
+    auto server = std::make_shared<PlanServer>(*node_, "", DispatcherConfig{},
+                                               [](LogLevel, const std::string&) {});
+    server->Open(*endpoints_);
+    endpoints_->Keep(server);
+    server_ = server;
+    server->Permit(true, "");
+    client_ = transport::MakeActionClient<msg::PlanExecution>(*desk_, "plan_execution").value();
+    Run(500);
+  }
+  void Run(std::int64_t ms) { network_.RunFor(Milliseconds(ms)); }
+
+  static msg::SkillPlan PlanOf(const std::vector<std::vector<std::string>>& steps) {
+    msg::SkillPlan plan;
+    for (const auto& robots : steps) {
+      msg::TimestepSkills step{static_cast<std::int32_t>(plan.steps.size() + 1), {}};
+      for (const std::string& robot : robots) {
+        msg::SkillInfo skill;
+        skill.skill = "wait";
+        step.robots.push_back({robot, {skill}});
+      }
+      plan.steps.push_back(step);
+    }
+    return plan;
+  }
+  struct Sent {
+    transport::GoalId id{};
+    std::optional<transport::GoalOutcome<msg::PlanExecution>> outcome;
+    std::vector<msg::PlanExecution::Feedback> feedback;
+  };
+  std::shared_ptr<Sent> Send(const msg::SkillPlan& plan) {
+    auto sent = std::make_shared<Sent>();
+    transport::GoalEvents<msg::PlanExecution> events;
+    events.on_feedback = [sent](const auto& feedback) { sent->feedback.push_back(feedback); };
+    events.on_end = [sent](const auto& outcome) { sent->outcome = outcome; };
+    sent->id = client_->SendGoal({plan}, std::chrono::seconds(3), events);
+    Run(1000);
+    return sent;
+  }
+  static std::string EndOf(const Sent& sent) {
+    if (!sent.outcome) return "not ended";
+    return std::string(transport::GoalEndName(sent.outcome->end)) + ": " +
+           sent.outcome->result.message;
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> a_node_ = network_.MakeNode("a");
+  std::unique_ptr<transport::Node> b_node_ = network_.MakeNode("b");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  FakeSkills a_{*a_node_, "a"};
+  FakeSkills b_{*b_node_, "b"};
+  std::weak_ptr<PlanServer> server_;
+  std::unique_ptr<transport::Endpoints> endpoints_;
+  std::unique_ptr<transport::ActionClient<msg::PlanExecution>> client_;
+};
+
+TEST_F(APlanServer, ExecutesAPlan) {
+  const auto sent = Send(PlanOf({{"a", "b"}, {"b"}}));
+  ASSERT_THAT(a_.goals, SizeIs(1));
+  ASSERT_THAT(b_.goals, SizeIs(1));
+  EXPECT_EQ(a_.goals[0].goal().skill_request.robot_id, "a");
+  a_.goals[0].PublishFeedback({"processing: Waiting (5%)"});
+  Run(100);
+  ASSERT_FALSE(sent->feedback.empty());
+  EXPECT_EQ(sent->feedback.back().skill_statuses[0].status, "processing: Waiting (5%)");
+  EXPECT_THAT(sent->feedback.back().skill_statuses[0].skill_id, SizeIs(32));
+  a_.goals[0].Succeed({true, "completed"});
+  b_.goals[0].Succeed({true, "completed"});
+  Run(200);
+  ASSERT_THAT(b_.goals, SizeIs(2));
+  EXPECT_EQ(sent->feedback.back().current_timestep, 2);
+  b_.goals[1].Succeed({true, "completed"});
+  Run(200);
+  EXPECT_EQ(EndOf(*sent), "succeeded: All timesteps completed.");
+  EXPECT_TRUE(sent->outcome->result.success);
+}
+
+TEST_F(APlanServer, CancelsTheOthersWhenARobotFails) {
+  const auto sent = Send(PlanOf({{"a", "b"}, {"b"}}));
+  a_.goals[0].Abort({false, "failed: no path (15%)"});
+  Run(500);
+  EXPECT_EQ(b_.cancels, 1);
+  EXPECT_THAT(b_.goals, SizeIs(1));
+  EXPECT_EQ(EndOf(*sent), "aborted: Execution failed in timestep 1. a wait: failed: no path (15%)");
+}
+
+TEST_F(APlanServer, NamesARobotThatIsNotThere) {
+  const auto sent = Send(PlanOf({{"a", "c"}}));
+  Run(3000);
+  EXPECT_EQ(EndOf(*sent),
+            "aborted: Execution failed in timestep 1. no action server within 3.0 s: c");
+  EXPECT_THAT(a_.goals, SizeIs(0));
+}
+
+TEST_F(APlanServer, CancelsAllRobotsForItsClient) {
+  const auto sent = Send(PlanOf({{"a", "b"}}));
+  client_->Cancel(sent->id, std::chrono::seconds(1), [](const auto&) {});
+  Run(500);
+  EXPECT_EQ(a_.cancels, 1);
+  EXPECT_EQ(b_.cancels, 1);
+  EXPECT_EQ(EndOf(*sent), "canceled: Cancelled in timestep 1: by its client");
+}
+
+TEST_F(APlanServer, FailsWhenARobotCrashes) {
+  const auto sent = Send(PlanOf({{"a", "b"}}));
+  network_.Crash(*b_node_);
+  Run(30'000);
+  EXPECT_EQ(a_.cancels, 1);
+  EXPECT_THAT(EndOf(*sent), HasSubstr("aborted: Execution failed in timestep 1. b wait: "));
+}
+
+TEST_F(APlanServer, RefusesWhatItCannotExecute) {
+  EXPECT_EQ(EndOf(*Send({})), "aborted: the plan has no steps");
+  EXPECT_EQ(EndOf(*Send(PlanOf({{"a", "a"}}))),
+            "aborted: step 1 (timestep 1), a: is in this step twice");
+  const auto first = Send(PlanOf({{"a"}}));
+  EXPECT_EQ(EndOf(*Send(PlanOf({{"b"}}))), "aborted: another plan is executed");
+  EXPECT_THAT(b_.goals, SizeIs(0));
+}
+
+TEST_F(APlanServer, CancelsThePlanWhenTheMachineLeavesActive) {
+  const auto sent = Send(PlanOf({{"a"}}));
+  server_.lock()->Permit(false, "it is in LowPower");
+  Run(500);
+  EXPECT_EQ(a_.cancels, 1);
+  EXPECT_EQ(EndOf(*sent), "aborted: Cancelled in timestep 1: it is in LowPower");
+  EXPECT_EQ(EndOf(*Send(PlanOf({{"a"}}))), "aborted: no plans are executed: it is in LowPower");
+}
+
+TEST_F(APlanServer, CancelsTheGoalsOfItsRobotsWhenItsProcessEnds) {
+  static_cast<void>(Send(PlanOf({{"a", "b"}})));
+  endpoints_.reset();
+  Run(500);
+  EXPECT_EQ(a_.cancels, 1);
+  EXPECT_EQ(b_.cancels, 1);
+}
+
+}  // namespace musher::skills::plan_server_test

@@ -1,0 +1,13 @@
+# The programs around the skills: the robot behind its topics, its actuator, and plans.
+musher_test(skills_process_test
+  SOURCES
+    conversions_test.cpp
+    photo_folder_test.cpp
+    plan_run_test.cpp
+    plan_server_test.cpp
+    ros_robot_test.cpp
+    skills_actuator_test.cpp
+    skills_config_test.cpp
+  DEPENDS musher_skills_process musher_plan_dispatcher musher::controller Threads::Threads
+    opencv_core opencv_imgcodecs
+  LABELS modules)

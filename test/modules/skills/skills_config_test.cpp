@@ -1,0 +1,109 @@
+// The configs of musher-skills and musher-plan-dispatcher.
+
+#include "musher/modules/skills/skills_config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/modules/skills/plan/dispatcher_config.hpp"
+#include "musher/test/support/paths.hpp"
+
+namespace musher::skills::skills_config_test {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+std::vector<std::string> Lines(const std::vector<Diagnostic>& diagnostics) {
+  std::vector<std::string> lines;
+  for (const Diagnostic& found : diagnostics) lines.push_back(FormatDiagnostic(found));
+  return lines;
+}
+
+TEST(SkillsConfig, NeedsOnlyTheRobotAndItsKind) {
+  const auto reading = ReadSkillsText("robot = \"dog_1\"\nkind = \"dog\"\n", "/a/dog.toml");
+  ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
+  EXPECT_EQ(reading.config->names.velocity, "dog_1/cmd_vel");
+  EXPECT_EQ(reading.config->names.planner, "dog_1/compute_path_to_pose");
+  EXPECT_EQ(reading.config->names.line, "");
+  EXPECT_EQ(reading.config->photo_folder, "/a/photos");
+  EXPECT_EQ(reading.config->skill_config, "");
+  EXPECT_FALSE(reading.config->hand);
+}
+
+TEST(SkillsConfig, ReadsEachKey) {
+  const auto reading = ReadSkillsText(R"(
+robot = "dog_1"
+kind = "dog"
+radius_m = 0.3
+hand = true
+self_check_ms = 100
+photo_folder = "/b/photos"
+skill_config = "../skills.toml"
+[topics]
+odometry = "/odom"
+scan = ""
+line = "line"
+[line]
+width_m = 2
+[cameras]
+front = "dog_1/camera/image"
+)",
+                                      "/a/b/dog.toml");
+  ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
+  EXPECT_EQ(reading.config->names.odometry, "/odom");
+  EXPECT_EQ(reading.config->names.scan, "");
+  EXPECT_EQ(reading.config->line.width_m, 2);
+  EXPECT_EQ(reading.config->skill_config, "/a/skills.toml");
+  EXPECT_THAT(reading.config->cameras, ElementsAre(Pair("front", "dog_1/camera/image")));
+}
+
+TEST(SkillsConfig, ReportsAllErrorsWithTheirPlaces) {
+  const auto reading = ReadSkillsText(R"(robot = "1dog"
+radius_m = 50
+hnd = true
+[topics]
+odometry = ""
+[cameras]
+front = 3
+)",
+                                      "dog.toml");
+  EXPECT_FALSE(reading.config);
+  EXPECT_THAT(
+      Lines(reading.diagnostics),
+      ElementsAre(
+          "dog.toml:1:1: error: the key \"kind\" is missing; expected the kind of robot, as in "
+          "\"jetbot\"",
+          "dog.toml:1:9: error: robot: expected a name of letters, digits and '_' that begins "
+          "with no digit, at most 64 long, found \"1dog\"",
+          "dog.toml:2:12: error: radius_m: expected a number from 0.01 to 10, found 50",
+          "dog.toml:3:1: error: unknown key \"hnd\"; did you mean \"hand\"?",
+          "dog.toml:5:12: error: topics.odometry: expected a name as in "
+          "\"jetbot_0/odom\", found \"\"",
+          "dog.toml:7:9: error: cameras.front: expected a string, found an integer"));
+}
+
+TEST(DispatcherConfig, MayBeEmptyAndReportsAllErrors) {
+  const auto empty = ReadDispatcherText("", "plan.toml");
+  ASSERT_TRUE(empty.config);
+  EXPECT_EQ(empty.config->rules.server_wait, std::chrono::seconds(3));
+  EXPECT_THAT(
+      Lines(ReadDispatcherText("server_wait_ms = 0\nrobot_action = \"/a\"\n", "plan.toml")
+                .diagnostics),
+      ElementsAre("plan.toml:1:18: error: server_wait_ms: expected an integer from 1 to 3600000 "
+                  "(milliseconds), found 0",
+                  "plan.toml:2:16: error: robot_action: expected the name of an action, as in "
+                  "\"skill_execution\", found \"/a\""));
+}
+
+TEST(DispatcherConfig, OfTheExampleIsValid) {
+  for (const std::string robot : {"jetbot_0", "jetbot_1", "cf2x_0"}) {
+    const auto reading = ReadSkillsFile(SourceDir() + "/config/skills/" + robot + ".toml");
+    EXPECT_THAT(Lines(reading.diagnostics), IsEmpty());
+    ASSERT_TRUE(reading.config);
+    EXPECT_EQ(reading.config->robot, robot);
+  }
+  EXPECT_TRUE(ReadDispatcherFile(SourceDir() + "/config/skills/plan_dispatcher.toml").config);
+}
+
+}  // namespace musher::skills::skills_config_test
