@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/modules/skills/skills/move.hpp"
 #include "musher/modules/skills/skills/navigate_to.hpp"
 
 namespace musher::skills {
@@ -22,6 +23,7 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"navigate_to", MadeFor<NavigateTo>(robot)},
       {"nav_2d", MadeFor<NavigateTo>(robot, NavigateTo::For::kGround)},
       {"nav_3d", MadeFor<NavigateTo>(robot, NavigateTo::For::kAir)},
+      {"move", MadeFor<Move>(robot)},
   };
   for (const auto& [name, make] : skills) {
     const Result<> added = registry.Add(name, make);

@@ -1,5 +1,7 @@
 musher_test(navigation_skills_test
   SOURCES
+    move_test.cpp
     navigate_to_test.cpp
+    points_text_test.cpp
   DEPENDS musher_navigation_skills GTest::gmock rapidcheck_gtest
   LABELS modules)
