@@ -1,5 +1,10 @@
 # The skills that move the robot from place to place. Pure: no process and no DDS.
 add_library(musher_navigation_skills STATIC
+  coverage/cells.cpp
+  coverage/coverage.cpp
+  coverage/free_space.cpp
+  coverage/region.cpp
+  coverage/tour.cpp
   skills/goal_skill.cpp
   skills/move.cpp
   skills/navigate_to.cpp
