@@ -5,6 +5,7 @@ add_library(musher_navigation_skills STATIC
   coverage/free_space.cpp
   coverage/region.cpp
   coverage/tour.cpp
+  skills/explore.cpp
   skills/goal_skill.cpp
   skills/move.cpp
   skills/navigate_to.cpp

@@ -60,7 +60,7 @@ Next GoalSkill::Plan(Tick& tick) {
   const TravelStep step = travel_.Plan(Goal(tick), started_ ? std::nullopt : Start(), tick.step);
   if (step.kind != Kind::kDone) return Decide(tick, step);
   started_ = true;
-  travel_.Begin(travel_.path());
+  travel_.Begin(travel_.planned());
   return Next::To(executing_);
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/modules/skills/skills/explore.hpp"
 #include "musher/modules/skills/skills/move.hpp"
 #include "musher/modules/skills/skills/navigate_to.hpp"
 
@@ -24,6 +25,7 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"nav_2d", MadeFor<NavigateTo>(robot, NavigateTo::For::kGround)},
       {"nav_3d", MadeFor<NavigateTo>(robot, NavigateTo::For::kAir)},
       {"move", MadeFor<Move>(robot)},
+      {"explore", MadeFor<Explore>(robot)},
   };
   for (const auto& [name, make] : skills) {
     const Result<> added = registry.Add(name, make);

@@ -59,12 +59,13 @@ TravelStep Travel::Plan(const navigation::Pose& goal, const std::optional<naviga
                         Duration step) {
   if (!plan_.valid() && robot_.HasPlanner()) {
     plan_ = robot_.ComputePath(goal, start);
-    missing_ = {};
+    planner_missing_ = {};
   }
   if (plan_.done()) return PlanEnd(goal);
-  missing_ = robot_.HasPlanner() ? Duration{} : missing_ + step;
-  if (missing_ < kLostAfter) return {Kind::kPending};
+  planner_missing_ = robot_.HasPlanner() ? Duration{} : planner_missing_ + step;
+  if (planner_missing_ < kLostAfter) return {Kind::kPending};
   plan_.Drop();
+  planner_missing_ = {};
   return {Kind::kLost, "No response from planner"};
 }
 
@@ -89,7 +90,7 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
     return {Kind::kFailed,
             fmt::format("Planning failed: the path ends {:.1f} m from the goal", off_m)};
   }
-  path_ = planned.value();
+  planned_ = planned.value();
   return {Kind::kDone};
 }
 
@@ -97,7 +98,7 @@ void Travel::Begin(const navigation::Path& path) {
   path_ = path;
   length_m_ = LengthOf(path_);
   driven_ = {};
-  missing_ = {};
+  drive_missing_ = {};
   // The controller replaces the drive of before without a stop; then that one is dropped.
   std::unique_ptr<skills::Drive> drive = robot_.FollowPath(path_);
   drive_ = std::move(drive);
@@ -108,8 +109,8 @@ TravelStep Travel::Drive(Duration step) {
   driven_ += step;
   const skill::Future<bool> end = drive_->end();
   if (!end.valid() || end.done()) return DriveEnd();
-  missing_ = robot_.pose() && robot_.HasController() ? Duration{} : missing_ + step;
-  if (missing_ < kLostAfter) return {Kind::kPending};
+  drive_missing_ = robot_.pose() && robot_.HasController() ? Duration{} : drive_missing_ + step;
+  if (drive_missing_ < kLostAfter) return {Kind::kPending};
   GiveUp();
   return {Kind::kLost, (robot_.HasController() ? "No odometry of " : "No controller of ") +
                            robot_.name() + fmt::format(" for {:.1f} s", Seconds(kLostAfter))};

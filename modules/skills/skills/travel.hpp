@@ -53,15 +53,16 @@ class Travel {
   // kDone or kPending; then `why` says what is missing, by the texts of errors.
   TravelStep Reach() const;
 
-  // Asks for a path in the first call, and again after GiveUp(). `step`: the time since the last
-  // call.
+  // Asks for a path in the first call, and again after its end and after GiveUp(). `step`: the time
+  // since the last call.
   TravelStep Plan(const navigation::Pose& goal, const std::optional<navigation::Pose>& start,
                   Duration step);
-  const navigation::Path& path() const { return path_; }
+  const navigation::Path& planned() const { return planned_; }
 
   // Drives along `path`, instead of what was driven before.
   void Begin(const navigation::Path& path);
-  // Whether a drive has begun and was not given up.
+  bool planning() const { return plan_.valid(); }
+  // Whether a drive has begun, has not ended and was not given up.
   bool driving() const { return drive_ != nullptr; }
   TravelStep Drive(Duration step);
   // To the end of the path: by the controller, or straight when it has not said.
@@ -85,10 +86,12 @@ class Travel {
 
   Robot& robot_;
   skill::Future<navigation::Path> plan_;
-  navigation::Path path_;
+  navigation::Path planned_;
+  navigation::Path path_;  // that is driven
   std::unique_ptr<skills::Drive> drive_;
   std::unique_ptr<skills::Drive> given_up_;  // until its end
-  Duration missing_{};                       // of the planner, or of the odometry in a drive
+  Duration planner_missing_{};
+  Duration drive_missing_{};  // the controller or the odometry
   Duration driven_{};
   Duration stopping_{};
   double length_m_ = 0;

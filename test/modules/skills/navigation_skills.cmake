@@ -2,6 +2,7 @@ musher_test(navigation_skills_test
   SOURCES
     coverage_region_test.cpp
     coverage_test.cpp
+    explore_test.cpp
     move_test.cpp
     navigate_to_test.cpp
     points_text_test.cpp
