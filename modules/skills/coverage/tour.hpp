@@ -1,0 +1,25 @@
+#pragma once
+// The order in which the cells of a region are covered, so that the ways between them are short.
+// Metres. Pure; any thread.
+
+#include <optional>
+#include <vector>
+
+#include "musher/modules/skills/coverage/cells.hpp"
+
+namespace musher::coverage {
+
+// The corners of a way through cells; to each but the first whether it is reached along a lane.
+struct Tour {
+  std::vector<GroundPoint> corners;
+  std::vector<bool> on_lane;
+  std::size_t cells = 0;           // that it covers
+  std::size_t cells_left_out = 0;  // with no way to them that keeps the radius
+};
+
+// From `start`, if there is one, through the largest part of the cells that is joined. Exact for
+// up to 8 cells; with more, always the nearest one comes next.
+Tour TourOf(const std::vector<Cell>& cells, const std::optional<GroundPoint>& start,
+            Router& router);
+
+}  // namespace musher::coverage

@@ -1,0 +1,127 @@
+#include "musher/modules/skills/skills/goal_skill.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace musher::skills {
+
+using skill::Next;
+using skill::Tick;
+using Kind = TravelStep::Kind;
+
+void GoalSkill::Declare(skill::Table& table) {
+  constexpr Duration kPlanning = std::chrono::seconds(15);
+  constexpr Duration kMoving = std::chrono::seconds(120);
+  initializing_ = table.State("INITIALIZING", kServerWait);
+  planning_ = table.State("PLANNING", kPlanning);
+  executing_ = table.State("EXECUTING", kMoving);
+  stopping_ = table.State("STOPPING");
+  table.To(initializing_, planning_, "planner and controller are reachable");
+  table.To(initializing_, initializing_, "they are not, after a loss");
+  table.To(planning_, executing_, "the path is planned");
+  table.To(planning_, initializing_, "the planner is lost");
+  table.To(executing_, skill::kSucceeded, "at the goal");
+  table.To(executing_, planning_, "an obstacle, a pause, another goal");
+  table.To(executing_, initializing_, "the controller is lost");
+  for (const skill::StateId state : {initializing_, planning_, executing_}) {
+    table.To(state, skill::kFailed, "failed");
+    table.To(state, stopping_, "cancel");
+  }
+  table.To(stopping_, skill::kCancelled, "the robot stands");
+  table.Limit({.retries = kAttempts});
+  table.MonotoneProgress();
+  Describe(table);
+}
+
+Next GoalSkill::Step(Tick& tick) {
+  if (tick.state == stopping_) {
+    return travel_.Stop(tick.step) ? Next::Cancelled() : Next::Stay();
+  }
+  if (!taken_) {
+    const Result<> taken = Take(tick);
+    if (!taken) return Next::Fail(taken.error().message);
+    taken_ = true;
+  }
+  if (tick.state == initializing_) return Initialize(tick);
+  return tick.state == planning_ ? Plan(tick) : Execute(tick);
+}
+
+Next GoalSkill::Initialize(Tick& tick) {
+  tick.Report(5, Prefix(tick) + "Sending request...");
+  const bool waits = tick.retries > 0 && tick.elapsed < kServerWait;
+  if (waits || travel_.Reach().kind != Kind::kDone) return Next::Stay();
+  return Next::To(planning_);
+}
+
+Next GoalSkill::Plan(Tick& tick) {
+  tick.Report(tick.entered ? 15 : 30, Prefix(tick) + "Planning path...");
+  const TravelStep step = travel_.Plan(Goal(tick), started_ ? std::nullopt : Start(), tick.step);
+  if (step.kind != Kind::kDone) return Decide(tick, step);
+  started_ = true;
+  travel_.Begin(travel_.planned());
+  return Next::To(executing_);
+}
+
+Next GoalSkill::Execute(Tick& tick) {
+  if (!travel_.driving()) return Next::Replan(planning_, "continues after a pause");
+  const TravelStep step = travel_.Drive(tick.step);
+  if (step.kind == Kind::kDone) {
+    const auto message = OnArrival(tick);
+    return message ? Next::Succeed(*message) : Next::To(planning_);
+  }
+  if (step.kind != Kind::kPending) return Decide(tick, step);
+  const double length_m = std::max(travel_.length_m(), 0.1);
+  const double share = std::clamp(1 - travel_.distance_to_goal_m() / length_m, 0.0, 1.0);
+  tick.Report(50 + 45 * Share(tick, share),
+              Prefix(tick) + fmt::format("Moving... ({:.1f}s)",
+                                         std::chrono::duration<double>(tick.elapsed).count()));
+  travel_.AddDetails(tick);
+  return Next::Stay();
+}
+
+Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
+  const std::string why = Prefix(tick) + step.why;
+  switch (step.kind) {
+    case Kind::kBlocked:
+      return Next::Replan(planning_, why);
+    case Kind::kLost:
+      // The first answer of a server that was not lost before.
+      if (tick.retries == 0 && step.why.starts_with("Request rejected")) return Next::Fail(why);
+      return Next::Retry(initializing_, why);
+    case Kind::kFailed:
+      return Next::Fail(why);
+    case Kind::kPending:
+    case Kind::kDone:
+      break;
+  }
+  return Next::Stay();
+}
+
+Next GoalSkill::Cancel(Tick& tick) {
+  travel_.GiveUp();
+  tick.Report(0, "Stopping");
+  return Next::To(stopping_);
+}
+
+Next GoalSkill::OnLimit(Tick& tick) {
+  if (tick.state == initializing_) {
+    const TravelStep step = travel_.Reach();
+    if (step.kind == Kind::kDone) return Next::To(planning_);
+    return tick.retries > 0 ? Next::Retry(initializing_, step.why) : Next::Fail(step.why);
+  }
+  if (tick.state == planning_) return Next::Fail(Prefix(tick) + "Planning timeout");
+  return Next::Fail(Prefix(tick) + "Navigate timeout");
+}
+
+void GoalSkill::OnEnd(const skill::Ended& /*ended*/) {
+  travel_.End();
+}
+
+void GoalSkill::OnPause() {
+  travel_.GiveUp();
+  robot_.StopMotion();
+}
+
+}  // namespace musher::skills

@@ -1,0 +1,65 @@
+#pragma once
+// What navigate_to and move have in common: the robot travels to a goal, and perhaps to another
+// one after it.
+//
+//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s
+//   PLANNING      15 s
+//   EXECUTING     120 s from one goal to the next; an obstacle leads back to PLANNING, not counted
+//   STOPPING      of a cancellation: until the robot stands
+//
+// A planner or controller that is lost on the way: again from INITIALIZING every 2 s, for
+// kAttempts times. A pause cancels the drive; then the path is planned again.
+
+#include <optional>
+#include <string>
+
+#include "musher/behavior/skill/skill.hpp"
+#include "musher/modules/skills/skills/travel.hpp"
+
+namespace musher::skills {
+
+class GoalSkill : public skill::Skill {
+ public:
+  explicit GoalSkill(Robot& robot) : robot_(robot), travel_(robot) {}
+
+  void Declare(skill::Table& table) final;
+  skill::Next Step(skill::Tick& tick) final;
+  skill::Next Cancel(skill::Tick& tick) final;
+  skill::Next OnLimit(skill::Tick& tick) final;
+  void OnEnd(const skill::Ended& ended) final;
+  void OnPause() final;
+
+ protected:
+  virtual void Describe(skill::Table& table) = 0;
+  // Checks the request, and takes what it needs of it. Before the first step.
+  virtual Result<> Take(const skill::Tick& tick) = 0;
+  virtual navigation::Pose Goal(const skill::Tick& tick) const = 0;
+  // Where the first path begins; nullopt: where the robot is.
+  virtual std::optional<navigation::Pose> Start() const { return std::nullopt; }
+  // Nullopt: there is another goal; else the message of the success.
+  virtual std::optional<std::string> OnArrival(skill::Tick& tick) = 0;
+  // Stands before messages: "Waypoint 2 of 4: ".
+  virtual std::string Prefix(const skill::Tick& /*tick*/) const { return {}; }
+  // The share of the whole, where `share` of the way to this goal is done. May add details.
+  virtual double Share(skill::Tick& /*tick*/, double share) const { return share; }
+
+  Robot& robot() { return robot_; }
+  const Robot& robot() const { return robot_; }
+
+ private:
+  skill::Next Initialize(skill::Tick& tick);
+  skill::Next Plan(skill::Tick& tick);
+  skill::Next Execute(skill::Tick& tick);
+  skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
+
+  Robot& robot_;
+  Travel travel_;
+  bool taken_ = false;
+  bool started_ = false;  // the first path is there: Start() does not count any more
+  skill::StateId initializing_ = skill::kIdle;
+  skill::StateId planning_ = skill::kIdle;
+  skill::StateId executing_ = skill::kIdle;
+  skill::StateId stopping_ = skill::kIdle;
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,37 @@
+#include "musher/modules/skills/skills/navigation_skills.hpp"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/modules/skills/skills/explore.hpp"
+#include "musher/modules/skills/skills/move.hpp"
+#include "musher/modules/skills/skills/navigate_to.hpp"
+
+namespace musher::skills {
+namespace {
+
+template <class S, class... Options>
+skill::Factory MadeFor(Robot& robot, Options... options) {
+  return [&robot, options...] { return std::make_unique<S>(robot, options...); };
+}
+
+}  // namespace
+
+Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
+  const std::vector<std::pair<std::string, skill::Factory>> skills{
+      {"navigate_to", MadeFor<NavigateTo>(robot)},
+      {"nav_2d", MadeFor<NavigateTo>(robot, NavigateTo::For::kGround)},
+      {"nav_3d", MadeFor<NavigateTo>(robot, NavigateTo::For::kAir)},
+      {"move", MadeFor<Move>(robot)},
+      {"explore", MadeFor<Explore>(robot)},
+  };
+  for (const auto& [name, make] : skills) {
+    const Result<> added = registry.Add(name, make);
+    if (!added) return added;
+  }
+  return Ok();
+}
+
+}  // namespace musher::skills

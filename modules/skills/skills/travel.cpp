@@ -1,0 +1,192 @@
+#include "musher/modules/skills/skills/travel.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "musher/modules/navigation/navigation_fault.hpp"
+
+namespace musher::skills {
+namespace {
+
+using Kind = TravelStep::Kind;
+
+double Seconds(Duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+double LengthOf(const navigation::Path& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length += navigation::Distance(path[i - 1].at, path[i].at);
+  }
+  return length;
+}
+
+}  // namespace
+
+bool MovesInTheAir(const Robot& robot) {
+  return robot.kind() == "cf2x" || robot.kind() == "drone_autel";
+}
+
+bool Stands(const Robot& robot) {
+  const navigation::Velocity velocity = robot.velocity();
+  return navigation::Speed(velocity) < kStandingMPerS &&
+         std::abs(velocity.yaw_rad_s) < kStandingRadPerS;
+}
+
+TravelStep Travel::Reach() const {
+  const bool planner = robot_.HasPlanner();
+  const bool controller = robot_.HasController();
+  const bool odometry = robot_.pose().has_value();
+  if (!planner && !controller && !odometry) {
+    return {Kind::kPending, "ROS not available: " + robot_.name() +
+                                " has no odometry, no path planner and no controller"};
+  }
+  if (!planner) {
+    return {Kind::kPending, "Path planner server not available: no planner of " + robot_.name()};
+  }
+  if (!controller) {
+    return {Kind::kPending, "Controller server not available: no controller of " + robot_.name()};
+  }
+  if (!odometry) return {Kind::kPending, "No odometry of " + robot_.name()};
+  return {Kind::kDone};
+}
+
+TravelStep Travel::Plan(const navigation::Pose& goal, const std::optional<navigation::Pose>& start,
+                        Duration step) {
+  if (!plan_.valid() && robot_.HasPlanner()) {
+    plan_ = robot_.ComputePath(goal, start);
+    planner_missing_ = {};
+  }
+  if (plan_.done()) return PlanEnd(goal);
+  planner_missing_ = robot_.HasPlanner() ? Duration{} : planner_missing_ + step;
+  if (planner_missing_ < kLostAfter) return {Kind::kPending};
+  plan_.Drop();
+  planner_missing_ = {};
+  return {Kind::kLost, "No response from planner"};
+}
+
+TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
+  const Result<navigation::Path> planned = plan_.result();
+  plan_.Drop();
+  if (!planned) {
+    const std::string& why = planned.error().message;
+    if (!robot_.HasPlanner()) return {Kind::kLost, "No response from planner: " + why};
+    // A planner that has restarted rejects requests until it is Active.
+    if (why.find("rejected") != std::string::npos) {
+      return {Kind::kLost, why.starts_with("Request rejected") ? why : "Request rejected: " + why};
+    }
+    return {Kind::kFailed, "Planning failed: " + why};
+  }
+  if (planned.value().empty()) return {Kind::kFailed, "Planning failed: the path has no points"};
+  if (!std::ranges::all_of(planned.value(), [](const auto& pose) { return IsFinite(pose); })) {
+    return {Kind::kFailed, "Planning failed: the path has a point that is not finite"};
+  }
+  const double off_m = Apart(planned.value().back().at, goal.at);
+  if (off_m > kArrivedWithinM) {
+    return {Kind::kFailed,
+            fmt::format("Planning failed: the path ends {:.1f} m from the goal", off_m)};
+  }
+  planned_ = planned.value();
+  return {Kind::kDone};
+}
+
+void Travel::Begin(const navigation::Path& path) {
+  path_ = path;
+  length_m_ = LengthOf(path_);
+  driven_ = {};
+  drive_missing_ = {};
+  // The controller replaces the drive of before without a stop; then that one is dropped.
+  std::unique_ptr<skills::Drive> drive = robot_.FollowPath(path_);
+  drive_ = std::move(drive);
+  given_up_.reset();
+}
+
+TravelStep Travel::Drive(Duration step) {
+  driven_ += step;
+  const skill::Future<bool> end = drive_->end();
+  if (!end.valid() || end.done()) return DriveEnd();
+  drive_missing_ = robot_.pose() && robot_.HasController() ? Duration{} : drive_missing_ + step;
+  if (drive_missing_ < kLostAfter) return {Kind::kPending};
+  GiveUp();
+  return {Kind::kLost, (robot_.HasController() ? "No odometry of " : "No controller of ") +
+                           robot_.name() + fmt::format(" for {:.1f} s", Seconds(kLostAfter))};
+}
+
+TravelStep Travel::DriveEnd() {
+  const skill::Future<bool> end = drive_->end();
+  const double left_m = robot_.pose() ? Apart(robot_.pose()->at, path_.back().at) : 0;
+  drive_.reset();
+  if (!end.valid()) return {Kind::kLost, "the controller has not taken the path"};
+  if (!end.result()) {
+    const Error& error = end.result().error();
+    if (navigation::Is(error, navigation::Fault::kObstacle)) {
+      return {Kind::kBlocked, error.message};
+    }
+    if (!robot_.HasController() || error.message.find("rejected") != std::string::npos) {
+      return {Kind::kLost, "Controller server not available: " + error.message};
+    }
+    return {Kind::kFailed, "Navigate failed: " + error.message};
+  }
+  if (!end.result().value()) return {Kind::kLost, "the controller has cancelled the drive"};
+  if (left_m > kArrivedWithinM) {
+    return {Kind::kFailed,
+            fmt::format("Navigate failed: the drive has ended {:.1f} m from the goal", left_m)};
+  }
+  return {Kind::kDone};
+}
+
+// On the ground the height does not count.
+double Travel::Apart(const navigation::Point& a, const navigation::Point& b) const {
+  if (MovesInTheAir(robot_)) return navigation::Distance(a, b);
+  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
+}
+
+double Travel::distance_to_goal_m() const {
+  if (drive_ && drive_->distance_to_goal_m()) return *drive_->distance_to_goal_m();
+  const auto pose = robot_.pose();
+  return pose && !path_.empty() ? Apart(pose->at, path_.back().at) : length_m_;
+}
+
+void Travel::AddDetails(skill::Tick& tick) const {
+  const double left_m = distance_to_goal_m();
+  const double mean_m_s = driven_ > Duration{} ? (length_m_ - left_m) / Seconds(driven_) : 0;
+  constexpr double kUsualMPerS = 0.5;  // until it has moved
+  constexpr double kMovedMPerS = 0.05;
+  tick.Detail("distance_to_goal", left_m);
+  tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
+  tick.Detail("estimated_time", left_m / (mean_m_s > kMovedMPerS ? mean_m_s : kUsualMPerS));
+}
+
+void Travel::GiveUp() {
+  plan_.Drop();
+  stopping_ = {};
+  if (!drive_) return;
+  drive_->Cancel();
+  given_up_ = std::move(drive_);
+}
+
+bool Travel::Stop(Duration step) {
+  stopping_ += step;
+  if (given_up_) {
+    const skill::Future<bool> end = given_up_->end();
+    const bool ended = !end.valid() || end.done();
+    if (!ended && robot_.HasController()) return false;
+    given_up_.reset();
+  }
+  robot_.SetVelocity({});
+  // Without odometry the time has to do.
+  constexpr Duration kBraking = std::chrono::seconds(2);
+  return robot_.pose() ? Stands(robot_) : stopping_ >= kBraking;
+}
+
+void Travel::End() {
+  GiveUp();
+  given_up_.reset();
+  robot_.StopMotion();
+}
+
+}  // namespace musher::skills

@@ -1,0 +1,100 @@
+#pragma once
+// The travel of a robot to a goal, in the parts that the moving skills share: the servers are
+// reachable, a path is planned, the robot is driven along it, it is stopped.
+//
+// A part is polled in each step of a skill, and decides nothing about retries and limits of states:
+//
+//   kPending   not done yet
+//   kDone      done
+//   kBlocked   an obstacle stays in the way: another path may help
+//   kLost      a server or the odometry is lost: waiting may help
+//   kFailed    `why` is the reason; another attempt has the same result
+//
+// Frames and units of robot.hpp. Threads: those of robot.hpp.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/base/time.hpp"
+#include "musher/behavior/skill/skill.hpp"
+#include "musher/modules/skills/robot.hpp"
+
+namespace musher::skills {
+
+// How long a server, or the odometry, may be missing before it counts as lost.
+inline constexpr Duration kLostAfter = std::chrono::seconds(3);
+// The wait for the servers at the begin, and between two attempts.
+inline constexpr Duration kServerWait = std::chrono::seconds(2);
+// Attempts after a server was lost: time for the restart of a process.
+inline constexpr int kAttempts = 10;
+// An arrival that is farther from the goal is none. The controller arrives within 0.2 m.
+inline constexpr double kArrivedWithinM = 0.5;
+// A robot that is slower stands.
+inline constexpr double kStandingMPerS = 0.05;
+inline constexpr double kStandingRadPerS = 0.05;
+
+// By its kind: cf2x, drone_autel.
+bool MovesInTheAir(const Robot& robot);
+bool Stands(const Robot& robot);
+
+struct TravelStep {
+  enum class Kind : std::uint8_t { kPending, kDone, kBlocked, kLost, kFailed };
+
+  Kind kind = Kind::kPending;
+  std::string why{};
+};
+
+class Travel {
+ public:
+  explicit Travel(Robot& robot) : robot_(robot) {}
+
+  // kDone or kPending; then `why` says what is missing, by the texts of errors.
+  TravelStep Reach() const;
+
+  // Asks for a path in the first call, and again after its end and after GiveUp(). `step`: the time
+  // since the last call.
+  TravelStep Plan(const navigation::Pose& goal, const std::optional<navigation::Pose>& start,
+                  Duration step);
+  const navigation::Path& planned() const { return planned_; }
+
+  // Drives along `path`, instead of what was driven before.
+  void Begin(const navigation::Path& path);
+  bool planning() const { return plan_.valid(); }
+  // Whether a drive has begun, has not ended and was not given up.
+  bool driving() const { return drive_ != nullptr; }
+  TravelStep Drive(Duration step);
+  // To the end of the path: by the controller, or straight when it has not said.
+  double distance_to_goal_m() const;
+  // Of the path, from where the robot was.
+  double length_m() const { return length_m_; }
+  // distance_to_goal, current_velocity and estimated_time.
+  void AddDetails(skill::Tick& tick) const;
+
+  // Forgets the plan and cancels the drive.
+  void GiveUp();
+  // After GiveUp(): brakes. True once the drive has ended and the robot stands.
+  bool Stop(Duration step);
+  // At once, at the end of a skill.
+  void End();
+
+ private:
+  TravelStep PlanEnd(const navigation::Pose& goal);
+  TravelStep DriveEnd();
+  double Apart(const navigation::Point& a, const navigation::Point& b) const;
+
+  Robot& robot_;
+  skill::Future<navigation::Path> plan_;
+  navigation::Path planned_;
+  navigation::Path path_;  // that is driven
+  std::unique_ptr<skills::Drive> drive_;
+  std::unique_ptr<skills::Drive> given_up_;  // until its end
+  Duration planner_missing_{};
+  Duration drive_missing_{};  // the controller or the odometry
+  Duration driven_{};
+  Duration stopping_{};
+  double length_m_ = 0;
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,241 @@
+// The path over a region: it keeps the radius, and it covers. Both are measured on a raster,
+// without the functions that make the path.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "musher/modules/skills/coverage/coverage.hpp"
+
+namespace musher::coverage::coverage_test {
+
+using ::testing::HasSubstr;
+
+Ring Box(double x, double y, double width, double height) {
+  return {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
+}
+
+Ring Circle(double x, double y, double radius, int corners) {
+  Ring ring;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners;
+    ring.push_back({x + radius * std::cos(angle), y + radius * std::sin(angle)});
+  }
+  return ring;
+}
+
+// What a path does, seen on a raster of 0.1 m.
+struct Seen {
+  double covered = 0;    // share of the free area within half a lane of the path
+  double nearest_m = 0;  // to an edge, where the path is nearest
+  bool inside = true;    // all of the path
+};
+
+Seen Watch(const Region& region, const Plan& plan, const Options& options) {
+  constexpr double kCellM = 0.1;
+  const std::vector<Edge> edges = EdgesOf(region);
+  const std::vector<GroundPoint> path = Interpolated(plan.corners, 0.05);
+  Seen seen{.nearest_m = 1e9};
+  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
+  for (const GroundPoint& corner : region.boundary) {
+    x0 = std::min(x0, corner.x_m);
+    y0 = std::min(y0, corner.y_m);
+    x1 = std::max(x1, corner.x_m);
+    y1 = std::max(y1, corner.y_m);
+  }
+  const auto columns = static_cast<std::size_t>((x1 - x0) / kCellM) + 1;
+  const auto rows = static_cast<std::size_t>((y1 - y0) / kCellM) + 1;
+  std::vector<bool> covered(columns * rows, false);
+  const double reach = options.lane_width_m / 2;
+  for (const GroundPoint& point : path) {
+    seen.inside = seen.inside && Contains(edges, point);
+    for (const Edge& edge : edges) seen.nearest_m = std::min(seen.nearest_m, Distance(point, edge));
+    for (double x = std::floor((point.x_m - reach - x0) / kCellM);
+         x <= (point.x_m + reach - x0) / kCellM; ++x) {
+      for (double y = std::floor((point.y_m - reach - y0) / kCellM);
+           y <= (point.y_m + reach - y0) / kCellM; ++y) {
+        if (x < 0 || y < 0 || x >= static_cast<double>(columns) || y >= static_cast<double>(rows))
+          continue;
+        const GroundPoint cell{x0 + (x + 0.5) * kCellM, y0 + (y + 0.5) * kCellM};
+        if (Distance(cell, point) > reach) continue;
+        covered[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)] = true;
+      }
+    }
+  }
+  double free = 0, both = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < columns; ++column) {
+      const GroundPoint cell{x0 + (static_cast<double>(column) + 0.5) * kCellM,
+                             y0 + (static_cast<double>(row) + 0.5) * kCellM};
+      if (!Contains(edges, cell)) continue;
+      ++free;
+      if (covered[row * columns + column]) ++both;
+    }
+  }
+  seen.covered = both / free;
+  return seen;
+}
+
+struct Case {
+  const char* name;
+  Region region;
+  Options options{};
+};
+
+std::vector<Case> Cases() {
+  const Ring l_shape{{0, 0}, {20, 0}, {20, 8}, {8, 8}, {8, 20}, {0, 20}};
+  const Ring u_shape{{0, 0}, {20, 0}, {20, 20}, {14, 20}, {14, 6}, {6, 6}, {6, 20}, {0, 20}};
+  const Ring triangle{{0, 0}, {30, 0}, {10, 25}};
+  Region turned = Turned(Region{Box(0, 0, 30, 12), {Box(8, 4, 4, 3)}}, 0.4);
+  Region columns{Box(0, 0, 30, 20), {}};
+  for (int i = 0; i < 6; ++i) {
+    columns.holes.push_back(Box(4 + 9 * (i % 3), 4 + 9 * static_cast<double>(i / 3), 2, 2));
+  }
+  Ring comb{{0, 0}, {21, 0}};
+  for (int i = 3; i >= 0; --i) {
+    comb.insert(comb.end(), {{6.0 * i + 3, 15}, {6.0 * i, 15}, {6.0 * i, 4}, {6.0 * i - 3, 4}});
+  }
+  comb.resize(comb.size() - 2);
+  return {
+      {"room", {Box(0, 0, 20, 20), {}}},
+      {"room with a hole", {Box(0, 0, 20, 20), {Box(8, 8, 4, 4)}}},
+      {"room with six columns", columns},
+      {"L", {l_shape, {}}},
+      {"U", {u_shape, {}}},
+      {"comb", {comb, {}}},
+      {"triangle", {triangle, {}}},
+      {"turned room with a hole", turned},
+      {"circle", {Circle(0, 0, 12, 40), {Circle(2, 1, 3, 24)}}},
+      {"corridor", {Box(0, 0, 40, 1.4), {}}},
+      {"small room, narrow lanes", {Box(0, 0, 6, 4), {Box(2, 1.5, 1, 1)}}, {0.5, 0.2}},
+  };
+}
+
+TEST(Coverage, KeepsTheRadiusAndCoversAlmostAll) {
+  for (const Case& tried : Cases()) {
+    const auto plan = PlanCoverage(tried.region, tried.options, GroundPoint{1, 1});
+    ASSERT_TRUE(plan) << tried.name << ": " << plan.error().message;
+    const Seen seen = Watch(tried.region, plan.value(), tried.options);
+    EXPECT_TRUE(seen.inside) << tried.name;
+    EXPECT_GE(seen.nearest_m, tried.options.robot_radius_m - 1e-4) << tried.name;
+    EXPECT_GE(seen.covered, 0.95) << tried.name;
+    EXPECT_EQ(plan.value().cells_left_out, 0U) << tried.name;
+  }
+}
+
+TEST(Coverage, HasLanesInTheDirectionWithTheFewestTurns) {
+  const auto plan = PlanCoverage(Turned(Region{Box(0, 0, 30, 8), {}}, 0.3), {}, {});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_NEAR(std::remainder(plan.value().direction_rad - 0.3, std::numbers::pi), 0, 1e-6);
+  EXPECT_EQ(plan.value().lanes, 4U);
+}
+
+TEST(Coverage, HasShortWaysBetweenItsLanes) {
+  for (const Case& tried : Cases()) {
+    const auto plan = PlanCoverage(tried.region, tried.options, {});
+    ASSERT_TRUE(plan) << tried.name << ": " << plan.error().message;
+    const double lanes = static_cast<double>(plan.value().lanes);
+    EXPECT_LE(plan.value().between_m, 1.7 * tried.options.lane_width_m * lanes) << tried.name;
+  }
+}
+
+TEST(Coverage, BeginsNearTheRobot) {
+  const Region room{Box(0, 0, 20, 20), {Box(8, 8, 4, 4)}};
+  for (const GroundPoint start : {GroundPoint{1, 1}, {19, 1}, {1, 19}, {19, 19}, {30, 30}}) {
+    const auto plan = PlanCoverage(room, {}, start);
+    ASSERT_TRUE(plan) << plan.error().message;
+    const GroundPoint corner{std::clamp(start.x_m, 1.0, 19.0), std::clamp(start.y_m, 1.0, 19.0)};
+    EXPECT_LE(Distance(plan.value().corners.front(), corner), 3.0);
+  }
+}
+
+// Two rooms, with a door that is too narrow for the robot.
+TEST(Coverage, LeavesOutWhatTheRobotCannotReach) {
+  Region rooms{{{0, 0},
+                {10, 0},
+                {10, 3},
+                {11, 3},
+                {11, 0},
+                {15, 0},
+                {15, 10},
+                {11, 10},
+                {11, 3.8},
+                {10, 3.8},
+                {10, 10},
+                {0, 10}},
+               {}};
+  const auto plan = PlanCoverage(rooms, {}, {});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_GT(plan.value().cells_left_out, 0U);
+  for (const GroundPoint& corner : plan.value().corners) EXPECT_LT(corner.x_m, 10);
+  const auto small = PlanCoverage(rooms, {2, 0.3}, {});
+  ASSERT_TRUE(small) << small.error().message;
+  EXPECT_EQ(small.value().cells_left_out, 0U);
+}
+
+TEST(Coverage, RefusesWhatCannotBeCovered) {
+  const auto why_not = [](const Region& region, const Options& options) {
+    const auto plan = PlanCoverage(region, options, {});
+    return plan ? "" : plan.error().message;
+  };
+  const Region room{Box(0, 0, 10, 10), {}};
+  EXPECT_EQ(why_not(room, {0, 0.5}), "lane_width is 0 m; expected more than 0 m");
+  EXPECT_EQ(why_not(room, {std::nan(""), 0.5}), "lane_width is nan m; expected more than 0 m");
+  EXPECT_EQ(why_not(room, {2, -0.5}), "robot_radius is -0.5 m; expected 0 m or more");
+  EXPECT_EQ(why_not(room, {2, std::nan("")}), "robot_radius is nan m; expected 0 m or more");
+  EXPECT_EQ(why_not(room, {2, 5.1}),
+            "a robot with a radius of 5.1 m does not fit into the boundary");
+  EXPECT_THAT(why_not({Box(0, 0, 9e4, 9e4), {}}, {}), HasSubstr("the region needs"));
+  EXPECT_THAT(why_not({{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, {}}, {}), HasSubstr("crosses or touches"));
+}
+
+TEST(Coverage, IsInterpolatedWithoutAGap) {
+  const auto points = Interpolated({{0, 0}, {1, 0}, {1, 0}, {1, 0.33}}, 0.05);
+  ASSERT_EQ(points.size(), 1U + 20 + 7);
+  EXPECT_EQ(points.front(), (GroundPoint{0, 0}));
+  EXPECT_EQ(points.back(), (GroundPoint{1, 0.33}));
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    EXPECT_LE(Distance(points[i - 1], points[i]), 0.05 + 1e-9);
+    EXPECT_GT(Distance(points[i - 1], points[i]), 0);
+  }
+}
+
+// A star of random corners with random boxes as holes, as far as they are a region.
+Region AnyRegion() {
+  const auto number = [](int least, int most) { return *rc::gen::inRange(least, most) / 100.0; };
+  Region region;
+  const int corners = *rc::gen::inRange(3, 14);
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * (i + number(0, 80)) / corners;
+    const double radius = number(400, 1600);
+    region.boundary.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  const int holes = *rc::gen::inRange(0, 5);
+  for (int i = 0; i < holes; ++i) {
+    Region one{Box(0, 0, number(30, 500), number(30, 500)), {}};
+    one = Turned(one, number(0, 314));
+    const double x = number(-1000, 1000), y = number(-1000, 1000);
+    for (GroundPoint& corner : one.boundary) corner = {corner.x_m + x, corner.y_m + y};
+    region.holes.push_back(one.boundary);
+    if (!Checked(region)) region.holes.pop_back();
+  }
+  return region;
+}
+
+RC_GTEST_PROP(Coverage, KeepsTheRadiusInEachRegionAndCoversIt, ()) {
+  const Region region = AnyRegion();
+  const Options options{2, *rc::gen::inRange(5, 60) / 100.0};
+  const auto plan = PlanCoverage(region, options, GroundPoint{0, 0});
+  if (!plan) return;
+  const Seen seen = Watch(region, plan.value(), options);
+  RC_ASSERT(seen.inside);
+  RC_ASSERT(seen.nearest_m >= options.robot_radius_m - 1e-4);
+  if (plan.value().cells_left_out == 0) RC_ASSERT(seen.covered >= 0.88);
+}
+
+}  // namespace musher::coverage::coverage_test

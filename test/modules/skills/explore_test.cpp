@@ -1,0 +1,195 @@
+// explore: to the start and along the path, past obstacles, and what it refuses. The path itself is
+// in coverage_test.cpp.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "musher/test/modules/skills/moving_robot.hpp"
+
+namespace musher::explore_test {
+
+using skill::Status;
+using skills::testing::SkillsOnARobot;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+class Explore : public ::testing::Test, public SkillsOnARobot {
+ protected:
+  Explore() { robot.drive_speed_m_s = 1.5; }
+
+  // 63 m in 4 lanes.
+  void Go(Texts more = {}) {
+    more.insert(more.begin(), {"boundary", "[[0, 0], [16, 0], [16, 8], [0, 8]]"});
+    const Result<> started = Start("explore", more);
+    ASSERT_TRUE(started) << started.error().message;
+  }
+  std::string WhyRefused(const std::string& boundary, Texts more = {}) {
+    more.insert(more.begin(), {"boundary", boundary});
+    EXPECT_TRUE(Start("explore", more));
+    Step();
+    EXPECT_EQ(feedback().status, Status::kFailed);
+    return feedback().message;
+  }
+};
+
+TEST_F(Explore, GoesToTheStartAndAlongItsPath) {
+  robot.at = {{-3, -3, 0}, 0};
+  std::set<int> progress;
+  std::set<std::string> texts;
+  Go();
+  EachStep([&] {
+    progress.insert(feedback().progress);
+    texts.insert(feedback().message.substr(0, 14));
+  });
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().message, "Exploration completed (66.0 m in 4 lanes)");
+  for (const int step : {20, 40, 60, 65, 94, 100}) EXPECT_TRUE(progress.contains(step)) << step;
+  EXPECT_TRUE(texts.contains("Exploring... ("));
+  ASSERT_EQ(robot.driven_paths.size(), 2U);
+  EXPECT_LT(navigation::Distance(robot.driven_paths[0].back().at, {0.5, 1, 0}), 0.1);
+  EXPECT_NEAR(robot.travelled_m, 66 + 5.3, 1);
+}
+
+TEST_F(Explore, ReportsItsPath) {
+  Go();
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  RunFor(2);
+  EXPECT_NEAR(feedback().details.Number("path_length"), 66, 0.1);
+  EXPECT_EQ(feedback().details.Get<std::int64_t>("lanes", 0), 4);
+  EXPECT_GT(feedback().details.Number("distance_to_goal"), 0);
+}
+
+TEST_F(Explore, PassesAnObstacleOnItsPath) {
+  Go();
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  for (int i = 0; i < 3; ++i) {
+    RunFor(5);
+    robot.FailDrive(MakeError(navigation::Fault::kObstacle, "a box"));
+    Step();
+    EXPECT_THAT(feedback().message, StartsWith("Passing an obstacle..."));
+  }
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_THAT(feedback().message, HasSubstr("3.0 m blocked"));
+}
+
+TEST_F(Explore, FailsWhenMostOfItsPathIsBlocked) {
+  Go();
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  const auto plan = robot.plan;
+  robot.plan = [](const auto&, const auto& goal) -> Result<navigation::Path> {
+    if (goal.at.y_m < 6) return Error{kCodeFailed, "walled in"};
+    return navigation::Path{goal, goal};
+  };
+  RunFor(2);
+  robot.FailDrive(MakeError(navigation::Fault::kObstacle, "a box"));
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(feedback().message, HasSubstr("m of the path of 66.0 m were blocked"));
+}
+
+TEST_F(Explore, FailsWhenNothingCanBeReached) {
+  robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
+    return Error{kCodeFailed, "walled in"};
+  };
+  Go();
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(feedback().message, HasSubstr("walled in"));
+}
+
+TEST_F(Explore, LimitsTheWayToTheStartAndTheExploration) {
+  robot.at = {{-3, -3, 0}, 0};
+  robot.drive_speed_m_s = 0.01;
+  Go();
+  RunFor(59);
+  EXPECT_EQ(feedback().state, "NAVIGATING_TO_START");
+  EXPECT_TRUE(RunToItsEnd(3));
+  EXPECT_EQ(feedback().message, "Navigate timeout: the start was not reached");
+  robot.at = {{0.5, 1, 0}, 0};
+  robot.drive_speed_m_s = 0.25;
+  Go();
+  EXPECT_TRUE(RunToItsEnd(150));
+  EXPECT_THAT(feedback().message, HasSubstr("Timeout: 4"));
+}
+
+TEST_F(Explore, ContinuesAfterAPauseAndALostController) {
+  Go();
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  RunFor(10);
+  Pause();
+  RunFor(500);
+  EXPECT_TRUE(robot.Rests());
+  Resume();
+  RunFor(5);
+  robot.KillController();
+  RunFor(3);
+  robot.controller_up = true;
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_LE(robot.travelled_m, 66 + 6);
+}
+
+TEST_F(Explore, ReturnsToItsPathWhenItWasMovedInAPause) {
+  Go();
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  RunFor(10);
+  Pause();
+  RunFor(5);
+  robot.at.at = {3, 20, 0};
+  Resume();
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(feedback().details.Number("skipped"), 0);
+}
+
+TEST_F(Explore, StandsBeforeItIsCancelled) {
+  for (const char* state : {"INITIALIZING", "NAVIGATING_TO_START", "EXECUTING"}) {
+    robot.at = {{-3, -3, 0}, 0};
+    Go();
+    ASSERT_TRUE(RunToState(state));
+    if (std::string(state) != "INITIALIZING") RunFor(2);
+    ASSERT_TRUE(manager->Cancel("explore", "the test"));
+    EXPECT_TRUE(RunToItsEnd(3));
+    EXPECT_EQ(feedback().status, Status::kCancelled) << state;
+    EXPECT_TRUE(robot.Rests()) << state;
+  }
+}
+
+TEST_F(Explore, KeepsTheHeightOfAFlyer) {
+  robot.robot_kind = "cf2x";
+  robot.at = {{1, 1, 1.5}, 0};
+  Go();
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(robot.at.at.z_m, 1.5);
+  robot.at.at.z_m = 0;
+  Go();
+  Step();
+  EXPECT_EQ(feedback().message, "Invalid altitude: robot_0 is at 0.00 m; it has to take off first");
+}
+
+TEST_F(Explore, RefusesWhatIsNoArea) {
+  const std::string room = "[[0, 0], [16, 0], [16, 8], [0, 8]]";
+  EXPECT_EQ(WhyRefused("[[0, 0], [1, 1]]"), "the boundary has 2 corners; expected at least 3");
+  EXPECT_EQ(WhyRefused("[0, 0, 1, 1]"), "boundary, character 2: expected '['");
+  EXPECT_EQ(WhyRefused(room, {{"holes", "[[[1, 1], [2]]]"}}),
+            "holes, character 10: expected 2 or 3 numbers of a place");
+  EXPECT_EQ(WhyRefused(room, {{"holes", "[[[20, 1], [22, 1], [22, 2]]]"}}),
+            "hole 1 is outside of the boundary");
+  EXPECT_EQ(WhyRefused(room, {{"lane_width", "0"}}), "lane_width is 0 m; expected more than 0 m");
+  EXPECT_EQ(WhyRefused(room, {{"robot_radius", "5"}}),
+            "a robot with a radius of 5 m does not fit into the boundary");
+  EXPECT_EQ(WhyRefused(room, {{"interpolation_distance", "0"}}),
+            "interpolation_distance is 0 m; expected at least 0.01 m");
+  EXPECT_EQ(WhyRefused(room, {{"interpolation_method", "cubic"}}),
+            "interpolation_method is 'cubic'; expected linear");
+  EXPECT_FALSE(Start("explore"));
+}
+
+}  // namespace musher::explore_test

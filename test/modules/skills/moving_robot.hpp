@@ -1,0 +1,302 @@
+#pragma once
+// A robot that moves in simulated time, with a planner and a controller that a test scripts, and a
+// fixture that runs skills on it, ten steps a second.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/behavior/skill/manager.hpp"
+#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/skills/navigation_skills.hpp"
+
+namespace musher::skills::testing {
+
+class MovingRobot : public Robot {
+ public:
+  // --- what a test sets ---
+  std::string robot_kind = "jetbot";
+  navigation::Pose at;
+  double drive_speed_m_s = 1;
+  bool planner_up = true;
+  bool controller_up = true;
+  bool odometry_up = true;
+  bool scan_up = true;
+  bool answers = true;  // the planner; else a request stays open
+  Duration planning_time = std::chrono::milliseconds(300);
+  // The planner; by default a straight way.
+  std::function<Result<navigation::Path>(const navigation::Pose&, const navigation::Pose&)> plan =
+      [](const navigation::Pose& start, const navigation::Pose& goal) -> Result<navigation::Path> {
+    return navigation::Path{start, goal};
+  };
+  std::vector<navigation::Point> points;  // of obstacles
+  std::function<std::optional<Line>(const navigation::Pose&)> see_line =
+      [](const navigation::Pose&) { return std::optional<Line>(); };
+  std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
+
+  // --- what a test reads ---
+  int plans = 0;
+  int drives = 0;
+  std::vector<navigation::Path> driven_paths;
+  double travelled_m = 0;
+  double nearest_m = 1e9;  // to a point of an obstacle, so far
+
+  bool driving() const { return drive_ != nullptr; }
+  bool Rests() const {
+    return !drive_ && navigation::Speed(velocity_) < 1e-6 && std::abs(velocity_.yaw_rad_s) < 1e-6;
+  }
+
+  // The drive ends with this error.
+  void FailDrive(const Error& error) {
+    if (!drive_) return;
+    drive_->end.Set(error);
+    drive_.reset();
+  }
+  // The controller says that it has arrived.
+  void EndDrive() {
+    drive_->end.Finish(true);
+    drive_.reset();
+  }
+  // The processes exit: what they do is abandoned.
+  void KillPlanner() {
+    planner_up = false;
+    requests_.clear();
+  }
+  void KillController() {
+    controller_up = false;
+    FailDrive({kCodeFailed, "the server is lost"});
+  }
+
+  void Advance(Duration step) {
+    constexpr int kParts = 5;
+    for (int i = 0; i < kParts; ++i) Move(std::chrono::duration<double>(step).count() / kParts);
+    now_ += step;
+    AnswerRequests();
+  }
+
+  // --- Robot ---
+  const std::string& name() const override { return name_; }
+  const std::string& kind() const override { return robot_kind; }
+  double radius_m() const override { return 0.2; }
+  Time Now() const override { return now_; }
+  std::optional<navigation::Pose> pose() const override {
+    return odometry_up ? std::optional(at) : std::nullopt;
+  }
+  navigation::Velocity velocity() const override { return velocity_; }
+  void SetVelocity(const navigation::Velocity& command) override { command_ = command; }
+  void StopMotion() override { command_.reset(); }
+  bool HasPlanner() const override { return planner_up; }
+  bool HasController() const override { return controller_up; }
+  skill::Future<navigation::Path> ComputePath(
+      const navigation::Pose& goal, const std::optional<navigation::Pose>& start) override {
+    ++plans;
+    requests_.push_back({goal, start.value_or(at), now_ + planning_time, {}});
+    return requests_.back().source.future();
+  }
+  std::unique_ptr<Drive> FollowPath(const navigation::Path& path) override {
+    ++drives;
+    driven_paths.push_back(path);
+    if (drive_) drive_->end.Finish(false);
+    auto state = std::make_shared<DriveState>();
+    state->path = path;
+    auto handle = std::make_unique<Handle>(*this, state);
+    if (controller_up) {
+      drive_ = state;
+    } else {
+      state->end.Fail("the server is lost");
+    }
+    return handle;
+  }
+  std::vector<navigation::Point> obstacles() const override {
+    return scan_up ? points : std::vector<navigation::Point>();
+  }
+  bool HasScan() const override { return scan_up; }
+  std::vector<SeenObject> objects() const override { return {}; }
+  bool HasObjects() const override { return false; }
+  std::optional<navigation::Pose> PoseOf(const std::string& topic) override {
+    const auto found = targets.find(topic);
+    return found == targets.end() ? std::nullopt : found->second(now_);
+  }
+  bool HasCamera(const std::string& /*camera*/) const override { return false; }
+  std::vector<std::string> cameras() const override { return {}; }
+  skill::Future<Picture> TakePicture(const std::string& /*camera*/) override { return {}; }
+  skill::Future<std::string> SavePng(const Picture& /*picture*/,
+                                     const std::string& /*path*/) override {
+    return {};
+  }
+  std::optional<Line> line() const override { return see_line(at); }
+  bool HasHand() const override { return false; }
+  skill::Future<HandReply> UseHand(const HandRequest& /*request*/) override { return {}; }
+
+ private:
+  struct DriveState {
+    navigation::Path path;
+    std::size_t next = 0;
+    bool cancelled = false;
+    skill::Source<bool> end;
+  };
+  class Handle : public Drive {
+   public:
+    Handle(MovingRobot& robot, std::shared_ptr<DriveState> state)
+        : robot_(robot), state_(std::move(state)), end_(state_->end.future()) {}
+    ~Handle() override { Cancel(); }
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    std::optional<double> distance_to_goal_m() const override {
+      return navigation::Distance(robot_.at.at, state_->path.back().at);
+    }
+    void Cancel() override { state_->cancelled = true; }
+    skill::Future<bool> end() const override { return end_; }
+
+   private:
+    MovingRobot& robot_;
+    std::shared_ptr<DriveState> state_;
+    skill::Future<bool> end_;
+  };
+  struct Request {
+    navigation::Pose goal;
+    navigation::Pose start;
+    Time ready;
+    skill::Source<navigation::Path> source;
+  };
+
+  void AnswerRequests() {
+    for (Request& request : requests_) {
+      if (!answers || !planner_up || request.ready > now_ || request.source.future().done())
+        continue;
+      request.source.Set(plan(request.start, request.goal));
+    }
+    std::erase_if(requests_, [](const Request& request) {
+      return request.source.future().done() || !request.source.wanted();
+    });
+  }
+
+  // Towards `target` in the frame of the map, with 2 m/s² and 4 rad/s².
+  void Accelerate(const navigation::Velocity& target, double step_s) {
+    constexpr double kMPerS2 = 2, kRadPerS2 = 4;
+    const double x = target.x_m_s - velocity_.x_m_s, y = target.y_m_s - velocity_.y_m_s;
+    const double z = target.z_m_s - velocity_.z_m_s;
+    const double change = std::hypot(x, y, z);
+    const double share = change > kMPerS2 * step_s ? kMPerS2 * step_s / change : 1;
+    velocity_.x_m_s += share * x;
+    velocity_.y_m_s += share * y;
+    velocity_.z_m_s += share * z;
+    velocity_.yaw_rad_s +=
+        std::clamp(target.yaw_rad_s - velocity_.yaw_rad_s, -kRadPerS2 * step_s, kRadPerS2 * step_s);
+  }
+
+  void Move(double step_s) {
+    const navigation::Point before = at.at;
+    if (drive_) {
+      MoveAlong(step_s);
+    } else {
+      const navigation::Velocity body = command_.value_or(navigation::Velocity());
+      const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
+      Accelerate({c * body.x_m_s - s * body.y_m_s, s * body.x_m_s + c * body.y_m_s, body.z_m_s,
+                  body.yaw_rad_s},
+                 step_s);
+      at.at = {at.at.x_m + velocity_.x_m_s * step_s, at.at.y_m + velocity_.y_m_s * step_s,
+               at.at.z_m + velocity_.z_m_s * step_s};
+      at.yaw_rad = navigation::Wrapped(at.yaw_rad + velocity_.yaw_rad_s * step_s);
+    }
+    travelled_m += navigation::Distance(before, at.at);
+    for (const navigation::Point& point : points) {
+      nearest_m = std::min(nearest_m, std::hypot(point.x_m - at.at.x_m, point.y_m - at.at.y_m));
+    }
+  }
+
+  // On the path at once, without a lag; the speed changes by 2 m/s².
+  void MoveAlong(double step_s) {
+    constexpr double kMPerS2 = 2;
+    const double wanted = drive_->cancelled ? 0 : drive_speed_m_s;
+    const double speed = navigation::Speed(velocity_);
+    const double now = speed + std::clamp(wanted - speed, -kMPerS2 * step_s, kMPerS2 * step_s);
+    double left_m = now * step_s;
+    while (drive_->next < drive_->path.size()) {
+      const navigation::Pose& to = drive_->path[drive_->next];
+      const double distance = navigation::Distance(at.at, to.at);
+      if (distance > left_m) {
+        at.at = navigation::Between(at.at, to.at, left_m / distance);
+        velocity_ = {now, 0, 0, 0};
+        break;
+      }
+      left_m -= distance;
+      at = to;
+      ++drive_->next;
+    }
+    const bool arrived = drive_->next == drive_->path.size();
+    if (!arrived && !(drive_->cancelled && now < 1e-9)) return;
+    velocity_ = {};
+    drive_->end.Finish(arrived);
+    drive_.reset();
+  }
+
+  const std::string name_ = "robot_0";
+  Time now_{};
+  navigation::Velocity velocity_;  // in the frame of the map
+  std::optional<navigation::Velocity> command_;
+  std::vector<Request> requests_;
+  std::shared_ptr<DriveState> drive_;
+};
+
+class SkillsOnARobot {
+ public:
+  SkillsOnARobot() {
+    MUSHER_CHECK(RegisterNavigationSkills(registry, robot).ok());
+    manager = std::make_unique<skill::Manager>(registry.All());
+  }
+
+  Result<> Start(const std::string& name,
+                 const std::vector<std::pair<std::string, std::string>>& parameters = {}) {
+    name_ = name;
+    return manager->StartWithTexts(name, parameters);
+  }
+  void Step(Duration step = std::chrono::milliseconds(100)) {
+    robot.Advance(step);
+    if (!paused) manager->RunOnce(now += step);
+    if (paused) now += step;
+    note_();
+  }
+  void RunFor(double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(10 * seconds)); ++i) Step();
+  }
+  // Until its end, or for so long.
+  bool RunToItsEnd(double seconds) {
+    for (int i = 0; i < static_cast<int>(10 * seconds) && run().running(); ++i) Step();
+    return run().ended();
+  }
+  bool RunToState(const std::string& state, double seconds = 60) {
+    for (int i = 0; i < static_cast<int>(10 * seconds) && run().Path() != state; ++i) Step();
+    return run().Path() == state;
+  }
+  void Pause() {
+    paused = true;
+    manager->Pause();
+  }
+  void Resume() { paused = false; }
+  // Called after each step.
+  void EachStep(std::function<void()> note) { note_ = std::move(note); }
+
+  const skill::Run& run() const { return *manager->Find(name_); }
+  const skill::Feedback& feedback() const { return run().feedback(); }
+  const std::string& message() const { return feedback().message; }
+
+  MovingRobot robot;
+  skill::Registry registry;
+  std::unique_ptr<skill::Manager> manager;
+  Time now{};
+  bool paused = false;
+
+ private:
+  std::string name_;
+  std::function<void()> note_ = [] {};
+};
+
+}  // namespace musher::skills::testing

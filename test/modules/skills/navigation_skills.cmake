@@ -1,0 +1,10 @@
+musher_test(navigation_skills_test
+  SOURCES
+    coverage_region_test.cpp
+    coverage_test.cpp
+    explore_test.cpp
+    move_test.cpp
+    navigate_to_test.cpp
+    points_text_test.cpp
+  DEPENDS musher_navigation_skills GTest::gmock rapidcheck_gtest
+  LABELS modules)
