@@ -11,7 +11,7 @@ add_library(musher_body_skills STATIC
   skills/object_detection.cpp
   skills/pick_up.cpp
   skills/place.cpp
-  skills/place_keeper.cpp
+  skills/position_hold.cpp
   skills/put_down.cpp
   skills/sight.cpp
   skills/take_off.cpp

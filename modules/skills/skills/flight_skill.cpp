@@ -46,7 +46,7 @@ skill::Next FlightSkill::Step(skill::Tick& tick) {
 
 skill::Next FlightSkill::WaitForOdometry(skill::Tick& tick) {
   robot_.StopMotion();
-  keeper_.Reset();
+  hold_.Reset();
   const double now_s = FlightSeconds(tick.now);
   if (tick.data.Find(kBlindSince) == nullptr) tick.data.Set(kBlindSince, now_s);
   if (now_s - tick.data.Number(kBlindSince) >= kOdometryLimitS) {
@@ -67,19 +67,19 @@ void FlightSkill::OnEnd(const skill::Ended& /*ended*/) {
 
 void FlightSkill::OnPause() {
   robot_.StopMotion();
-  keeper_.Reset();
+  hold_.Reset();
 }
 
 void FlightSkill::Keep(const navigation::Pose& place, const navigation::Pose& now,
                        const skill::Tick& tick) {
-  robot_.SetVelocity(keeper_.Command(place, now, ControlStep(tick.step)));
+  robot_.SetVelocity(hold_.Command(place, now, ControlStep(tick.step)));
 }
 
 void FlightSkill::KeepWhile(double climb_mps, const navigation::Pose& place,
                             const navigation::Pose& now, const skill::Tick& tick) {
   navigation::Pose level = place;
   level.at.z_m = now.at.z_m;
-  navigation::Velocity command = keeper_.Command(level, now, ControlStep(tick.step));
+  navigation::Velocity command = hold_.Command(level, now, ControlStep(tick.step));
   command.z_m_s = climb_mps;
   robot_.SetVelocity(command);
 }

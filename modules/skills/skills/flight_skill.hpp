@@ -10,7 +10,7 @@
 
 #include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/robot.hpp"
-#include "musher/modules/skills/skills/place_keeper.hpp"
+#include "musher/modules/skills/skills/position_hold.hpp"
 
 namespace musher::skills {
 
@@ -47,7 +47,7 @@ class FlightSkill : public skill::Skill {
   skill::Next WaitForOdometry(skill::Tick& tick);
 
   Robot& robot_;
-  PlaceKeeper keeper_;
+  PositionHold hold_;
 };
 
 }  // namespace musher::skills

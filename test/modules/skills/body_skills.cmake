@@ -6,7 +6,7 @@ musher_test(body_skills_test
     flight_test.cpp
     grasp_test.cpp
     pick_up_test.cpp
-    place_keeper_test.cpp
+    position_hold_test.cpp
     sight_test.cpp
     take_photo_test.cpp
   DEPENDS musher_body_skills GTest::gmock rapidcheck_gtest

@@ -1,4 +1,4 @@
-#include "musher/modules/skills/skills/place_keeper.hpp"
+#include "musher/modules/skills/skills/position_hold.hpp"
 
 #include <algorithm>
 
@@ -15,8 +15,8 @@ constexpr double kSteadyMps = 0.1;
 double Learned(double wind_mps, double error_m, double last_error_m, double step_s) {
   if (std::abs(error_m) > kIntegralRangeM) return wind_mps;
   if (std::abs(error_m - last_error_m) > kSteadyMps * step_s) return wind_mps;
-  return std::clamp(wind_mps + kIntegralGainPerS2 * error_m * step_s, -PlaceKeeper::kSpeedMps,
-                    PlaceKeeper::kSpeedMps);
+  return std::clamp(wind_mps + kIntegralGainPerS2 * error_m * step_s, -PositionHold::kSpeedMps,
+                    PositionHold::kSpeedMps);
 }
 
 double Limited(double value, double most) {
@@ -25,8 +25,8 @@ double Limited(double value, double most) {
 
 }  // namespace
 
-navigation::Velocity PlaceKeeper::Command(const navigation::Pose& place,
-                                          const navigation::Pose& now, double step_s) {
+navigation::Velocity PositionHold::Command(const navigation::Pose& place,
+                                           const navigation::Pose& now, double step_s) {
   const navigation::Point error{place.at.x_m - now.at.x_m, place.at.y_m - now.at.y_m,
                                 place.at.z_m - now.at.z_m};
   const navigation::Point last = last_error_.value_or(error);

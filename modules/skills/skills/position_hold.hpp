@@ -12,7 +12,7 @@
 
 namespace musher::skills {
 
-class PlaceKeeper {
+class PositionHold {
  public:
   // No command is faster, horizontally and vertically.
   static constexpr double kSpeedMps = 0.5;
