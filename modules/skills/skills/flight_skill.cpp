@@ -1,0 +1,97 @@
+#include "musher/modules/skills/skills/flight_skill.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace musher::skills {
+namespace {
+
+constexpr std::array<std::string_view, 3> kGroundKinds{"g1", "h1", "jetbot"};
+constexpr double kOdometryLimitS = 2;
+constexpr double kLongestControlStepS = 0.2;
+constexpr std::string_view kBlindSince = "odometry_missing_since_s";
+constexpr std::string_view kPlace = "place";
+
+double FlightSeconds(Duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+// Of the controller: a jump of the clock is no wind.
+double ControlStep(Duration step) {
+  return std::min(FlightSeconds(step), kLongestControlStepS);
+}
+
+}  // namespace
+
+bool StaysOnTheGround(const Robot& robot) {
+  return std::ranges::find(kGroundKinds, robot.kind()) != kGroundKinds.end();
+}
+
+std::string HeightText(double height_m) {
+  return fmt::format("{:.1f}m", height_m);
+}
+
+skill::Next FlightSkill::Step(skill::Tick& tick) {
+  if (StaysOnTheGround(robot_)) {
+    return skill::Next::Fail(
+        fmt::format("{} is a {}, which cannot fly", robot_.name(), robot_.kind()));
+  }
+  const auto now = robot_.pose();
+  if (!now || !navigation::IsFinite(*now)) return WaitForOdometry(tick);
+  tick.data.Remove(kBlindSince);
+  return Fly(*now, tick);
+}
+
+skill::Next FlightSkill::WaitForOdometry(skill::Tick& tick) {
+  robot_.StopMotion();
+  hold_.Reset();
+  const double now_s = FlightSeconds(tick.now);
+  if (tick.data.Find(kBlindSince) == nullptr) tick.data.Set(kBlindSince, now_s);
+  if (now_s - tick.data.Number(kBlindSince) >= kOdometryLimitS) {
+    return skill::Next::Fail(fmt::format("No odometry of {} for 2 s", robot_.name()));
+  }
+  tick.Report(0, "Waiting for odometry");
+  return skill::Next::Stay();
+}
+
+skill::Next FlightSkill::Cancel(skill::Tick& /*tick*/) {
+  robot_.StopMotion();
+  return skill::Next::Cancelled();
+}
+
+void FlightSkill::OnEnd(const skill::Ended& /*ended*/) {
+  robot_.StopMotion();
+}
+
+void FlightSkill::OnPause() {
+  robot_.StopMotion();
+  hold_.Reset();
+}
+
+void FlightSkill::Keep(const navigation::Pose& place, const navigation::Pose& now,
+                       const skill::Tick& tick) {
+  robot_.SetVelocity(hold_.Command(place, now, ControlStep(tick.step)));
+}
+
+void FlightSkill::KeepWhile(double climb_mps, const navigation::Pose& place,
+                            const navigation::Pose& now, const skill::Tick& tick) {
+  navigation::Pose level = place;
+  level.at.z_m = now.at.z_m;
+  navigation::Velocity command = hold_.Command(level, now, ControlStep(tick.step));
+  command.z_m_s = climb_mps;
+  robot_.SetVelocity(command);
+}
+
+void FlightSkill::Remember(const navigation::Pose& place, skill::Tick& tick) {
+  tick.data.Set(kPlace, skill::Numbers{place.at.x_m, place.at.y_m, place.at.z_m, place.yaw_rad});
+}
+
+navigation::Pose FlightSkill::Remembered(const skill::Tick& tick) {
+  const auto values = tick.data.Get<skill::Numbers>(kPlace, {});
+  if (values.size() != 4) return {};
+  return {{values[0], values[1], values[2]}, values[3]};
+}
+
+}  // namespace musher::skills

@@ -1,0 +1,53 @@
+#pragma once
+// What the skills of flyers have in common: only a robot that flies executes them; without odometry
+// the flyer hovers, and the skill fails after 2 s; at every end, in a pause and at a cancellation
+// the velocity command is zero, so that a flyer in the air hovers there.
+//
+// Heights are absolute: metres above the zero of the map, never above the start.
+
+#include <optional>
+#include <string>
+
+#include "musher/behavior/skill/skill.hpp"
+#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/skills/position_hold.hpp"
+
+namespace musher::skills {
+
+// The kinds of ground robots are known; a config that gives one of them a flight skill is wrong.
+bool StaysOnTheGround(const Robot& robot);
+
+// "1.0m", as in the messages of flights.
+std::string HeightText(double height_m);
+
+class FlightSkill : public skill::Skill {
+ public:
+  explicit FlightSkill(Robot& robot) : robot_(robot) {}
+
+  skill::Next Step(skill::Tick& tick) final;
+  skill::Next Cancel(skill::Tick& tick) final;
+  void OnEnd(const skill::Ended& ended) override;
+  void OnPause() override;
+
+ protected:
+  // A step with odometry.
+  virtual skill::Next Fly(const navigation::Pose& now, skill::Tick& tick) = 0;
+
+  // Sends the command that keeps the flyer at `place`, or brings it there.
+  void Keep(const navigation::Pose& place, const navigation::Pose& now, const skill::Tick& tick);
+  // The same for x, y and yaw, with this vertical velocity.
+  void KeepWhile(double climb_mps, const navigation::Pose& place, const navigation::Pose& now,
+                 const skill::Tick& tick);
+
+  // A pose in the data of the skill, which is saved.
+  static void Remember(const navigation::Pose& place, skill::Tick& tick);
+  static navigation::Pose Remembered(const skill::Tick& tick);
+
+ private:
+  skill::Next WaitForOdometry(skill::Tick& tick);
+
+  Robot& robot_;
+  PositionHold hold_;
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,30 @@
+#pragma once
+// The skill land: a flyer descends to the ground below it.
+//
+//   INITIALIZING  2 s without odometry: fails
+//   EXECUTING     descends at 0.5 m/s, and at 0.2 m/s within 0.5 m of the ground
+//                 30 s, and as long as it still descends
+//
+// It has landed when its height stands still for 1 s, within 0.3 m of the ground. A flyer that is
+// held up in the air does not land: it hovers, and the skill fails at its limit. The height of the
+// ground is absolute: metres above the zero of the map.
+
+#include "musher/modules/skills/skills/flight_skill.hpp"
+
+namespace musher::skills {
+
+class Land : public FlightSkill {
+ public:
+  using FlightSkill::FlightSkill;
+
+  void Declare(skill::Table& table) override;
+  skill::Next OnLimit(skill::Tick& tick) override;
+
+ private:
+  skill::Next Fly(const navigation::Pose& now, skill::Tick& tick) override;
+
+  skill::StateId initializing_ = skill::kIdle;
+  skill::StateId executing_ = skill::kIdle;
+};
+
+}  // namespace musher::skills

@@ -1,0 +1,63 @@
+#include "musher/modules/skills/skills/take_off.hpp"
+
+#include <algorithm>
+
+namespace musher::skills {
+namespace {
+
+constexpr double kReachedM = 0.1;
+constexpr double kMostProgress = 95;
+
+}  // namespace
+
+void TakeOff::Declare(skill::Table& table) {
+  table.Takes("altitude", 1.0, "m above the zero of the map (absolute)");
+  table.Takes("ceiling", 10.0, "m above the zero of the map; no altitude is higher");
+  initializing_ = table.State("INITIALIZING");
+  executing_ = table.State("EXECUTING", std::chrono::seconds(30));
+  table.To(initializing_, executing_, "the altitude is above the robot");
+  table.To(initializing_, skill::kSucceeded, "the altitude is reached already");
+  table.To(executing_, skill::kSucceeded, "at most 0.1 m below the altitude");
+  table.MonotoneProgress();
+}
+
+skill::Next TakeOff::Check(const navigation::Pose& now, skill::Tick& tick) {
+  const double altitude_m = tick.parameters.Number("altitude");
+  const double ceiling_m = tick.parameters.Number("ceiling");
+  if (altitude_m <= 0) {
+    return skill::Next::Fail("Invalid altitude: " + HeightText(altitude_m) +
+                             " is not above the ground");
+  }
+  if (altitude_m > ceiling_m) {
+    return skill::Next::Fail("Invalid altitude: " + HeightText(altitude_m) +
+                             " is above the ceiling of " + HeightText(ceiling_m));
+  }
+  if (now.at.z_m > altitude_m + kReachedM) {
+    return skill::Next::Fail("Invalid altitude: the robot is higher already, at " +
+                             HeightText(now.at.z_m) + "; use hover to descend to " +
+                             HeightText(altitude_m));
+  }
+  if (now.at.z_m >= altitude_m - kReachedM) return skill::Next::Succeed("Reached altitude");
+  navigation::Pose place = now;
+  place.at.z_m = altitude_m;
+  Remember(place, tick);
+  tick.Report(10, "Taking off");
+  return skill::Next::To(executing_);
+}
+
+skill::Next TakeOff::Fly(const navigation::Pose& now, skill::Tick& tick) {
+  if (tick.state == initializing_) return Check(now, tick);
+  const navigation::Pose place = Remembered(tick);
+  tick.Detail("height_m", now.at.z_m);
+  if (now.at.z_m >= place.at.z_m - kReachedM) return skill::Next::Succeed("Reached altitude");
+  Keep(place, now, tick);
+  tick.Report(std::min(100 * now.at.z_m / place.at.z_m, kMostProgress), HeightText(now.at.z_m));
+  return skill::Next::Stay();
+}
+
+skill::Next TakeOff::OnLimit(skill::Tick& tick) {
+  return skill::Next::Fail("Timeout: not at " + HeightText(Remembered(tick).at.z_m) + " after " +
+                           skill::SecondsText(tick.elapsed));
+}
+
+}  // namespace musher::skills

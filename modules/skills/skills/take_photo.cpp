@@ -1,0 +1,102 @@
+#include "musher/modules/skills/skills/take_photo.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "musher/modules/skills/skills/sight.hpp"
+
+namespace musher::skills {
+namespace {
+
+constexpr Duration kBetweenAttempts = std::chrono::milliseconds(500);
+
+bool EndsInPng(const std::string& path) {
+  constexpr std::string_view kEnding = ".png";
+  if (path.size() <= kEnding.size()) return false;
+  return std::ranges::equal(path.substr(path.size() - kEnding.size()), kEnding, [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == b;
+  });
+}
+
+std::optional<std::string> PictureFault(const Picture& picture) {
+  const std::uint64_t expected = std::uint64_t{3} * picture.width * picture.height;
+  if (expected > 0 && picture.bgr.size() == expected) return std::nullopt;
+  return fmt::format("a picture of {} x {} pixels with {} bytes", picture.width, picture.height,
+                     picture.bgr.size());
+}
+
+}  // namespace
+
+void TakePhoto::Declare(skill::Table& table) {
+  table.Takes("camera_type", "sensor.camera.rgb",
+              "a camera of the robot; sensor.camera.rgb and default: its first one");
+  table.Needs("save_path", skill::Kind::kText, "the file, which ends in .png");
+  initializing_ = table.State("INITIALIZING");
+  executing_ = table.State("EXECUTING", std::chrono::seconds(5));
+  saving_ = table.State("SAVING", std::chrono::seconds(10));
+  table.To(initializing_, executing_, "the camera is available");
+  table.To(executing_, initializing_, "retry");
+  table.To(executing_, saving_, "the picture is taken");
+  table.To(saving_, executing_, "the picture is lost");
+  table.To(saving_, skill::kSucceeded, "the file is written");
+  table.Limit({.retries = 2});
+}
+
+skill::Next TakePhoto::Initialize(skill::Tick& tick) {
+  const auto camera = CameraOf(robot_, tick.parameters.Text("camera_type"));
+  if (!camera) return skill::Next::Fail(camera.error().message);
+  const std::string path = tick.parameters.Text("save_path");
+  if (!EndsInPng(path)) {
+    return skill::Next::Fail("Invalid save_path '" + path + "': expected a file that ends in .png");
+  }
+  tick.data.Set("camera", camera.value());
+  tick.Report(20, "Preparing camera");
+  if (tick.retries > 0 && tick.elapsed < kBetweenAttempts) return skill::Next::Stay();
+  return skill::Next::To(executing_);
+}
+
+skill::Next TakePhoto::Capture(skill::Tick& tick) {
+  if (tick.entered || !picture_.valid()) picture_ = robot_.TakePicture(tick.data.Text("camera"));
+  tick.Report(40, "Taking the picture");
+  if (!picture_.done()) return skill::Next::Stay();
+  if (!picture_.result()) {
+    return skill::Next::Retry(initializing_,
+                              "Capture failed: " + picture_.result().error().message);
+  }
+  const auto fault = PictureFault(picture_.result().value());
+  if (fault) return skill::Next::Retry(initializing_, "Capture failed: " + *fault);
+  return skill::Next::To(saving_);
+}
+
+skill::Next TakePhoto::Save(skill::Tick& tick) {
+  const std::string path = tick.parameters.Text("save_path");
+  // A restored run has no picture any more.
+  if (!picture_.done()) return skill::Next::Replan(executing_, "the picture is lost");
+  const Picture& picture = picture_.result().value();
+  if (tick.entered || !file_.valid()) file_ = robot_.SavePng(picture, path);
+  tick.Report(80, "Saving the picture");
+  if (!file_.done()) return skill::Next::Stay();
+  if (!file_.result()) {
+    return skill::Next::Fail("Save failed: " + file_.result().error().message);
+  }
+  tick.Detail("path", file_.result().value());
+  tick.Detail("width", static_cast<std::int64_t>(picture.width));
+  tick.Detail("height", static_cast<std::int64_t>(picture.height));
+  return skill::Next::Succeed("Photo saved to " + file_.result().value());
+}
+
+skill::Next TakePhoto::Step(skill::Tick& tick) {
+  if (tick.state == initializing_) return Initialize(tick);
+  return tick.state == executing_ ? Capture(tick) : Save(tick);
+}
+
+skill::Next TakePhoto::OnLimit(skill::Tick& tick) {
+  const std::string after = " after " + skill::SecondsText(tick.elapsed);
+  if (tick.state == saving_) return skill::Next::Fail("Timeout: the file is not written" + after);
+  return skill::Next::Fail("Timeout: no picture of camera '" + tick.data.Text("camera") + "'" +
+                           after);
+}
+
+}  // namespace musher::skills

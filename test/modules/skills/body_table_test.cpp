@@ -1,0 +1,73 @@
+// The declarations of the skills of the body, the hand and the eyes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/behavior/skill/check.hpp"
+#include "musher/modules/skills/skills/body_skills.hpp"
+#include "musher/test/modules/skills/fake_robot.hpp"
+
+namespace musher::skills::body_table_test {
+
+using testing::Bench;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(BodySkills, AreOfferedByTheirNames) {
+  Bench bench("jetbot_0", "jetbot");
+  EXPECT_THAT(bench.manager().Names(),
+              ElementsAre("take_off", "hover", "land", "take_photo", "object_detection", "detect",
+                          "pick_up", "put_down", "grasp", "place"));
+}
+
+TEST(BodySkills, HaveTablesWithoutErrorsAndWarnings) {
+  Bench bench("jetbot_0", "jetbot");
+  for (const skill::Entry& entry : bench.entries()) {
+    const skill::Run run(entry.name, entry.make());
+    EXPECT_TRUE(run.built()) << run.built().error().message;
+    for (const skill::Problem& problem : skill::Check(run.table())) {
+      ADD_FAILURE() << entry.name << ": " << problem.where << ": " << problem.what;
+    }
+  }
+}
+
+TEST(BodySkills, ExplainEveryParameter) {
+  Bench bench("jetbot_0", "jetbot");
+  for (const skill::Entry& entry : bench.entries()) {
+    const skill::Run run(entry.name, entry.make());
+    for (const auto& parameter : run.table().parameters()) {
+      EXPECT_NE(parameter.meaning, "") << entry.name << " " << parameter.name;
+    }
+  }
+}
+
+TEST(BodySkills, AreNotRegisteredTwice) {
+  testing::FakeRobot robot("jetbot_0", "jetbot");
+  skill::Registry registry;
+  ASSERT_TRUE(RegisterBodySkills(registry, robot).ok());
+  const Result<> again = RegisterBodySkills(registry, robot);
+  ASSERT_FALSE(again.ok());
+  EXPECT_THAT(again.error().message, HasSubstr("take_off is registered already"));
+}
+
+// A number that is infinite or not a number is refused before a skill begins.
+TEST(BodySkills, RefuseNumbersThatAreNotFinite) {
+  Bench bench("cf2x_0", "cf2x");
+  int numbers = 0;
+  for (const skill::Entry& entry : bench.entries()) {
+    const skill::Run run(entry.name, entry.make());
+    for (const auto& parameter : run.table().parameters()) {
+      if (parameter.kind != skill::Kind::kNumber) continue;
+      ++numbers;
+      for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+        const Result<> started = bench.manager().Start(entry.name, {{parameter.name, value}});
+        ASSERT_FALSE(started.ok());
+        EXPECT_THAT(started.error().message, HasSubstr("parameter " + parameter.name));
+      }
+    }
+  }
+  EXPECT_GT(numbers, 8);
+}
+
+}  // namespace musher::skills::body_table_test

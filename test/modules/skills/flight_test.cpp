@@ -1,0 +1,355 @@
+// take_off, hover and land, with a body that has inertia and is moved by wind.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "musher/test/modules/skills/fake_robot.hpp"
+
+namespace musher::skills::flight_test {
+
+using skill::Status;
+using skill::Values;
+using testing::Bench;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::vector<std::string> kFlights{"take_off", "hover", "land"};
+
+class Flight : public ::testing::Test {
+ protected:
+  Bench bench_{"cf2x_0", "cf2x"};
+
+  void ExpectZeroCommand() { EXPECT_EQ(bench_.robot.command, navigation::Velocity{}); }
+  void InTheAir(double height_m) { bench_.robot.body.at.z_m = height_m; }
+};
+
+TEST_F(Flight, TakeOffReachesItsAltitudeAndHovers) {
+  const skill::Feedback& end = bench_.Execute("take_off", {{"altitude", 2.0}});
+  EXPECT_EQ(end.status, Status::kCompleted);
+  EXPECT_EQ(end.message, "Reached altitude");
+  EXPECT_EQ(end.progress, 100);
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 1.9, 0.1);
+  ExpectZeroCommand();
+  bench_.StepFor(3);
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 2.0, 0.1);
+}
+
+TEST_F(Flight, TakeOffReportsTheHeight) {
+  bench_.Execute("take_off");
+  EXPECT_EQ(bench_.messages.front(), "10 Taking off");
+  EXPECT_THAT(bench_.messages, Contains(::testing::MatchesRegex("[0-9]+ 0.5m")));
+  EXPECT_EQ(bench_.messages.back(), "100 Reached altitude");
+  EXPECT_NEAR(bench_.feedback().details.Number("height_m"), 1, 0.1);
+}
+
+TEST_F(Flight, TakeOffClimbsAtHalfAMetreInASecond) {
+  bench_.Start("take_off", {{"altitude", 8.0}});
+  bench_.StepFor(3);
+  const double before_m = bench_.robot.body.at.z_m;
+  bench_.StepFor(4);
+  EXPECT_NEAR(bench_.robot.body.at.z_m - before_m, 2, 0.05);
+}
+
+// The altitude is in the map, not above the start.
+TEST_F(Flight, TakeOffFromARoofClimbsToTheAbsoluteAltitude) {
+  bench_.robot.ground_m = 1.5;
+  InTheAir(1.5);
+  EXPECT_EQ(bench_.Execute("take_off", {{"altitude", 2.0}}).status, Status::kCompleted);
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 1.95, 0.1);
+}
+
+TEST_F(Flight, TakeOffStaysAboveItsStartInWind) {
+  bench_.robot.body = {{3, 4, 0}, 2};
+  bench_.robot.wind = {0.2, -0.15, -0.1, 0};
+  EXPECT_EQ(bench_.Execute("take_off", {{"altitude", 4.0}}).status, Status::kCompleted);
+  EXPECT_NEAR(bench_.robot.body.at.x_m, 3, 0.1);
+  EXPECT_NEAR(bench_.robot.body.at.y_m, 4, 0.1);
+  EXPECT_NEAR(bench_.robot.body.yaw_rad, 2, 0.05);
+}
+
+struct Refused {
+  std::string skill;
+  Values parameters;
+  double height_m;
+  std::string message;
+};
+
+TEST_F(Flight, RefusesImpossibleRequests) {
+  const std::vector<Refused> requests{
+      {"take_off", {{"altitude", 0.0}}, 0, "Invalid altitude: 0.0m is not above the ground"},
+      {"take_off", {{"altitude", -1.0}}, 0, "Invalid altitude: -1.0m is not above the ground"},
+      {"take_off",
+       {{"altitude", 12.0}},
+       0,
+       "Invalid altitude: 12.0m is above the ceiling of 10.0m"},
+      {"take_off",
+       {{"altitude", 1.0}},
+       3,
+       "Invalid altitude: the robot is higher already, at 3.0m; use hover to descend to 1.0m"},
+      {"hover",
+       {{"altitude", -1.0}},
+       1,
+       "Invalid altitude: -1.0m is not between the ground and the ceiling of 10.0m"},
+      {"hover",
+       {{"altitude", 11.0}},
+       1,
+       "Invalid altitude: 11.0m is not between the ground and the ceiling of 10.0m"},
+      {"hover", {{"duration", -1.0}}, 1, "Invalid duration: it is negative"},
+      {"hover", {}, 0, "The robot stands on the ground; take off first"}};
+  for (const Refused& request : requests) {
+    InTheAir(request.height_m);
+    const skill::Feedback& end = bench_.Execute(request.skill, request.parameters);
+    EXPECT_EQ(end.status, Status::kFailed) << request.message;
+    EXPECT_EQ(end.message, request.message);
+    EXPECT_EQ(bench_.run().now(), Duration{});  // in the first step
+    ExpectZeroCommand();
+  }
+}
+
+TEST_F(Flight, TakeOffAtItsAltitudeHasNothingToDo) {
+  InTheAir(0.95);
+  EXPECT_EQ(bench_.Execute("take_off").message, "Reached altitude");
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 0.95, 1e-9);
+}
+
+TEST(GroundRobots, RefuseToFlyWithASentence) {
+  for (const std::string kind : {"jetbot", "g1", "h1"}) {
+    Bench bench(kind + "_0", kind);
+    for (const std::string& flight : kFlights) {
+      EXPECT_EQ(bench.Execute(flight).message, kind + "_0 is a " + kind + ", which cannot fly");
+      EXPECT_EQ(bench.feedback().status, Status::kFailed);
+    }
+  }
+}
+
+TEST_F(Flight, TakeOffThatDoesNotClimbFailsAfterThirtySeconds) {
+  bench_.robot.wind.z_m_s = -2;
+  const skill::Feedback& end = bench_.Execute("take_off");
+  EXPECT_EQ(end.message, "Timeout: not at 1.0m after 30 s");
+  EXPECT_NEAR(bench_.seconds(), 30, 0.5);
+  ExpectZeroCommand();
+}
+
+TEST_F(Flight, HoverGoesToItsAltitudeAndStaysForItsDuration) {
+  InTheAir(1);
+  bench_.Start("hover", {{"altitude", 2.0}, {"duration", 4.0}});
+  double hovered_s = 0;
+  while (bench_.run().running()) {
+    bench_.Step();
+    if (bench_.feedback().state != "HOVERING") continue;
+    hovered_s += 0.1;
+    EXPECT_NEAR(bench_.robot.body.at.z_m, 2, 0.11);
+  }
+  EXPECT_EQ(bench_.feedback().status, Status::kCompleted);
+  EXPECT_EQ(bench_.feedback().message, "Hovered");
+  EXPECT_NEAR(hovered_s, 4, 0.2);
+  EXPECT_NEAR(bench_.feedback().details.Number("held_s"), 4, 0.05);
+  EXPECT_EQ(bench_.messages.front(), "0 Going to 2.0m");
+  EXPECT_THAT(bench_.messages, Contains(StartsWith("50 Hovering (2.0s)")));
+  ExpectZeroCommand();
+}
+
+TEST_F(Flight, HoverWithoutAnAltitudeStaysWhereItIs) {
+  InTheAir(3.3);
+  EXPECT_EQ(bench_.Execute("hover", {{"altitude", 0.0}}).status, Status::kCompleted);
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 3.3, 0.02);
+}
+
+TEST_F(Flight, HoverHoldsItsPlaceAgainstASteadyWindAndGusts) {
+  InTheAir(2);
+  bench_.robot.wind = {0.25, -0.2, 0.1, 0};
+  bench_.Start("hover", {{"duration", 60.0}});
+  bench_.StepFor(10);  // it learns the wind
+  double farthest_m = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double gust = 0.08 * std::sin(0.15 * i);
+    bench_.robot.wind = {0.25 + gust, -0.2 - gust, 0.1 + gust / 2, 0};
+    bench_.Step();
+    farthest_m = std::max(farthest_m, bench_.feedback().details.Number("off_place_m"));
+  }
+  EXPECT_LT(farthest_m, 0.1);
+  EXPECT_EQ(bench_.RunOut().status, Status::kCompleted);
+}
+
+// Time of a gust that carries it off does not count.
+TEST_F(Flight, HoverCountsOnlyTheTimeAtItsHeight) {
+  InTheAir(2);
+  bench_.Start("hover", {{"duration", 5.0}});
+  bench_.StepFor(2);
+  bench_.robot.wind.z_m_s = 2;
+  bench_.StepFor(2);
+  bench_.robot.wind.z_m_s = 0;
+  EXPECT_EQ(bench_.RunOut().status, Status::kCompleted);
+  EXPECT_GT(bench_.seconds(), 10);
+}
+
+TEST_F(Flight, HoverFailsWhenItCannotHoldItsHeight) {
+  InTheAir(2);
+  bench_.Start("hover", {{"duration", 5.0}});
+  bench_.StepFor(2);
+  bench_.robot.wind.z_m_s = 2;
+  EXPECT_THAT(bench_.RunOut().message,
+              ::testing::MatchesRegex("Timeout: held the height for [12]...? of 5.0 s"));
+  EXPECT_NEAR(bench_.seconds(), 35, 1);
+}
+
+TEST_F(Flight, HoverThatDoesNotReachItsAltitudeFailsAfterThirtySeconds) {
+  InTheAir(1);
+  bench_.robot.wind.z_m_s = -0.9;
+  bench_.robot.ground_m = 0.5;
+  EXPECT_EQ(bench_.Execute("hover").message, "Timeout: not at 2.0m after 30 s");
+}
+
+TEST_F(Flight, AHoverOfTwentyMinutesIsNotEndedByTheLimitOfARun) {
+  InTheAir(2);
+  bench_.Start("hover", {{"duration", 1200.0}});
+  bench_.StepFor(1195);
+  EXPECT_TRUE(bench_.run().running());
+  EXPECT_EQ(bench_.RunOut().status, Status::kCompleted);
+}
+
+TEST_F(Flight, LandDescendsSlowerNearTheGround) {
+  InTheAir(3);
+  bench_.Start("land");
+  double fastest_low_mps = 0;
+  double fastest_mps = 0;
+  while (bench_.run().running()) {
+    bench_.Step();
+    const double down_mps = -bench_.robot.motion.z_m_s;
+    fastest_mps = std::max(fastest_mps, down_mps);
+    if (bench_.robot.body.at.z_m < 0.25) fastest_low_mps = std::max(fastest_low_mps, down_mps);
+  }
+  EXPECT_EQ(bench_.feedback().status, Status::kCompleted);
+  EXPECT_EQ(bench_.feedback().message, "Landed");
+  EXPECT_EQ(bench_.robot.body.at.z_m, 0);
+  EXPECT_NEAR(fastest_mps, 0.5, 0.01);
+  EXPECT_LT(fastest_low_mps, 0.25);
+  EXPECT_EQ(bench_.messages.front(), "0 Landing");
+  ExpectZeroCommand();
+}
+
+TEST_F(Flight, LandOnTheGroundEndsAfterASecond) {
+  EXPECT_EQ(bench_.Execute("land").message, "Landed");
+  EXPECT_NEAR(bench_.seconds(), 1.3, 0.3);
+}
+
+TEST_F(Flight, LandsOnARoofOfWhichItKnows) {
+  InTheAir(3);
+  bench_.robot.ground_m = 1.2;
+  EXPECT_EQ(bench_.Execute("land", {{"ground_height", 1.2}}).message, "Landed");
+  EXPECT_NEAR(bench_.robot.body.at.z_m, 1.2, 1e-9);
+}
+
+// Something holds it up: that is no ground.
+TEST_F(Flight, LandNeverReportsALandingInTheAir) {
+  InTheAir(3);
+  bench_.robot.stopped_above_m = 1.4;
+  const skill::Feedback& end = bench_.Execute("land");
+  EXPECT_EQ(end.message, "Timeout: it stays at 1.4m, the ground is at 0.0m");
+  EXPECT_NEAR(bench_.seconds(), 30, 0.5);
+  ExpectZeroCommand();
+}
+
+TEST_F(Flight, ALandingFromHighUpMayTakeLongerWhileItDescends) {
+  InTheAir(40);
+  EXPECT_EQ(bench_.Execute("land").message, "Landed");
+  EXPECT_NEAR(bench_.seconds(), 83, 3);
+}
+
+// Neither a pause nor a time without odometry is a landing.
+TEST_F(Flight, LandCountsOnlyTimeInWhichItDescends) {
+  InTheAir(0.25);
+  bench_.robot.stopped_above_m = 0.25;
+  bench_.Start("land");
+  bench_.StepFor(0.8);
+  bench_.robot.has_odometry = false;
+  bench_.StepFor(1.5);
+  bench_.robot.has_odometry = true;
+  bench_.manager().Pause();
+  for (int i = 0; i < 30; ++i) bench_.robot.Advance(Milliseconds(100));
+  bench_.robot.stopped_above_m = -1;
+  bench_.Step();
+  EXPECT_TRUE(bench_.run().running());
+  EXPECT_EQ(bench_.RunOut().message, "Landed");
+  EXPECT_EQ(bench_.robot.body.at.z_m, 0);
+}
+
+TEST_F(Flight, EveryFlightFailsWithoutOdometryForTwoSecondsAndHoversUntilThen) {
+  for (const std::string& flight : kFlights) {
+    InTheAir(0.5);
+    bench_.robot.has_odometry = true;
+    bench_.Start(flight, flight == "land" ? Values{} : Values{{"altitude", 5.0}});
+    bench_.StepFor(0.5);
+    EXPECT_NE(bench_.robot.command, navigation::Velocity{});
+    bench_.robot.has_odometry = false;
+    bench_.Step();
+    ExpectZeroCommand();
+    EXPECT_EQ(bench_.feedback().message, "Waiting for odometry");
+    const double lost_s = bench_.seconds();
+    EXPECT_EQ(bench_.RunOut().message, "No odometry of cf2x_0 for 2 s");
+    EXPECT_NEAR(bench_.seconds() - lost_s, 2, 0.15);
+  }
+}
+
+TEST_F(Flight, EveryFlightTreatsAPoseThatIsNotANumberAsMissing) {
+  for (const std::string& flight : kFlights) {
+    bench_.robot.body.at.x_m = std::nan("");
+    EXPECT_THAT(bench_.Execute(flight).message, HasSubstr("No odometry"));
+    ExpectZeroCommand();
+  }
+}
+
+TEST_F(Flight, EveryFlightGoesOnWhenOdometryIsBackInTime) {
+  InTheAir(0.5);
+  for (const std::string& flight : kFlights) {
+    bench_.Start(flight);
+    bench_.StepFor(0.5);
+    bench_.robot.has_odometry = false;
+    bench_.StepFor(1.5);
+    bench_.robot.has_odometry = true;
+    EXPECT_EQ(bench_.RunOut().status, Status::kCompleted) << flight;
+  }
+}
+
+TEST_F(Flight, ACancellationInEachStateLeavesItHovering) {
+  for (const std::string& flight : kFlights) {
+    for (const double after_s : {0.0, 0.1, 0.2, 1.0, 3.0}) {
+      InTheAir(4);
+      bench_.Start(flight, flight == "land"    ? Values{}
+                           : flight == "hover" ? Values{{"altitude", 4.5}}
+                                               : Values{{"altitude", 9.0}});
+      bench_.StepFor(after_s);
+      ASSERT_TRUE(bench_.run().running());
+      ASSERT_TRUE(bench_.manager().Cancel(flight, "by the operator").ok());
+      bench_.Step();
+      EXPECT_EQ(bench_.feedback().status, Status::kCancelled);
+      EXPECT_EQ(bench_.feedback().message, "Cancelled: by the operator");
+      ExpectZeroCommand();
+      const double height_m = bench_.robot.body.at.z_m;
+      bench_.StepFor(5);
+      EXPECT_NEAR(bench_.robot.body.at.z_m, height_m, 0.12);
+    }
+  }
+}
+
+TEST_F(Flight, APauseInEachStateHoversAndThenGoesOn) {
+  for (const std::string& flight : kFlights) {
+    for (const double after_s : {0.1, 0.2, 1.0, 3.0}) {
+      InTheAir(3);
+      bench_.Start(flight, flight == "land"    ? Values{}
+                           : flight == "hover" ? Values{{"altitude", 3.5}}
+                                               : Values{{"altitude", 5.0}});
+      bench_.StepFor(after_s);
+      ASSERT_TRUE(bench_.run().running()) << flight << after_s;
+      bench_.manager().Pause();
+      ExpectZeroCommand();
+      for (int i = 0; i < 600; ++i) bench_.robot.Advance(Milliseconds(100));
+      EXPECT_EQ(bench_.RunOut().status, Status::kCompleted) << flight << after_s;
+    }
+  }
+}
+
+}  // namespace musher::skills::flight_test

@@ -1,0 +1,129 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/test/modules/skills/fake_robot.hpp"
+
+namespace musher::skills::take_photo_test {
+
+using skill::Status;
+using skill::Values;
+using testing::Bench;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::Reply;
+
+class TakePhotoSkill : public ::testing::Test {
+ protected:
+  TakePhotoSkill() { bench_.robot.camera_names = {"front", "down"}; }
+  const skill::Feedback& Take(const Values& more = {}) {
+    Values parameters{{"save_path", "a.png"}};
+    for (const auto& named : more) parameters.Set(named.name, named.value);
+    return bench_.Execute("take_photo", parameters);
+  }
+  Bench bench_{"cf2x_0", "cf2x"};
+};
+
+TEST_F(TakePhotoSkill, SavesThePictureOfTheFirstCamera) {
+  const skill::Feedback& end = Take();
+  EXPECT_EQ(end.status, Status::kCompleted);
+  EXPECT_EQ(end.message, "Photo saved to a.png");
+  EXPECT_EQ(bench_.robot.files.at("a.png").bgr, bench_.robot.picture.bgr);
+  EXPECT_EQ(end.details.Text("path"), "a.png");
+  EXPECT_EQ(end.details.Get<std::int64_t>("width", 0), 2);
+  EXPECT_EQ(end.details.Get<std::int64_t>("height", 0), 1);
+  EXPECT_THAT(bench_.messages, ElementsAre("20 Preparing camera", "40 Taking the picture",
+                                           "80 Saving the picture", "100 Photo saved to a.png"));
+}
+
+TEST_F(TakePhotoSkill, TakesTheNamedCamera) {
+  EXPECT_EQ(Take({{"camera_type", "down"}}).status, Status::kCompleted);
+  EXPECT_EQ(Take({{"camera_type", "default"}}).status, Status::kCompleted);
+}
+
+TEST_F(TakePhotoSkill, NamesTheCamerasWhenOneIsUnknown) {
+  EXPECT_EQ(Take({{"camera_type", "rear"}}).message,
+            "Camera 'rear' not available; there are front and down");
+  bench_.robot.camera_names = {"front"};
+  EXPECT_EQ(Take({{"camera_type", "rear"}}).message, "Camera 'rear' not available; there is front");
+  bench_.robot.camera_names = {};
+  EXPECT_EQ(Take().message, "Camera 'sensor.camera.rgb' not available; cf2x_0 has no camera");
+  EXPECT_EQ(bench_.robot.pictures_taken, 0);
+}
+
+TEST_F(TakePhotoSkill, NeedsAPathThatEndsInPng) {
+  EXPECT_FALSE(bench_.manager().Start("take_photo", {}).ok());
+  EXPECT_EQ(Take({{"save_path", "a.jpg"}}).message,
+            "Invalid save_path 'a.jpg': expected a file that ends in .png");
+  EXPECT_EQ(Take({{"save_path", ""}}).message,
+            "Invalid save_path '': expected a file that ends in .png");
+  EXPECT_EQ(Take({{"save_path", ".png"}}).status, Status::kFailed);
+  EXPECT_EQ(Take({{"save_path", "A.PNG"}}).status, Status::kCompleted);
+}
+
+TEST_F(TakePhotoSkill, RetriesAFailedCaptureTwice) {
+  bench_.robot.camera_replies = Reply::kFails;
+  EXPECT_EQ(Take().message, "gives up after 2 retries: Capture failed: the device has failed");
+  EXPECT_EQ(bench_.robot.pictures_taken, 3);
+  EXPECT_EQ(bench_.run().errors().size(), 4U);
+  EXPECT_GT(bench_.seconds(), 1.0);  // not at once
+}
+
+TEST_F(TakePhotoSkill, SucceedsWhenTheSecondCaptureDoes) {
+  bench_.robot.camera_replies = Reply::kAbandoned;
+  bench_.Start("take_photo", {{"save_path", "a.png"}});
+  bench_.StepFor(0.3);
+  bench_.robot.camera_replies = Reply::kGiven;
+  EXPECT_EQ(bench_.RunOut().status, Status::kCompleted);
+  EXPECT_EQ(bench_.run().retries(), 1);
+}
+
+TEST_F(TakePhotoSkill, NeverSavesAPictureWithoutAllItsPixels) {
+  for (const Picture& broken : {Picture{}, Picture{2, 2, {1, 2, 3}}, Picture{0, 4, {}},
+                                Picture{0xffffffff, 0xffffffff, {1, 2, 3}}}) {
+    bench_.robot.picture = broken;
+    EXPECT_THAT(Take().message, ::testing::HasSubstr("Capture failed: a picture of"));
+  }
+  EXPECT_THAT(bench_.robot.files, IsEmpty());
+}
+
+TEST_F(TakePhotoSkill, FailsWithoutAPictureForFiveSeconds) {
+  bench_.robot.camera_replies = Reply::kNever;
+  EXPECT_EQ(Take().message, "Timeout: no picture of camera 'front' after 5 s");
+  EXPECT_NEAR(bench_.seconds(), 5.2, 0.2);
+}
+
+TEST_F(TakePhotoSkill, FailsWhenTheFileIsNotWritten) {
+  bench_.robot.file_replies = Reply::kFails;
+  EXPECT_EQ(Take().message, "Save failed: the device has failed");
+  bench_.robot.file_replies = Reply::kAbandoned;
+  EXPECT_EQ(Take().message, "Save failed: the work was abandoned");
+  bench_.robot.file_replies = Reply::kNever;
+  EXPECT_EQ(Take().message, "Timeout: the file is not written after 10 s");
+}
+
+TEST_F(TakePhotoSkill, IsCancelledInEachState) {
+  for (const char* state : {"INITIALIZING", "EXECUTING", "SAVING"}) {
+    bench_.robot.camera_replies = std::string(state) == "EXECUTING" ? Reply::kNever : Reply::kGiven;
+    bench_.robot.file_replies = Reply::kNever;
+    bench_.Start("take_photo", {{"save_path", "a.png"}});
+    if (std::string(state) != "INITIALIZING") bench_.StepFor(1);
+    EXPECT_EQ(bench_.run().Path(), state);
+    ASSERT_TRUE(bench_.manager().Cancel("take_photo", "").ok());
+    bench_.Step();
+    EXPECT_EQ(bench_.feedback().status, Status::kCancelled);
+  }
+}
+
+// The time of a pause does not count, and the picture comes meanwhile.
+TEST_F(TakePhotoSkill, GoesOnAfterAPauseInEachState) {
+  for (int steps = 0; steps < 4; ++steps) {
+    bench_.Start("take_photo", {{"save_path", "a.png"}});
+    for (int i = 0; i < steps; ++i) bench_.Step();
+    bench_.manager().Pause();
+    for (int i = 0; i < 200; ++i) bench_.robot.Advance(Milliseconds(100));
+    EXPECT_EQ(bench_.RunOut().status, Status::kCompleted) << steps;
+  }
+}
+
+}  // namespace musher::skills::take_photo_test
