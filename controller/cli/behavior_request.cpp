@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "musher/base/suggest.hpp"
@@ -13,6 +12,8 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kAnswerTime = std::chrono::seconds(5);
+
+}  // namespace
 
 Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std::string& name,
                        const std::set<std::string>& present) {
@@ -30,8 +31,6 @@ Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std:
                                   near.empty() ? fmt::format("running: {}", fmt::join(names, ", "))
                                                : fmt::format("did you mean '{}'?", near))}};
 }
-
-}  // namespace
 
 BehaviorAnswer QueryBehavior(Link& link, const GlobalOptions& global, const std::string& name,
                              const msg::GetBehavior::Request& request) {

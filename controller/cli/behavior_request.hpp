@@ -1,6 +1,7 @@
 #pragma once
 // Queries the state machine of an application.
 
+#include <set>
 #include <string>
 #include <variant>
 
@@ -15,5 +16,9 @@ using BehaviorAnswer = std::variant<msg::GetBehavior::Response, Failure>;
 // state machine, it does not answer, or it answered with an error.
 BehaviorAnswer QueryBehavior(Link& link, const GlobalOptions& global, const std::string& name,
                              const msg::GetBehavior::Request& request);
+
+// The failure "no actuator '<name>' in namespace …"; `present`: the actuators that run there.
+Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std::string& name,
+                       const std::set<std::string>& present);
 
 }  // namespace musher::cli

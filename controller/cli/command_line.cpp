@@ -27,6 +27,7 @@ A first tour:
   musher set Active audio          switch one actuator
   musher restart audio             restart its process
   musher behavior show             an application's state machine: current state and last changes
+  musher skill list                what the robot can do on request; skill run NAME does it
   musher estop "smoke"             emergency stop of all actuators, now; --release ends it
   musher history --since 10m       what happened
   musher history --why             why the machine is in its state
@@ -37,7 +38,8 @@ A first tour:
 
 Exit codes: 0 done; 1 refused, undone or done-degraded (reason on stderr); 2 wrong usage or
 config; 3 no controller found; 4 the controller did not answer in time; 5 the controller exited
-during the switch and no successor reports its outcome; 130 interrupted.
+during the switch and no successor reports its outcome, or a skill's actuator is lost; 130
+interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
 MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 
@@ -145,7 +147,8 @@ void Grammar::AddGlobalOptions() {
         {"local", "lan"});
   timeout_ = app_->add_option("--timeout", timeout_s_,
                               "Time to wait for the controller's answer;\n"
-                              "default 60 for set, down and restart, else 5")
+                              "default 60 for set, down and restart, else 5;\n"
+                              "skill run: for the end of the skill, no default")
                  ->check(InSeconds())
                  ->type_name("SECONDS");
   Offer(app_->add_option("--keys", global_.keys,

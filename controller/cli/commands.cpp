@@ -25,6 +25,7 @@ void AddCommands(Grammar& grammar) {
   AddKeep(grammar);
   AddLowPower(grammar);
   AddBehavior(grammar);
+  AddSkill(grammar);
   grammar.Group("Inspect the past");
   AddHistory(grammar);
   AddReplay(grammar);

@@ -24,6 +24,7 @@ void AddWake(Grammar& grammar);
 void AddKeep(Grammar& grammar);
 void AddLowPower(Grammar& grammar);
 void AddBehavior(Grammar& grammar);
+void AddSkill(Grammar& grammar);
 void AddHistory(Grammar& grammar);
 void AddReplay(Grammar& grammar);
 void AddKeys(Grammar& grammar);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "musher/controller/cli/behavior_request.hpp"
 #include "musher/controller/cli/complete.hpp"
 #include "musher/controller/cli/link.hpp"
+#include "musher/controller/cli/skill_choice.hpp"
+#include "musher/controller/cli/skill_offers.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
@@ -119,6 +122,31 @@ Words OfMachine(const GlobalOptions& global, Names names) {
   return config ? Of(*config, names) : Words{};
 }
 
+// The skills that are offered, their actuators, or the keys of the skill on the line.
+std::vector<CompleteOptions::Word> SkillWords(const CompleteOptions& options,
+                                              const GlobalOptions& global) {
+  const auto link = Link::Open(global);
+  if (!link) return {};
+  const auto offers = SkillOffers::Begin(*link.value(), global);
+  if (!offers) return {};
+  offers.value()->AwaitAny(kFind);
+  std::map<std::string, std::string> words;
+  for (const msg::SkillOffers& of : offers.value()->all()) {
+    if (options.names == Names::kSkillActuators) words[of.actuator] = "";
+    for (const msg::SkillOffer& offer : of.skills) {
+      if (options.names == Names::kSkills) words[offer.skill] = offer.summary;
+      if (options.names != Names::kSkillKeys || offer.skill != options.skill) continue;
+      for (const std::string& declared : offer.parameters) {
+        const std::string key = ParameterName(declared);
+        words[key + "="] = declared.substr(std::min(key.size() + 2, declared.size()));
+      }
+    }
+  }
+  std::vector<CompleteOptions::Word> all;
+  for (const auto& [text, meaning] : words) all.push_back({text, meaning});
+  return all;
+}
+
 Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
   if (options.names == Names::kCommands) return Commands(options, global);
   std::error_code error;  // reading a FIFO would block
@@ -147,6 +175,13 @@ ExitCode Complete(const CompleteOptions& options, const GlobalOptions& global, C
       break;
     case Names::kFolders:
       console.Print(":folders");
+      break;
+    case Names::kSkills:
+    case Names::kSkillKeys:
+    case Names::kSkillActuators:
+      for (CompleteOptions::Word& word : SkillWords(options, global)) {
+        words.push_back(std::move(word));
+      }
       break;
     default:
       for (std::string& word : NamesFor(options, global)) words.push_back({std::move(word), ""});

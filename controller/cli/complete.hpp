@@ -21,6 +21,7 @@ struct CompleteOptions {
   std::string prefix;  // text already typed before it: "--format="
   std::string config;  // complete names of this config; empty: of the running machine
   std::string application;
+  std::string skill;  // on the command line
 };
 
 // Prints them, one per line with its meaning.

@@ -1,4 +1,4 @@
-// musher completion bash|zsh: the script that completes its command lines. The same files are
+// musher completion bash|zsh|fish: the script that completes its command lines. The same files are
 // installed where the shells look for them.
 
 #include <CLI/CLI.hpp>
@@ -10,12 +10,14 @@ namespace musher::cli {
 namespace {
 
 struct CompletionOptions {
-  std::string shell;  // "bash" or "zsh"
+  std::string shell;  // "bash", "zsh" or "fish"
 };
 
 ExitCode Completion(const CompletionOptions& options, const GlobalOptions& /*global*/,
                     Console& console) {
-  console.Print(options.shell == "zsh" ? kZshCompletion : kBashCompletion);
+  console.Print(options.shell == "zsh"    ? kZshCompletion
+                : options.shell == "fish" ? kFishCompletion
+                                          : kBashCompletion);
   return ExitCode::kDone;
 }
 
@@ -24,7 +26,9 @@ ExitCode Completion(const CompletionOptions& options, const GlobalOptions& /*glo
 void AddCompletion(Grammar& grammar) {
   auto [app, options] =
       grammar.Add("completion", "Print the completion script of a shell", Completion);
-  grammar.OneOf(app.add_option("SHELL", options.shell, "bash or zsh"), {"bash", "zsh"})->required();
+  grammar
+      .OneOf(app.add_option("SHELL", options.shell, "bash, zsh or fish"), {"bash", "zsh", "fish"})
+      ->required();
 }
 
 }  // namespace musher::cli

@@ -5,5 +5,6 @@ namespace musher::cli {
 
 extern const char* const kBashCompletion;
 extern const char* const kZshCompletion;
+extern const char* const kFishCompletion;
 
 }  // namespace musher::cli

@@ -1,5 +1,5 @@
-// musher graph FILE: draws the states or the actuators of a config, or the state machine of an
-// application.
+// musher graph FILE: draws the states or the actuators of a config, the state machine of an
+// application, or a skill.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -12,13 +12,18 @@
 #include "musher/controller/cli/render/graph.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/svg.hpp"
+#include "musher/controller/cli/skill_choice.hpp"
+#include "musher/controller/cli/skill_offers.hpp"
+#include "musher/controller/cli/skill_request.hpp"
 
 namespace musher::cli {
 namespace {
 
 struct GraphOptions {
-  std::string file;           // empty: draw `behavior`
-  std::string behavior;       // the application whose state machine is drawn; empty: a config
+  std::string file;           // empty: draw `behavior` or `skill`
+  std::string behavior;       // the application whose state machine is drawn
+  std::string skill;          // the skill that is drawn
+  std::string actuator;       // of `skill`; empty: the only one that offers it
   std::string what = "flow";  // or "actuators"
   std::string format;         // "dot", "mermaid" or "svg"
   std::string output;         // empty: standard output
@@ -61,6 +66,23 @@ Drawing DrawBehavior(const std::string& name, const std::string& format,
   return svg ? OrFailure(RenderSvg(graph)) : Drawing(std::move(graph));
 }
 
+Drawing DrawSkill(const GraphOptions& options, const std::string& format,
+                  const GlobalOptions& global) {
+  const auto link = Link::Open(global);
+  if (!link) return Failure{ExitCode::kUsage, link.error()};
+  const auto offers = SkillOffers::Begin(*link.value(), global);
+  if (!offers) return Failure{ExitCode::kUsage, offers.error()};
+  if (auto failure = offers.value()->Await(options.actuator)) return *std::move(failure);
+  const auto skill = ChooseSkill(offers.value()->all(), options.skill, options.actuator);
+  if (!skill) return Failure{ExitCode::kNotDone, skill.error()};
+  const bool svg = format == "svg";
+  auto answer = QuerySkill(*link.value(), global, skill.value().actuator,
+                           {options.skill, svg ? "dot" : format});
+  if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
+  std::string graph = std::move(std::get<msg::GetSkill::Response>(answer).graph);
+  return svg ? OrFailure(RenderSvg(graph)) : Drawing(std::move(graph));
+}
+
 ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console& console) {
   const Result<std::string> known = FormatOf(options);
   if (!known) return console.Fail(known.error());
@@ -68,10 +90,12 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
   Drawing drawn;
   if (!options.behavior.empty()) {
     drawn = DrawBehavior(options.behavior, format, global);
+  } else if (!options.skill.empty()) {
+    drawn = DrawSkill(options, format, global);
   } else if (options.file.empty()) {
-    drawn = Failure{
-        ExitCode::kUsage,
-        {kCodeParametersInvalid, "FILE or --behavior NAME is required; see musher graph --help"}};
+    drawn = Failure{ExitCode::kUsage,
+                    {kCodeParametersInvalid,
+                     "FILE, --behavior NAME or --skill NAME is required; see musher graph --help"}};
   } else {
     const auto config = LoadConfig(options.file, console);
     if (!config) return ExitCode::kUsage;
@@ -97,7 +121,7 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
 
 void AddGraph(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("graph", "Draw a config, or the state machine of an application", Graph);
+      grammar.Add("graph", "Draw a config, an application's state machine or a skill", Graph);
   auto* file =
       grammar.Offer(app.add_option("FILE", options.file, "State config (TOML)"), Names::kConfigs)
           ->type_name("");
@@ -105,13 +129,28 @@ void AddGraph(Grammar& grammar) {
                                             "flow: the transitions between states (default);\n"
                                             "actuators: their stages and start order"),
                              {"flow", "actuators"});
+  auto* behavior = grammar
+                       .Offer(app.add_option("--behavior", options.behavior,
+                                             "Instead of a config: the state machine of this\n"
+                                             "running application, with its current state marked"),
+                              Names::kApplications)
+                       ->excludes(file)
+                       ->excludes(what)
+                       ->type_name("NAME");
+  auto* skill = grammar
+                    .Offer(app.add_option("--skill", options.skill,
+                                          "Instead of a config: this skill of the running\n"
+                                          "robot, with its current state marked"),
+                           Names::kSkills)
+                    ->excludes(file)
+                    ->excludes(what)
+                    ->excludes(behavior)
+                    ->type_name("NAME");
   grammar
-      .Offer(app.add_option("--behavior", options.behavior,
-                            "Instead of a config: the state machine of this\n"
-                            "running application, with its current state marked"),
-             Names::kApplications)
-      ->excludes(file)
-      ->excludes(what)
+      .Offer(
+          app.add_option("--actuator", options.actuator, "The one of several that offer the skill"),
+          Names::kSkillActuators)
+      ->needs(skill)
       ->type_name("NAME");
   grammar.OneOf(
       app.add_option("--format", options.format,

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "musher/controller/cli/exit_code.hpp"
@@ -75,6 +76,8 @@ class Link {
   // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C. Returns whether it held.
   bool RunUntil(const std::function<bool()>& done, Duration timeout);
   bool interrupted() const { return interrupted_; }
+  // Whether Ctrl-C came; the next RunUntil() waits for the next one.
+  bool TakeInterrupt() { return std::exchange(interrupted_, false); }
   pid_t LeaderHere() const;  // 0: no controller of this host leads in the command's namespace
   bool HasMachine() const;   // a controller in the command's namespace was discovered
   // The failure "no <what> in namespace …".

@@ -24,10 +24,10 @@ _musher() {
       *) COMPREPLY+=("${line%%$'\t'*}") ;;
     esac
   done < <("$program" complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
-  # Words end in a space, folders do not.
+  # Words end in a space, folders and KEY= do not.
   local i
   for i in "${!COMPREPLY[@]}"; do
-    [[ ${COMPREPLY[i]} == */ ]] || COMPREPLY[i]+=" "
+    [[ ${COMPREPLY[i]} == *[/=] ]] || COMPREPLY[i]+=" "
   done
 }
 

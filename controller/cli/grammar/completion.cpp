@@ -44,6 +44,11 @@ class Grammar::Walk {
       return Take(std::exchange(value_of_, nullptr), word);
     }
     value_of_ = nullptr;
+    if (std::exchange(after_equals_, false)) return;  // VALUE
+    if (word == "=") {
+      after_equals_ = true;
+      return;
+    }
     if (word == "--" || positionals_only_) {
       positionals_only_ = true;
       if (word != "--") TakePositional(word);
@@ -66,6 +71,7 @@ class Grammar::Walk {
 
   void At(std::string word, CompleteOptions& offer) {
     const std::size_t equals = word.find('=');
+    if (value_of_ == nullptr && (after_equals_ || word == "=")) return;
     if (word == "=" && value_of_ != nullptr) {
       word.clear();
     } else if (word.starts_with("--") && equals != std::string::npos) {
@@ -77,6 +83,7 @@ class Grammar::Walk {
     offer.begin = word;
     offer.config = config_;
     offer.application = application_;
+    offer.skill = skill_;
     if (value_of_ != nullptr && !word.starts_with('-')) return OfferValue(value_of_, offer);
     if (word.starts_with('-') && !positionals_only_) return OfferOptions(offer);
     for (CLI::App* command : command_->get_subcommands({})) {
@@ -120,6 +127,7 @@ class Grammar::Walk {
     const Names names = offered == grammar_.offers_.end() ? Names::kNone : offered->second;
     if (names == Names::kConfigs) config_ = word;
     if (names == Names::kApplications) application_ = word;
+    if (names == Names::kSkills) skill_ = word;
     const std::string name = LongName(option);
     if (name == "--namespace") {
       global.name_space = word;
@@ -167,6 +175,8 @@ class Grammar::Walk {
   const CLI::Option* value_of_ = nullptr;  // the next word is its value
   std::string config_;
   std::string application_;
+  std::string skill_;
+  bool after_equals_ = false;  // the last word is the '=' of KEY=VALUE, which bash splits
 };
 
 CommandLine Grammar::Complete(const std::vector<std::string>& words) {

@@ -26,6 +26,9 @@ enum class Names {
   kApplications,
   kCommands,  // of the application on the command line
   kCapabilities,
+  kSkills,
+  kSkillKeys,       // "altitude=", of the skill on the command line
+  kSkillActuators,  // those that offer skills
   kConfigs,  // .toml files and folders
   kFiles,
   kFolders

@@ -127,7 +127,7 @@ TEST(CommandLine, RefusesWhatItDoesNotUnderstand) {
   EXPECT_THAT(Wrong({"status", "--timeout", "nan"}), HasSubstr("--timeout"));
   EXPECT_THAT(Wrong({"status", "--color", "red"}), HasSubstr("--color"));
   EXPECT_THAT(Wrong({"graph", "f", "--format", "png"}), HasSubstr("--format"));
-  EXPECT_THAT(Wrong({"completion", "fish"}), HasSubstr("fish"));
+  EXPECT_THAT(Wrong({"completion", "tcsh"}), HasSubstr("tcsh"));
 }
 
 TEST(CommandLine, RefusesNamespacesThatRosDoesNotHave) {
@@ -171,8 +171,8 @@ TEST(CommandLine, GroupsTheCommandsByWhatTheyAreFor) {
   std::size_t at = 0;
   for (const char* line : {"\nPrepare a config:\n  check ", "\nStart and stop:\n  up ", "\n  down ",
                            "\nOperate the machine:\n  status ", "\n  set ", "\n  estop ",
-                           "\nInspect the past:\n  history ", "\nInstall and upgrade:\n  keys ",
-                           "\n  ota ", "\n  completion "}) {
+                           "\n  skill ", "\nInspect the past:\n  history ",
+                           "\nInstall and upgrade:\n  keys ", "\n  ota ", "\n  completion "}) {
     const std::size_t found = help.find(line, at);
     ASSERT_NE(found, std::string::npos) << line << " in " << help;
     at = found;

@@ -124,7 +124,8 @@ TEST_F(Completion, WithoutAMachineOffersOnlyTheBuiltInStatesAndPrintsNothing) {
 TEST(CompletionScripts, ArePrintedByTheCommand) {
   EXPECT_EQ(RunProgram({"completion", "bash"}).out, kBashCompletion);
   EXPECT_EQ(RunProgram({"completion", "zsh"}).out, kZshCompletion);
-  EXPECT_EQ(RunProgram({"completion", "fish"}).exit, 2);
+  EXPECT_EQ(RunProgram({"completion", "fish"}).out, kFishCompletion);
+  EXPECT_EQ(RunProgram({"completion", "tcsh"}).exit, 2);
 }
 
 TEST(CompletionScripts, CompleteInBash) {
@@ -136,6 +137,15 @@ TEST(CompletionScripts, CompleteInBash) {
   EXPECT_EQ(BashOffers("musher status --transport l"), "local |lan |");
   EXPECT_EQ(BashOffers("musher status --transport = l"), "local |lan |");
   EXPECT_EQ(BashOffers("musher status --transport ="), "local |lan |");
+}
+
+TEST(CompletionScripts, CompleteInFish) {
+  if (std::system("command -v fish >/dev/null") != 0) GTEST_SKIP() << "there is no fish here";
+  const TempFolder folder;
+  EXPECT_EQ(Shell("fish", folder,
+                  "set PATH " + BinDir() + " $PATH\n" + kFishCompletion +
+                      "\ncomplete -C 'musher stat'\n"),
+            "status\tShow the machine and its actuators\n");
 }
 
 TEST(CompletionScripts, AreCorrectForZsh) {

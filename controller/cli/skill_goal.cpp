@@ -1,0 +1,54 @@
+#include "musher/controller/cli/skill_goal.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace musher::cli {
+namespace {
+
+// Also of a goal that was aborted because its skill did not begin: then it has no status.
+SkillOutcome SkillOutcomeOf(transport::GoalEnd end, const std::string& status) {
+  if (end == transport::GoalEnd::kCanceled || status == "cancelled") {
+    return SkillOutcome::kCancelled;
+  }
+  return status.empty() ? SkillOutcome::kRefused : SkillOutcome::kFailed;
+}
+
+}  // namespace
+
+std::string GoalIdText(const transport::GoalId& id) {
+  std::string text;
+  for (const std::uint8_t byte : id) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+std::optional<transport::GoalId> ReadGoalId(std::string_view text) {
+  transport::GoalId id{};
+  if (text.size() != 2 * id.size()) return std::nullopt;
+  for (std::size_t i = 0; i < id.size(); ++i) {
+    const char* const begin = text.data() + 2 * i;
+    const auto [stop, error] = std::from_chars(begin, begin + 2, id.at(i), 16);
+    if (error != std::errc() || stop != begin + 2) return std::nullopt;
+  }
+  return id;
+}
+
+void FillSkillEnd(const transport::GoalOutcome<msg::SkillExecution>& of, bool accepted,
+                  SkillEnd& end) {
+  if (of.end == transport::GoalEnd::kRejected || of.end == transport::GoalEnd::kLost) {
+    const bool rejected = of.end == transport::GoalEnd::kRejected;
+    end.outcome = rejected   ? SkillOutcome::kRefused
+                  : accepted ? SkillOutcome::kLost
+                             : SkillOutcome::kNoAnswer;
+    end.message = of.reason;
+    return;
+  }
+  const SkillReport report = ReadSkillReport(of.result.message);
+  end.message = report.message;
+  if (!report.status.empty()) end.progress = report.progress;
+  end.outcome = of.end == transport::GoalEnd::kSucceeded ? SkillOutcome::kCompleted
+                                                         : SkillOutcomeOf(of.end, report.status);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,24 @@
+#pragma once
+// A goal of the action by which skills are requested.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "musher/controller/cli/render/skill.hpp"
+#include "musher/messages/plan_msgs/skill.hpp"
+#include "musher/transport/action.hpp"
+
+namespace musher::cli {
+
+// 32 hexadecimal digits.
+std::string GoalIdText(const transport::GoalId& id);
+// None: another text.
+std::optional<transport::GoalId> ReadGoalId(std::string_view text);
+
+// Sets outcome, message and progress from the end of a goal, which its actuator has accepted or
+// not.
+void FillSkillEnd(const transport::GoalOutcome<msg::SkillExecution>& of, bool accepted,
+                  SkillEnd& end);
+
+}  // namespace musher::cli
