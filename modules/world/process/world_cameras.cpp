@@ -43,7 +43,7 @@ Result<std::unique_ptr<WorldCameras>> WorldCameras::Make(transport::Endpoints& e
       new WorldCameras(endpoints.node(), scene, std::move(options)));
   for (std::size_t i = 0; i < kCameras; ++i) {
     const CameraSpec& spec = scene.cameras.cameras[i];
-    if (!spec.enabled) continue;
+    if (!spec.enabled || !scene.has_body) continue;
     const std::string topic = "world/camera/" + std::string(kCameraNames[i]);
     cameras->outlets_[i].images = endpoints.Advertise<msg::Image>(topic, transport::kSensorDataQos);
     auto* info = endpoints.Advertise<msg::CameraInfo>(topic + "/info", transport::kLatchedQos);
