@@ -30,10 +30,6 @@ Result<Vector3d> ToVector(const std::vector<float>& values, const char* name) {
   return vector;
 }
 
-std::string FrameOf(std::size_t camera) {
-  return "camera_" + std::string(kCameraNames[camera]);
-}
-
 }  // namespace
 
 msg::BodyState ToBodyState(const World& world) {
@@ -81,9 +77,9 @@ msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration a
   return message;
 }
 
-msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index) {
+msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, const std::string& frame) {
   msg::CameraInfo info;
-  info.header.frame_id = FrameOf(index);
+  info.header.frame_id = frame;
   info.width = static_cast<std::uint32_t>(intrinsics.width_px);
   info.height = static_cast<std::uint32_t>(intrinsics.height_px);
   const bool pinhole = intrinsics.model == CameraModel::kPinhole;
@@ -98,9 +94,9 @@ msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index) {
   return info;
 }
 
-msg::Image ToMessage(Image image, std::size_t index, Duration at) {
+msg::Image ToMessage(Image image, const std::string& frame, Duration at) {
   msg::Image message;
-  message.header = {msg::ToStamp(at), FrameOf(index)};
+  message.header = {msg::ToStamp(at), frame};
   message.width = static_cast<std::uint32_t>(image.width);
   message.height = static_cast<std::uint32_t>(image.height);
   message.encoding = "bgr8";

@@ -7,8 +7,10 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
+#include "musher/modules/world/simulation/fleet_report.hpp"
 
 namespace musher::world {
 namespace {
@@ -32,6 +34,12 @@ WorldRobots::WorldRobots(transport::Endpoints& endpoints, World& world,
     objects_ = endpoints.Advertise<msg::ObjectStates>("world/objects");
   }
   if (!scene.robots.empty()) OpenMaps(endpoints);
+  endpoints.Serve<msg::Trigger>("world/robots", [this](const auto&, auto reply) {
+    reply({true, FleetText(world_)});
+  });
+  endpoints.Serve<msg::Trigger>("world/robots_json", [this](const auto&, auto reply) {
+    reply({true, FleetJson(world_)});
+  });
 }
 
 void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {

@@ -11,7 +11,9 @@
 //   world/objects           musher_msgs/ObjectStates, 10 Hz
 //   map, map_point_cloud    nav_msgs/OccupancyGrid, sensor_msgs/PointCloud2, latched
 //
-// All only in a scene with robots. Times and rates are of world time.
+//   world/robots, robots_json  std_srvs/Trigger, served: what the robots do now
+//
+// The maps are only in a scene with robots. Times and rates are of world time.
 //
 // Threads: the loop's.
 

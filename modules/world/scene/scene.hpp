@@ -97,6 +97,12 @@ struct Line {
   bool watched = false;  // the referee reports every foot on it
 };
 
+// A word on the ground, for the picture only.
+struct GroundLabel {
+  std::string text;
+  Eigen::Vector2d middle_m;
+};
+
 // A square on the ground on which the battery charges.
 struct Pad {
   Eigen::Vector2d center_m;
@@ -220,6 +226,7 @@ struct Scene {
   std::vector<Board> boards;
   std::vector<Line> lines;
   std::vector<Pad> pads;
+  std::vector<GroundLabel> labels;
   std::vector<MotionTime> motion_times;
   std::vector<SceneEvent> events;  // by time
   double fence_height_m = 0.6;     // around the place; 0: there is none to be seen

@@ -226,6 +226,12 @@ class Things {
     scene_.lines.push_back(std::move(line));
   }
 
+  void ReadLabel(TableReader& reader) {
+    reader.Require("text", "what is written there");
+    const auto text = reader.String("text");
+    scene_.labels.push_back({text ? text->text : "", keys::Center(reader)});
+  }
+
   void ReadPad(TableReader& reader) {
     const Vector2d center = keys::Center(reader);
     scene_.pads.push_back({center, keys::Length(reader, "size_m").value_or(0.8)});
@@ -253,7 +259,7 @@ void ReadThings(TableReader& root, const std::string& folder, const Choices& cho
   const std::pair<const char*, void (Things::*)(TableReader&)> kinds[] = {
       {"box", &Things::ReadBox},   {"wall", &Things::ReadWall},   {"circle", &Things::ReadCircle},
       {"ball", &Things::ReadBall}, {"board", &Things::ReadBoard}, {"line", &Things::ReadLine},
-      {"pad", &Things::ReadPad}};
+      {"pad", &Things::ReadPad},   {"label", &Things::ReadLabel}};
   for (const auto& [key, read] : kinds) {
     keys::Each(root, key, findings,
                [&, read = read](TableReader& reader) { (things.*read)(reader); });

@@ -55,8 +55,14 @@ Solid SolidOf(const RobotSpec& spec, const RobotBody& body) {
 Fleet::Fleet(const Scene& scene) {
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const RobotSpec& spec = scene.robots[i];
-    robots_.push_back(
-        {RobotBody(spec, SeedOf(scene, kGusts, i)), Battery(spec.battery), {}, 0, false, {}, {}});
+    robots_.push_back({RobotBody(spec, SeedOf(scene, kGusts, i)),
+                       Battery(spec.battery),
+                       {},
+                       0,
+                       false,
+                       0,
+                       {},
+                       {}});
     Record(i, {});
   }
   for (const ObjectSpec& spec : scene.objects) {
@@ -135,7 +141,9 @@ void Fleet::StepRobot(const Scene& scene, std::size_t index, const Around& aroun
     log.push_back(spec.name + ": the battery is empty" +
                   (robot.body.airborne() ? "; it sinks to the ground" : ""));
   }
+  const Vector3d from = robot.body.position_m();
   robot.body.Step({in_the_way, floor}, robot.battery.empty(), now, dt);
+  robot.driven_m += (robot.body.position_m() - from).norm();
   const std::string& stopped_by = robot.body.stopped_by();
   if (!stopped_by.empty() && !robot.touching) {
     ++robot.collisions;

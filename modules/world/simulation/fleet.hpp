@@ -31,6 +31,7 @@ struct FleetRobot {
   std::optional<std::size_t> holds;  // an object
   int collisions = 0;
   bool touching = false;  // it has not moved freely since the last collision
+  double driven_m = 0;    // length of its way, climbs included
   Track track;
   std::vector<Eigen::Vector2d> planned_m;  // the last path that was planned for it; drawn only
 };
