@@ -31,6 +31,7 @@ constexpr double kRight = kPictureWidth - kMargin;
 constexpr double kMapTop = 74;
 constexpr double kMapRight = 856;  // the legend stands beyond
 constexpr double kChartHeight = 300;
+constexpr double kBatteriesHeight = 200;  // without the rows of the body
 
 // Only as high as the place and the legend need.
 double MapBottom(const Scene& scene) {
@@ -41,19 +42,33 @@ double MapBottom(const Scene& scene) {
   return std::round(std::clamp(kMapTop + height, kLeast, kHighest));
 }
 
+std::string Facts(const World& world) {
+  char facts[160];
+  const double now_s = std::floor(std::chrono::duration<double>(world.now()).count());
+  if (world.scene().has_body) {
+    std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
+                  ClockText(now_s).c_str(), WalkedM(world.track()), world.battery().percent());
+  } else {
+    std::snprintf(facts, sizeof(facts), "%s of world time    %zu robots", ClockText(now_s).c_str(),
+                  world.scene().robots.size());
+  }
+  return facts;
+}
+
 Result<> DrawAll(const World& world, const std::string& path) {
   const double map_bottom = MapBottom(world.scene());
-  const double height = map_bottom + kChartHeight;
+  const double height = map_bottom + (world.scene().has_body ? kChartHeight : kBatteriesHeight);
   Canvas canvas(kPictureWidth, static_cast<int>(height), kPaper);
   canvas.Text(world.scene().name, {kLeft, 42}, 22, kInk);
-  char facts[160];
-  std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
-                ClockText(std::floor(std::chrono::duration<double>(world.now()).count())).c_str(),
-                WalkedM(world.track()), world.battery().percent());
-  canvas.Text(facts, {kRight, 42}, 13, kGreyInk, Align::kRight);
+  canvas.Text(Facts(world), {kRight, 42}, 13, kGreyInk, Align::kRight);
   const double right = DrawTopView(world, {kLeft, kMapTop}, {kMapRight, map_bottom}, canvas);
   DrawLegend(world, {right + 44, kMapTop + 18}, canvas);
-  DrawStripChart(world.track(), {kMargin, map_bottom + 30}, {kRight, height - 24}, canvas);
+  const Pixel chart(kMargin, map_bottom + 30);
+  if (world.scene().has_body) {
+    DrawStripChart(world.track(), chart, {kRight, height - 24}, canvas);
+  } else if (!world.scene().robots.empty()) {
+    DrawBatteryChart(world, chart, {kRight, height - 24}, canvas);
+  }
   return canvas.Save(path);
 }
 

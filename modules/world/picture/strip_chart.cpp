@@ -42,31 +42,26 @@ class Chart {
     ForRuns(IsCharging, [&](const Sample& first, double from, double to) {
       if (first.charging) canvas_.FillRect({from, top}, {to, bottom}, kPad);
     });
-    for (const int percent : {0, 20, 40, 60, 80, 100}) {
-      canvas_.Line({left_, y(percent)}, {right_, y(percent)}, kGrid);
-      if (percent % 20 == 0) {
-        canvas_.Text(std::to_string(percent), {left_ - 8, y(percent) + 4}, kTiny, kGreyInk,
-                     Align::kRight);
-      }
-    }
+    BatteryGrid(y);
     TimeGrid(top, bottom);
     ForRuns(IsCharging, [&](const Sample& first, double from, double to) {
       if (!first.charging || canvas_.TextWidth("charging", kTiny) + 8 > to - from) return;
       canvas_.Text("charging", {from + 6, top + 14}, kTiny, kPadEdge);
     });
-    std::vector<Pixel> line;
-    for (const Sample& sample : samples_) {
-      const Pixel point(X(sample.at), y(sample.battery_percent));
-      if (line.size() > 1 && point.x() - line[line.size() - 2].x() < 0.3 &&
-          std::abs(point.y() - line.back().y()) < 0.3) {
-        line.back() = point;  // more than can be seen
-      } else {
-        line.push_back(point);
-      }
+    BatteryLine(track_, kBatteryLine, y);
+    Names(top, bottom);
+  }
+
+  // Of several robots; the chart's own track only has its time.
+  void Batteries(const World& world, double top, double bottom) {
+    const auto y = [&](double percent) { return bottom + (top - bottom) * percent / 100; };
+    canvas_.FillRect({left_, top}, {right_, bottom}, kGround);
+    BatteryGrid(y);
+    TimeGrid(top, bottom);
+    for (std::size_t i = 0; i < world.scene().robots.size(); ++i) {
+      BatteryLine(world.fleet().robots()[i].track, world.scene().robots[i].color, y);
     }
-    canvas_.Polyline(line, kBatteryLine, 2);
-    Name("battery", (top + bottom) / 2 - 4);
-    Name("%", (top + bottom) / 2 + 12);
+    Names(top, bottom);
   }
 
   void Band(const std::string& row, double top, const std::vector<std::string>& names,
@@ -95,6 +90,35 @@ class Chart {
   }
 
  private:
+  void BatteryGrid(const std::function<double(double)>& y) {
+    for (const int percent : {0, 20, 40, 60, 80, 100}) {
+      canvas_.Line({left_, y(percent)}, {right_, y(percent)}, kGrid);
+      if (percent % 20 == 0) {
+        canvas_.Text(std::to_string(percent), {left_ - 8, y(percent) + 4}, kTiny, kGreyInk,
+                     Align::kRight);
+      }
+    }
+  }
+
+  void BatteryLine(const Track& track, const Color& color, const std::function<double(double)>& y) {
+    std::vector<Pixel> line;
+    for (const Sample& sample : track.samples()) {
+      const Pixel point(X(sample.at), y(sample.battery_percent));
+      if (line.size() > 1 && point.x() - line[line.size() - 2].x() < 0.3 &&
+          std::abs(point.y() - line.back().y()) < 0.3) {
+        line.back() = point;  // more than can be seen
+      } else {
+        line.push_back(point);
+      }
+    }
+    canvas_.Polyline(line, color, 2);
+  }
+
+  void Names(double top, double bottom) {
+    Name("battery", (top + bottom) / 2 - 4);
+    Name("%", (top + bottom) / 2 + 12);
+  }
+
   double Xs(double seconds) const { return left_ + (right_ - left_) * seconds / end_s_; }
   double X(Duration at) const { return Xs(ToSeconds(at)); }
 
@@ -160,6 +184,15 @@ void DrawStripChart(const Track& track, const Pixel& corner, const Pixel& opposi
   chart.Band(
       "motion", motion, track.motions(), [](const Sample& s) { return s.motion; }, ColorOfMotion);
   chart.TimeAxis(motion + kBandHeight + 6);
+}
+
+void DrawBatteryChart(const World& world, const Pixel& corner, const Pixel& opposite,
+                      Canvas& canvas) {
+  constexpr double kAxis = 26;
+  Chart chart(world.fleet().robots().front().track, corner, opposite, canvas);
+  const double bottom = opposite.y() - kAxis;
+  chart.Batteries(world, corner.y(), bottom);
+  chart.TimeAxis(bottom + 6);
 }
 
 }  // namespace musher::world

@@ -3,6 +3,7 @@
 
 #include "musher/modules/world/paint/canvas.hpp"
 #include "musher/modules/world/simulation/track.hpp"
+#include "musher/modules/world/simulation/world.hpp"
 
 namespace musher::world {
 
@@ -10,6 +11,10 @@ inline constexpr double kChartNames = 84;  // width of the names left of its row
 
 // Into the rectangle between the corners, including names at the left and times below.
 void DrawStripChart(const Track& track, const Pixel& corner, const Pixel& opposite, Canvas& canvas);
+
+// The batteries of a fleet over world time, each in its colour.
+void DrawBatteryChart(const World& world, const Pixel& corner, const Pixel& opposite,
+                      Canvas& canvas);
 
 // "1:05", from seconds of world time.
 std::string ClockText(double seconds);

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "musher/modules/world/paint/palette.hpp"
+#include "musher/modules/world/picture/fleet_view.hpp"
 #include "musher/modules/world/picture/marks.hpp"
 #include "musher/modules/world/sensors/sensing.hpp"
 
@@ -17,6 +18,7 @@ using Eigen::Vector2d;
 
 constexpr double kLetters = 12;
 constexpr double kTinyLetters = 11;
+constexpr double kLabelLetters = 15;
 constexpr double kWayWidth = 3.5;
 constexpr double kOverhead = 1;  // metres
 
@@ -49,7 +51,14 @@ class TopView {
     for (const Line& line : scene_.lines) {
       canvas_.Polyline(At(line.points_m), line.color, std::max(line.width_m * scale_, 1.0));
     }
+    for (const GroundLabel& label : scene_.labels) {
+      canvas_.Text(label.text, At(label.middle_m), kLabelLetters, kGreyInk, Align::kCenter);
+    }
     for (const Box& box : scene_.boxes) {
+      if (box.bottom_m > kOverhead) {  // over a door
+        canvas_.Outline(At(Corners(box.center_m, box.half_m, box.yaw_rad)), kGrid, 1);
+        continue;
+      }
       const std::vector<Pixel> corners = At(Corners(box.center_m, box.half_m, box.yaw_rad));
       canvas_.Fill(corners, box.color);
       canvas_.Outline(corners, EdgeOf(box.color), 1.2);
@@ -66,16 +75,23 @@ class TopView {
       DrawDisc(ball.center_m.head<2>(), ball.radius_m, ball.color);
     }
     for (const Board& board : scene_.boards) DrawBoard(board);
+    const ToPixel to_pixel = [this](const Vector2d& point_m) { return At(point_m); };
+    DrawFleetWays(world_, to_pixel, canvas_);
+    if (scene_.has_body) DrawOwnBody();
+    for (std::size_t i = 0; i < scene_.guests.size(); ++i) DrawGuest(i);
+    DrawFleet(world_, to_pixel, scale_, canvas_);
+  }
+
+ private:
+  void DrawOwnBody() {
     Way();
     for (const Bump& bump : world_.track().bumps()) Cross(At(bump.where_m), 5);
     if (scene_.picture.scan && scene_.sensors.lidar.enabled) Scan();
     if (scene_.humanoid) Sight();
-    for (std::size_t i = 0; i < scene_.guests.size(); ++i) DrawGuest(i);
     DrawBody(scene_.start, false);
     DrawBody(world_.body().pose(), true);
   }
 
- private:
   Pixel At(const Vector2d& point_m) const {
     const Vector2d from_corner = (point_m - scene_.least_m) * scale_;
     return {origin_.x() + from_corner.x(), origin_.y() - from_corner.y()};

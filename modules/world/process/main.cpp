@@ -83,7 +83,7 @@ int WorldControlMain(int argc, char** argv) {
   constexpr double kLongestS = 3600;
   app.add_option("WORDS", words, "What, see below")->required()->type_name("");
   app.add_option("--namespace", name_space, "Of the topics")->envname("MUSHER_NAMESPACE");
-  app.add_flag("--json", json, "With referee: its report as JSON");
+  app.add_flag("--json", json, "With referee and robots: the report as JSON");
   app.add_option("--timeout", timeout_s, "How long to look for the world, in s; default 5")
       ->check(CLI::Range(0.1, kLongestS).description(""));
   app.allow_extras(false);
@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
   auto* draw = app.add_option("--draw", options.picture,
                               "Draw what the scene does by itself to this PNG, and end");
   app.add_option("--shot", options.shot,
-                 "Draw what a camera (front, left, right) sees to this PNG, and end")
+                 "Draw what a camera (front, left, right, a robot) sees to this PNG, and end")
       ->expected(2)
       ->type_name("CAMERA FILE")
       ->excludes(draw)

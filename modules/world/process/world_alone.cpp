@@ -96,13 +96,29 @@ int DrawScene(const Scene& scene, Duration time, const std::string& path) {
 
 int ShootScene(const Scene& scene, Duration time, const std::string& camera,
                const std::string& path) {
-  const auto named = std::find(kCameraNames.begin(), kCameraNames.end(), camera);
-  if (named == kCameraNames.end()) {
-    Say("there is no camera \"" + camera + "\"; expected front, left or right");
+  std::vector<std::string> names;
+  for (const std::string_view name : kCameraNames) {
+    if (scene.has_body) names.emplace_back(name);
+  }
+  const std::size_t robots_from = names.size();
+  std::vector<std::size_t> robots;  // with a camera
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    if (!scene.robots[i].camera) continue;
+    robots.push_back(i);
+    names.push_back(scene.robots[i].name);
+  }
+  const auto named = std::find(names.begin(), names.end(), camera);
+  if (named == names.end()) {
+    std::string known;
+    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+    Say("there is no camera \"" + camera + "\"; the cameras are " +
+        (known.empty() ? "none" : known));
     return 2;
   }
-  const auto image =
-      TakeShot(Played(scene, time), static_cast<std::size_t>(named - kCameraNames.begin()));
+  const auto index = static_cast<std::size_t>(named - names.begin());
+  const World world = Played(scene, time);
+  const auto image = index < robots_from ? TakeShot(world, index)
+                                         : TakeShotOfRobot(world, robots.at(index - robots_from));
   const Result<> saved = image ? SaveImage(image.value(), path) : Result<>(image.error());
   Say(saved ? "drawn: " + path : saved.error().message);
   return saved ? 0 : 1;

@@ -1,5 +1,6 @@
 #include "musher/modules/world/process/world_cameras.hpp"
 
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -13,20 +14,20 @@ namespace musher::world {
 struct WorldCameras::Studio {
   explicit Studio(const Scene& of) : scene(of) {}
 
-  Result<Image> Draw(const Shot& shot) {
+  Result<Image> Draw(const Shot& shot, const CameraSpec& spec) {
     if (!scenery) {
       auto made = Scenery::Make(scene);
       if (!made) return made.error();
       scenery = std::move(made).value();
     }
     std::unique_ptr<Camera>& camera = cameras[shot.camera];
-    if (!camera) camera = std::make_unique<Camera>(scene.cameras.cameras[shot.camera]);
+    if (!camera) camera = std::make_unique<Camera>(spec);
     return camera->Shoot(*scenery, shot.view);
   }
 
   const Scene scene;
   std::unique_ptr<Scenery> scenery;
-  std::array<std::unique_ptr<Camera>, kCameras> cameras;
+  std::map<std::size_t, std::unique_ptr<Camera>> cameras;  // by outlet
 };
 
 WorldCameras::WorldCameras(transport::Node& node, const Scene& scene, Options options)
@@ -41,27 +42,52 @@ Result<std::unique_ptr<WorldCameras>> WorldCameras::Make(transport::Endpoints& e
                                                          const Scene& scene, Options options) {
   std::unique_ptr<WorldCameras> cameras(
       new WorldCameras(endpoints.node(), scene, std::move(options)));
-  for (std::size_t i = 0; i < kCameras; ++i) {
+  for (std::size_t i = 0; scene.has_body && i < kCameras; ++i) {
     const CameraSpec& spec = scene.cameras.cameras[i];
     if (!spec.enabled) continue;
-    const std::string topic = "world/camera/" + std::string(kCameraNames[i]);
-    cameras->outlets_[i].images = endpoints.Advertise<msg::Image>(topic, transport::kSensorDataQos);
-    auto* info = endpoints.Advertise<msg::CameraInfo>(topic + "/info", transport::kLatchedQos);
-    if (!endpoints.opened()) return endpoints.opened().error();
-    if (auto sent = info->Publish(ToCameraInfo(IntrinsicsOf(spec), i)); !sent) return sent.error();
+    const std::string name(kCameraNames[i]);
+    const std::string topic = "world/camera/" + name;
+    Outlet outlet;
+    outlet.name = name;
+    outlet.frame = "camera_" + name;
+    outlet.spec = spec;
+    outlet.view = [i](const World& world) { return ViewOf(world, i); };
+    cameras->Open(endpoints, std::move(outlet), topic, topic + "/info");
   }
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const RobotSpec& robot = scene.robots[i];
+    if (!robot.camera || !robot.camera->enabled) continue;
+    Outlet outlet;
+    outlet.name = robot.name;
+    outlet.frame = robot.name + "/camera";
+    outlet.spec = *robot.camera;
+    outlet.view = [i](const World& world) { return ViewOfRobot(world, i); };
+    cameras->Open(endpoints, std::move(outlet), robot.name + "/camera/image",
+                  robot.name + "/camera/info");
+  }
+  if (!endpoints.opened()) return endpoints.opened().error();
   return cameras;
+}
+
+void WorldCameras::Open(transport::Endpoints& endpoints, Outlet outlet, const std::string& images,
+                        const std::string& info) {
+  outlet.images = endpoints.Advertise<msg::Image>(images, transport::kSensorDataQos);
+  auto* calibration = endpoints.Advertise<msg::CameraInfo>(info, transport::kLatchedQos);
+  if (!endpoints.opened()) return;
+  if (auto sent = calibration->Publish(ToCameraInfo(IntrinsicsOf(outlet.spec), outlet.frame));
+      !sent) {
+    options_.log(info + " could not be published: " + sent.error().message);
+  }
+  outlets_.push_back(std::move(outlet));
 }
 
 void WorldCameras::OnStep(const World& world) {
   if (!studio_) return;
-  for (std::size_t i = 0; i < kCameras; ++i) {
+  for (std::size_t i = 0; i < outlets_.size(); ++i) {
     const Outlet& outlet = outlets_[i];
-    const CameraSpec& spec = world.scene().cameras.cameras[i];
-    if (outlet.images == nullptr || !IsDue(world.now(), spec.rate_hz)) continue;
-    if (outlet.images->MatchedReaders() == 0) continue;
-    if (world.IsSilent("camera " + std::string(kCameraNames[i]))) continue;
-    Request({i, world.now(), ViewOf(world, i)});
+    if (!IsDue(world.now(), outlet.spec.rate_hz) || outlet.images->MatchedReaders() == 0) continue;
+    if (world.IsSilent("camera " + outlet.name)) continue;
+    Request({i, world.now(), outlet.view(world)});
   }
 }
 
@@ -82,7 +108,7 @@ void WorldCameras::Skip(std::size_t camera) {
   Outlet& outlet = outlets_[camera];
   if (!drew_ || outlet.skipped) return;
   outlet.skipped = true;
-  options_.log("camera " + std::string(kCameraNames[camera]) +
+  options_.log("camera " + outlet.name +
                ": a shot was due while the last one was still being drawn, and is skipped; "
                "further ones are not logged");
 }
@@ -93,8 +119,9 @@ void WorldCameras::Draw() {
   const Shot shot = queue_.front();
   queue_.pop_front();
   auto image = std::make_shared<std::optional<Image>>();
-  const auto work = [studio = studio_, shot, image]() -> Result<> {
-    auto drawn = studio->Draw(shot);
+  const auto work = [studio = studio_, shot, spec = outlets_[shot.camera].spec,
+                     image]() -> Result<> {
+    auto drawn = studio->Draw(shot, spec);
     if (!drawn) return drawn.error();
     *image = std::move(drawn).value();
     return Ok();
@@ -122,7 +149,7 @@ void WorldCameras::Finish(const Shot& shot, Result<Image> image) {
   } else {
     // The next one follows soon.
     static_cast<void>(
-        outlet.images->Publish(ToMessage(std::move(image).value(), shot.camera, shot.at)));
+        outlet.images->Publish(ToMessage(std::move(image).value(), outlet.frame, shot.at)));
   }
   for (auto it = waiting_.begin(); it != waiting_.end(); ++it) {
     if (it->camera != shot.camera) continue;

@@ -1,9 +1,10 @@
 #pragma once
-// Publishes what the cameras of a simulated body see, each at its rate of world time and only
-// while it has a subscriber.
+// Publishes what the cameras of a simulated body and of robots see, each at its rate of world time
+// and only while it has a subscriber.
 //
 //   world/camera/front, left, right          sensor_msgs/Image, bgr8
 //   world/camera/front/info, left/..., ...   sensor_msgs/CameraInfo, latched
+//   R/camera/image, R/camera/info            the same of each robot R of the scene with a camera
 //
 // A picture that is due is drawn beside the loop from the present pose of the body, and published
 // when it is done with that time as its stamp. A picture that is due while the camera's last one
@@ -12,11 +13,11 @@
 //
 // Threads: the loop's. Drawing runs on the worker, one picture at a time.
 
-#include <array>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/actuator/worker.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
@@ -48,8 +49,12 @@ class WorldCameras {
   bool waits() const { return !waiting_.empty(); }
 
  private:
-  // One camera on the network; null: there is none.
+  // One camera on the network.
   struct Outlet {
+    std::string name;  // "front", "jetbot_0"
+    std::string frame;
+    CameraSpec spec;
+    std::function<View(const World&)> view;
     transport::Publisher<msg::Image>* images = nullptr;
     bool busy = false;  // a shot is queued or drawn
     bool skipped = false;
@@ -62,6 +67,8 @@ class WorldCameras {
   struct Studio;
 
   WorldCameras(transport::Node& node, const Scene& scene, Options options);
+  void Open(transport::Endpoints& endpoints, Outlet outlet, const std::string& images,
+            const std::string& info);
   void Request(const Shot& shot);
   void Skip(std::size_t camera);
   void Draw();
@@ -70,7 +77,7 @@ class WorldCameras {
   transport::Node& node_;
   const Options options_;
   const CameraSet::Late late_;
-  std::array<Outlet, kCameras> outlets_;
+  std::vector<Outlet> outlets_;
   std::shared_ptr<Studio> studio_;  // where pictures are drawn; null after a failure
   std::deque<Shot> queue_;
   std::deque<Shot> waiting_;  // for the last picture of their camera

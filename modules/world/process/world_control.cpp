@@ -28,7 +28,8 @@ const char* const kWorldCommands =
     "  pause on|off        whether it stands still\n"
     "  show|hide NAME      a ball with that name appears, or disappears\n"
     "  draw                writes the picture, prints its path\n"
-    "  referee [--json]    prints the referee's report of this run";
+    "  referee [--json]    prints the referee's report of this run\n"
+    "  robots [--json]     prints pose, battery, load and collisions of each robot";
 
 namespace {
 
@@ -95,8 +96,9 @@ std::optional<WorldCommand> ReadWords(const Words& words) {
   const std::string& what = words.front();
   if (what == "place") return ReadPlace(words);
   if (what == "draw" && words.size() == 1) return DrawNow{};
-  if (what == "referee" && words.size() == 1) return RefereeNow{};
-  if (what == "referee" && words.size() == 2 && words[1] == "--json") return RefereeNow{true};
+  const bool json = words.size() == 2 && words[1] == "--json";
+  if (what == "referee" && (json || words.size() == 1)) return RefereeNow{json};
+  if (what == "robots" && (json || words.size() == 1)) return RobotsNow{json};
   if (what == "say" && words.size() > 1) {
     Speech speech{words[1]};
     for (std::size_t i = 2; i < words.size(); ++i) speech.text += " " + words[i];
@@ -155,6 +157,9 @@ class CommandSender {
   Result<std::string> operator()(const DrawNow&) { return Call<msg::Trigger>("draw", {}); }
   Result<std::string> operator()(const RefereeNow& command) {
     return Call<msg::Trigger>(command.json ? "referee_json" : "referee", {});
+  }
+  Result<std::string> operator()(const RobotsNow& command) {
+    return Call<msg::Trigger>(command.json ? "robots_json" : "robots", {});
   }
 
  private:

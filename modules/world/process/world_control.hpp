@@ -31,8 +31,11 @@ struct DrawNow {};
 struct RefereeNow {
   bool json = false;  // else text
 };
+struct RobotsNow {
+  bool json = false;  // else text
+};
 using WorldCommand = std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed,
-                                  Show, Pause, DrawNow, RefereeNow>;
+                                  Show, Pause, DrawNow, RefereeNow, RobotsNow>;
 
 // Help text: one line for each command.
 extern const char* const kWorldCommands;

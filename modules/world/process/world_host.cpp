@@ -59,11 +59,14 @@ void WorldHost::Publish() {
   // In every namespace.
   clock_ = endpoints_.Advertise<msg::Clock>(std::string("/") + transport::kClockTopic,
                                             transport::kClockQos);
-  body_state_ = endpoints_.Advertise<msg::BodyState>("world/body_state");
-  battery_ = endpoints_.Advertise<msg::BatteryState>("world/battery");
+  if (world_.scene().has_body) {
+    body_state_ = endpoints_.Advertise<msg::BodyState>("world/body_state");
+    battery_ = endpoints_.Advertise<msg::BatteryState>("world/battery");
+    sensors_ = std::make_unique<WorldSensors>(endpoints_, world_.scene());
+  }
   touch_ = endpoints_.Advertise<msg::Int32>("world/touch");
-  sensors_ = std::make_unique<WorldSensors>(endpoints_, world_.scene());
   show_ = std::make_unique<WorldShow>(endpoints_, world_, options_.log);
+  robots_ = std::make_unique<WorldRobots>(endpoints_, world_, options_.log);
 }
 
 Result<> WorldHost::MakeCameras() {
@@ -183,12 +186,8 @@ void WorldHost::OnStep() {
   }
   const StepOutputs outputs = world_.Step();
   static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));  // the next one follows soon
-  static_cast<void>(body_state_->Publish(ToBodyState(world_)));
-  constexpr Duration kBatteryPeriod = std::chrono::seconds(1);
-  if (world_.now() % kBatteryPeriod < kStep || world_.now() == kStep) {
-    static_cast<void>(battery_->Publish(ToBatteryState(world_)));
-  }
-  sensors_->OnStep(world_);
+  if (world_.scene().has_body) PublishBody();
+  robots_->OnStep();
   show_->OnStep();
   cameras_->OnStep(world_);
   for (const int touch : outputs.touches) Touch(touch);
@@ -196,6 +195,15 @@ void WorldHost::OnStep() {
   if (outputs.speed) return SetSpeed(*outputs.speed);
   Arm(pacer_.Next(node_.loop().Now()));
   Log(pacer_.TakeLogLine());
+}
+
+void WorldHost::PublishBody() {
+  static_cast<void>(body_state_->Publish(ToBodyState(world_)));
+  constexpr Duration kBatteryPeriod = std::chrono::seconds(1);
+  if (world_.now() % kBatteryPeriod < kStep || world_.now() == kStep) {
+    static_cast<void>(battery_->Publish(ToBatteryState(world_)));
+  }
+  sensors_->OnStep(world_);
 }
 
 void WorldHost::Touch(int state) {

@@ -9,6 +9,7 @@
 //   world/draw, pause      services            world/fault, speed, led, motor_power
 //   world/referee, referee_json, the same      world/show, hide: a ball by its name
 //   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
+//   <robot>/odom, cmd_vel, scan and so on: see world_robots.hpp
 //   musher/machine_status  of the controller, for the picture
 //
 // Invalid input is refused with a line in the log, and nothing moves.
@@ -27,6 +28,7 @@
 #include "musher/modules/world/process/followers.hpp"
 #include "musher/modules/world/process/pacer.hpp"
 #include "musher/modules/world/process/world_cameras.hpp"
+#include "musher/modules/world/process/world_robots.hpp"
 #include "musher/modules/world/process/world_sensors.hpp"
 #include "musher/modules/world/process/world_show.hpp"
 #include "musher/modules/world/simulation/world.hpp"
@@ -66,6 +68,7 @@ class WorldHost {
 
   void Arm(Time when);
   void OnStep();
+  void PublishBody();
   // Whether a step has to wait, for a picture or a process.
   bool Waits() const;
   void Continue();
@@ -94,6 +97,7 @@ class WorldHost {
   std::unique_ptr<WorldSensors> sensors_;
   std::unique_ptr<WorldCameras> cameras_;
   std::unique_ptr<WorldShow> show_;
+  std::unique_ptr<WorldRobots> robots_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
   transport::Endpoints endpoints_;                              // last: its callbacks use the rest
 };

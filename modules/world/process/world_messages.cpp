@@ -1,11 +1,12 @@
 #include "musher/modules/world/process/world_messages.hpp"
-#include "musher/messages/stamp.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "musher/messages/stamp.hpp"
+#include "musher/modules/world/process/robot_messages.hpp"
 
 namespace musher::world {
 namespace {
@@ -13,8 +14,6 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
 
 msg::Vector3 ToVector(const Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
@@ -29,10 +28,6 @@ Result<Vector3d> ToVector(const std::vector<float>& values, const char* name) {
   const Vector3d vector(values[0], values[1], values[2]);
   if (!vector.allFinite()) return Error{kCodeFailed, std::string(name) + " is not a number"};
   return vector;
-}
-
-std::string FrameOf(std::size_t camera) {
-  return "camera_" + std::string(kCameraNames[camera]);
 }
 
 }  // namespace
@@ -68,29 +63,7 @@ msg::BodyState ToBodyState(const World& world) {
 }
 
 msg::BatteryState ToBatteryState(const World& world) {
-  constexpr double kEmptyV = 21.0, kFullV = 29.0;
-  const Battery& battery = world.battery();
-  const double share = battery.percent() / 100;
-  const double voltage = kEmptyV + (kFullV - kEmptyV) * share;
-  const double capacity_ah = world.scene().battery.capacity_wh / ((kEmptyV + kFullV) / 2);
-  using State = msg::BatteryState;
-  State state;
-  state.header = {msg::ToStamp(world.now()), "battery_id"};
-  state.voltage = static_cast<float>(voltage);
-  state.temperature = kNotMeasured;
-  state.current = static_cast<float>(battery.power_w() / voltage);
-  state.charge = static_cast<float>(capacity_ah * share);
-  state.capacity = static_cast<float>(capacity_ah);
-  state.design_capacity = state.capacity;
-  state.percentage = static_cast<float>(share);
-  state.power_supply_status = !battery.charging()       ? State::kStatusDischarging
-                              : battery.percent() < 100 ? State::kStatusCharging
-                                                        : State::kStatusFull;
-  state.power_supply_health = State::kHealthGood;
-  state.power_supply_technology = State::kTechnologyLion;
-  state.present = true;
-  state.location = battery.cable() ? "cable" : battery.charging() ? "pad" : "";
-  return state;
+  return ToBatteryState(world.battery(), world.scene().battery, world.now());
 }
 
 msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration at) {
@@ -104,9 +77,9 @@ msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration a
   return message;
 }
 
-msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index) {
+msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, const std::string& frame) {
   msg::CameraInfo info;
-  info.header.frame_id = FrameOf(index);
+  info.header.frame_id = frame;
   info.width = static_cast<std::uint32_t>(intrinsics.width_px);
   info.height = static_cast<std::uint32_t>(intrinsics.height_px);
   const bool pinhole = intrinsics.model == CameraModel::kPinhole;
@@ -121,9 +94,9 @@ msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index) {
   return info;
 }
 
-msg::Image ToMessage(Image image, std::size_t index, Duration at) {
+msg::Image ToMessage(Image image, const std::string& frame, Duration at) {
   msg::Image message;
-  message.header = {msg::ToStamp(at), FrameOf(index)};
+  message.header = {msg::ToStamp(at), frame};
   message.width = static_cast<std::uint32_t>(image.width);
   message.height = static_cast<std::uint32_t>(image.height);
   message.encoding = "bgr8";

@@ -1,6 +1,8 @@
 #pragma once
 // Converts a world's values to messages and back. Input is validated.
 
+#include <string>
+
 #include "musher/base/result.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
@@ -19,9 +21,9 @@ msg::BatteryState ToBatteryState(const World& world);
 
 msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration at);
 
-// Of camera `index` of kCameraNames, whose frame is camera_front and so on.
-msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index);
-msg::Image ToMessage(Image image, std::size_t index, Duration at);
+// Of a camera whose optical frame has that name.
+msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, const std::string& frame);
+msg::Image ToMessage(Image image, const std::string& frame, Duration at);
 
 // Fails when a number is not finite, or an array has another length than the board's. An empty
 // array counts as zeros.

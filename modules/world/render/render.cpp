@@ -223,6 +223,7 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
   image.bgr.resize(3 * static_cast<std::size_t>(image.width) *
                    static_cast<std::size_t>(image.height));
   std::vector<Thing> things = scenery.With(view.guests, view.hidden_balls);
+  for (const Solid& solid : view.moving) things.push_back(ThingOf(solid));
   if (view.humanoid) {
     StandRobot(*view.humanoid, BodyInPlace(view.body, view.attitude),
                spec_.on != CameraMount::kPlace, things);

@@ -14,6 +14,7 @@
 #include "musher/modules/world/render/lens.hpp"
 #include "musher/modules/world/render/robot_figure.hpp"
 #include "musher/modules/world/render/scenery.hpp"
+#include "musher/modules/world/scene/solids.hpp"
 
 namespace musher::world {
 
@@ -39,6 +40,7 @@ struct View {
   std::vector<Guest> guests = {};              // as the scene lists them
   std::vector<std::size_t> hidden_balls = {};  // in ascending order
   std::optional<HumanoidStance> humanoid = {};
+  std::vector<Solid> moving = {};  // robots, movers and objects that the camera may see
 };
 
 class Camera {

@@ -57,7 +57,23 @@ double Radiance(double wavelength_m, double temperature_k) {
   return std::pow(wavelength_m, -5) / std::expm1(kSecondRadiation / (wavelength_m * temperature_k));
 }
 
+Thing ToThing(const Box& box) {
+  return Upright(Thing::Shape::kBox, box.center_m, box.bottom_m, box.height_m, box.half_m,
+                 box.yaw_rad, box.color);
+}
+
+Thing ToThing(const Circle& circle) {
+  return Upright(Thing::Shape::kCylinder, circle.center_m, circle.bottom_m, circle.height_m,
+                 Vector2d::Constant(circle.radius_m), 0, circle.color);
+}
+
 }  // namespace
+
+Thing ThingOf(const Solid& solid) {
+  Thing thing = std::visit([](const auto& shape) { return ToThing(shape); }, solid.shape);
+  Bound(thing);
+  return thing;
+}
 
 Light3 ToLight(const Color& color) {
   return {float(color.red), float(color.green), float(color.blue)};
@@ -125,15 +141,8 @@ Scenery::Scenery(const Scene& scene, Texture ground)
       light_in_shadow_(static_cast<float>(LightInShadow(scene.light))) {
   texels_per_m_ = static_cast<float>(ground_.width()) / (most_m_.x() - least_m_.x());
   Dim(scene);
-  for (const Box& box : scene.boxes) {
-    things_.push_back(Upright(Thing::Shape::kBox, box.center_m, box.bottom_m, box.height_m,
-                              box.half_m, box.yaw_rad, box.color));
-  }
-  for (const Circle& circle : scene.circles) {
-    things_.push_back(Upright(Thing::Shape::kCylinder, circle.center_m, circle.bottom_m,
-                              circle.height_m, Vector2d::Constant(circle.radius_m), 0,
-                              circle.color));
-  }
+  for (const Box& box : scene.boxes) things_.push_back(ToThing(box));
+  for (const Circle& circle : scene.circles) things_.push_back(ToThing(circle));
   first_ball_ = things_.size();
   for (const Ball& ball : scene.balls) {
     Thing thing;

@@ -11,6 +11,7 @@
 #include "musher/base/result.hpp"
 #include "musher/modules/world/paint/texture.hpp"
 #include "musher/modules/world/scene/scene.hpp"
+#include "musher/modules/world/scene/solids.hpp"
 #include "musher/modules/world/simulation/guests.hpp"
 
 namespace musher::world {
@@ -96,6 +97,8 @@ class Scenery {
   float light_in_shadow_ = 1;
   float dim_from_ = 1, dim_x_ = 0, dim_y_ = 0, least_light_ = 0;
 };
+
+Thing ThingOf(const Solid& solid);
 
 Light3 ToLight(const Color& color);
 

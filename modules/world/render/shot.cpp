@@ -36,7 +36,30 @@ View ViewOf(const World& world, std::size_t index) {
           .gaze = world.gaze(),
           .guests = world.guests(),
           .hidden_balls = HiddenBalls(world.scene()),
-          .humanoid = StanceOf(world)};
+          .humanoid = StanceOf(world),
+          .moving = world.fleet().MovingSolids(world.scene(), std::nullopt)};
+}
+
+View ViewOfRobot(const World& world, std::size_t index) {
+  constexpr std::size_t kFirstRobot = 1000;  // other noise than that of the body's cameras
+  const RobotBody& body = world.fleet().robots().at(index).body;
+  View view;
+  view.body = {body.position_m().head<2>(), body.yaw_rad()};
+  view.attitude.height_m = body.position_m().z();
+  view.seed = NoiseSeed(world.scene(), kFirstRobot + index, world.now());
+  view.guests = world.guests();
+  view.hidden_balls = HiddenBalls(world.scene());
+  view.moving = world.fleet().MovingSolids(world.scene(), index);
+  const std::vector<Solid> of_world = world.BodySolid();
+  view.moving.insert(view.moving.end(), of_world.begin(), of_world.end());
+  return view;
+}
+
+Result<Image> TakeShotOfRobot(const World& world, std::size_t index) {
+  auto scenery = Scenery::Make(world.scene());
+  if (!scenery) return scenery.error();
+  return Camera(world.scene().robots.at(index).camera.value())
+      .Shoot(*scenery.value(), ViewOfRobot(world, index));
 }
 
 Result<Image> TakeShot(const World& world, std::size_t index) {

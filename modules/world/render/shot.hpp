@@ -15,6 +15,10 @@ View ViewOf(const World& world, std::size_t index);
 // The picture of the scene's camera `index`, from the pose of the body in `world`.
 Result<Image> TakeShot(const World& world, std::size_t index);
 
+// The same of the camera of a robot that has one.
+View ViewOfRobot(const World& world, std::size_t robot);
+Result<Image> TakeShotOfRobot(const World& world, std::size_t robot);
+
 // As PNG; the file is written completely or not at all.
 Result<> SaveImage(const Image& image, const std::string& path);
 

@@ -12,10 +12,13 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/modules/world/scene/battery_spec.hpp"
+#include "musher/modules/world/scene/camera_specs.hpp"
 #include "musher/modules/world/scene/color.hpp"
 #include "musher/modules/world/scene/course_specs.hpp"
 #include "musher/modules/world/scene/guest_specs.hpp"
 #include "musher/modules/world/scene/humanoid_specs.hpp"
+#include "musher/modules/world/scene/robot_specs.hpp"
 #include "musher/modules/world/scene/sensor_specs.hpp"
 
 namespace musher::world {
@@ -94,6 +97,12 @@ struct Line {
   bool watched = false;  // the referee reports every foot on it
 };
 
+// A word on the ground, for the picture only.
+struct GroundLabel {
+  std::string text;
+  Eigen::Vector2d middle_m;
+};
+
 // A square on the ground on which the battery charges.
 struct Pad {
   Eigen::Vector2d center_m;
@@ -126,31 +135,6 @@ struct Lighting {
   Color sky{150, 186, 222};
 };
 
-enum class CameraModel { kPinhole, kFisheye };
-
-// What a camera is fixed to: the trunk, the head, which turns, or the place.
-enum class CameraMount { kBody, kHead, kPlace };
-
-// On the robot its position is from the middle of the trunk, x ahead, y to the left, z upwards,
-// else from the place's origin; its angles turn it like the body's: yaw to the left, then pitch
-// downwards, then roll.
-struct CameraSpec {
-  bool enabled = true;
-  CameraMount on = CameraMount::kBody;
-  CameraModel model = CameraModel::kPinhole;
-  Eigen::Vector3d position_m{0, 0, 0};
-  double yaw_rad = 0;
-  double pitch_rad = 0;
-  double roll_rad = 0;
-  int width_px = 640;
-  int height_px = 480;
-  double hfov_rad = 0.98;  // angle from the left edge to the right one
-  double rate_hz = 15;
-  double noise = 1.5;      // standard deviation of each pixel, of 255
-  double exposure = 1;     // factor on all light
-  double vignette = 0.15;  // share of the light that is missing in the corners
-};
-
 inline constexpr std::size_t kCameras = 3;
 inline constexpr std::array<std::string_view, kCameras> kCameraNames{"front", "left", "right"};
 
@@ -174,17 +158,6 @@ struct BodySpec {
   double odometry_scale = 1.0;       // distance that odometry shows for a metre walked
   double odometry_yaw_drift_rad_per_m = 0;
   Duration command_timeout = std::chrono::seconds(1);  // timeout without a command: it stands still
-};
-
-struct BatterySpec {
-  double capacity_wh = 150;
-  double start_percent = 80;
-  double off_w = 5;
-  double lying_w = 20;
-  double standing_w = 90;
-  double moving_w = 220;
-  double cable_w = 180;  // what charging puts in
-  double pad_w = 90;
 };
 
 // Replaces the built-in time of a motion.
@@ -240,6 +213,8 @@ struct Scene {
   bool lockstep = false;  // a step waits until all processes that use /clock have had the last one
   Eigen::Vector2d least_m{-5, -4};
   Eigen::Vector2d most_m{5, 4};
+  double ceiling_m = 0;  // over the ground; 0: there is none
+  bool has_body = true;  // else `start`, `body`, `battery`, `cameras` and `sensors` are not used
   Pose2 start;
   bool start_standing = false;
   BodySpec body;
@@ -251,6 +226,7 @@ struct Scene {
   std::vector<Board> boards;
   std::vector<Line> lines;
   std::vector<Pad> pads;
+  std::vector<GroundLabel> labels;
   std::vector<MotionTime> motion_times;
   std::vector<SceneEvent> events;  // by time
   double fence_height_m = 0.6;     // around the place; 0: there is none to be seen
@@ -263,6 +239,9 @@ struct Scene {
   Duration guests_repeat{};  // period of the timetables; zero: no repetition
   std::string gesture_topic = "/wedding/perception/gesture";
   SensorSpecs sensors;
+  std::vector<RobotSpec> robots;
+  std::vector<ObjectSpec> objects;
+  std::vector<MoverSpec> movers;
   std::vector<Zone> zones;
   RefereeSpec referee;
   std::vector<Sampled> sampled;  // choices first

@@ -39,18 +39,6 @@ void ReadMount(TableReader& reader, Mount& mount) {
   Set(mount.pitch_rad, Angle(reader, "pitch_deg", -90, 90));
 }
 
-void ReadLidar(TableReader& reader, LidarSpec& lidar) {
-  Set(lidar.enabled, reader.Bool("enabled"));
-  ReadReach(reader, lidar.reach);
-  ReadMount(reader, lidar.mount);
-  if (const auto from = reader.Number("from_deg", -180, 180)) lidar.from_rad = *from * M_PI / 180;
-  if (const auto to = reader.Number("to_deg", -180, 180)) lidar.to_rad = *to * M_PI / 180;
-  if (const auto rays = reader.Integer("rays", 2, kMostRays)) lidar.rays = static_cast<int>(*rays);
-  if (lidar.to_rad > lidar.from_rad) return;
-  const std::string_view key = reader.Has("to_deg") ? "to_deg" : "from_deg";
-  reader.Fault(reader.At(key), key, "expected to_deg beyond from_deg: rays go counter-clockwise");
-}
-
 void ReadUltrasonic(TableReader& reader, UltrasonicSpec& ultrasonic) {
   Set(ultrasonic.enabled, reader.Bool("enabled"));
   ReadReach(reader, ultrasonic.reach);
@@ -97,6 +85,18 @@ void ReadUwb(TableReader& reader, UwbSpec& uwb) {
 }
 
 }  // namespace
+
+void ReadLidar(TableReader& reader, LidarSpec& lidar) {
+  Set(lidar.enabled, reader.Bool("enabled"));
+  ReadReach(reader, lidar.reach);
+  ReadMount(reader, lidar.mount);
+  if (const auto from = reader.Number("from_deg", -180, 180)) lidar.from_rad = *from * M_PI / 180;
+  if (const auto to = reader.Number("to_deg", -180, 180)) lidar.to_rad = *to * M_PI / 180;
+  if (const auto rays = reader.Integer("rays", 2, kMostRays)) lidar.rays = static_cast<int>(*rays);
+  if (lidar.to_rad > lidar.from_rad) return;
+  const std::string_view key = reader.Has("to_deg") ? "to_deg" : "from_deg";
+  reader.Fault(reader.At(key), key, "expected to_deg beyond from_deg: rays go counter-clockwise");
+}
 
 void ReadSensors(TableReader& root, Findings& findings, SensorSpecs& sensors) {
   keys::Section(root, "lidar", findings,

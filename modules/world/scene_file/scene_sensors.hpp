@@ -9,4 +9,7 @@ namespace musher::world {
 void ReadSensors(config_toml::TableReader& root, config_toml::Findings& findings,
                  SensorSpecs& sensors);
 
+// [lidar], and that of a robot.
+void ReadLidar(config_toml::TableReader& reader, LidarSpec& lidar);
+
 }  // namespace musher::world

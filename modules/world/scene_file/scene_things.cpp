@@ -1,11 +1,13 @@
 #include "musher/modules/world/scene_file/scene_things.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "musher/base/toml/findings.hpp"
 #include "musher/modules/world/scene_file/scene_keys.hpp"
+#include "musher/modules/world/simulation/text.hpp"
 
 namespace musher::world {
 namespace {
@@ -20,6 +22,7 @@ constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera 
 constexpr std::size_t kLongestText = 500;  // bytes
 constexpr double kLongestShowS = 3600;
 constexpr Color kArrowInk{32, 150, 60};
+constexpr double kLeastPieceM = 1e-6;
 constexpr double kArcStep = 3 * M_PI / 180;
 
 class Things {
@@ -52,7 +55,56 @@ class Things {
     wall.center_m = (*from + *to) / 2;
     wall.half_m = {along.norm() / 2, thickness / 2};
     wall.yaw_rad = std::atan2(along.y(), along.x());
-    scene_.boxes.push_back(std::move(wall));
+    std::vector<Door> doors;
+    keys::Each(reader, "door", findings_, [&](TableReader& door) { ReadDoor(door, wall, doors); });
+    PutUp(wall, doors);
+  }
+
+  // An opening from the ground upwards; distances are along the wall.
+  struct Door {
+    double from_m = 0;
+    double to_m = 0;
+    double height_m = 0;
+  };
+
+  void ReadDoor(TableReader& reader, const Box& wall, std::vector<Door>& doors) {
+    reader.Require("at_m", "the distance from from_m to its middle");
+    const double at = keys::Height(reader, "at_m").value_or(0);
+    const double half = keys::Length(reader, "width_m").value_or(0.9) / 2;
+    const double height = keys::Length(reader, "height_m").value_or(wall.height_m);
+    const double length = 2 * wall.half_m.x();
+    if (at - half < 0 || at + half > length) {
+      return reader.Fault(
+          reader.At("at_m"), "at_m",
+          "the door does not fit into its wall, which is " + MetresText(length) + " m long");
+    }
+    if (!doors.empty() && at - half < doors.back().to_m) {
+      return reader.Fault(reader.At("at_m"), "at_m",
+                          "expected the doors of a wall side by side, in the order of at_m");
+    }
+    doors.push_back({at - half, at + half, height});
+  }
+
+  // The pieces of the wall beside its doors, and over them.
+  void PutUp(const Box& wall, const std::vector<Door>& doors) {
+    const double length = 2 * wall.half_m.x();
+    const Eigen::Rotation2Dd turn(wall.yaw_rad);
+    const auto piece = [&](double from, double to, double bottom_m, double height_m) {
+      if (to - from < kLeastPieceM || height_m < kLeastPieceM) return;
+      Box box = wall;
+      box.center_m = wall.center_m + turn * Vector2d((from + to - length) / 2, 0);
+      box.half_m.x() = (to - from) / 2;
+      box.bottom_m = bottom_m;
+      box.height_m = height_m;
+      scene_.boxes.push_back(std::move(box));
+    };
+    double from = 0;
+    for (const Door& door : doors) {
+      piece(from, door.from_m, wall.bottom_m, wall.height_m);
+      piece(door.from_m, door.to_m, wall.bottom_m + door.height_m, wall.height_m - door.height_m);
+      from = door.to_m;
+    }
+    piece(from, length, wall.bottom_m, wall.height_m);
   }
 
   void ReadCircle(TableReader& reader) {
@@ -174,6 +226,12 @@ class Things {
     scene_.lines.push_back(std::move(line));
   }
 
+  void ReadLabel(TableReader& reader) {
+    reader.Require("text", "what is written there");
+    const auto text = reader.String("text");
+    scene_.labels.push_back({text ? text->text : "", keys::Center(reader)});
+  }
+
   void ReadPad(TableReader& reader) {
     const Vector2d center = keys::Center(reader);
     scene_.pads.push_back({center, keys::Length(reader, "size_m").value_or(0.8)});
@@ -201,7 +259,7 @@ void ReadThings(TableReader& root, const std::string& folder, const Choices& cho
   const std::pair<const char*, void (Things::*)(TableReader&)> kinds[] = {
       {"box", &Things::ReadBox},   {"wall", &Things::ReadWall},   {"circle", &Things::ReadCircle},
       {"ball", &Things::ReadBall}, {"board", &Things::ReadBoard}, {"line", &Things::ReadLine},
-      {"pad", &Things::ReadPad}};
+      {"pad", &Things::ReadPad},   {"label", &Things::ReadLabel}};
   for (const auto& [key, read] : kinds) {
     keys::Each(root, key, findings,
                [&, read = read](TableReader& reader) { (things.*read)(reader); });

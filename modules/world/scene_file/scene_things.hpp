@@ -17,6 +17,9 @@ void ReadThings(config_toml::TableReader& root, const std::string& folder, const
 // [guests] and [[guest]]. Call it last: the paths of guests are checked against the obstacles.
 void ReadGuests(config_toml::TableReader& root, config_toml::Findings& findings, Scene& scene);
 
+// The camera of a robot.
+void ReadRobotCamera(config_toml::TableReader& reader, CameraSpec& camera);
+
 // [ground], [light], [cameras] and [camera.*].
 void ReadViews(config_toml::TableReader& root, const std::string& folder,
                config_toml::Findings& findings, Scene& scene);

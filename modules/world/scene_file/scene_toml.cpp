@@ -17,6 +17,7 @@
 #include "musher/modules/world/scene_file/scene_course.hpp"
 #include "musher/modules/world/scene_file/scene_humanoid.hpp"
 #include "musher/modules/world/scene_file/scene_keys.hpp"
+#include "musher/modules/world/scene_file/scene_robots.hpp"
 #include "musher/modules/world/scene_file/scene_sensors.hpp"
 #include "musher/modules/world/scene_file/scene_things.hpp"
 
@@ -30,8 +31,6 @@ using config_toml::TableReader;
 using keys::Coordinate;
 using keys::Set;
 
-constexpr double kMostW = 10'000;
-constexpr double kMostWh = 100'000;
 constexpr double kLongestS = 1e6;  // eleven days
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::int64_t kMostMode = 127;  // what fits into the board's messages
@@ -61,7 +60,7 @@ class Reader {
     Set(scene_.lockstep, root.Bool("lockstep"));
     Section(root, "place", [&](TableReader& reader) { ReadPlace(reader); });
     Section(root, "body", [&](TableReader& reader) { ReadBody(reader); });
-    Section(root, "battery", [&](TableReader& reader) { ReadBattery(reader); });
+    Section(root, "battery", [&](TableReader& reader) { ReadBattery(reader, scene_.battery); });
     Section(root, "picture", [&](TableReader& reader) { ReadPicture(reader); });
     placed_.push_back({scene_.start, {1, 1}, "start"});
     Section(root, "start", [&](TableReader& reader) { ReadStart(reader); });
@@ -74,6 +73,7 @@ class Reader {
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
     ReadReferee(root, choices, findings_, scene_);
     const Variation by = ReadVariation(root, findings_);
+    ReadRobots(root, findings_, scene_);
     ReadGuests(root, findings_, scene_);
     root.RefuseOthers();
     if (!findings_.HasErrors()) CheckPoses();
@@ -106,6 +106,7 @@ class Reader {
       scene_.most_m[axis] = range->y();
     }
     Set(scene_.fence_height_m, keys::Height(reader, "fence_height_m"));
+    Set(scene_.ceiling_m, reader.Number("ceiling_m", 0.5, kHighestFlightM));
     Set(scene_.fence_color, keys::ReadColor(reader, "fence_color", findings_));
   }
 
@@ -119,6 +120,7 @@ class Reader {
 
   void ReadBody(TableReader& reader) {
     BodySpec& body = scene_.body;
+    Set(scene_.has_body, reader.Bool("present"));
     Set(body.radius_m, reader.Number("radius_m", 0.05, 2));
     Set(body.stand_height_m, reader.Number("stand_height_m", 0.1, 2));
     Set(body.lie_height_m, reader.Number("lie_height_m", 0.01, 1));
@@ -134,18 +136,6 @@ class Reader {
       reader.Fault(reader.At("stand_height_m"), "stand_height_m",
                    "expected more than lie_height_m, the body would lie when it stands");
     }
-  }
-
-  void ReadBattery(TableReader& reader) {
-    BatterySpec& battery = scene_.battery;
-    Set(battery.capacity_wh, reader.Number("capacity_wh", 0.01, kMostWh));
-    Set(battery.start_percent, reader.Number("start_percent", 0, 100));
-    Set(battery.off_w, reader.Number("off_w", 0, kMostW));
-    Set(battery.lying_w, reader.Number("lying_w", 0, kMostW));
-    Set(battery.standing_w, reader.Number("standing_w", 0, kMostW));
-    Set(battery.moving_w, reader.Number("moving_w", 0, kMostW));
-    Set(battery.cable_w, reader.Number("cable_w", 0, kMostW));
-    Set(battery.pad_w, reader.Number("pad_w", 0, kMostW));
   }
 
   void ReadPicture(TableReader& reader) {
@@ -243,6 +233,7 @@ class Reader {
   }
 
   void CheckPoses() {
+    if (!scene_.has_body) return;
     for (const PlacedPose& placed : placed_) {
       if (IsFree(scene_, placed.pose.position_m)) continue;
       findings_.Error(placed.at, placed.what +

@@ -124,6 +124,10 @@ void ReadCamera(TableReader& reader, bool has_head, bool is_front, CameraSpec& c
 
 }  // namespace
 
+void ReadRobotCamera(TableReader& reader, CameraSpec& camera) {
+  ReadCamera(reader, false, true, camera);
+}
+
 void ReadViews(TableReader& root, const std::string& folder, Findings& findings, Scene& scene) {
   keys::Section(root, "ground", findings,
                 [&](TableReader& reader) { ReadGround(reader, folder, findings, scene.ground); });

@@ -1,30 +1,15 @@
 #include "musher/modules/world/simulation/world.hpp"
 
 #include <cmath>
-#include <cstdio>
+#include <iterator>
 #include <type_traits>
 #include <utility>
 
 #include "musher/modules/world/body/camera_model.hpp"
 #include "musher/modules/world/scene/place.hpp"
+#include "musher/modules/world/simulation/text.hpp"
 
 namespace musher::world {
-namespace {
-
-std::string NumberText(double number) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%g", number);
-  return text;
-}
-
-std::string At(const Eigen::Vector2d& point_m) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "(%.2f m, %.2f m)", point_m.x(), point_m.y());
-  return text;
-}
-
-}  // namespace
-
 bool IsDue(Duration now, double rate_hz) {
   const auto period =
       std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / rate_hz));
@@ -37,6 +22,7 @@ World::World(Scene scene)
       body_(*scene_),
       battery_(scene_->battery),
       guests_(*scene_),
+      fleet_(*scene_),
       referee_(*scene_, Seen()),
       hide_at_(scene_->balls.size()) {
   if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
@@ -49,6 +35,19 @@ StepOutputs World::Step() {
   while (next_event_ < scene_->events.size() && scene_->events[next_event_].at <= now_) {
     Apply(scene_->events[next_event_++], outputs);
   }
+  if (scene_->has_body) StepBody(outputs);
+  StepBalls(outputs);
+  if (scene_->has_body) referee_.Step(*scene_, Seen(), now_);
+  if (humanoid_) humanoid_->Step(kStep);
+  const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
+  guests_.Step(*scene_, robot, now_, kStep);
+  std::vector<std::string> log = fleet_.Step(*scene_, BodySolid(), now_, kStep);
+  std::move(log.begin(), log.end(), std::back_inserter(outputs.log));
+  if (track_.IsDue(now_)) Record();
+  return outputs;
+}
+
+void World::StepBody(StepOutputs& outputs) {
   const bool was_empty = supply_.battery_empty;
   battery_.Step(kStep, body_.activity(), on_pad());
   supply_.battery_empty = battery_.empty();
@@ -58,16 +57,24 @@ StepOutputs World::Step() {
   if (body_.bumped() && !touching_) {
     track_.AddBump({now_, body_.pose().position_m});
     referee_.Collide();
-    outputs.log.push_back("the body bumped into something at " + At(body_.pose().position_m));
+    outputs.log.push_back("the body bumped into something at " +
+                          PointText(body_.pose().position_m));
   }
   touching_ = body_.bumped();
-  StepBalls(outputs);
-  referee_.Step(*scene_, Seen(), now_);
-  if (humanoid_) humanoid_->Step(kStep);
-  const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
-  guests_.Step(*scene_, robot, now_, kStep);
-  if (track_.IsDue(now_)) Record();
-  return outputs;
+}
+
+std::vector<Solid> World::BodySolid() const {
+  if (!scene_->has_body) return {};
+  const BodySpec& body = scene_->body;
+  return {{"the body of the world",
+           Circle{"", body_.pose().position_m, body.radius_m, body.stand_height_m, 0, {}}}};
+}
+
+std::optional<std::size_t> World::FindRobot(const std::string& name) const {
+  for (std::size_t i = 0; i < scene_->robots.size(); ++i) {
+    if (scene_->robots[i].name == name) return i;
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> World::Command(const BoardCommand& command) {
@@ -94,7 +101,7 @@ std::optional<std::string> World::PutDown(const Pose2& at) {
     return "a place that is not a number is refused";
   }
   if (!IsFree(*scene_, at.position_m)) {
-    return "the body cannot be at " + At(at.position_m) +
+    return "the body cannot be at " + PointText(at.position_m) +
            ": an obstacle is in the way, or it is outside";
   }
   Record();

@@ -1,6 +1,7 @@
 #pragma once
-// A robot and the place it is in, moved in steps of 20 ms of world time. A plain value: the same
-// scene, seed and inputs give the same world, however the time is sliced into calls.
+// A robot, or several, and the place they are in, moved in steps of 20 ms of world time. A plain
+// value: the same scene, seed and inputs give the same world, however the time is sliced into
+// calls.
 
 #include <Eigen/Geometry>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "musher/modules/world/body/body.hpp"
 #include "musher/modules/world/body/humanoid.hpp"
 #include "musher/modules/world/scene/scene.hpp"
+#include "musher/modules/world/simulation/fleet.hpp"
 #include "musher/modules/world/simulation/guests.hpp"
 #include "musher/modules/world/simulation/referee.hpp"
 #include "musher/modules/world/simulation/track.hpp"
@@ -58,6 +60,18 @@ class World {
   // A ball appears or disappears. Returns the reason when there is no ball of that name.
   std::optional<std::string> SetShown(const std::string& ball, bool shown);
 
+  // Of the scene's robots, by their index.
+  std::optional<std::string> Drive(std::size_t robot, const BodyVelocity& command) {
+    return fleet_.Command(robot, command, now_);
+  }
+  HandReply UseHand(std::size_t robot, const HandRequest& request) {
+    return fleet_.UseHand(*scene_, robot, request);
+  }
+  void SetPlanned(std::size_t robot, std::vector<Eigen::Vector2d> points_m) {
+    fleet_.SetPlanned(robot, std::move(points_m));
+  }
+  std::optional<std::size_t> FindRobot(const std::string& name) const;
+
   Duration now() const { return now_; }
   // As it is now; valid until the next step or change.
   const Scene& scene() const { return *scene_; }
@@ -66,6 +80,9 @@ class World {
   const std::optional<Humanoid>& humanoid() const { return humanoid_; }
   Gaze gaze() const { return humanoid_ ? humanoid_->gaze() : Gaze{}; }
   const std::vector<Guest>& guests() const { return guests_.all(); }
+  const Fleet& fleet() const { return fleet_; }
+  // The body as the other robots meet it; nothing if there is none.
+  std::vector<Solid> BodySolid() const;
   // The frame of camera `index` in the place's.
   Eigen::Isometry3d CameraPose(std::size_t index) const;
   bool on_pad() const;
@@ -74,6 +91,7 @@ class World {
   bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
 
  private:
+  void StepBody(StepOutputs& outputs);
   void Apply(const SceneEvent& event, StepOutputs& outputs);
   void StepBalls(StepOutputs& outputs);
   void SetShown(std::size_t ball, bool shown);
@@ -87,6 +105,7 @@ class World {
   Battery battery_;
   std::optional<Humanoid> humanoid_;
   Guests guests_;
+  Fleet fleet_;
   Referee referee_;
   Supply supply_;
   std::size_t next_event_ = 0;

@@ -1,0 +1,123 @@
+#include "musher/modules/world/process/world_robots.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "musher/messages/nav_msgs/occupancy_grid.hpp"
+#include "musher/messages/nav_msgs/path.hpp"
+#include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/stamp.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/world/process/robot_messages.hpp"
+#include "musher/modules/world/sensors/fleet_sensing.hpp"
+#include "musher/modules/world/simulation/fleet_report.hpp"
+
+namespace musher::world {
+namespace {
+
+constexpr double kObjectsHz = 10;
+constexpr double kBatteryHz = 1;
+
+}  // namespace
+
+WorldRobots::WorldRobots(transport::Endpoints& endpoints, World& world,
+                         std::function<void(const std::string&)> log)
+    : world_(world), log_(std::move(log)) {
+  const Scene& scene = world_.scene();
+  outlets_.resize(scene.robots.size());
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) Open(endpoints, i);
+  for (const MoverSpec& mover : scene.movers) {
+    mover_odometry_.push_back(
+        mover.tracked ? endpoints.Advertise<msg::Odometry>(mover.name + "/odom") : nullptr);
+  }
+  if (!scene.robots.empty() || !scene.objects.empty()) {
+    objects_ = endpoints.Advertise<msg::ObjectStates>("world/objects");
+  }
+  if (!scene.robots.empty()) OpenMaps(endpoints);
+  endpoints.Serve<msg::Trigger>("world/robots", [this](const auto&, auto reply) {
+    reply({true, FleetText(world_)});
+  });
+  endpoints.Serve<msg::Trigger>("world/robots_json", [this](const auto&, auto reply) {
+    reply({true, FleetJson(world_)});
+  });
+}
+
+void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
+  const RobotSpec& spec = world_.scene().robots[robot];
+  const std::string prefix = spec.name + "/";
+  Outlet& outlet = outlets_[robot];
+  outlet.odometry = endpoints.Advertise<msg::Odometry>(prefix + "odom");
+  if (spec.lidar.enabled) {
+    outlet.scan = endpoints.Advertise<msg::LaserScan>(prefix + "scan", transport::kSensorDataQos);
+  }
+  outlet.battery = endpoints.Advertise<msg::BatteryState>(prefix + "battery");
+  endpoints.Subscribe<msg::Twist>(
+      prefix + "cmd_vel", [this, robot](const auto& twist) { Drive(robot, FromMessage(twist)); });
+  endpoints.Subscribe<msg::Path>(
+      prefix + "planned_path",
+      [this, robot](const msg::Path& path) {
+        std::vector<Eigen::Vector2d> points;
+        for (const msg::PoseStamped& pose : path.poses) {
+          const Eigen::Vector2d point(pose.pose.position.x, pose.pose.position.y);
+          if (point.allFinite()) points.push_back(point);
+        }
+        world_.SetPlanned(robot, std::move(points));
+      },
+      transport::kLatchedFromManyQos);
+  if (!spec.hand) return;
+  endpoints.Serve<msg::ManipulationControl>(
+      prefix + "manipulation_control", [this, robot](const auto& request, auto reply) {
+        const auto hand = FromMessage(request);
+        if (!hand) return reply({false, hand.error().message, -1});
+        const HandReply done = world_.UseHand(robot, hand.value());
+        reply({done.success, done.message, done.distance_m});
+      });
+}
+
+void WorldRobots::OpenMaps(transport::Endpoints& endpoints) {
+  const Scene& scene = world_.scene();
+  auto* grid = endpoints.Advertise<msg::OccupancyGrid>("map", transport::kLatchedQos);
+  auto* cloud = endpoints.Advertise<msg::PointCloud2>("map_point_cloud", transport::kLatchedQos);
+  if (!endpoints.opened()) return;
+  const auto publish = [this](const char* name, const Result<>& sent) {
+    if (!sent) log_(std::string(name) + " could not be published: " + sent.error().message);
+  };
+  publish("map", grid->Publish(MapOfGround(scene, TallestOnGround(scene))));
+  publish("map_point_cloud", cloud->Publish(CloudOfSurfaces(scene)));
+}
+
+// A refusal is logged once until a command is accepted.
+void WorldRobots::Drive(std::size_t robot, const BodyVelocity& velocity) {
+  const auto refused = world_.Drive(robot, velocity);
+  std::string& last = outlets_[robot].refused;
+  if (refused && last != *refused) log_(world_.scene().robots[robot].name + ": " + *refused);
+  last = refused.value_or("");
+}
+
+void WorldRobots::OnStep() {
+  const Scene& scene = world_.scene();
+  const Duration now = world_.now();
+  // The next ones follow soon.
+  for (std::size_t i = 0; i < outlets_.size(); ++i) {
+    const Outlet& outlet = outlets_[i];
+    static_cast<void>(outlet.odometry->Publish(OdometryOfRobot(world_, i)));
+    if (outlet.scan != nullptr && IsDue(now, scene.robots[i].lidar.reach.rate_hz) &&
+        outlet.scan->MatchedReaders() > 0) {
+      static_cast<void>(outlet.scan->Publish(MeasureRobotScan(world_, i)));
+    }
+    if (!IsDue(now, kBatteryHz) && now != kStep) continue;
+    const Battery& battery = world_.fleet().robots()[i].battery;
+    static_cast<void>(
+        outlet.battery->Publish(ToBatteryState(battery, scene.robots[i].battery, now)));
+  }
+  for (std::size_t i = 0; i < mover_odometry_.size(); ++i) {
+    if (mover_odometry_[i] != nullptr) {
+      static_cast<void>(mover_odometry_[i]->Publish(OdometryOfMover(world_, i)));
+    }
+  }
+  if (objects_ != nullptr && IsDue(now, kObjectsHz)) {
+    static_cast<void>(objects_->Publish(ToObjectStates(world_)));
+  }
+}
+
+}  // namespace musher::world

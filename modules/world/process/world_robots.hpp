@@ -1,0 +1,65 @@
+#pragma once
+// The robots, objects and movers of a world on the network. Of each robot R:
+//
+//   R/cmd_vel               geometry_msgs/Twist, subscribed: its velocity, in its own frame
+//   R/odom                  nav_msgs/Odometry, every step, in the frame "map"
+//   R/scan                  sensor_msgs/LaserScan, best effort, at the rate of its lidar
+//   R/battery               sensor_msgs/BatteryState, once a second
+//   R/planned_path          nav_msgs/Path, subscribed, latched: drawn in the picture
+//   R/manipulation_control  musher_msgs/ManipulationControl, served: of a robot with a hand
+//   M/odom                  nav_msgs/Odometry, every step, of each mover M that is tracked
+//   world/objects           musher_msgs/ObjectStates, 10 Hz
+//   map, map_point_cloud    nav_msgs/OccupancyGrid, sensor_msgs/PointCloud2, latched
+//
+//   world/robots, robots_json  std_srvs/Trigger, served: what the robots do now
+//
+// The maps are only in a scene with robots. Times and rates are of world time.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/musher_msgs/manipulation.hpp"
+#include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
+#include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/modules/world/simulation/world.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::world {
+
+class WorldRobots {
+ public:
+  // `endpoints` is dropped before it and has the error if a topic could not be opened. `world`
+  // outlives it.
+  WorldRobots(transport::Endpoints& endpoints, World& world,
+              std::function<void(const std::string&)> log);
+  WorldRobots(const WorldRobots&) = delete;
+  WorldRobots& operator=(const WorldRobots&) = delete;
+
+  // After each step of the world.
+  void OnStep();
+
+ private:
+  struct Outlet {
+    transport::Publisher<msg::Odometry>* odometry = nullptr;
+    transport::Publisher<msg::LaserScan>* scan = nullptr;  // null: it has no lidar
+    transport::Publisher<msg::BatteryState>* battery = nullptr;
+    std::string refused;  // the last refusal that was logged
+  };
+
+  void Open(transport::Endpoints& endpoints, std::size_t robot);
+  void OpenMaps(transport::Endpoints& endpoints);
+  void Drive(std::size_t robot, const BodyVelocity& velocity);
+
+  World& world_;
+  const std::function<void(const std::string&)> log_;
+  std::vector<Outlet> outlets_;
+  std::vector<transport::Publisher<msg::Odometry>*> mover_odometry_;  // null: it is not tracked
+  transport::Publisher<msg::ObjectStates>* objects_ = nullptr;
+};
+
+}  // namespace musher::world

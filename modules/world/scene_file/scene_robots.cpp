@@ -1,0 +1,289 @@
+#include "musher/modules/world/scene_file/scene_robots.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "musher/base/toml/findings.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/modules/world/scene/solids.hpp"
+#include "musher/modules/world/scene_file/scene_keys.hpp"
+#include "musher/modules/world/scene_file/scene_sensors.hpp"
+#include "musher/modules/world/scene_file/scene_things.hpp"
+#include "musher/modules/world/simulation/fleet.hpp"
+#include "musher/modules/world/simulation/text.hpp"
+
+namespace musher::world {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Position;
+using config_toml::TableReader;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using keys::Set;
+
+constexpr double kMostW = 10'000;
+constexpr double kMostWh = 100'000;
+constexpr std::size_t kMostRobots = 50;
+constexpr std::size_t kMostObjects = 200;
+constexpr std::size_t kMostMovers = 50;
+constexpr double kCheckEveryM = 0.05;  // along the way of a mover
+// Namespaces of the world's own topics.
+constexpr std::array<std::string_view, 5> kReserved{"world", "clock", "map", "musher",
+                                                    "map_point_cloud"};
+constexpr std::array<Color, 6> kRobotColors{
+    {{32, 96, 180}, {206, 96, 20}, {30, 138, 76}, {150, 60, 160}, {190, 40, 60}, {20, 140, 150}}};
+
+class RobotReader {
+ public:
+  RobotReader(Findings& findings, Scene& scene) : findings_(findings), scene_(scene) {}
+
+  void ReadRobot(TableReader& reader) {
+    RobotSpec robot;
+    robot.color = kRobotColors[scene_.robots.size() % kRobotColors.size()];
+    robot.name = TopicName(reader);
+    reader.Require("kind", "ground or flyer");
+    const bool flyer =
+        reader.Choice<bool>("kind", {{"ground", false}, {"flyer", true}}).value_or(false);
+    ReadDrive(reader, flyer, robot);
+    robot.start_m.head<2>() = keys::Center(reader);
+    Set(robot.start_yaw_rad, keys::Angle(reader, "yaw_deg"));
+    Set(robot.radius_m, reader.Number("radius_m", 0.05, 2));
+    Set(robot.height_m, reader.Number("height_m", 0.05, 3));
+    Set(robot.color, keys::ReadColor(reader, "color", findings_));
+    Set(robot.command_timeout, reader.Time("command_timeout_ms"));
+    ReadLimits(reader, robot.limits);
+    keys::Section(reader, "battery", findings_,
+                  [&](TableReader& table) { ReadBattery(table, robot.battery); });
+    keys::Section(reader, "lidar", findings_,
+                  [&](TableReader& table) { ReadLidar(table, robot.lidar); });
+    keys::Section(reader, "hand", findings_,
+                  [&](TableReader& table) { ReadHand(table, robot.hand.emplace()); });
+    keys::Section(reader, "camera", findings_, [&](TableReader& table) {
+      CameraSpec& camera = robot.camera.emplace();
+      camera.position_m = {robot.radius_m, 0, robot.height_m / 2};
+      camera.rate_hz = 5;
+      ReadRobotCamera(table, camera);
+    });
+    written_robots_.push_back({reader.at(), reader.path()});
+    scene_.robots.push_back(std::move(robot));
+  }
+
+  void ReadObject(TableReader& reader) {
+    ObjectSpec object;
+    object.name = OwnName(reader, object_names_);
+    reader.Require("category", "a word such as \"box\"");
+    if (const auto category = reader.String("category")) object.category = category->text;
+    const Vector2d at = keys::Center(reader);
+    Set(object.yaw_rad, keys::Angle(reader, "yaw_deg"));
+    Set(object.round, reader.Choice<bool>("shape", {{"box", false}, {"cylinder", true}}));
+    int axis = 0;
+    for (const char* key : {"length_m", "width_m", "height_m"}) {
+      Set(object.size_m[axis++], reader.Number(key, keys::kSmallestM, 2));
+    }
+    if (object.round) {
+      if (reader.Has("width_m")) {
+        reader.Fault(reader.At("width_m"), "width_m",
+                     "a cylinder has none: its length_m is its diameter");
+      }
+      object.size_m.y() = object.size_m.x();
+    }
+    const double bottom = keys::Height(reader, "bottom_m").value_or(0);
+    object.middle_m = {at.x(), at.y(), bottom + object.size_m.z() / 2};
+    Set(object.color, keys::ReadColor(reader, "color", findings_));
+    written_objects_.push_back({reader.at(), reader.path()});
+    scene_.objects.push_back(std::move(object));
+  }
+
+  void ReadMover(TableReader& reader) {
+    MoverSpec mover;
+    mover.name = TopicName(reader);
+    reader.Require("points_m", "two points or more, as in [[0, 0], [1.5, -2.0]]");
+    const auto points = keys::Points(reader, "points_m");
+    Set(mover.round_trip, reader.Choice<bool>("way", {{"to_and_fro", false}, {"round", true}}));
+    Set(mover.radius_m, reader.Number("radius_m", 0.05, 2));
+    Set(mover.height_m, reader.Number("height_m", 0.05, 3));
+    Set(mover.speed_m_s, reader.Number("speed_m_s", 0.01, 5));
+    Set(mover.speed_vary, reader.Number("speed_vary", 0, 0.9));
+    Set(mover.wait_s, reader.Number("wait_s", 0, 3600));
+    Set(mover.color, keys::ReadColor(reader, "color", findings_));
+    Set(mover.tracked, reader.Bool("tracked"));
+    if (!points) return;
+    mover.points_m = *points;
+    written_movers_.push_back({reader.At("points_m"), reader.path() + ".points_m"});
+    scene_.movers.push_back(std::move(mover));
+  }
+
+  void Check() {
+    if (scene_.robots.size() > kMostRobots) {
+      findings_.Error(written_robots_[kMostRobots].at, "expected at most 50 robots");
+    }
+    if (scene_.objects.size() > kMostObjects) {
+      findings_.Error(written_objects_[kMostObjects].at, "expected at most 200 objects");
+    }
+    if (scene_.movers.size() > kMostMovers) {
+      findings_.Error(written_movers_[kMostMovers].at, "expected at most 50 movers");
+    }
+    if (findings_.HasErrors()) return;
+    std::vector<Solid> solids = SolidsOf(scene_);
+    for (std::size_t i = 0; i < scene_.movers.size(); ++i) CheckWay(i, solids);
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) CheckObject(i, solids);
+    for (std::size_t i = 0; i < scene_.movers.size(); ++i) {
+      const Mover mover(scene_.movers[i], 0);
+      CheckFree(written_movers_[i], MoverAt(scene_.movers[i], mover.position_m()), solids);
+      solids.push_back(SolidOf(scene_.movers[i], mover));
+    }
+    for (std::size_t i = 0; i < scene_.robots.size(); ++i) {
+      const RobotSpec& robot = scene_.robots[i];
+      CheckFree(written_robots_[i], CylinderOf(robot, robot.start_m), solids);
+      solids.push_back(SolidOf(robot, RobotBody(robot, 0)));
+    }
+  }
+
+ private:
+  // Where it is written in the file, and its name in messages.
+  struct Written {
+    Position at;
+    std::string path;
+  };
+
+  void ReadDrive(TableReader& reader, bool flyer, RobotSpec& robot) {
+    const auto drive = reader.Choice<RobotKind>(
+        "drive",
+        {{"holonomic", RobotKind::kHolonomic}, {"differential", RobotKind::kDifferential}});
+    robot.kind = flyer ? RobotKind::kFlyer : drive.value_or(RobotKind::kHolonomic);
+    if (flyer && reader.Has("drive")) {
+      reader.Fault(reader.At("drive"), "drive", "is of a robot on the ground");
+    }
+    if (flyer) {
+      Set(robot.start_m.z(), keys::Height(reader, "z_m"));
+      Set(robot.limits.climb_m_s, reader.Number("climb_m_s", 0.01, 10));
+      keys::Section(reader, "wind", findings_, [&](TableReader& table) {
+        Set(robot.wind.drift_m_s, table.Number("drift_m_s", 0, 5));
+        Set(robot.wind.gust_s, table.Number("gust_s", 0.1, 60));
+      });
+      return;
+    }
+    for (const char* key : {"z_m", "climb_m_s", "wind"}) {
+      if (reader.Has(key)) reader.Fault(reader.At(key), key, "is of a flyer");
+    }
+  }
+
+  void ReadLimits(TableReader& reader, RobotLimits& limits) {
+    Set(limits.speed_m_s, reader.Number("speed_m_s", 0.01, 20));
+    Set(limits.acceleration_m_s2, reader.Number("acceleration_m_s2", 0.05, 100));
+    Set(limits.turn_rad_s, reader.Number("turn_rad_s", 0.01, 20));
+    Set(limits.turn_acceleration_rad_s2, reader.Number("turn_acceleration_rad_s2", 0.05, 200));
+  }
+
+  void ReadHand(TableReader& reader, HandSpec& hand) {
+    Set(hand.position_m.x(), reader.Number("x_m", -2, 2));
+    Set(hand.position_m.y(), reader.Number("y_m", -2, 2));
+    Set(hand.position_m.z(), reader.Number("z_m", 0, 3));
+    Set(hand.reach_m, reader.Number("reach_m", 0.05, 5));
+  }
+
+  std::string OwnName(TableReader& reader, std::map<std::string, Position>& taken) {
+    reader.Require("name", config_toml::kNameRule);
+    const auto name = reader.String("name");
+    if (!name) return "";
+    if (!config_toml::IsName(name->text)) {
+      reader.Fault(name->at, "name",
+                   "expected " + std::string(config_toml::kNameRule) + ", found " +
+                       config_toml::Quote(name->text));
+    }
+    const auto [other, first] = taken.try_emplace(name->text, name->at);
+    if (!first) {
+      reader.Fault(name->at, "name",
+                   config_toml::Quote(name->text) + " is taken, by the one in line " +
+                       std::to_string(other->second.line));
+    }
+    return name->text;
+  }
+
+  // Of a robot or mover, whose topics begin with it.
+  std::string TopicName(TableReader& reader) {
+    const std::string name = OwnName(reader, topic_names_);
+    if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end()) {
+      reader.Fault(reader.At("name"), "name",
+                   config_toml::Quote(name) + " is the name of topics of the world itself");
+    }
+    return name;
+  }
+
+  static BodyCylinder MoverAt(const MoverSpec& mover, const Vector2d& at) {
+    return {{at.x(), at.y(), 0}, mover.radius_m, mover.height_m};
+  }
+
+  // Whether the body can be there; else reports why, once.
+  bool CheckFree(const Written& written, const BodyCylinder& body,
+                 const std::vector<Solid>& solids) {
+    const std::string at =
+        written.path + ": at " + PointText(body.feet_m.head<2>()) + " it would be ";
+    if (!IsWithin(scene_, body)) {
+      findings_.Error(written.at, at + "outside the place");
+      return false;
+    }
+    for (const Solid& solid : solids) {
+      if (!Overlaps(solid, body)) continue;
+      findings_.Error(written.at, at + "in " + solid.what);
+      return false;
+    }
+    return true;
+  }
+
+  void CheckWay(std::size_t index, const std::vector<Solid>& fixed) {
+    const MoverSpec& mover = scene_.movers[index];
+    std::vector<Vector2d> points = mover.points_m;
+    if (mover.round_trip) points.push_back(points.front());
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const Vector2d way = points[i + 1] - points[i];
+      const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / kCheckEveryM)));
+      for (int step = 0; step <= steps; ++step) {
+        const Vector2d at = points[i] + way * step / steps;
+        if (!CheckFree(written_movers_[index], MoverAt(mover, at), fixed)) return;
+      }
+    }
+  }
+
+  // An object may stand on another one.
+  void CheckObject(std::size_t index, std::vector<Solid>& solids) {
+    const ObjectSpec& spec = scene_.objects[index];
+    const Solid solid = SolidOf(spec, {spec.middle_m, spec.yaw_rad, std::nullopt, 0});
+    if (CheckFree(written_objects_[index], CoreOf(solid), solids)) solids.push_back(solid);
+  }
+
+  Findings& findings_;
+  Scene& scene_;
+  std::map<std::string, Position> topic_names_;
+  std::map<std::string, Position> object_names_;
+  std::vector<Written> written_robots_;
+  std::vector<Written> written_objects_;
+  std::vector<Written> written_movers_;
+};
+
+}  // namespace
+
+void ReadBattery(TableReader& reader, BatterySpec& battery) {
+  Set(battery.capacity_wh, reader.Number("capacity_wh", 0.01, kMostWh));
+  Set(battery.start_percent, reader.Number("start_percent", 0, 100));
+  Set(battery.off_w, reader.Number("off_w", 0, kMostW));
+  Set(battery.lying_w, reader.Number("lying_w", 0, kMostW));
+  Set(battery.standing_w, reader.Number("standing_w", 0, kMostW));
+  Set(battery.moving_w, reader.Number("moving_w", 0, kMostW));
+  Set(battery.cable_w, reader.Number("cable_w", 0, kMostW));
+  Set(battery.pad_w, reader.Number("pad_w", 0, kMostW));
+}
+
+void ReadRobots(TableReader& root, Findings& findings, Scene& scene) {
+  RobotReader robots(findings, scene);
+  keys::Each(root, "robot", findings, [&](TableReader& reader) { robots.ReadRobot(reader); });
+  keys::Each(root, "object", findings, [&](TableReader& reader) { robots.ReadObject(reader); });
+  keys::Each(root, "mover", findings, [&](TableReader& reader) { robots.ReadMover(reader); });
+  robots.Check();
+}
+
+}  // namespace musher::world

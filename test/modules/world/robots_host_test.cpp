@@ -1,0 +1,226 @@
+// Robots on a network: their topics and services, in virtual time.
+
+#include "musher/modules/world/process/world_robots.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+#include <optional>
+
+#include "musher/messages/nav_msgs/occupancy_grid.hpp"
+#include "musher/messages/nav_msgs/path.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/sensor_msgs/point_cloud2.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/world/process/world_host.hpp"
+#include "musher/test/modules/world/rooms.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::world::robots_host_test {
+
+using std::chrono::seconds;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using Control = msg::ManipulationControl;
+
+class RobotsHostTest : public ::testing::Test {
+ protected:
+  void Open(const Scene& scene) {
+    HostOptions options;
+    options.log = [this](const std::string& line) { log_.push_back(line); };
+    options.shooter = &shooter_;
+    host_ = WorldHost::Start(*world_node_, scene, options).value();
+    network_.RunFor(Milliseconds(200));
+  }
+  template <class M>
+  std::vector<M>& Listen(const std::string& topic, std::vector<M>& received,
+                         const transport::Qos& qos = transport::kDefaultQos) {
+    kept_.push_back(transport::MakeSubscription<M>(
+                        *desk_, topic,
+                        [&received](const M& message, const auto&) { received.push_back(message); },
+                        qos)
+                        .value());
+    network_.RunFor(Milliseconds(200));
+    return received;
+  }
+  // Publishes it ten times a second, for that long.
+  void Drive(const std::string& robot, const msg::Twist& twist, Duration time) {
+    auto publisher = transport::MakePublisher<msg::Twist>(*desk_, robot + "/cmd_vel").value();
+    network_.RunFor(Milliseconds(100));
+    for (Duration done{}; done < time; done += Milliseconds(100)) {
+      ASSERT_TRUE(publisher->Publish(twist));
+      network_.RunFor(Milliseconds(100));
+    }
+  }
+  Control::Response UseHand(const std::string& robot, const Control::Request& request) {
+    auto client = transport::MakeClient<Control>(*desk_, robot + "/manipulation_control").value();
+    network_.RunFor(Milliseconds(100));
+    Control::Response response;
+    client->Call(request, seconds(1), [&](const Result<Control::Response>& answer) {
+      response.message = answer ? answer.value().message : answer.error().message;
+      if (answer) response = answer.value();
+    });
+    network_.RunFor(seconds(1));
+    return response;
+  }
+
+  PromptWorker shooter_;
+  transport::sim::Network network_{3};
+  std::vector<std::string> log_;
+  std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("world");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::unique_ptr<WorldHost> host_;
+  std::vector<std::shared_ptr<void>> kept_;
+};
+
+TEST_F(RobotsHostTest, DrivesARobotAndPublishesItsOdometry50TimesASecond) {
+  Open(RobotYard());
+  std::vector<msg::Odometry> odometry;
+  Listen("jetbot_0/odom", odometry);
+  msg::Twist ahead;
+  ahead.linear.x = 1;
+  Drive("jetbot_0", ahead, seconds(2));
+  const msg::Odometry& last = odometry.back();
+  EXPECT_EQ(last.header.frame_id, "map");
+  EXPECT_EQ(last.child_frame_id, "jetbot_0");
+  EXPECT_NEAR(last.twist.twist.linear.x, 1, 1e-6);
+  EXPECT_GT(last.pose.pose.position.x, 1.7);
+  network_.RunFor(seconds(1));
+  EXPECT_EQ(odometry.back().twist.twist.linear.x, 0) << "no command came for half a second";
+  odometry.clear();
+  network_.RunFor(seconds(2));
+  EXPECT_THAT(odometry, SizeIs(100));
+}
+
+TEST_F(RobotsHostTest, MovesNothingForAVelocityThatIsNoNumberAndLogsItOnce) {
+  Open(RobotYard());
+  msg::Twist bad;
+  bad.linear.x = std::numeric_limits<double>::quiet_NaN();
+  Drive("jetbot_0", bad, seconds(1));
+  EXPECT_EQ(host_->world().fleet().robots()[0].body.position_m().x(), 0);
+  EXPECT_THAT(log_, SizeIs(1));
+  EXPECT_THAT(log_, Contains("jetbot_0: a velocity that is not a number is refused"));
+}
+
+TEST_F(RobotsHostTest, LatchesTheMapsForWhateverSubscribesLater) {
+  Open(RobotYard());
+  std::vector<msg::OccupancyGrid> maps;
+  std::vector<msg::PointCloud2> clouds;
+  Listen("map", maps, transport::kLatchedQos);
+  Listen("map_point_cloud", clouds, transport::kLatchedQos);
+  ASSERT_THAT(maps, SizeIs(1));
+  EXPECT_EQ(maps[0].header.frame_id, "map");
+  EXPECT_NEAR(maps[0].info.resolution, 0.05, 1e-6);
+  ASSERT_THAT(clouds, SizeIs(1));
+  EXPECT_EQ(clouds[0].fields.size(), 3u);
+}
+
+TEST_F(RobotsHostTest, PublishesScansBatteriesObjectsAndTrackedMoversAtTheirRates) {
+  Scene scene = RobotYard();
+  scene.objects = {BoxOf("box_red", {0.8, 0, 0.075})};
+  scene.movers = {MoverSpec{.name = "target_0", .points_m = {{2, 2}, {4, 2}}, .tracked = true},
+                  MoverSpec{.name = "person_0", .points_m = {{2, 4}, {4, 4}}}};
+  Open(scene);
+  std::vector<msg::LaserScan> scans;
+  std::vector<msg::BatteryState> batteries;
+  std::vector<msg::ObjectStates> objects;
+  std::vector<msg::Odometry> target, person;
+  Listen("cf2x_0/scan", scans, transport::kSensorDataQos);
+  Listen("jetbot_1/battery", batteries);
+  Listen("world/objects", objects);
+  Listen("target_0/odom", target);
+  Listen("person_0/odom", person);
+  scans.clear(), batteries.clear(), objects.clear(), target.clear();
+  network_.RunFor(seconds(10));
+  EXPECT_NEAR(static_cast<double>(scans.size()), 100, 1);
+  EXPECT_NEAR(static_cast<double>(batteries.size()), 10, 1);
+  EXPECT_NEAR(static_cast<double>(objects.size()), 100, 1);
+  EXPECT_NEAR(static_cast<double>(target.size()), 500, 1);
+  EXPECT_THAT(person, IsEmpty());
+  ASSERT_THAT(objects.back().objects, SizeIs(1));
+  EXPECT_EQ(objects.back().objects[0].name, "box_red");
+  EXPECT_EQ(objects.back().objects[0].held_by, "");
+  EXPECT_GT(target.back().pose.pose.position.x, 2);
+}
+
+TEST_F(RobotsHostTest, ServesTheHandOfARobotThatHasOne) {
+  Scene scene = RobotYard();
+  scene.objects = {BoxOf("box_red", {0.8, 0, 0.075})};
+  Open(scene);
+  const Control::Response taken = UseHand(
+      "jetbot_0",
+      {.action = Control::kAttach, .object = "box_red", .distance_threshold_m = 2, .target = {}});
+  EXPECT_TRUE(taken.success);
+  EXPECT_EQ(taken.message, "Object attached");
+  EXPECT_GT(taken.distance_m, 0);
+  const Control::Response unknown = UseHand(
+      "jetbot_0", {.action = 9, .object = "box_red", .distance_threshold_m = 2, .target = {}});
+  EXPECT_FALSE(unknown.success);
+  EXPECT_THAT(unknown.message, HasSubstr("unknown action 9"));
+  std::vector<msg::ObjectStates> objects;
+  Listen("world/objects", objects);
+  EXPECT_EQ(objects.back().objects[0].held_by, "jetbot_0");
+  const Control::Response released =
+      UseHand("jetbot_0",
+              {.action = Control::kRelease, .object = "", .distance_threshold_m = 0, .target = {}});
+  EXPECT_EQ(released.message, "Object released");
+}
+
+TEST_F(RobotsHostTest, RendersACameraOnlyForASubscriberWithTheOtherRobotInIt) {
+  Scene scene = RobotYard();
+  scene.robots[1].start_m = {1.2, 0, 0};
+  scene.robots[1].color = {250, 0, 0};
+  CameraSpec camera;
+  camera.position_m = {0.2, 0, 0.15};
+  camera.width_px = 64;
+  camera.height_px = 48;
+  camera.rate_hz = 5;
+  camera.noise = 0;
+  scene.robots[0].camera = camera;
+  Open(scene);
+  std::vector<msg::Image> images;
+  Listen("jetbot_0/camera/image", images, transport::kSensorDataQos);
+  images.clear();
+  network_.RunFor(seconds(2));
+  ASSERT_THAT(images, SizeIs(10));
+  const msg::Image& image = images.back();
+  EXPECT_EQ(image.encoding, "bgr8");
+  const std::size_t middle = (24 * 64 + 32) * 3;
+  EXPECT_GT(int{image.data[middle + 2]}, 100);
+  EXPECT_LT(int{image.data[middle]}, 40);
+}
+
+TEST_F(RobotsHostTest, PublishesNothingOfTheBodyWithoutOne) {
+  Open(RobotYard());
+  std::vector<msg::BodyState> bodies;
+  Listen("world/body_state", bodies);
+  network_.RunFor(seconds(1));
+  EXPECT_THAT(bodies, IsEmpty());
+}
+
+TEST_F(RobotsHostTest, TakesAPlannedPathForThePictureAndReportsItsRobots) {
+  Open(RobotYard());
+  auto paths =
+      transport::MakePublisher<msg::Path>(*desk_, "jetbot_0/planned_path", transport::kLatchedQos)
+          .value();
+  network_.RunFor(Milliseconds(100));
+  msg::Path path;
+  path.poses.resize(3);
+  path.poses[2].pose.position.x = 2;
+  path.poses[1].pose.position.x = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(paths->Publish(path));
+  network_.RunFor(Milliseconds(100));
+  EXPECT_THAT(host_->world().fleet().robots()[0].planned_m, SizeIs(2));
+  auto client = transport::MakeClient<msg::Trigger>(*desk_, "world/robots_json").value();
+  network_.RunFor(Milliseconds(100));
+  std::string report;
+  client->Call({}, seconds(1), [&](const Result<msg::Trigger::Response>& answer) {
+    if (answer) report = answer.value().message;
+  });
+  network_.RunFor(seconds(1));
+  EXPECT_THAT(report, HasSubstr(R"("name":"cf2x_0","kind":"flyer")"));
+}
+
+}  // namespace musher::world::robots_host_test
