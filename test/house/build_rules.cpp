@@ -10,7 +10,7 @@ std::vector<std::string> DeadFiles(const std::vector<SourceFile>& tree) {
   static const std::regex name(R"([\w./-]+\.cpp\b)");
   std::set<std::string> built;
   for (const SourceFile& file : tree) {
-    if (!file.Is("CMakeLists.txt")) continue;
+    if (!file.Is("CMakeLists.txt") && !file.Is(".cmake")) continue;
     const auto folder = std::filesystem::path(file.path).parent_path();
     for (const Line& line : Lines(file.text)) {
       const std::string text = line.text.substr(0, line.text.find('#'));

@@ -96,8 +96,10 @@ std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   if (!allowed->second.contains(folder)) return file.Folder() + " may not include " + folder;
   const bool pure = file.In("lifecycle/") || file.In("behavior/");
   if (pure && IsOfTheKernel(header)) return file.Folder() + " may not include " + header;
-  const bool module_to_module =
-      folder == "modules" && file.Folder() == "modules" && ModuleOf(header) != ModuleOf(file.path);
+  // The library of the navigation chain: poses and paths, without process and DDS.
+  const bool library = ModuleOf(header) == "navigation" && ModuleOf(file.path) == "skills";
+  const bool module_to_module = folder == "modules" && file.Folder() == "modules" &&
+                                ModuleOf(header) != ModuleOf(file.path) && !library;
   if (module_to_module) {
     return "module " + ModuleOf(file.path) + " may not include module " + ModuleOf(header);
   }

@@ -2,6 +2,7 @@
 musher_test(skills_process_test
   SOURCES
     conversions_test.cpp
+    dispatcher_actuator_test.cpp
     photo_folder_test.cpp
     plan_run_test.cpp
     plan_server_test.cpp
