@@ -57,10 +57,11 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
 // Musher's own programs, which all support --check. Another program with a similar name could
 // ignore the option and start.
 bool SupportsCheck(const std::string& program) {
-  constexpr std::array<std::string_view, 9> kPrograms = {
+  constexpr std::array<std::string_view, 11> kPrograms = {
       "musher-exec",           "musher-motion-manager", "musher-audio-manager",
       "musher-device-manager", "musher-sensor-manager", "musher-camera-manager",
-      "musher-vision-manager", "musher-wedding",        "musher-world"};
+      "musher-vision-manager", "musher-wedding",        "musher-world",
+      "musher-skills",         "musher-plan-dispatcher"};
   return std::find(kPrograms.begin(), kPrograms.end(), fs::path(program).filename().string()) !=
          kPrograms.end();
 }

@@ -8,6 +8,8 @@
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/test/support/process.hpp"
 #include "musher/transport/action.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
@@ -220,6 +222,53 @@ TEST_F(ASkillActuator, RunsSeveralSkillsAtOnce) {
   harness_.Tick(tasks, 8);
   EXPECT_THAT(EndOf(waits), HasSubstr("succeeded true"));
   EXPECT_THAT(EndOf(fails), HasSubstr("aborted false failed: no path"));
+}
+
+// Runs the plain C client with a skill, while the clock runs; its output.
+class APlainSkillClient : public ASkillActuator {
+ protected:
+  std::string Run(ActuatorRunner<Tasks>& tasks, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(),
+                     {BinDir() + "/skill_client_peer", std::to_string(transport::TestDomain()),
+                      "skill_execution"});
+    testing::Process peer(arguments);
+    std::atomic<bool> exited = false;
+    testing::Ended ended;
+    std::thread waiting([&] {
+      ended = peer.Wait();
+      exited = true;
+    });
+    while (!exited) harness_.Tick(tasks, 1);
+    waiting.join();
+    EXPECT_EQ(ended.exit, 0) << ended.err;
+    return ended.out;
+  }
+};
+
+TEST_F(APlainSkillClient, RunsASkill) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  EXPECT_EQ(Run(tasks, {"wait", "duration_s", "0.2"}),
+            "offered by show on /skill_execution: fail wait\n"
+            "accepted\n"
+            "feedback: processing: Skill wait started (0%)\n"
+            "result of status 4: true completed: Waited (100%)\n");
+}
+
+TEST_F(APlainSkillClient, CancelsASkill) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  const std::string output = Run(tasks, {"wait", "duration_s", "9999", "cancel"});
+  EXPECT_THAT(output, HasSubstr("cancel: code 0\n"));
+  EXPECT_THAT(output, HasSubstr("result of status 5: false cancelled: Cancelled: by its client"));
+}
+
+TEST_F(APlainSkillClient, GetsTheReasonOfARefusal) {
+  ActuatorRunner<Tasks> tasks;
+  Begin(tasks);
+  EXPECT_THAT(Run(tasks, {"wait", "duration", "1"}),
+              HasSubstr("result of status 6: false wait: there is no parameter duration; did you "
+                        "mean duration_s?"));
 }
 
 TEST_F(ASkillActuator, ReportsAFailureAsAFailure) {
