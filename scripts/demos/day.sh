@@ -10,12 +10,6 @@ picture=$pictures/robot-day.png strip=$pictures/robot-saw.jpg
 speed=4  # factor of the world's time
 walking_speed=2  # the same during a walk, which the tool controls twenty times a second
 
-# shown COMMAND...: prints the command and runs it; its output goes to `result`, its exit code to `code`.
-shown() {
-  say "\$ $*"
-  result=$("$@" 2>&1)
-  code=$?
-}
 world() {
   shown musher-world tell "$@"
 }

@@ -34,12 +34,6 @@ select_robot() {
   export ROS_DOMAIN_ID XDG_STATE_HOME
 }
 
-# shown COMMAND...: prints the command and runs it; its output goes to `result`, its exit code to `code`.
-shown() {
-  say "\$ ${*//$scratch\//}"
-  result=$("$@" 2>&1)
-  code=$?
-}
 # behavior FILTER: the status of the race.
 behavior() {
   musher behavior race --history 100 --json 2> /dev/null | jq -r "$1"

@@ -7,12 +7,6 @@ journal=$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/logs
 strip=$pictures/wedding-saw.jpg hall=$pictures/wedding-show.jpg graph=$pictures/wedding-machine.svg
 
-# shown COMMAND...: prints the command and runs it; its output goes to `result`, its exit code to `code`.
-shown() {
-  say "\$ $*"
-  result=$("$@" 2>&1)
-  code=$?
-}
 # behavior FILTER: the status of the application.
 behavior() {
   musher behavior wedding --history 64 --json 2> /dev/null | jq -r "$1"

@@ -1,0 +1,185 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
+# Sourced by scripts/demo: two ground robots and a flyer in simulated rooms. They are given goals, report
+# progress, carry things and can be cancelled. People and a target cross their ways; what stands in a way
+# and is not in the map is seen by the scan.
+
+journal=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/journal.sqlite
+logs=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/logs
+picture=$pictures/skills-rooms.png photo=$pictures/skills-photo.png
+speed=2  # factor of the world's time. On a busy computer time waits for the robots, and is slower
+
+# run ROBOT SKILL KEY=VALUE...: runs a skill to its end, whose report goes to `result`.
+run() {
+  local robot=$1
+  shift
+  say "\$ musher skill run $* --actuator $robot"
+  result=$(musher skill run "$@" --actuator "$robot" --json 2> /dev/null)
+  code=$?
+}
+# begin FILE ROBOT SKILL KEY=VALUE...: the same in the background, with the report in a file.
+begin() {
+  local file=$scratch/$1 robot=$2
+  shift 2
+  say "\$ musher skill run $* --actuator $robot &"
+  musher skill run "$@" --actuator "$robot" --json > "$file" 2> /dev/null &
+  begun=$!
+}
+# ended FILE: waits for the end of what was begun last, and reads its report.
+ended() {
+  wait "$2"
+  code=$?
+  result=$(< "$scratch/$1")
+}
+# expect_end SKILL OUTCOME MESSAGE: of the report in `result`.
+expect_end() {
+  expect "$1" "$2: $3" "$(answer '"\(.outcome): \(.message)"')"
+}
+robots() {
+  musher-world tell robots --json | jq -r "$1"
+}
+# await_message ROBOT SKILL TEXT: waits until the feedback of the skill begins with the text.
+await_message() {
+  local _ seen
+  for _ in {1..100}; do
+    seen=$(timeout 3 musher skill watch "$2" --actuator "$1" --json 2> /dev/null | head -n 1 | jq -r .message)
+    [[ $seen == "$3"* ]] && break
+  done
+  echo "$seen"
+}
+
+boot() {
+  step "Two ground robots and a flyer boot in simulated rooms"
+  sed -i "s/^seed = 1$/seed = 1\nspeed = $speed.0\nlockstep = true/" "$scratch/config/scenes/rooms.toml"
+  say "\$ musher up --detach config/skills.toml"
+  musher_up "$scratch/config/skills.toml" > "$scratch/up.log" 2>&1
+  expect "exit code of up" 0 $?
+  expect "the machine" Active "$(status .state)"
+  expect "actuators in Active" 7 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  shown musher skill list --json
+  expect "robots that offer skills" "cf2x_0 jetbot_0 jetbot_1" "$(answer '.actuators | keys | join(" ")')"
+}
+
+explore() {
+  step "One robot explores the hall, as long as the others do their work"
+  begin explore.json jetbot_1 explore "boundary=[[0.5,2.5],[4.7,2.5],[4.7,8.7],[0.5,8.7]]" \
+    "holes=[[[2.2,4.0],[3.0,4.0],[3.0,4.8],[2.2,4.8]],[[0.5,5.8],[0.95,5.8],[0.95,8.0],[0.5,8.0]]]" \
+    lane_width=1.0 robot_radius=0.3
+  explorer=$begun
+}
+
+carry() {
+  step "A robot drives through a door, past a person, picks up a box and carries it into the next room"
+  run jetbot_0 pick_up object_prim_path=box_red
+  expect "it is too far away" "failed: Too far" "$(answer '"\(.outcome): \(.message[:7])"')"
+  run jetbot_0 nav_2d "goal_pos=[10.3,1.2]"
+  expect_end nav_2d completed "Reached goal"
+  run jetbot_0 pick_up object_prim_path=box_red
+  expect_end pick_up completed "Object picked up"
+  expect "it holds" box_red "$(robots '.robots[] | select(.name == "jetbot_0") | .holds')"
+  run jetbot_0 nav_2d "goal_pos=[8.0,7.2]"
+  expect_end nav_2d completed "Reached goal"
+  run jetbot_0 put_down
+  expect_end put_down completed "Object put down"
+  expect "it holds" null "$(robots '.robots[] | select(.name == "jetbot_0") | .holds')"
+}
+
+fly() {
+  step "The flyer takes off, hovers in the wind, flies through a door, takes a photo and lands"
+  run cf2x_0 take_off altitude=1.2
+  expect_end take_off completed "Reached altitude"
+  run cf2x_0 hover altitude=1.2 duration=3
+  expect_end hover completed "Hovered"
+  run cf2x_0 nav_3d "goal_pos=[6.4,7.0,1.2]"
+  expect_end nav_3d completed "Reached goal"
+  run cf2x_0 take_photo save_path=lab.png
+  expect "take_photo" completed "$(answer .outcome)"
+  expect "the photo is a PNG file" "PNG" "$(head -c 4 "$scratch/config/skills/photos/lab.png" | tail -c 3)"
+  cp "$scratch/config/skills/photos/lab.png" "$photo"
+  run cf2x_0 land
+  expect_end land completed "Landed"
+}
+
+refuse() {
+  step "Goals that cannot be reached, and a second one beside the first, are refused with the reason"
+  run jetbot_0 nav_2d "goal_pos=[11,8]"
+  expect "a goal behind walls: exit code" 1 "$code"
+  expect_end nav_2d failed "Planning failed: there is no path to the goal"
+  run jetbot_0 nav_2d "goal_pos=[30,2]"
+  expect_end "a goal outside the map" failed "Planning failed: the goal is outside the map"
+  begin first.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
+  first=$begun
+  await_message jetbot_0 nav_2d Moving > /dev/null
+  run jetbot_0 nav_2d "goal_pos=[7,6]"
+  expect "a second goal: exit code" 1 "$code"
+  expect "the reason" "nav_2d is running already" "$(answer .message)"
+}
+
+cancel() {
+  step "The first goal is cancelled half-way: the robot stands"
+  shown musher skill cancel nav_2d --actuator jetbot_0
+  expect "cancel: exit code" 0 "$code"
+  ended first.json "$first"
+  expect "the outcome" cancelled "$(answer .outcome)"
+  local before after
+  before=$(robots '.robots[] | select(.name == "jetbot_0") | "\(.x_m) \(.y_m)"')
+  sleep 0.5
+  after=$(robots '.robots[] | select(.name == "jetbot_0") | "\(.x_m) \(.y_m)"')
+  expect "it stands at" "$before" "$after"
+}
+
+lose_planner() {
+  local process
+  step "The planner is killed: the skill waits for its successor, and the robot arrives"
+  process=$(status .actuators.planner_server.pid)
+  say "\$ kill -KILL $process  # planner_server"
+  kill -KILL "$process"
+  run jetbot_0 nav_2d "goal_pos=[2.0,1.2]"
+  expect_end nav_2d completed "Reached goal"
+  await ".actuators.planner_server | .pid > 0 and .pid != $process and .state == \"Active\""
+  expect "the machine" Active "$(status .state)"
+}
+
+end() {
+  step "The exploration ends; a picture of all ways; power-off"
+  ended explore.json "$explorer"
+  expect "explore" completed "$(answer .outcome)"
+  shown musher-world tell robots
+  printf '%s\n' "$result"
+  expect "collisions" 0 "$(robots '[.robots[].collisions] | add')"
+  shown musher-world tell draw
+  expect "the picture: exit code" 0 "$code"
+  [[ -s $result ]] && cp "$result" "$picture"
+  shown musher down
+  expect "exit code" 0 "$code"
+  await_end
+  say "pictures: $picture, $photo"
+}
+
+explain_keeping() {
+  cat << END
+
+${bold}The robots keep running.${plain} Commands to try, also from another terminal:
+
+  export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
+  musher skill list
+  musher skill run nav_2d goal_pos=[7,2] --actuator jetbot_0
+  musher skill watch
+  musher graph --skill nav_2d --actuator jetbot_0 -o nav_2d.svg
+  musher-world tell robots
+  musher down && rm -r $scratch
+END
+}
+
+run_demo() {
+  boot
+  if ((failures == 0)); then
+    explore
+    carry
+    fly
+    refuse
+    cancel
+    lose_planner
+  fi
+  [[ $keep == yes ]] || end
+}
