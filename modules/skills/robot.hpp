@@ -56,7 +56,8 @@ class Drive {
   virtual ~Drive() = default;
   virtual std::optional<double> distance_to_goal_m() const = 0;  // nullopt: not reported yet
   virtual void Cancel() = 0;
-  // True: arrived. False: cancelled. An error: why it has failed, or was refused.
+  // True: arrived. False: cancelled. An error: why it has failed, or was refused; with the code of
+  // navigation::Fault::kObstacle where another path may help.
   virtual skill::Future<bool> end() const = 0;
 };
 

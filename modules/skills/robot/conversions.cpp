@@ -6,6 +6,7 @@
 
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
+#include "musher/modules/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
 namespace {
@@ -181,23 +182,25 @@ std::string PlannerReason(std::uint16_t error_code) {
   }
 }
 
-std::string ControllerReason(std::uint16_t error_code) {
+Error ControllerError(std::uint16_t error_code) {
   using Code = msg::FollowPath_Result;
+  const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
     case Code::kInvalidController:
-      return "the controller has no such controller_id";
+      return failed("the controller has no such controller_id");
     case Code::kTfError:
-      return "the controller does not know where the robot is";
+      return failed("the controller does not know where the robot is");
     case Code::kInvalidPath:
-      return "the controller refuses the path";
+      return failed("the controller refuses the path");
     case Code::kPatienceExceeded:
-      return "an obstacle stays in the way";
+      return navigation::MakeError(navigation::Fault::kObstacle, "an obstacle stays in the way");
     case Code::kFailedToMakeProgress:
-      return "the robot did not arrive in time";
+      return failed("the robot did not arrive in time");
     case Code::kNoValidControl:
-      return "the controller finds no command";
+      return failed("the controller finds no command");
     default:
-      return "the controller has failed (code " + std::to_string(error_code) + ")";
+      return Error{kCodeFailed,
+                   "the controller has failed (code " + std::to_string(error_code) + ")"};
   }
 }
 

@@ -49,6 +49,8 @@ msg::ManipulationControl::Request ToMessage(const HandRequest& request);
 
 // The reason of a planner's or controller's result code, for people. `planner`: "/r/planner".
 std::string PlannerReason(std::uint16_t error_code);
-std::string ControllerReason(std::uint16_t error_code);
+// With the code of navigation::Fault::kObstacle where an obstacle is in the way: another path may
+// help.
+Error ControllerError(std::uint16_t error_code);
 
 }  // namespace musher::skills

@@ -29,7 +29,7 @@ Result<bool> ArrivalOf(const transport::GoalOutcome<msg::FollowPath>& outcome, b
   if (outcome.end == GoalEnd::kSucceeded) return true;
   if (cancelled || outcome.end == GoalEnd::kCanceled) return false;
   if (outcome.end == GoalEnd::kAborted) {
-    return Error{kCodeFailed, ControllerReason(outcome.result.error_code)};
+    return ControllerError(outcome.result.error_code);
   }
   return Error{kCodeFailed, "the controller: " + outcome.reason};
 }

@@ -10,6 +10,7 @@
 
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
+#include "musher/modules/navigation/navigation_fault.hpp"
 
 namespace musher::skills::conversions_test {
 
@@ -136,8 +137,11 @@ TEST(Conversions, SayWhyANavigationFailed) {
   EXPECT_EQ(PlannerReason(msg::ComputePathToPose_Result::kGoalOccupied),
             "the robot does not fit at the goal");
   EXPECT_EQ(PlannerReason(0), "the planner has failed (code 0)");
-  EXPECT_EQ(ControllerReason(msg::FollowPath_Result::kPatienceExceeded),
-            "an obstacle stays in the way");
+  const Error blocked = ControllerError(msg::FollowPath_Result::kPatienceExceeded);
+  EXPECT_EQ(blocked.message, "an obstacle stays in the way");
+  EXPECT_TRUE(navigation::Is(blocked, navigation::Fault::kObstacle));
+  EXPECT_FALSE(navigation::Is(ControllerError(msg::FollowPath_Result::kFailedToMakeProgress),
+                              navigation::Fault::kObstacle));
 }
 
 }  // namespace musher::skills::conversions_test
