@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "musher/modules/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
 namespace {
 
-constexpr double kCreep = 0.2;         // m/s; below, a change of pace counts as at this speed
-constexpr double kLongestStepS = 0.2;  // between updates; a longer pause is no progress
+constexpr double kCreep = 0.2;          // m/s; below, a change of pace counts as at this speed
+constexpr double kFastestMover = 1.5;   // m/s; a higher approach is another obstacle
+constexpr double kSlowestMover = 0.15;  // m/s, and 0.1 m/s more a metre away: errors of a scan
+constexpr double kLongestStepS = 0.2;   // between updates; a longer pause is no progress
 
 double Seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -37,6 +40,19 @@ double AlongTrack(const TrajectoryPoint& point) {
   const double speed_m_s = Speed(v);
   if (speed_m_s < 1e-6) return 0;
   return (v.x_m_s * a.x_m_s + v.y_m_s * a.y_m_s + v.z_m_s * a.z_m_s) / speed_m_s;
+}
+
+// To the nearest point that is not behind a moving body.
+double NearestAhead(const std::vector<Point>& points, const Pose& pose, const Velocity& velocity,
+                    bool flat) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Point& point : points) {
+    const double x = point.x_m - pose.at.x_m, y = point.y_m - pose.at.y_m;
+    const double z = flat ? 0 : point.z_m - pose.at.z_m;
+    const double ahead = x * velocity.x_m_s + y * velocity.y_m_s + z * velocity.z_m_s;
+    if (ahead >= 0) least_m = std::min(least_m, std::hypot(x, y, z));
+  }
+  return least_m;
 }
 
 double FiniteOr(double value, double otherwise) {
@@ -87,6 +103,21 @@ bool Follower::HasArrived(const Pose& pose) const {
          std::abs(Wrapped(goal.yaw_rad - pose.yaw_rad)) <= rules_.arrive_rad;
 }
 
+void Follower::WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
+                             const std::vector<Point>& obstacles) {
+  if (obstacles == seen_) return;
+  const double passed_s = Seconds(now - seen_at_);
+  const double before_m = NearestAhead(seen_, pose, velocity, rules_.flat);
+  const double now_m = NearestAhead(obstacles, pose, velocity, rules_.flat);
+  seen_ = obstacles;
+  seen_at_ = now;
+  approach_m_s_ *= 0.7;  // a set in which it is hidden, or seen elsewhere, does not end it
+  if (passed_s <= 0 || passed_s > 0.5 || !std::isfinite(before_m)) return;
+  const double approach_m_s = (before_m - now_m) / passed_s;
+  if (approach_m_s < kSlowestMover + 0.1 * now_m) return;
+  approach_m_s_ = std::max(approach_m_s_, std::min(approach_m_s, kFastestMover));
+}
+
 void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velocity,
                              const std::vector<Point>& obstacles) {
   const TrajectoryPoint at = trajectory_.At(reference_);
@@ -94,23 +125,28 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   const double speed_m_s = std::max(pace_ * planned_m_s, FiniteOr(Speed(velocity), 0));
   // Once it waits, more has to be free: else it would start again while it still brakes.
   const double more_m = progress_ == Progress::kWaiting ? rules_.obstacles.more_ahead_m : 0;
-  const double ahead_m = more_m + std::max(BrakingDistance(speed_m_s, rules_.obstacles),
-                                           rules_.obstacles.clear_ahead_m);
+  // The way of an obstacle until the body stands.
+  const ObstacleRules& rules = rules_.obstacles;
+  const double meets_m = approach_m_s_ * (rules.reaction_s + speed_m_s / rules.brake_m_s2);
+  const double ahead_m =
+      more_m + meets_m + std::max(BrakingDistance(speed_m_s, rules), rules.clear_ahead_m);
   obstruction_ =
       FirstObstruction(trajectory_, reference_, ahead_m, obstacles, rules_.flat, rules_.obstacles);
   const double lead_m = rules_.flat
                             ? std::hypot(at.pose.at.x_m - pose.at.x_m, at.pose.at.y_m - pose.at.y_m)
                             : Distance(at.pose.at, pose.at);
   // A moving body keeps more room, and so is slow where it passes an obstacle.
-  ObstacleRules moving = rules_.obstacles;
-  moving.margin_m += moving.side_s * std::min(speed_m_s, rules_.limits.speed_m_s);
-  const bool passes = !obstruction_ && FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
-                                                        rules_.flat, moving);
+  ObstacleRules moving = rules;
+  moving.margin_m +=
+      std::max(moving.side_s * std::min(speed_m_s, rules_.limits.speed_m_s), meets_m);
+  const auto passes = obstruction_ ? std::nullopt
+                                   : FirstObstruction(trajectory_, reference_, ahead_m, obstacles,
+                                                      rules_.flat, moving);
   slowed_ = obstruction_ || passes || (slowed_ && pace_ < 1);
   const bool hold = halting_ || obstruction_ || passes || lead_m > rules_.lead_m;
   // The speed is the pace times that of the trajectory, so it changes with both.
   const double along_m_s2 = pace_ * pace_ * AlongTrack(at);
-  const double wanted_m_s2 = hold ? -Braking(speed_m_s) : rules_.limits.acceleration_m_s2;
+  const double wanted_m_s2 = hold ? -Braking(speed_m_s, passes) : rules_.limits.acceleration_m_s2;
   const double change = (wanted_m_s2 - along_m_s2) / std::max(planned_m_s, kCreep) * dt_s;
   const double before = pace_;
   pace_ = hold ? std::clamp(pace_ + change, 0.0, pace_) : std::clamp(pace_ + change, pace_, 1.0);
@@ -119,11 +155,13 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
       std::min(reference_ + FromSeconds(dt_s * (before + pace_) / 2), trajectory_.duration());
 }
 
-double Follower::Braking(double speed_m_s) const {
+double Follower::Braking(double speed_m_s, const std::optional<Obstruction>& passed) const {
   const ObstacleRules& rules = rules_.obstacles;
-  if (!obstruction_) return rules.brake_m_s2;
-  const double way_m = std::max(obstruction_->ahead_m - speed_m_s * rules.reaction_s, 0.02);
-  return std::clamp(speed_m_s * speed_m_s / (2 * way_m), rules.brake_m_s2,
+  const bool comes = approach_m_s_ > 0 && passed;
+  if (!obstruction_ && !comes) return rules.brake_m_s2;
+  const double ahead_m = obstruction_ ? obstruction_->ahead_m : passed->ahead_m;
+  const double way_m = std::max(ahead_m - (speed_m_s + approach_m_s_) * rules.reaction_s, 0.02);
+  return std::clamp(speed_m_s * (speed_m_s / 2 + approach_m_s_) / way_m, rules.brake_m_s2,
                     std::max(rules.brake_m_s2, rules.hardest_m_s2));
 }
 
@@ -174,6 +212,7 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
   Command command;
   const Duration before = reference_;
   if (active && IsFinite(pose)) {
+    WatchApproach(now, pose, velocity, obstacles);
     MoveReference(dt_s, pose, velocity, obstacles);
     progress_ = obstruction_ ? Progress::kWaiting : Progress::kFollowing;
     if (HasArrived(pose)) progress_ = Progress::kArrived;

@@ -9,8 +9,10 @@
 //
 // - The reference moves along the trajectory. For an obstacle on the next braking distance it slows
 //   down with `brake_m_s2`, or harder for one that appears nearer, so the body stops on its way,
-//   without leaving it. It is slow beside an obstacle: a moving body keeps more room. It also waits
-//   for a body that is more than `lead_m` away from it.
+//   without leaving it. It is slow beside an obstacle: a moving body keeps more room. One that
+//   comes nearer by itself, by two sets of obstacles after each other, counts as so much nearer
+//   that the body stands when they meet. It also waits for a body that is more than `lead_m` away
+//   from it.
 // - Each axis is controlled with a receding horizon (axis_control.hpp); the command is limited to
 //   the highest speed in space.
 // - Arrived: the reference is at the end and the body within `arrive_m` and `arrive_rad` of it.
@@ -87,7 +89,9 @@ class Follower {
   Velocity Control(const Pose& pose, const Velocity& velocity);
   void MoveReference(double dt_s, const Pose& pose, const Velocity& velocity,
                      const std::vector<Point>& obstacles);
-  double Braking(double speed_m_s) const;
+  double Braking(double speed_m_s, const std::optional<Obstruction>& passed) const;
+  void WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
+                     const std::vector<Point>& obstacles);
   bool HasArrived(const Pose& pose) const;
   void Fail(Error error);
 
@@ -105,6 +109,9 @@ class Follower {
   double pace_change_ = 0;  // a second
   std::optional<Obstruction> obstruction_;
   std::optional<Error> failure_;
+  std::vector<Point> seen_;  // the last set of obstacles
+  Time seen_at_{};
+  double approach_m_s_ = 0;  // of the nearest one ahead, by its own motion
 };
 
 }  // namespace musher::navigation

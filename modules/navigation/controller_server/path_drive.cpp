@@ -13,7 +13,8 @@ namespace musher::navigation {
 namespace {
 
 constexpr Duration kKeptPoses = std::chrono::seconds(1);
-constexpr double kStandsMS = 0.05;    // m/s; a slower body stands
+constexpr Duration kLongestGuess = Milliseconds(100);  // of where a body has moved on
+constexpr double kStandsMS = 0.05;                     // m/s; a slower body stands
 constexpr double kAlignedRad = 0.35;  // between the motion and a path on which it goes on
 constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
 constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
@@ -58,6 +59,17 @@ Pose PathDrive::PoseAt(Duration stamp) const {
     if (away < std::chrono::abs(nearest->stamp - stamp)) nearest = &pose;
   }
   return nearest->pose;
+}
+
+// Odometry comes less often than commands are sent: with the last one itself they would jump.
+Pose PathDrive::PoseNow(Time now) const {
+  const double passed_s = SecondsOf(std::clamp(now - motion_at_, Duration::zero(), kLongestGuess));
+  Pose pose = motion_->pose;
+  pose.at.x_m += motion_->velocity.x_m_s * passed_s;
+  pose.at.y_m += motion_->velocity.y_m_s * passed_s;
+  pose.at.z_m += motion_->velocity.z_m_s * passed_s;
+  pose.yaw_rad = Wrapped(pose.yaw_rad + motion_->velocity.yaw_rad_s * passed_s);
+  return pose;
 }
 
 void PathDrive::OnScan(const Scan& scan, Duration stamp, Time now) {
@@ -120,7 +132,7 @@ std::optional<DriveEnd> PathDrive::Start(const Path& path, Time now) {
     Stop();
     return blind;
   }
-  const Path joined = JoinedPath(path, motion_->pose, robot_.join_m, !robot_.flies);
+  const Path joined = JoinedPath(path, PoseNow(now), robot_.join_m, !robot_.flies);
   const double aligned_m_s = joined.empty() ? 0 : AlignedSpeed(joined);
   if (driving_ && aligned_m_s == 0 && Speed(motion_->velocity) >= kStandsMS) {
     next_ = path;
@@ -136,7 +148,7 @@ std::optional<DriveEnd> PathDrive::Begin(const Path& path, double start_speed_m_
     Stop();
     return DriveEnd{FollowCode::kInvalidPath, why};
   };
-  Path joined = JoinedPath(path, motion_->pose, robot_.join_m, !robot_.flies);
+  Path joined = JoinedPath(path, PoseNow(now), robot_.join_m, !robot_.flies);
   if (joined.empty()) {
     return refused(fmt::format("the path begins {:.1f} m from the robot, at most {:.1f} m",
                                Distance(path[0].at, motion_->pose.at), robot_.join_m));
@@ -174,8 +186,8 @@ DriveEnd PathDrive::Failure(const Error& error) const {
           error.message};
 }
 
-Velocity PathDrive::BodyCommand(const Velocity& velocity) const {
-  Velocity command = InBodyFrame(velocity, motion_->pose.yaw_rad);
+Velocity PathDrive::BodyCommand(const Velocity& velocity, double yaw_rad) const {
+  Velocity command = InBodyFrame(velocity, yaw_rad);
   if (!robot_.differential) return command;
   const double turn = command.x_m_s < 0 ? -kAsideGain : kAsideGain;
   const double most = robot_.limits.yaw_rad_s;
@@ -200,7 +212,8 @@ PathDrive::Step PathDrive::Update(Time now) {
   if (!driving_) return step;
   if (auto blind = Blind(now)) return end(std::move(*blind));
   step.speed_m_s = Speed(motion_->velocity);
-  const Command command = follower_.Update(now, motion_->pose, motion_->velocity, obstacles_);
+  const Pose pose = PoseNow(now);
+  const Command command = follower_.Update(now, pose, motion_->velocity, obstacles_);
   const bool over = command.progress == Progress::kArrived || command.progress == Progress::kFailed;
   if (next_ && (over || (follower_.Halted() && step.speed_m_s < kStandsMS))) {
     if (auto refused = Begin(*std::exchange(next_, std::nullopt), 0, now)) {
@@ -221,7 +234,7 @@ PathDrive::Step PathDrive::Update(Time now) {
                             "{:.1f} s",
                             at.x_m, at.y_m, at.z_m, SecondsOf(config_.patience))});
   }
-  step.command = BodyCommand(command.velocity);
+  step.command = BodyCommand(command.velocity, pose.yaw_rad);
   return step;
 }
 

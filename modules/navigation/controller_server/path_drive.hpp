@@ -14,6 +14,7 @@
 // - The velocity is in the frame of the body. A differential body gets none aside; what it is
 // beside
 //   its way turns it.
+// - Where the body is now: the last odometry, with its velocity since then.
 // - Without odometry or a scan (if the robot has one) for their times the drive ends.
 //
 // Metres, radians, the frame of the map. One thread.
@@ -83,8 +84,9 @@ class PathDrive {
   bool Fits(const Path& path, double radius_m) const;
   double AlignedSpeed(const Path& joined) const;
   Pose PoseAt(Duration stamp) const;
+  Pose PoseNow(Time now) const;
   DriveEnd Failure(const Error& error) const;
-  Velocity BodyCommand(const Velocity& velocity) const;
+  Velocity BodyCommand(const Velocity& velocity, double yaw_rad) const;
   double DistanceLeft(Duration reference) const;
 
   const ControllerRobot robot_;

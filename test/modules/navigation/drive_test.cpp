@@ -58,6 +58,21 @@ TEST(Drive, LetsAMoverPass) {
   EXPECT_EQ(result.hits_of_body, 0);
 }
 
+TEST(Drive, StandsBeforeAMoverThatDoesNotStandTouchesIt) {
+  int touched = 0;
+  for (const double from_m : {5.0, 6.0, 7.0, 8.0, 9.0}) {
+    for (const double speed_m_s : {0.4, 0.5, 0.6}) {
+      DriveOptions options;
+      options.movers = {{{from_m, 2.2, 0}, {1, 2.2, 0}, 0.25, speed_m_s}};
+      options.movers[0].yields = false;
+      const DriveResult result = Drive(TwoRooms(), {{1.5, 2.2, 0}, 0}, {{8.5, 2.2, 0}, 0}, options);
+      EXPECT_EQ(result.hits_of_body, 0) << from_m << " m, " << speed_m_s << " m/s";
+      touched += result.hits_of_movers;
+    }
+  }
+  EXPECT_GT(touched, 0);
+}
+
 TEST(Drive, StaysOnItsWayWhenTheBodyIsPushed) {
   DriveOptions options;
   options.disturb = [](double at_s, Pose& pose) {

@@ -40,7 +40,7 @@ TEST(PlannerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(file.unknown_is_free, defaults.unknown_is_free);
   EXPECT_EQ(file.cloud_resolution_m, defaults.cloud_resolution_m);
   EXPECT_EQ(file.cloud_margin_m, defaults.cloud_margin_m);
-  EXPECT_EQ(file.ceiling_m, defaults.ceiling_m);
+  EXPECT_EQ(file.ceiling_m, 2.4) << "of the rooms";
   ASSERT_EQ(file.robots.size(), 3U);
   const auto same = ReadPlannerText("[[robot]]\nname = \"jetbot_0\"\n", "short.toml");
   ASSERT_TRUE(same.config);
