@@ -11,6 +11,7 @@ add_library(musher_navigation_skills STATIC
   skills/navigate_to.cpp
   skills/navigation_skills.cpp
   skills/points_text.cpp
+  skills/track.cpp
   skills/travel.cpp)
 musher_target(musher_navigation_skills)
 target_include_directories(musher_navigation_skills PUBLIC ${MUSHER_INCLUDE_DIR})

@@ -8,6 +8,7 @@
 #include "musher/modules/skills/skills/explore.hpp"
 #include "musher/modules/skills/skills/move.hpp"
 #include "musher/modules/skills/skills/navigate_to.hpp"
+#include "musher/modules/skills/skills/track.hpp"
 
 namespace musher::skills {
 namespace {
@@ -26,6 +27,7 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"nav_3d", MadeFor<NavigateTo>(robot, NavigateTo::For::kAir)},
       {"move", MadeFor<Move>(robot)},
       {"explore", MadeFor<Explore>(robot)},
+      {"track", MadeFor<Track>(robot)},
   };
   for (const auto& [name, make] : skills) {
     const Result<> added = registry.Add(name, make);

@@ -6,5 +6,6 @@ musher_test(navigation_skills_test
     move_test.cpp
     navigate_to_test.cpp
     points_text_test.cpp
+    track_test.cpp
   DEPENDS musher_navigation_skills GTest::gmock rapidcheck_gtest
   LABELS modules)
