@@ -1,8 +1,10 @@
 musher_test(navigation_skills_test
   SOURCES
+    avoid_obstacle_test.cpp
     coverage_region_test.cpp
     coverage_test.cpp
     explore_test.cpp
+    follow_line_test.cpp
     move_test.cpp
     navigate_to_test.cpp
     points_text_test.cpp
