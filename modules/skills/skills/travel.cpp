@@ -73,11 +73,10 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
   const Result<navigation::Path> planned = plan_.result();
   plan_.Drop();
   if (!planned) {
-    const std::string& why = planned.error().message;
-    if (!robot_.HasPlanner()) return {Kind::kLost, "No response from planner: " + why};
-    // A planner that has restarted rejects requests until it is Active.
-    if (why.find("rejected") != std::string::npos) {
-      return {Kind::kLost, why.starts_with("Request rejected") ? why : "Request rejected: " + why};
+    const auto& [code, why] = planned.error();
+    if (code == kCodeStateInvalid) return {Kind::kLost, "Request rejected: " + why};
+    if (code == kCodeNetError || !robot_.HasPlanner()) {
+      return {Kind::kLost, "No response from planner: " + why};
     }
     return {Kind::kFailed, "Planning failed: " + why};
   }
@@ -154,8 +153,9 @@ TravelStep Travel::DriveEnd() {
     if (navigation::Is(error, navigation::Fault::kObstacle)) {
       return {Kind::kBlocked, error.message};
     }
-    if (!robot_.HasController() || error.message.find("rejected") != std::string::npos) {
-      return {Kind::kLost, "Controller server not available: " + error.message};
+    if (error.code == kCodeStateInvalid) return {Kind::kLost, "Request rejected: " + error.message};
+    if (error.code == kCodeNetError || !robot_.HasController()) {
+      return {Kind::kLost, "No response from controller: " + error.message};
     }
     return {Kind::kFailed, "Navigate failed: " + error.message};
   }
