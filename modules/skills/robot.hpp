@@ -5,6 +5,10 @@
 // Metres, radians, seconds; poses in the frame of the map. Velocity commands are in the frame of
 // the body: x forward, y to the left, z up. Requests return futures; see behavior/skill/future.hpp.
 //
+// Errors of ComputePath() and of drives, by their codes: kCodeStateInvalid, the server rejects the
+// request; kCodeNetError, it does not answer or is lost; navigation::Fault::kObstacle, an obstacle
+// stays in the way, so that another path may help. Any other one is final.
+//
 // Threads: the loop of the actuator, where skills are stepped.
 
 #include <cstdint>

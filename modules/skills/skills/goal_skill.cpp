@@ -87,7 +87,8 @@ Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
     case Kind::kBlocked:
       return Next::Replan(planning_, why);
     case Kind::kLost:
-      // The first answer of a server that was not lost before.
+      // A server that has restarted rejects requests until it is Active; one that was never lost
+      // has another reason.
       if (tick.retries == 0 && step.why.starts_with("Request rejected")) return Next::Fail(why);
       return Next::Retry(initializing_, why);
     case Kind::kFailed:

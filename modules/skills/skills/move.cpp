@@ -9,10 +9,10 @@ namespace musher::skills {
 namespace {
 
 // The way-points that are behind the robot, over all loops.
-constexpr std::string_view kDone = "waypoints_done";
+constexpr std::string_view kWayPointsDone = "waypoints_done";
 
 std::int64_t DoneOf(const skill::Tick& tick) {
-  return tick.data.Get<std::int64_t>(kDone, 0);
+  return tick.data.Get<std::int64_t>(kWayPointsDone, 0);
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ navigation::Pose Move::Goal(const skill::Tick& tick) const {
 
 std::optional<std::string> Move::OnArrival(skill::Tick& tick) {
   const std::int64_t done = DoneOf(tick) + 1;
-  tick.data.Set(kDone, done);
+  tick.data.Set(kWayPointsDone, done);
   const auto count = static_cast<std::int64_t>(path_.size());
   if (loops_ == 0 || done < loops_ * count) return std::nullopt;
   return fmt::format("Path completed ({} way-points, {} {})", count, loops_,

@@ -5,9 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include "musher/modules/skills/skills/avoid_obstacle.hpp"
 #include "musher/modules/skills/skills/explore.hpp"
+#include "musher/modules/skills/skills/follow_line.hpp"
 #include "musher/modules/skills/skills/move.hpp"
 #include "musher/modules/skills/skills/navigate_to.hpp"
+#include "musher/modules/skills/skills/track.hpp"
 
 namespace musher::skills {
 namespace {
@@ -26,6 +29,9 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"nav_3d", MadeFor<NavigateTo>(robot, NavigateTo::For::kAir)},
       {"move", MadeFor<Move>(robot)},
       {"explore", MadeFor<Explore>(robot)},
+      {"track", MadeFor<Track>(robot)},
+      {"follow_line", MadeFor<FollowLine>(robot)},
+      {"avoid_obstacle", MadeFor<AvoidObstacle>(robot)},
   };
   for (const auto& [name, make] : skills) {
     const Result<> added = registry.Add(name, make);

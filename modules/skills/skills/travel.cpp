@@ -73,11 +73,10 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
   const Result<navigation::Path> planned = plan_.result();
   plan_.Drop();
   if (!planned) {
-    const std::string& why = planned.error().message;
-    if (!robot_.HasPlanner()) return {Kind::kLost, "No response from planner: " + why};
-    // A planner that has restarted rejects requests until it is Active.
-    if (why.find("rejected") != std::string::npos) {
-      return {Kind::kLost, why.starts_with("Request rejected") ? why : "Request rejected: " + why};
+    const auto& [code, why] = planned.error();
+    if (code == kCodeStateInvalid) return {Kind::kLost, "Request rejected: " + why};
+    if (code == kCodeNetError || !robot_.HasPlanner()) {
+      return {Kind::kLost, "No response from planner: " + why};
     }
     return {Kind::kFailed, "Planning failed: " + why};
   }
@@ -95,7 +94,7 @@ TravelStep Travel::PlanEnd(const navigation::Pose& goal) {
 }
 
 void Travel::Begin(const navigation::Path& path) {
-  path_ = path;
+  path_ = FromHere(path);
   length_m_ = LengthOf(path_);
   driven_ = {};
   drive_missing_ = {};
@@ -103,6 +102,34 @@ void Travel::Begin(const navigation::Path& path) {
   std::unique_ptr<skills::Drive> drive = robot_.FollowPath(path_);
   drive_ = std::move(drive);
   given_up_.reset();
+}
+
+navigation::Path Travel::FromHere(const navigation::Path& path) const {
+  constexpr double kLookedAtM = 2;  // from the begin of the path
+  constexpr double kNearM = 0.3;    // to the path: the robot is on it
+  const auto pose = robot_.pose();
+  if (!pose || Stands(robot_)) return path;
+  std::size_t next = 0;  // the first point that is before the robot
+  double nearest_m = kNearM, begin_m = 0;
+  for (std::size_t i = 1; i < path.size() && begin_m < kLookedAtM; ++i) {
+    const navigation::Point &from = path[i - 1].at, &to = path[i].at;
+    const double length = navigation::Distance(from, to);
+    begin_m += length;
+    if (length == 0) continue;
+    const double along = ((pose->at.x_m - from.x_m) * (to.x_m - from.x_m) +
+                          (pose->at.y_m - from.y_m) * (to.y_m - from.y_m) +
+                          (pose->at.z_m - from.z_m) * (to.z_m - from.z_m)) /
+                         (length * length);
+    const double off_m =
+        Apart(pose->at, navigation::Between(from, to, std::clamp(along, 0.0, 1.0)));
+    if (off_m >= nearest_m) continue;
+    nearest_m = off_m;
+    next = i;
+  }
+  if (next == 0) return path;
+  navigation::Path rest{*pose};
+  rest.insert(rest.end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
+  return rest;
 }
 
 TravelStep Travel::Drive(Duration step) {
@@ -126,8 +153,9 @@ TravelStep Travel::DriveEnd() {
     if (navigation::Is(error, navigation::Fault::kObstacle)) {
       return {Kind::kBlocked, error.message};
     }
-    if (!robot_.HasController() || error.message.find("rejected") != std::string::npos) {
-      return {Kind::kLost, "Controller server not available: " + error.message};
+    if (error.code == kCodeStateInvalid) return {Kind::kLost, "Request rejected: " + error.message};
+    if (error.code == kCodeNetError || !robot_.HasController()) {
+      return {Kind::kLost, "No response from controller: " + error.message};
     }
     return {Kind::kFailed, "Navigate failed: " + error.message};
   }

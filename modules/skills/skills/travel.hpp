@@ -59,7 +59,8 @@ class Travel {
                   Duration step);
   const navigation::Path& planned() const { return planned_; }
 
-  // Drives along `path`, instead of what was driven before.
+  // Drives along `path`, instead of what was driven before. What a moving robot has passed of it
+  // since it was planned is left out.
   void Begin(const navigation::Path& path);
   bool planning() const { return plan_.valid(); }
   // Whether a drive has begun, has not ended and was not given up.
@@ -82,6 +83,7 @@ class Travel {
  private:
   TravelStep PlanEnd(const navigation::Pose& goal);
   TravelStep DriveEnd();
+  navigation::Path FromHere(const navigation::Path& path) const;
   double Apart(const navigation::Point& a, const navigation::Point& b) const;
 
   Robot& robot_;

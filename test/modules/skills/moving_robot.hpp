@@ -71,7 +71,7 @@ class MovingRobot : public Robot {
   }
   void KillController() {
     controller_up = false;
-    FailDrive({kCodeFailed, "the server is lost"});
+    FailDrive({kCodeNetError, "the server is lost"});
   }
 
   void Advance(Duration step) {

@@ -166,10 +166,10 @@ TEST_F(NavigateTo, FailsWithTheReasonOfThePlanner) {
   ExpectFailure(3, "Planning failed: the goal is in a wall");
   EXPECT_EQ(robot.drives, 0);
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
-    return Error{kCodeFailed, "Request rejected"};
+    return Error{kCodeStateInvalid, "it is not Active"};
   };
   Go();
-  ExpectFailure(3, "Request rejected");
+  ExpectFailure(3, "Request rejected: it is not Active");
 }
 
 TEST_F(NavigateTo, DoesNotDriveAlongAPathThatIsNone) {
@@ -289,10 +289,21 @@ TEST_F(NavigateTo, WaitsForAPlannerThatRejectsRequestsUntilItIsActive) {
   robot.planner_up = true;
   const auto plan = robot.plan;
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
-    return Error{kCodeFailed, "Request rejected"};
+    return Error{kCodeStateInvalid, "it is not Active"};
   };
   RunFor(6);
   robot.plan = plan;
+  EXPECT_TRUE(RunToItsEnd(20));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+}
+
+TEST_F(NavigateTo, PlansAgainWhenTheControllerDoesNotAnswer) {
+  Go();
+  ASSERT_TRUE(RunToState("EXECUTING"));
+  RunFor(1);
+  robot.FailDrive({kCodeNetError, "no reply within 3 s"});
+  Step();
+  EXPECT_EQ(run().errors()[0].what, "No response from controller: no reply within 3 s");
   EXPECT_TRUE(RunToItsEnd(20));
   EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
 }

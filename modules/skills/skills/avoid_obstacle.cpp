@@ -1,0 +1,198 @@
+#include "musher/modules/skills/skills/avoid_obstacle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "musher/modules/skills/skills/vector_field.hpp"
+
+namespace musher::skills {
+namespace {
+
+using skill::Next;
+using skill::Tick;
+
+constexpr double kFastestMPerS = 1;
+constexpr double kArrivedM = 0.2;
+constexpr double kLookedM = 2;
+constexpr double kKeptM = 0.05;  // between the robot and an obstacle, at least
+constexpr Duration kProgressLimit = std::chrono::seconds(30);
+constexpr std::string_view kBeginPose = "begin";  // data: x, y, yaw
+constexpr std::string_view kArrived = "arrived";
+
+double SecondsOfAvoiding(Duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+// The speed from which it can brake within `free_m`, after the time of a step.
+double SafeSpeed(double free_m) {
+  constexpr double kBrakesMPerS2 = 0.5, kReactionS = 0.2;
+  const double lost = kBrakesMPerS2 * kReactionS;
+  return std::sqrt(lost * lost + 2 * kBrakesMPerS2 * free_m) - lost;
+}
+
+}  // namespace
+
+void AvoidObstacle::Declare(skill::Table& table) {
+  initializing_ = table.State("INITIALIZING", kServerWait);
+  executing_ = table.State("EXECUTING", std::chrono::seconds(120));
+  stopping_ = table.State("STOPPING");
+  table.To(initializing_, executing_, "scan and odometry are there");
+  table.To(executing_, stopping_, "at the goal, or cancel");
+  table.To(initializing_, stopping_, "cancel");
+  table.To(initializing_, skill::kFailed, "failed");
+  table.To(executing_, skill::kFailed, "blocked, or failed");
+  table.To(stopping_, skill::kSucceeded, "the robot stands at the goal");
+  table.To(stopping_, skill::kCancelled, "the robot stands");
+  table.MonotoneProgress();
+  table.Takes("goal_pos", skill::Numbers{}, "m, x y in the map; empty: by heading");
+  table.Takes("heading", 0.0, "rad to the left of where the robot looks");
+  table.Takes("distance", 3.0, "m in that direction");
+  table.Takes("speed", 0.3, "m/s, at most 1.0");
+  table.Takes("blocked_limit", 10.0, "s without a free direction, then it fails");
+}
+
+std::optional<std::string> AvoidObstacle::WhyRefused(const skill::Values& parameters) const {
+  if (MovesInTheAir(robot_)) {
+    return robot_.name() + " flies; avoid_obstacle is for robots on the ground";
+  }
+  const std::size_t numbers = parameters.Get<skill::Numbers>("goal_pos", {}).size();
+  if (numbers == 1 || numbers > 3) {
+    return fmt::format("goal_pos has {} numbers; expected 2 or 3: x, y and z in the map", numbers);
+  }
+  const double speed = parameters.Number("speed");
+  if (speed <= 0 || speed > kFastestMPerS) {
+    return fmt::format("speed is {:g} m/s; expected more than 0 and at most {:g} m/s", speed,
+                       kFastestMPerS);
+  }
+  for (const char* name : {"distance", "blocked_limit"}) {
+    const double number = parameters.Number(name);
+    if (number <= 0) return fmt::format("{} is {:g}; expected more than 0", name, number);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> AvoidObstacle::Missing() const {
+  if (!robot_.HasScan()) return "No scan of " + robot_.name();
+  if (!robot_.pose()) return "No odometry of " + robot_.name();
+  return std::nullopt;
+}
+
+Next AvoidObstacle::Step(Tick& tick) {
+  if (tick.state == stopping_) return Stop(tick);
+  if (const auto why = WhyRefused(tick.parameters)) return Next::Fail(*why);
+  return tick.state == initializing_ ? Initialize(tick) : Execute(tick);
+}
+
+Next AvoidObstacle::Initialize(Tick& tick) {
+  tick.Report(5, "Waiting for the scan");
+  if (Missing()) return Next::Stay();
+  const navigation::Pose pose = *robot_.pose();
+  tick.data.Set(kBeginPose, skill::Numbers{pose.at.x_m, pose.at.y_m, pose.yaw_rad});
+  return Next::To(executing_);
+}
+
+AvoidObstacle::Aim AvoidObstacle::AimOf(const Tick& tick, const navigation::Pose& pose) const {
+  const auto goal = tick.parameters.Get<skill::Numbers>("goal_pos", {});
+  if (!goal.empty()) {
+    const double x = goal[0] - pose.at.x_m, y = goal[1] - pose.at.y_m;
+    return {std::hypot(x, y) - kArrivedM, navigation::Wrapped(std::atan2(y, x) - pose.yaw_rad)};
+  }
+  const auto begin = tick.data.Get<skill::Numbers>(kBeginPose, {0, 0, 0});
+  const double heading = begin[2] + tick.parameters.Number("heading");
+  const double gone_m =
+      (pose.at.x_m - begin[0]) * std::cos(heading) + (pose.at.y_m - begin[1]) * std::sin(heading);
+  return {tick.parameters.Number("distance") - gone_m, navigation::Wrapped(heading - pose.yaw_rad)};
+}
+
+std::vector<navigation::Point> AvoidObstacle::Around(const navigation::Pose& pose) const {
+  std::vector<navigation::Point> around;
+  const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
+  for (const navigation::Point& point : robot_.obstacles()) {
+    const double x = point.x_m - pose.at.x_m, y = point.y_m - pose.at.y_m;
+    if (std::hypot(x, y) > kLookedM) continue;
+    around.push_back({c * x + s * y, c * y - s * x, 0});
+  }
+  return around;
+}
+
+Next AvoidObstacle::Execute(Tick& tick) {
+  if (const auto missing = Missing()) {
+    robot_.SetVelocity({});
+    blind_ += tick.step;
+    tick.Report(0, *missing);
+    return blind_ >= kLostAfter ? Next::Fail(*missing) : Next::Stay();
+  }
+  blind_ = {};
+  const navigation::Pose pose = *robot_.pose();
+  const Aim aim = AimOf(tick, pose);
+  if (aim.left_m <= 0) {
+    tick.data.Set(kArrived, true);
+    return Next::To(stopping_);
+  }
+  constexpr double kNearerM = 0.1;
+  const bool nearer = !nearest_m_ || aim.left_m < *nearest_m_ - kNearerM;
+  if (nearer) nearest_m_ = aim.left_m;
+  without_progress_ = nearer ? Duration{} : without_progress_ + tick.step;
+
+  const std::vector<navigation::Point> around = Around(pose);
+  FieldRules rules{.radius_m = robot_.radius_m()};
+  rules.range_m = std::min(kLookedM, aim.left_m + 2 * rules.radius_m + rules.margin_m);
+  const auto direction = FreeDirection(around, aim.wanted_rad, direction_rad_, rules);
+  blocked_ = direction ? Duration{} : blocked_ + tick.step;
+  direction_rad_ = direction.value_or(0);
+  const double free_m = FreeAhead(around, rules.radius_m, kKeptM, kLookedM);
+  constexpr double kTurnsRadPerS = 1, kByAngle = 2;
+  const double along = std::max(std::cos(2 * std::clamp(direction_rad_, -M_PI_4, M_PI_4)), 0.0);
+  navigation::Velocity command;
+  if (direction) {
+    command.yaw_rad_s = std::clamp(kByAngle * direction_rad_, -kTurnsRadPerS, kTurnsRadPerS);
+    command.x_m_s = along * std::min(tick.parameters.Number("speed"), SafeSpeed(free_m));
+  }
+  robot_.SetVelocity(command);
+
+  const double limit_s = tick.parameters.Number("blocked_limit");
+  if (SecondsOfAvoiding(blocked_) >= limit_s) {
+    return Next::Fail(fmt::format("Blocked: no free direction for {:.1f} s", limit_s));
+  }
+  if (without_progress_ >= kProgressLimit) {
+    return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {:.1f} m are left",
+                                  SecondsOfAvoiding(kProgressLimit), aim.left_m));
+  }
+  tick.Detail("distance_to_goal", aim.left_m);
+  tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
+  tick.Detail("free_ahead", free_m);
+  tick.Report(10 + 85 / (1 + aim.left_m),
+              direction ? fmt::format("Moving... ({:.1f}s)", SecondsOfAvoiding(tick.elapsed))
+                        : fmt::format("Blocked ({:.1f}s)", SecondsOfAvoiding(blocked_)));
+  return Next::Stay();
+}
+
+Next AvoidObstacle::OnLimit(Tick& tick) {
+  if (tick.state == initializing_) return Next::Fail(Missing().value_or("No scan"));
+  return Next::Fail(fmt::format("Timeout: {:.1f} m are left", nearest_m_.value_or(0)));
+}
+
+Next AvoidObstacle::Stop(Tick& tick) {
+  if (!travel_.Stop(tick.step)) return Next::Stay();
+  if (tick.cancelling || !tick.data.Get(kArrived, false)) return Next::Cancelled();
+  return Next::Succeed("Reached goal");
+}
+
+Next AvoidObstacle::Cancel(Tick& tick) {
+  travel_.GiveUp();
+  tick.Report(0, "Stopping");
+  return tick.state == stopping_ ? Next::Stay() : Next::To(stopping_);
+}
+
+void AvoidObstacle::OnEnd(const skill::Ended& /*ended*/) {
+  travel_.End();
+}
+
+void AvoidObstacle::OnPause() {
+  robot_.StopMotion();
+}
+
+}  // namespace musher::skills

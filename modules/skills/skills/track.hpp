@@ -1,0 +1,67 @@
+#pragma once
+// Follows a target that reports its pose, and keeps a distance from it.
+//
+//   target_topic   nav_msgs/Odometry of the target, default /target_0/odom
+//   track_period   poses of the target from plan to plan, one a step; default 10: each second
+//   distance       m, kept from the target, default 1.5
+//   lost_limit     s without a pose, or without a way, after which it fails; default 10
+//   duration       s, then it succeeds; 0: until it is cancelled (default)
+//
+// A flyer stays at its height. While the robot is at most 0.3 m farther away than `distance`, it
+// stands; while it is nearer than half of it, it backs away.
+//
+//   INITIALIZING   the servers are reachable and the target reports its pose, within 2.0 s
+//   EXECUTING      plans while it drives: a new path replaces the old one without a stop
+//   STOPPING       at the end: until the robot stands
+//
+// A target that is lost: it says so after 1 s, and goes to where the target was. A lost server, a
+// goal without a way and an obstacle end it only after `lost_limit` without a way. Details: those
+// of navigate_to and target_distance (m).
+
+#include <optional>
+#include <string>
+
+#include "musher/behavior/skill/skill.hpp"
+#include "musher/modules/skills/skills/travel.hpp"
+
+namespace musher::skills {
+
+class Track : public skill::Skill {
+ public:
+  explicit Track(Robot& robot) : robot_(robot), travel_(robot) {}
+
+  void Declare(skill::Table& table) override;
+  skill::Next Step(skill::Tick& tick) override;
+  skill::Next Cancel(skill::Tick& tick) override;
+  skill::Next OnLimit(skill::Tick& tick) override;
+  void OnEnd(const skill::Ended& ended) override;
+  void OnPause() override;
+
+ private:
+  std::optional<std::string> WhyRefused(const skill::Values& parameters) const;
+  skill::Next Initialize(skill::Tick& tick);
+  skill::Next Execute(skill::Tick& tick);
+  skill::Next Stop(skill::Tick& tick);
+  // Where the robot has to be for this target; nullopt: it may stay.
+  std::optional<navigation::Pose> GoalFor(const navigation::Pose& target, double distance_m) const;
+  double DistanceTo(const navigation::Pose& target) const;
+  void PlanAndDrive(const skill::Tick& tick);
+  void Plan(Duration step);
+  // Keeps the reason of a failure.
+  void Note(const TravelStep& step);
+  void Report(skill::Tick& tick) const;
+
+  Robot& robot_;
+  Travel travel_;
+  std::optional<navigation::Pose> target_;  // as it was seen last
+  std::optional<navigation::Pose> goal_;    // that is planned, or that the drive has
+  std::int64_t poses_ = 0;                  // since the last plan
+  Duration unseen_{};
+  Duration without_way_{};  // since a drive went on, or none was needed
+  std::string trouble_;     // why there is no way
+  skill::StateId initializing_ = skill::kIdle;
+  skill::StateId executing_ = skill::kIdle;
+  skill::StateId stopping_ = skill::kIdle;
+};
+
+}  // namespace musher::skills
