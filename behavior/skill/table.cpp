@@ -204,4 +204,10 @@ Result<Values> Table::Parse(const std::vector<std::pair<std::string, std::string
   return Complete(values);
 }
 
+std::string ToText(const Table::Parameter& parameter) {
+  std::string text = parameter.name + ": " + std::string(Name(parameter.kind)) + ", " +
+                     (parameter.otherwise ? "default " + ToText(*parameter.otherwise) : "required");
+  return parameter.meaning.empty() ? text : text + " (" + parameter.meaning + ")";
+}
+
 }  // namespace musher::skill

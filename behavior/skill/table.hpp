@@ -64,6 +64,8 @@ class Table {
 
   // --- what a skill declares ---
 
+  // What it does, in one sentence, for people: "Rises to an altitude and stays there".
+  void Does(const std::string& summary) { summary_ = summary; }
   // The first one is the state in which a run begins. `limit`: of the time in the state; then
   // Skill::OnLimit() decides.
   StateId State(const std::string& name, Duration limit = kNoLimit);
@@ -90,6 +92,7 @@ class Table {
     std::string meaning;
   };
 
+  const std::string& summary() const { return summary_; }  // may be empty
   const fsm::Chart& chart() const { return chart_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const Limits& limits() const { return limits_; }
@@ -120,6 +123,7 @@ class Table {
   std::string UnknownParameter(std::string_view name) const;
   void AddParameter(Parameter parameter);
 
+  std::string summary_;
   fsm::Chart chart_;
   std::vector<Duration> state_limits_;  // by state
   std::vector<Parameter> parameters_;
@@ -127,5 +131,8 @@ class Table {
   bool monotone_ = false;
   std::vector<std::string> errors_;
 };
+
+// "altitude: a number, default 1 (m above the ground)", "name: a text, required".
+std::string ToText(const Table::Parameter& parameter);
 
 }  // namespace musher::skill
