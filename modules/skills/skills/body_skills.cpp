@@ -43,7 +43,7 @@ Result<> RegisterBodySkills(skill::Registry& registry, Robot& robot) {
       {"place", MadeWithGrip<Place>(robot, grip)},
   };
   for (const auto& [name, factory] : skills) {
-    if (const Result<> added = registry.Add(name, factory); !added) return added;
+    if (Result<> added = registry.Add(name, factory); !added) return added;
   }
   return Ok();
 }

@@ -23,6 +23,7 @@ std::vector<std::string> Detectable(const std::vector<SeenObject>& objects) {
 }  // namespace
 
 void Detect::Declare(skill::Table& table) {
+  table.Does("Finds an object by its name or category, however far away");
   table.Needs("target_prim", skill::Kind::kText, "the name or the category of an object");
   table.To(table.State("EXECUTING", std::chrono::seconds(5)), skill::kSucceeded,
            "the target is among the objects");

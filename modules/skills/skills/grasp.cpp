@@ -12,7 +12,7 @@ constexpr std::string_view kApproaching = "approaching";
 constexpr std::string_view kTooFar = "too_far";
 constexpr std::string_view kAttaching = "attaching";
 constexpr std::string_view kAttachedAt = "attached_at_s";
-constexpr double kObjectsLagS = 1.2;
+constexpr double kShownWithinS = 1.2;  // longer than Grip trusts itself
 
 double GraspSeconds(Duration time) {
   return std::chrono::duration<double>(time).count();
@@ -28,6 +28,7 @@ bool ShownHeld(const Robot& robot, const std::string& object) {
 }  // namespace
 
 void Grasp::Describe(skill::Table& table) {
+  table.Does("Comes close to an object and takes it");
   DeclareGrasping(table);
   table.Takes("approach", 0.5, "m that the robot drives at most towards the object");
   static_cast<void>(table.SetLimit("PREPARING", std::chrono::seconds(20)));
@@ -130,10 +131,9 @@ Grasp::Outcome Grasp::Execute(skill::Tick& tick) {
 Grasp::Outcome Grasp::Verify(const std::string& object, skill::Tick& tick) {
   tick.Report(90, "Checking the object");
   if (!robot_.HasObjects() || ShownHeld(robot_, object)) return Outcome::Done("Object attached");
-  if (GraspSeconds(tick.now) - tick.data.Number(kAttachedAt) < kObjectsLagS) {
+  if (GraspSeconds(tick.now) - tick.data.Number(kAttachedAt) < kShownWithinS) {
     return Outcome::Continue();
   }
-  grip_->Changed("");
   return Outcome::Retry(object + " is not in the hand");
 }
 

@@ -95,9 +95,9 @@ HandRequest GraspingRequest(HandAction action, const skill::Values& parameters) 
 }
 
 std::string GivenObject(const skill::Values& parameters, const std::string& held) {
-  const std::string object = NameOfPrim(parameters.Text("object_prim_path"));
+  std::string object = NameOfPrim(parameters.Text("object_prim_path"));
   if (!object.empty()) return object;
-  const std::string of_joint = ObjectOfJoint(parameters.Text("joint_path"));
+  std::string of_joint = ObjectOfJoint(parameters.Text("joint_path"));
   return of_joint.empty() ? held : of_joint;
 }
 

@@ -3,6 +3,7 @@
 namespace musher::skills {
 
 void PickUp::Declare(skill::Table& table) {
+  table.Does("Takes an object within reach");
   DeclareGrasping(table);
   initializing_ = table.State("INITIALIZING");
   checking_ = table.State("CHECKING", std::chrono::seconds(3));

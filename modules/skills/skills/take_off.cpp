@@ -11,6 +11,7 @@ constexpr double kMostProgress = 95;
 }  // namespace
 
 void TakeOff::Declare(skill::Table& table) {
+  table.Does("Climbs to an altitude and hovers there");
   table.Takes("altitude", 1.0, "m above the zero of the map (absolute)");
   table.Takes("ceiling", 10.0, "m above the zero of the map; no altitude is higher");
   initializing_ = table.State("INITIALIZING");

@@ -32,10 +32,11 @@ TEST(BodySkills, HaveTablesWithoutErrorsAndWarnings) {
   }
 }
 
-TEST(BodySkills, ExplainEveryParameter) {
+TEST(BodySkills, SayWhatTheyDoAndExplainEveryParameter) {
   Bench bench("jetbot_0", "jetbot");
   for (const skill::Entry& entry : bench.entries()) {
     const skill::Run run(entry.name, entry.make());
+    EXPECT_NE(run.table().summary(), "") << entry.name;
     for (const auto& parameter : run.table().parameters()) {
       EXPECT_NE(parameter.meaning, "") << entry.name << " " << parameter.name;
     }

@@ -161,6 +161,32 @@ TEST_F(Grasping, APauseStopsItAndItGoesOn) {
   EXPECT_EQ(bench_.RunOut().status, Status::kCompleted);
 }
 
+// An emergency stop gives the skill no time to end in an orderly way.
+TEST_F(Grasping, ACancellationAtOnceStopsTheDrive) {
+  Box().pose.at = {2.4, 0, 0};
+  bench_.Start("grasp", {{"object_prim_path", "box_red"}});
+  bench_.StepFor(1);
+  ASSERT_NE(bench_.robot.command, navigation::Velocity{});
+  ASSERT_TRUE(bench_.manager().CancelNow("grasp", "emergency stop").ok());
+  ExpectStand();
+  Box().held_by = "jetbot_0";
+  bench_.Start("place", {{"target_location", Numbers{0, 2.4, 0}}});
+  bench_.StepFor(1);
+  ASSERT_NE(bench_.robot.command, navigation::Velocity{});
+  ASSERT_TRUE(bench_.manager().CancelNow("place", "emergency stop").ok());
+  ExpectStand();
+}
+
+TEST_F(Grasping, APauseStopsThePlacingRobotAndItGoesOn) {
+  Grasp();
+  bench_.Start("place", {{"target_location", Numbers{0, 2.3, 0}}});
+  bench_.StepFor(1);
+  ASSERT_NE(bench_.robot.command, navigation::Velocity{});
+  bench_.manager().Pause();
+  ExpectStand();
+  EXPECT_EQ(bench_.RunOut().status, Status::kCompleted);
+}
+
 TEST_F(Grasping, PlacesWhatItHolds) {
   Grasp();
   const skill::Feedback& end = Place({1.5, 0.5, 0.7});
