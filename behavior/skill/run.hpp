@@ -6,7 +6,7 @@
 // An end is final: no later step, cancellation or limit changes it. The run fails when the skill
 // decides so, throws, makes a transition that it has not declared, needs more retries than its
 // limit, or takes longer than its limit. It is cancelled when that was requested and the skill has
-// neither failed before; a skill that says it has succeeded after the request is cancelled, too.
+// not failed before; a skill that says it has succeeded after the request is cancelled, too.
 //
 // Threads: one at a time. A skill must not call its own run.
 

@@ -43,10 +43,8 @@ void AddSkillActuator(Grammar& grammar, CLI::App& app, std::string& actuator) {
 }
 
 void AddSkillList(Grammar& grammar, CLI::App& family) {
-  auto [app, options] = grammar.Add("list",
-                                    "Show the skills that the actuators offer, and the\n"
-                                    "parameters of each",
-                                    SkillList, &family);
+  auto [app, options] =
+      grammar.Add("list", "List the skills that the actuators offer", SkillList, &family);
   AddSkillActuator(grammar, app, options.actuator);
 }
 

@@ -6,7 +6,6 @@
 
 #include "musher/behavior/skill/skill.hpp"
 
-// [kettle]
 // On a real robot a driver reads the sensors and switches the heater. This one has physics instead.
 struct Kettle {
   double temperature_c = 20;
@@ -18,9 +17,7 @@ struct Kettle {
     temperature_c = std::clamp(temperature_c + (heats ? 15 : -0.5) * seconds, 20.0, 100.0);
   }
 };
-// [kettle end]
 
-// [skill]
 namespace skill = musher::skill;
 
 class Heat : public skill::Skill {
@@ -48,4 +45,3 @@ class Heat : public skill::Skill {
  private:
   Kettle& kettle_;
 };
-// [skill end]

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "kettle.hpp"
 #include "musher/behavior/skill/manager.hpp"
 
-// [fixture]
 class AKettle : public ::testing::Test {
  protected:
   AKettle() : skills_(Skills(kettle_)) {}
@@ -28,9 +29,7 @@ class AKettle : public ::testing::Test {
   skill::Manager skills_;
   musher::Time now_;
 };
-// [fixture end]
 
-// [tests]
 TEST_F(AKettle, HeatsItsWaterInFiveSeconds) {
   ASSERT_TRUE(skills_.Start("heat"));
   Wait(std::chrono::seconds(3));
@@ -63,4 +62,3 @@ TEST_F(AKettle, DoesNotHeatAfterACancellationOrDuringAPause) {
   EXPECT_FALSE(kettle_.heats);
   EXPECT_EQ(Feedback().status, skill::Status::kCancelled);
 }
-// [tests end]

@@ -2,9 +2,7 @@
 
 #include "kitchen.hpp"
 
-// [main]
 int main() {
   Kitchen kitchen;
   return kitchen.Run();
 }
-// [main end]

@@ -6,7 +6,6 @@
 #include "kettle.hpp"
 #include "musher/application/skill_actuator.hpp"
 
-// [actuator]
 class Kitchen : public musher::SkillActuator {
  public:
   Kitchen() : SkillActuator("kitchen") {}
@@ -27,4 +26,3 @@ class Kitchen : public musher::SkillActuator {
   Kettle kettle_;
   std::optional<musher::Time> last_;
 };
-// [actuator end]

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/skill.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/why.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
@@ -31,7 +32,7 @@ std::optional<M> Take(std::span<const std::byte> bytes) {
 }
 
 void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
-  switch (kind % 5) {
+  switch (kind % 8) {
     case 0:
       if (const auto status = Take<msg::MachineStatus>(bytes)) {
         RequireJson(StatusJson(*status));
@@ -71,6 +72,21 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
           RequireJson(CapabilityJson(one));
           RequirePrintable(CapabilityText(one, false));
         }
+      }
+      return;
+    case 5:
+      if (const auto offers = Take<msg::SkillOffers>(bytes)) {
+        RequireJson(SkillsJson({*offers}));
+        RequirePrintable(SkillsText({*offers}, false));
+      }
+      return;
+    case 6:
+      if (const auto feedback = Take<msg::SkillFeedback>(bytes)) {
+        const SkillReport report = ReadSkillReport(feedback->message);
+        RequireJson(SkillFeedbackJson(*feedback, 0));
+        RequirePrintable(SkillFeedbackLine(*feedback, 0, false));
+        RequirePrintable(SkillReportLine(report));
+        RequirePrintable(SkillProgressText(feedback->skill, report, 0, false));
       }
       return;
     default:

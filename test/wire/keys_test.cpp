@@ -123,6 +123,9 @@ TEST(Permissions, OfAnObserverAllowOnlyQueries) {
   EXPECT_THAT(xml, Not(HasSubstr("emergency_stop")));
   EXPECT_THAT(xml, HasSubstr("<topic>rq/musher/get_statusRequest</topic>"));
   EXPECT_THAT(xml, HasSubstr("<topic>ros_discovery_info</topic>")) << "to be listed as a node";
+  EXPECT_THAT(xml, HasSubstr("<topic>rq/*/get_skillRequest</topic>"));
+  EXPECT_THAT(xml, HasSubstr("<topic>rt/skill_feedback</topic>"));
+  EXPECT_THAT(xml, Not(HasSubstr("send_goal"))) << "an observer starts no skill";
 }
 
 TEST(Permissions, ForCyberdogsManagerAreTheOperatorsExceptQueriesAndWakingUp) {

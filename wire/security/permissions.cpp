@@ -59,9 +59,10 @@ Topics Queries() {
 }
 const std::string kAllMachineServices = "musher/*";
 
-// The state of an application's state machine. Open to all identities that may exchange data.
-const Topics kBehaviorQueries = {"*/get_behavior"};
-const Topics kBehaviorPublishes = {"*/behavior_state"};
+// The state of an application's state machine, and the skills of an actuator with their runs. Open
+// to all identities that may exchange data.
+const Topics kBehaviorQueries = {"*/get_behavior", "*/get_skill"};
+const Topics kBehaviorPublishes = {"*/behavior_state", "skills", "skill_feedback"};
 
 // CyberDog's manager (cyberdog/): its topics, its queries, open to all; the topics and
 // the service that the robot's modules may use; and those for operators only.

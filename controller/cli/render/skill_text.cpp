@@ -126,8 +126,9 @@ std::string SkillFeedbackLine(const msg::SkillFeedback& feedback, std::int64_t w
   }
   return Paint(LocalTime(wall_ns), Style::kDim, colour) +
          fmt::format("  {}  {}  {:3} %  ", shown.actuator, shown.skill, shown.progress) +
-         Paint(shown.state, StyleOf(shown.status), colour) + "  " + shown.message +
-         Paint(details, Style::kDim, colour) + '\n';
+         Paint(shown.state, StyleOf(shown.status), colour) +
+         (shown.message.empty() ? "" : "  " + shown.message) + Paint(details, Style::kDim, colour) +
+         '\n';
 }
 
 }  // namespace musher::cli

@@ -12,6 +12,7 @@
 #include "musher/behavior/skill/future.hpp"
 #include "musher/behavior/skill/manager.hpp"
 #include "musher/behavior/skill/pattern.hpp"
+#include "musher/behavior/skill/toml/skills_toml.hpp"
 #include "musher/behavior/skill/wait.hpp"
 #include "musher/test/support/paths.hpp"
 
@@ -89,6 +90,19 @@ class Navigate : public skill::PatternSkill {
 };
 // [navigate end]
 
+constexpr const char* kSettings = R"(
+# [config]
+[group.drone]
+robots = ["cf2x", "drone_autel"]             # kinds of robots; without the key: all
+skills = ["take_off", "navigate_to"]
+
+[skill.take_off]
+time_limit_ms = 40000                        # of a run; 0: none
+state_limits_ms = { EXECUTING = 20000 }      # 0: none
+parameters = { altitude = 2.0 }              # defaults
+# [config end]
+)";
+
 class TheTutorial : public ::testing::Test {
  protected:
   TheTutorial() {
@@ -157,6 +171,19 @@ TEST_F(TheTutorial, SurveysWithANewPlanWhereThePathIsBlocked) {
   ASSERT_EQ(planner_.asked.size(), 2U);
   planner_.asked.back().Finish({1});
   EXPECT_EQ(After(120, "survey"), "completed: Completed (100%)");
+}
+
+TEST_F(TheTutorial, TakesSkillsLimitsAndDefaultsFromItsConfig) {
+  const ConfigReading reading = ReadConfig(kSettings, "skills.toml", registry_);
+  ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.front());
+  ASSERT_TRUE(registry_.Configure(*reading.config));
+  const auto skills = registry_.Of(*reading.config, "cf2x");
+  ASSERT_TRUE(skills.ok());
+  ASSERT_EQ(skills.value().size(), 2U);
+  const skill::Run run("take_off", skills.value()[0].make(), skills.value()[0].settings);
+  EXPECT_EQ(run.table().limits().run, std::chrono::seconds(40));
+  EXPECT_EQ(run.table().parameters()[0].otherwise, Value(2.0));
+  EXPECT_FALSE(registry_.Of(*reading.config, "jetbot").ok());
 }
 
 // The check of every skill that Musher has, and of those of the page.

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/controller/cli/fake_skills.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/support/domain.hpp"
@@ -111,6 +113,28 @@ TEST_F(SkillCommand, ReportsThatNothingRuns) {
     EXPECT_EQ(ran.exit, 3);
     EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));
   }
+}
+
+TEST_F(SkillCommand, ReportsThatTheActuatorsThatRunOfferNoSkills) {
+  const testing::RobotFile file({"lamp"}, {"SetUp"});
+  MachineActuator lamp("lamp");
+  lamp.RegisterStateCallback("SetUp", [] { return kCodeOk; });
+  ASSERT_TRUE(lamp.Init(file.path()).ok());
+  ASSERT_TRUE(lamp.Start().ok());
+  const std::string here = testing::RobotFile::name_space();
+  const Ran any = RunProgram({"--namespace", here, "skill", "list"});
+  EXPECT_EQ(any.exit, 1);
+  EXPECT_EQ(any.err,
+            "musher: no actuator in namespace '" + here + "' offers skills; running: lamp\n");
+  const Ran one = RunProgram({"--namespace", here, "skill", "run", "go", "--actuator", "lamp"});
+  EXPECT_EQ(one.exit, 1);
+  EXPECT_EQ(one.err, "musher: lamp runs but offers no skills\n");
+}
+
+TEST_F(SkillCommand, FindsTheSkillsOfItsNamespaceOnly) {
+  const FakeSkills robot("cf2x_0", "fleet");
+  EXPECT_EQ(RunProgram({"--namespace", "fleet", "skill", "run", "rise"}).exit, 0);
+  EXPECT_EQ(RunProgram({"skill", "run", "rise"}).exit, 3);
 }
 
 TEST_F(SkillCommand, CancelsTheSkillOnCtrlCAndWaitsForItsEnd) {
