@@ -61,7 +61,8 @@ class Drive {
   virtual std::optional<double> distance_to_goal_m() const = 0;  // nullopt: not reported yet
   virtual void Cancel() = 0;
   // True: arrived. False: cancelled. An error: why it has failed, or was refused; with the code of
-  // navigation::Fault::kObstacle where another path may help.
+  // navigation::Fault::kObstacle where another path may help, kCodeStateInvalid when the controller
+  // rejects the path, kCodeNetError when it is lost.
   virtual skill::Future<bool> end() const = 0;
 };
 
@@ -87,7 +88,8 @@ class Robot {
   // Whether the planner and the controller can be reached now.
   virtual bool HasPlanner() const = 0;
   virtual bool HasController() const = 0;
-  // A path from `start`, or from where the robot is. Fails with the planner's reason.
+  // A path from `start`, or from where the robot is. Fails with the planner's reason; with
+  // kCodeStateInvalid when the planner rejects the request, kCodeNetError when it is lost.
   virtual skill::Future<navigation::Path> ComputePath(
       const navigation::Pose& goal, const std::optional<navigation::Pose>& start) = 0;
   virtual std::unique_ptr<Drive> FollowPath(const navigation::Path& path) = 0;

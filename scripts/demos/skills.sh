@@ -62,9 +62,9 @@ boot() {
 
 explore() {
   step "One robot explores the hall, as long as the others do their work"
-  begin explore.json jetbot_1 explore "boundary=[[0.5,2.5],[4.7,2.5],[4.7,8.7],[0.5,8.7]]" \
-    "holes=[[[2.2,4.0],[3.0,4.0],[3.0,4.8],[2.2,4.8]],[[0.5,5.8],[0.95,5.8],[0.95,8.0],[0.5,8.0]]]" \
-    lane_width=1.0 robot_radius=0.3
+  begin explore.json jetbot_1 explore \
+    "boundary=[[0.5,2.5],[4.7,2.5],[4.7,8.7],[1.2,8.7],[1.2,5.6],[0.5,5.6]]" \
+    "holes=[[[2.2,4.0],[3.0,4.0],[3.0,4.8],[2.2,4.8]]]" lane_width=1.0 robot_radius=0.3
   explorer=$begun
 }
 

@@ -12,6 +12,13 @@ constexpr Duration kCancelTime = std::chrono::seconds(1);  // then the cancellat
 
 using transport::GoalEnd;
 
+// A server that was lost, or rejects the goal because it is not Active yet: it may take the next one.
+template <class Outcome>
+Error Unreached(const std::string& server, const Outcome& outcome) {
+  return Error{outcome.end == GoalEnd::kRejected ? kCodeStateInvalid : kCodeNetError,
+               server + ": " + outcome.reason};
+}
+
 Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToPose>& outcome) {
   if (outcome.end == GoalEnd::kSucceeded) {
     auto path = ToPath(outcome.result.path);
@@ -22,7 +29,7 @@ Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToP
     return Error{kCodeFailed, PlannerReason(outcome.result.error_code)};
   }
   if (outcome.end == GoalEnd::kCanceled) return Error{kCodeFailed, "the planning was cancelled"};
-  return Error{kCodeFailed, "the planner: " + outcome.reason};
+  return Unreached("the planner", outcome);
 }
 
 Result<bool> ArrivalOf(const transport::GoalOutcome<msg::FollowPath>& outcome, bool cancelled) {
@@ -31,7 +38,7 @@ Result<bool> ArrivalOf(const transport::GoalOutcome<msg::FollowPath>& outcome, b
   if (outcome.end == GoalEnd::kAborted) {
     return ControllerError(outcome.result.error_code);
   }
-  return Error{kCodeFailed, "the controller: " + outcome.reason};
+  return Unreached("the controller", outcome);
 }
 
 }  // namespace
