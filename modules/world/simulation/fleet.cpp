@@ -179,6 +179,40 @@ std::optional<std::string> Fleet::Command(std::size_t robot, const BodyVelocity&
   return robots_.at(robot).body.Take(command, now);
 }
 
+std::optional<std::string> Fleet::SetBattery(const Scene& scene, std::size_t robot,
+                                             double percent) {
+  if (!(percent >= 0 && percent <= 100)) {
+    return scene.robots.at(robot).name + ": a battery of " + NumberText(percent) +
+           " % is refused: expected 0 to 100";
+  }
+  robots_.at(robot).battery.Set(percent);
+  return std::nullopt;
+}
+
+std::optional<std::string> Fleet::PutDown(const Scene& scene, const std::vector<Solid>& others,
+                                          std::size_t index, const Pose2& at, Duration now) {
+  const RobotSpec& spec = scene.robots.at(index);
+  if (!at.position_m.allFinite() || !std::isfinite(at.yaw_rad)) {
+    return spec.name + ": a place that is not a number is refused";
+  }
+  const Vector3d feet(at.position_m.x(), at.position_m.y(), 0);
+  const BodyCylinder body = CylinderOf(spec, feet);
+  std::vector<Solid> solids = SolidsOf(scene);
+  solids.insert(solids.end(), others.begin(), others.end());
+  const std::vector<Solid> moving = MovingSolids(scene, index, false);
+  solids.insert(solids.end(), moving.begin(), moving.end());
+  const std::string refused = spec.name + " cannot be at " + PointText(at.position_m) + ": ";
+  if (!IsWithin(scene, body)) return refused + "it is outside the place";
+  for (const Solid& solid : solids) {
+    if (Overlaps(solid, body)) return refused + "it would be in " + solid.what;
+  }
+  Record(index, now);
+  robots_[index].body.PutDown(feet, at.yaw_rad);
+  Record(index, now);
+  Carry(scene);
+  return std::nullopt;
+}
+
 void Fleet::SetPlanned(std::size_t robot, std::vector<Vector2d> points_m) {
   robots_.at(robot).planned_m = std::move(points_m);
 }

@@ -71,6 +71,10 @@ class Fleet {
   // Returns the reason when it is refused.
   std::optional<std::string> Command(std::size_t robot, const BodyVelocity& command, Duration now);
   HandReply UseHand(const Scene& scene, std::size_t robot, const HandRequest& request);
+  std::optional<std::string> SetBattery(const Scene& scene, std::size_t robot, double percent);
+  // Onto the ground, standing still.
+  std::optional<std::string> PutDown(const Scene& scene, const std::vector<Solid>& others,
+                                     std::size_t robot, const Pose2& at, Duration now);
   void SetPlanned(std::size_t robot, std::vector<Eigen::Vector2d> points_m);
 
   // As the scene lists them.
