@@ -13,6 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kApartM = 0.05;      // so far from a collision, the next one counts
 constexpr double kMoverKeepsM = 0.1;  // from what is in its way
 
 // A seed of its own for each thing of a scene.
@@ -148,11 +149,13 @@ void Fleet::StepRobot(const Scene& scene, std::size_t index, const Around& aroun
   if (!stopped_by.empty() && !robot.touching) {
     ++robot.collisions;
     robot.touching = true;
+    robot.stopped_at_m = robot.body.position_m();
     const Vector2d where = robot.body.position_m().head<2>();
     robot.track.AddBump({now, where});
     log.push_back(spec.name + " collided with " + stopped_by + " at " + PointText(where));
   }
-  if (stopped_by.empty() && robot.body.moving()) robot.touching = false;
+  const double gone_m = (robot.body.position_m() - robot.stopped_at_m).norm();
+  if (gone_m > kApartM) robot.touching = false;
 }
 
 void Fleet::Carry(const Scene& scene) {
