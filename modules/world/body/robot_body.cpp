@@ -46,6 +46,14 @@ std::optional<std::string> RobotBody::Take(const BodyVelocity& command, Duration
   return std::nullopt;
 }
 
+void RobotBody::PutDown(const Vector3d& position_m, double yaw_rad) {
+  position_m_ = position_m;
+  yaw_rad_ = std::remainder(yaw_rad, 2 * M_PI);
+  velocity_ = {};
+  commanded_ = false;
+  airborne_ = false;
+}
+
 BodyVelocity RobotBody::Target(bool battery_empty, Duration now) const {
   const bool flies = kind_ == RobotKind::kFlyer;
   if (battery_empty) return {{0, 0, flies ? -kSinkM_s : 0}, 0};

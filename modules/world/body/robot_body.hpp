@@ -41,6 +41,9 @@ class RobotBody {
   // Returns the reason when the command is refused.
   std::optional<std::string> Take(const BodyVelocity& command, Duration now);
 
+  // Stands there, on the ground, until the next command.
+  void PutDown(const Eigen::Vector3d& position_m, double yaw_rad);
+
   void Step(const RobotPlace& place, bool battery_empty, Duration now, Duration dt);
 
   const Eigen::Vector3d& position_m() const { return position_m_; }  // of its underside's middle

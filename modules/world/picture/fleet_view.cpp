@@ -90,6 +90,14 @@ void DrawRobot(const World& world, std::size_t index, const ToPixel& at, double 
     canvas.Ring(middle, radius, kInk, 1.4);
   }
   canvas.Line(middle, middle + ahead * radius * 1.3, kPaper, 2);
+}
+
+void NameRobot(const World& world, std::size_t index, const ToPixel& at, double scale,
+               Canvas& canvas) {
+  const RobotSpec& spec = world.scene().robots[index];
+  const FleetRobot& robot = world.fleet().robots()[index];
+  const Pixel middle = at(robot.body.position_m().head<2>());
+  const double radius = std::max(spec.radius_m * scale, 5.0);
   std::string name = spec.name;
   if (robot.body.airborne()) {
     char height[24];
@@ -98,6 +106,14 @@ void DrawRobot(const World& world, std::size_t index, const ToPixel& at, double 
   }
   if (robot.holds) name += " with " + world.scene().objects[*robot.holds].name;
   NameBeside(name, middle + Pixel(0, radius * 1.4 + 14), spec.color, canvas);
+}
+
+void CrossCollisions(const Track& track, const ToPixel& at, Canvas& canvas) {
+  for (const Bump& bump : track.bumps()) {
+    const Pixel where = at(bump.where_m);
+    canvas.Line(where - Pixel(5, 5), where + Pixel(5, 5), kBumpRed, 2);
+    canvas.Line(where + Pixel(-5, 5), where + Pixel(5, -5), kBumpRed, 2);
+  }
 }
 
 }  // namespace
@@ -120,32 +136,33 @@ void DrawFleetWays(const World& world, const ToPixel& at, Canvas& canvas) {
     canvas.Polyline(way, Mix(color, kPaper, 0.25), kDrivenWidth);
     canvas.Ring(way.front(), 5, color, 2);
     Dashed(Pixels(robot.planned_m, at), Mix(color, kInk, 0.6), kPlannedWidth, canvas);
-    for (const Bump& bump : robot.track.bumps()) {
-      const Pixel where = at(bump.where_m);
-      canvas.Line(where - Pixel(5, 5), where + Pixel(5, 5), kBumpRed, 2);
-      canvas.Line(where + Pixel(-5, 5), where + Pixel(5, -5), kBumpRed, 2);
-    }
   }
 }
 
+// Names last: no body hides them.
 void DrawFleet(const World& world, const ToPixel& at, double scale, Canvas& canvas) {
   const Scene& scene = world.scene();
+  const Fleet& fleet = world.fleet();
   for (std::size_t i = 0; i < scene.movers.size(); ++i) {
-    const Mover& mover = world.fleet().movers()[i];
-    DrawSolid(SolidOf(scene.movers[i], mover), at, scale, canvas);
-    NameBeside(scene.movers[i].name,
-               at(mover.position_m()) + Pixel(0, scene.movers[i].radius_m * scale + 14),
-               scene.movers[i].color, canvas);
+    DrawSolid(SolidOf(scene.movers[i], fleet.movers()[i]), at, scale, canvas);
   }
   for (std::size_t i = 0; i < scene.robots.size(); ++i) DrawRobot(world, i, at, scale, canvas);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const ObjectSpec& spec = scene.objects[i];
-    const FleetObject& object = world.fleet().objects()[i];
-    DrawSolid(SolidOf(spec, object), at, scale, canvas);
-    if (object.held_by) continue;  // its robot's name has it
-    const double half = spec.size_m.head<2>().norm() / 2 * scale;
-    NameBeside(spec.name, at(object.middle_m.head<2>()) + Pixel(0, half + 13), kInk, canvas);
+    DrawSolid(SolidOf(scene.objects[i], fleet.objects()[i]), at, scale, canvas);
   }
+  for (const FleetRobot& robot : fleet.robots()) CrossCollisions(robot.track, at, canvas);
+  for (std::size_t i = 0; i < scene.movers.size(); ++i) {
+    const MoverSpec& spec = scene.movers[i];
+    const Pixel below(0, spec.radius_m * scale + 14);
+    NameBeside(spec.name, at(fleet.movers()[i].position_m()) + below, spec.color, canvas);
+  }
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const FleetObject& object = fleet.objects()[i];
+    if (object.held_by) continue;  // its robot's name has it
+    const Pixel below(0, scene.objects[i].size_m.head<2>().norm() / 2 * scale + 13);
+    NameBeside(scene.objects[i].name, at(object.middle_m.head<2>()) + below, kInk, canvas);
+  }
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) NameRobot(world, i, at, scale, canvas);
 }
 
 Pixel DrawFleetLegend(const World& world, const Pixel& corner, Canvas& canvas) {

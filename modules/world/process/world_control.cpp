@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "musher/base/toml/names.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -17,13 +18,13 @@
 namespace musher::world {
 
 const char* const kWorldCommands =
-    "  battery PERCENT     how full the battery is\n"
+    "  battery PERCENT     how full the battery is; battery PERCENT ROBOT: of a robot\n"
     "  cable in|out        the charging cable\n"
     "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
     "  say TEXT...         a person speaks TEXT to the robot\n"
     "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
     "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
-    "  place X Y [YAW]     moves the body there, m and rad\n"
+    "  place X Y [YAW]     moves the body there, m and rad; place X Y YAW ROBOT: a robot\n"
     "  speed FACTOR        how fast the world's time goes\n"
     "  pause on|off        whether it stands still\n"
     "  show|hide NAME      a ball with that name appears, or disappears\n"
@@ -63,11 +64,15 @@ std::optional<int> TouchKind(const std::string& word) {
 }
 
 std::optional<WorldCommand> ReadPlace(const Words& words) {
-  if (words.size() < 3 || words.size() > 4) return std::nullopt;
+  if (words.size() < 3 || words.size() > 5) return std::nullopt;
   const auto x = Number(words[1]);
   const auto y = Number(words[2]);
-  const auto yaw = words.size() == 4 ? Number(words[3]) : 0.0;
+  const auto yaw = words.size() >= 4 ? Number(words[3]) : 0.0;
   if (!x || !y || !yaw) return std::nullopt;
+  if (words.size() == 5) {
+    if (!config_toml::IsName(words[4])) return std::nullopt;
+    return CarryRobot{words[4], {{*x, *y}, *yaw}};
+  }
   return Carry{{{*x, *y}, *yaw}};
 }
 
@@ -95,6 +100,10 @@ std::optional<WorldCommand> ReadWords(const Words& words) {
   if (words.empty()) return std::nullopt;
   const std::string& what = words.front();
   if (what == "place") return ReadPlace(words);
+  if (what == "battery" && words.size() == 3 && config_toml::IsName(words[2])) {
+    const auto percent = Number(words[1]);
+    return percent ? std::optional<WorldCommand>(ChargeRobot{words[2], *percent}) : std::nullopt;
+  }
   if (what == "draw" && words.size() == 1) return DrawNow{};
   const bool json = words.size() == 2 && words[1] == "--json";
   if (what == "referee" && (json || words.size() == 1)) return RefereeNow{json};
@@ -138,12 +147,14 @@ class CommandSender {
     return Publish<msg::String>("fault", {command.text});
   }
   Result<std::string> operator()(const Carry& command) {
-    msg::PoseStamped pose;
-    pose.pose.position.x = command.at.position_m.x();
-    pose.pose.position.y = command.at.position_m.y();
-    pose.pose.orientation.z = std::sin(command.at.yaw_rad / 2);
-    pose.pose.orientation.w = std::cos(command.at.yaw_rad / 2);
-    return Publish<msg::PoseStamped>("place", pose);
+    return Publish<msg::PoseStamped>("place", ToPoseStamped(command.at));
+  }
+  Result<std::string> operator()(const ChargeRobot& command) {
+    return Publish<msg::Float32>(command.robot + "/set_battery",
+                                 {static_cast<float>(command.percent)});
+  }
+  Result<std::string> operator()(const CarryRobot& command) {
+    return Publish<msg::PoseStamped>(command.robot + "/place", ToPoseStamped(command.at));
   }
   Result<std::string> operator()(const Speed& command) {
     return Publish<msg::Float32>("speed", {static_cast<float>(command.factor)});
@@ -163,6 +174,15 @@ class CommandSender {
   }
 
  private:
+  static msg::PoseStamped ToPoseStamped(const Pose2& at) {
+    msg::PoseStamped pose;
+    pose.pose.position.x = at.position_m.x();
+    pose.pose.position.y = at.position_m.y();
+    pose.pose.orientation.z = std::sin(at.yaw_rad / 2);
+    pose.pose.orientation.w = std::cos(at.yaw_rad / 2);
+    return pose;
+  }
+
   std::string Name(const std::string& name) const {
     return transport::ResolveName(name_space_, "world/" + name);
   }

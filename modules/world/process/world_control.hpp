@@ -34,8 +34,17 @@ struct RefereeNow {
 struct RobotsNow {
   bool json = false;  // else text
 };
-using WorldCommand = std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed,
-                                  Show, Pause, DrawNow, RefereeNow, RobotsNow>;
+struct ChargeRobot {
+  std::string robot;
+  double percent = 0;
+};
+struct CarryRobot {
+  std::string robot;
+  Pose2 at;
+};
+using WorldCommand =
+    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Show, Pause,
+                 DrawNow, RefereeNow, RobotsNow, ChargeRobot, CarryRobot>;
 
 // Help text: one line for each command.
 extern const char* const kWorldCommands;

@@ -7,8 +7,10 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
+#include "musher/modules/world/process/world_messages.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
 #include "musher/modules/world/simulation/fleet_report.hpp"
 
@@ -64,6 +66,13 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
         world_.SetPlanned(robot, std::move(points));
       },
       transport::kLatchedFromManyQos);
+  endpoints.Subscribe<msg::Float32>(
+      "world/" + prefix + "set_battery",
+      [this, robot](const auto& message) { Log(world_.SetBattery(robot, message.data)); });
+  endpoints.Subscribe<msg::PoseStamped>("world/" + prefix + "place",
+                                        [this, robot](const auto& message) {
+                                          Log(world_.PutDown(robot, FromMessage(message.pose)));
+                                        });
   if (!spec.hand) return;
   endpoints.Serve<msg::ManipulationControl>(
       prefix + "manipulation_control", [this, robot](const auto& request, auto reply) {
@@ -72,6 +81,10 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
         const HandReply done = world_.UseHand(robot, hand.value());
         reply({done.success, done.message, done.distance_m});
       });
+}
+
+void WorldRobots::Log(const std::optional<std::string>& line) const {
+  if (line) log_(*line);
 }
 
 void WorldRobots::OpenMaps(transport::Endpoints& endpoints) {

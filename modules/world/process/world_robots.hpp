@@ -7,6 +7,8 @@
 //   R/battery               sensor_msgs/BatteryState, once a second
 //   R/planned_path          nav_msgs/Path, subscribed, latched: drawn in the picture
 //   R/manipulation_control  musher_msgs/ManipulationControl, served: of a robot with a hand
+//   world/R/set_battery     std_msgs/Float32, subscribed: in %
+//   world/R/place           geometry_msgs/PoseStamped, subscribed: puts it down on the ground there
 //   M/odom                  nav_msgs/Odometry, every step, of each mover M that is tracked
 //   world/objects           musher_msgs/ObjectStates, 10 Hz
 //   map, map_point_cloud    nav_msgs/OccupancyGrid, sensor_msgs/PointCloud2, latched
@@ -54,6 +56,8 @@ class WorldRobots {
   void Open(transport::Endpoints& endpoints, std::size_t robot);
   void OpenMaps(transport::Endpoints& endpoints);
   void Drive(std::size_t robot, const BodyVelocity& velocity);
+  // Logs the line, if there is one.
+  void Log(const std::optional<std::string>& line) const;
 
   World& world_;
   const std::function<void(const std::string&)> log_;

@@ -13,6 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kApartM = 0.05;      // so far from a collision, the next one counts
 constexpr double kMoverKeepsM = 0.1;  // from what is in its way
 
 // A seed of its own for each thing of a scene.
@@ -148,11 +149,13 @@ void Fleet::StepRobot(const Scene& scene, std::size_t index, const Around& aroun
   if (!stopped_by.empty() && !robot.touching) {
     ++robot.collisions;
     robot.touching = true;
+    robot.stopped_at_m = robot.body.position_m();
     const Vector2d where = robot.body.position_m().head<2>();
     robot.track.AddBump({now, where});
     log.push_back(spec.name + " collided with " + stopped_by + " at " + PointText(where));
   }
-  if (stopped_by.empty() && robot.body.moving()) robot.touching = false;
+  const double gone_m = (robot.body.position_m() - robot.stopped_at_m).norm();
+  if (gone_m > kApartM) robot.touching = false;
 }
 
 void Fleet::Carry(const Scene& scene) {
@@ -177,6 +180,40 @@ void Fleet::Record(std::size_t index, Duration now) {
 std::optional<std::string> Fleet::Command(std::size_t robot, const BodyVelocity& command,
                                           Duration now) {
   return robots_.at(robot).body.Take(command, now);
+}
+
+std::optional<std::string> Fleet::SetBattery(const Scene& scene, std::size_t robot,
+                                             double percent) {
+  if (!(percent >= 0 && percent <= 100)) {
+    return scene.robots.at(robot).name + ": a battery of " + NumberText(percent) +
+           " % is refused: expected 0 to 100";
+  }
+  robots_.at(robot).battery.Set(percent);
+  return std::nullopt;
+}
+
+std::optional<std::string> Fleet::PutDown(const Scene& scene, const std::vector<Solid>& others,
+                                          std::size_t index, const Pose2& at, Duration now) {
+  const RobotSpec& spec = scene.robots.at(index);
+  if (!at.position_m.allFinite() || !std::isfinite(at.yaw_rad)) {
+    return spec.name + ": a place that is not a number is refused";
+  }
+  const Vector3d feet(at.position_m.x(), at.position_m.y(), 0);
+  const BodyCylinder body = CylinderOf(spec, feet);
+  std::vector<Solid> solids = SolidsOf(scene);
+  solids.insert(solids.end(), others.begin(), others.end());
+  const std::vector<Solid> moving = MovingSolids(scene, index, false);
+  solids.insert(solids.end(), moving.begin(), moving.end());
+  const std::string refused = spec.name + " cannot be at " + PointText(at.position_m) + ": ";
+  if (!IsWithin(scene, body)) return refused + "it is outside the place";
+  for (const Solid& solid : solids) {
+    if (Overlaps(solid, body)) return refused + "it would be in " + solid.what;
+  }
+  Record(index, now);
+  robots_[index].body.PutDown(feet, at.yaw_rad);
+  Record(index, now);
+  Carry(scene);
+  return std::nullopt;
 }
 
 void Fleet::SetPlanned(std::size_t robot, std::vector<Vector2d> points_m) {

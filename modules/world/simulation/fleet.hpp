@@ -3,8 +3,8 @@
 // movers between them; moved step by step as a part of the world.
 //
 // A robot never gets into the fence, a fixed thing, a loose object, a mover or another robot: it
-// stops, and the collision is counted once until it moves again. A mover waits for robots and
-// objects in its way. An object stands on what is below it, or is held by one hand; a held one
+// stops, and the collision is counted once until it has moved 5 cm away. A mover waits for robots
+// and objects in its way. An object stands on what is below it, or is held by one hand; a held one
 // collides with nothing.
 //
 // A plain value: time and scene come in as arguments; the same seed and commands give the same.
@@ -30,8 +30,9 @@ struct FleetRobot {
   Battery battery;
   std::optional<std::size_t> holds;  // an object
   int collisions = 0;
-  bool touching = false;  // it has not moved freely since the last collision
-  double driven_m = 0;    // length of its way, climbs included
+  bool touching = false;                  // it has not moved away since the last collision
+  Eigen::Vector3d stopped_at_m{0, 0, 0};  // by that collision
+  double driven_m = 0;                    // length of its way, climbs included
   Track track;
   std::vector<Eigen::Vector2d> planned_m;  // the last path that was planned for it; drawn only
 };
@@ -71,6 +72,10 @@ class Fleet {
   // Returns the reason when it is refused.
   std::optional<std::string> Command(std::size_t robot, const BodyVelocity& command, Duration now);
   HandReply UseHand(const Scene& scene, std::size_t robot, const HandRequest& request);
+  std::optional<std::string> SetBattery(const Scene& scene, std::size_t robot, double percent);
+  // Onto the ground, standing still.
+  std::optional<std::string> PutDown(const Scene& scene, const std::vector<Solid>& others,
+                                     std::size_t robot, const Pose2& at, Duration now);
   void SetPlanned(std::size_t robot, std::vector<Eigen::Vector2d> points_m);
 
   // As the scene lists them.

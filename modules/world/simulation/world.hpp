@@ -64,6 +64,12 @@ class World {
   std::optional<std::string> Drive(std::size_t robot, const BodyVelocity& command) {
     return fleet_.Command(robot, command, now_);
   }
+  std::optional<std::string> SetBattery(std::size_t robot, double percent) {
+    return fleet_.SetBattery(*scene_, robot, percent);
+  }
+  std::optional<std::string> PutDown(std::size_t robot, const Pose2& at) {
+    return fleet_.PutDown(*scene_, BodySolid(), robot, at, now_);
+  }
   HandReply UseHand(std::size_t robot, const HandRequest& request) {
     return fleet_.UseHand(*scene_, robot, request);
   }

@@ -121,6 +121,27 @@ TEST(Fleet, IsTheSameFromTheSameSeed) {
   EXPECT_NE(run(1).second, run(2).second);
 }
 
+TEST(Fleet, PutsARobotDownWhereItIsFreeAndRefusesOtherPlaces) {
+  Scene scene = RobotYard();
+  scene.boxes = {{"shelf", {2, 2}, {0.5, 0.5}}};
+  World world(scene);
+  EXPECT_EQ(world.PutDown(0, {{2, 2}, 0}),
+            "jetbot_0 cannot be at (2.00 m, 2.00 m): it would be in box \"shelf\"");
+  EXPECT_EQ(world.PutDown(0, {{0, 3.1}, 0}),
+            "jetbot_0 cannot be at (0.00 m, 3.10 m): it would be in jetbot_1");
+  EXPECT_EQ(world.PutDown(0, {{9, 0}, 0}),
+            "jetbot_0 cannot be at (9.00 m, 0.00 m): it is outside the place");
+  EXPECT_EQ(world.PutDown(0, {{kNan, 0}, 0}), "jetbot_0: a place that is not a number is refused");
+  EXPECT_EQ(At(world, 0), Vector3d(0, 0, 0));
+  EXPECT_FALSE(world.PutDown(0, {{3, -3}, 1}));
+  Pass(world, Seconds(1));
+  EXPECT_EQ(At(world, 0), Vector3d(3, -3, 0));
+  EXPECT_TRUE(world.SetBattery(0, 101));
+  EXPECT_TRUE(world.SetBattery(0, kNan));
+  EXPECT_FALSE(world.SetBattery(0, 20));
+  EXPECT_NEAR(world.fleet().robots()[0].battery.percent(), 20, 1e-9);
+}
+
 // Hands.
 
 Scene WithBoxes() {

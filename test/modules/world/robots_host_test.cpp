@@ -132,7 +132,10 @@ TEST_F(RobotsHostTest, PublishesScansBatteriesObjectsAndTrackedMoversAtTheirRate
   Listen("world/objects", objects);
   Listen("target_0/odom", target);
   Listen("person_0/odom", person);
-  scans.clear(), batteries.clear(), objects.clear(), target.clear();
+  scans.clear();
+  batteries.clear();
+  objects.clear();
+  target.clear();
   network_.RunFor(seconds(10));
   EXPECT_NEAR(static_cast<double>(scans.size()), 100, 1);
   EXPECT_NEAR(static_cast<double>(batteries.size()), 10, 1);
