@@ -44,7 +44,7 @@ ControllerConfig ReadController(const config_toml::Table& table, config_toml::Fi
   config::SetTopic(root, "map", config.map, true);
   config::SetTime(root, "odometry_stale_ms", config.odometry_stale);
   config::SetTime(root, "scan_stale_ms", config.scan_stale);
-  config::SetTime(root, "patience_ms", config.patience);
+  config::SetTime(root, "obstacle_ms", config.obstacle_time);
   config::SetTime(root, "late_ms", config.late);
   config::SetTime(root, "self_check_ms", config.self_check_time);
   root.Require("robot", "a table [[robot]] for each robot");

@@ -30,8 +30,8 @@ struct ControllerConfig {
   std::string map = "map";                      // empty: none
   Duration odometry_stale = Milliseconds(400);  // older odometry ends a drive
   Duration scan_stale = Milliseconds(1000);
-  Duration patience = Milliseconds(2000);  // with an obstacle in the way
-  Duration late = Milliseconds(5000);      // after the trajectory's time
+  Duration obstacle_time = Milliseconds(2000);  // with an obstacle in the way
+  Duration late = Milliseconds(5000);           // after the trajectory's time
   Duration self_check_time = Milliseconds(5000);
   std::vector<ControllerRobot> robots;
 };

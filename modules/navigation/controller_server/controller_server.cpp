@@ -234,18 +234,17 @@ void ControllerServer::OnTimeJump() {
   }
 }
 
-Result<> ControllerServer::Check() const {
-  std::string missing;
-  for (const auto& robot : robots_) {
-    const auto need = [&](bool there, const std::string& what) {
-      if (!there) missing += (missing.empty() ? "" : ", ") + robot->config.name + ": " + what;
-    };
-    const auto blind = robot->drive.Blind(Now());
-    need(!blind, blind ? blind->reason : "");
-    need(robot->command->MatchedReaders() > 0, "no subscriber of " + robot->config.command);
-  }
-  if (missing.empty()) return Ok();
-  return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kSelfCheckFailed), missing};
+std::string ControllerServer::MissingOf(const Robot& robot) const {
+  const std::string name = robot.config.name + ": ";
+  if (const auto blind = robot.drive.Blind(Now())) return name + blind->reason;
+  if (robot.command->MatchedReaders() > 0) return "";
+  return name + "no subscriber of " + robot.config.command;
+}
+
+SelfCheckResult ControllerServer::Check() const {
+  SelfCheckResult result;
+  for (const auto& robot : robots_) result.Add(MissingOf(*robot));
+  return result;
 }
 
 }  // namespace musher::navigation

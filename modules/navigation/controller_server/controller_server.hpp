@@ -38,8 +38,8 @@ class ControllerServer {
   void Permit(bool permitted, const std::string& why);
   // The world was restarted: the robots stand.
   void OnTimeJump();
-  // Each robot has odometry, a scan, and a program that drives it.
-  Result<> Check() const;
+  // Whether each robot has odometry, a scan, and a subscriber of its velocity.
+  SelfCheckResult Check() const;
 
  private:
   using Action = msg::FollowPath;
@@ -61,6 +61,7 @@ class ControllerServer {
                    std::unique_ptr<Background> background);
   Result<> Open();
   void OpenRobot(Robot& robot);
+  std::string MissingOf(const Robot& robot) const;
   void OnMap(msg::OccupancyGrid&& map);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
   void OnGoal(Robot& robot, const Goal& goal);

@@ -31,7 +31,7 @@ FollowerRules RulesOf(const ControllerRobot& robot, const ControllerConfig& conf
   rules.arrive_m = robot.arrive_m;
   rules.arrive_rad = robot.arrive_rad;
   rules.late = config.late;
-  rules.replan_after = config.patience;
+  rules.replan_after = config.obstacle_time;
   rules.obstacles.radius_m = robot.radius_m;
   rules.obstacles.margin_m = robot.margin_m;
   rules.obstacles.brake_m_s2 = robot.limits.acceleration_m_s2;
@@ -232,7 +232,7 @@ PathDrive::Step PathDrive::Update(Time now) {
     return end({FollowCode::kPatienceExceeded,
                 fmt::format("an obstacle at ({:.2f}, {:.2f}, {:.2f}) has been in the way for "
                             "{:.1f} s",
-                            at.x_m, at.y_m, at.z_m, SecondsOf(config_.patience))});
+                            at.x_m, at.y_m, at.z_m, SecondsOf(config_.obstacle_time))});
   }
   step.command = BodyCommand(command.velocity, pose.yaw_rad);
   return step;

@@ -279,20 +279,19 @@ void PlannerServer::Refuse(Robot& robot, const Error& error) {
                    result.error_code));
 }
 
-Result<> PlannerServer::Check() const {
-  std::string missing;
-  for (const auto& robot : robots_) {
-    const PlannerRobot& config = *robot->config;
-    const auto need = [&missing](bool there, const std::string& what) {
-      if (!there) missing += (missing.empty() ? "" : ", ") + what;
-    };
-    need(robot->planner != nullptr,
-         config.name + ": no map on " + (config.flies ? config_.cloud : config_.map));
-    need(robot->motion && IsFresh(robot->motion_at),
-         config.name + ": no odometry on " + config.odometry);
+std::string PlannerServer::MissingOf(const Robot& robot) const {
+  const PlannerRobot& config = *robot.config;
+  if (!robot.planner) {
+    return config.name + ": no map on " + (config.flies ? config_.cloud : config_.map);
   }
-  if (missing.empty()) return Ok();
-  return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kSelfCheckFailed), missing};
+  const bool knows_place = robot.motion && IsFresh(robot.motion_at);
+  return knows_place ? "" : config.name + ": no odometry on " + config.odometry;
+}
+
+SelfCheckResult PlannerServer::Check() const {
+  SelfCheckResult result;
+  for (const auto& robot : robots_) result.Add(MissingOf(*robot));
+  return result;
 }
 
 }  // namespace musher::navigation

@@ -39,8 +39,8 @@ class PlannerServer {
   void Permit(bool permitted, const std::string& why);
   // The world was restarted: odometry and scans of before are not used, requests are aborted.
   void OnTimeJump();
-  // Each robot has a map and odometry.
-  Result<> Check() const;
+  // Whether each robot has a map and odometry.
+  SelfCheckResult Check() const;
 
  private:
   using Action = msg::ComputePathToPose;
@@ -78,6 +78,7 @@ class PlannerServer {
   void Plan(Robot& robot, PathRequest request);
   void OnReply(Robot& robot, const PathReply& reply);
   void Refuse(Robot& robot, const Error& error);
+  std::string MissingOf(const Robot& robot) const;
   // Ends the request of a robot; what is planned for it is dropped.
   void Drop(Robot& robot, const std::string& why);
   void Warn(const Robot& robot, const std::string& kind, const std::string& what);

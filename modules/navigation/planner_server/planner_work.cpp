@@ -64,6 +64,22 @@ std::vector<Point> NewNearby(const Planner& planner, const PathRequest& request)
   return NewPoints(nearby, planner.clearance(), within_m);
 }
 
+// Whether the points are at least `keep_m` from a path.
+bool IsClear(const Path& path, const std::vector<Point>& points, double keep_m) {
+  for (const Point& point : points) {
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const Point &a = path[i == 0 ? 0 : i - 1].at, &b = path[i].at;
+      const Point way{b.x_m - a.x_m, b.y_m - a.y_m, b.z_m - a.z_m};
+      const double square = way.x_m * way.x_m + way.y_m * way.y_m + way.z_m * way.z_m;
+      const double along = (point.x_m - a.x_m) * way.x_m + (point.y_m - a.y_m) * way.y_m +
+                           (point.z_m - a.z_m) * way.z_m;
+      const double share = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
+      if (Distance(Between(a, b, share), point) < keep_m) return false;
+    }
+  }
+  return true;
+}
+
 Result<> CheckAltitude(const Pose& goal, const PlannerConfig& config) {
   if (goal.at.z_m > 0 && goal.at.z_m <= config.ceiling_m) return Ok();
   return MakeError(Fault::kGoalOutside,
@@ -137,21 +153,24 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
     return Refused(MakeError(Fault::kTimeLimit, "the request reached its time limit"));
   }
   const CellMap& map = planner.clearance().map();
-  if (map.count() <= kMostCopied) {
-    const std::vector<Point> seen = NewNearby(planner, request);
-    if (!seen.empty()) {
-      CellMap now = map;
-      BlockPoints(seen, now);
-      auto around = Planner::Make(std::move(now), RulesOf(robot));
-      auto plan = around ? around.value().Find(request.start, request.goal, stop) : around.error();
-      if (plan.ok()) return {std::move(plan), PathCode::kNone, true};
-    }
-  }
   auto plan = planner.Find(request.start, request.goal, stop);
-  if (plan.ok()) return {std::move(plan), PathCode::kNone, false};
-  if (!Is(plan.error(), Fault::kOutside)) return Refused(plan.error());
-  const bool goal = !map.Has(map.CellOf(request.goal.at));
-  return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
+  if (!plan.ok()) {
+    if (!Is(plan.error(), Fault::kOutside)) return Refused(plan.error());
+    const bool goal = !map.Has(map.CellOf(request.goal.at));
+    return Refused(goal ? MakeError(Fault::kGoalOutside, plan.error().message) : plan.error());
+  }
+  const std::vector<Point> seen = NewNearby(planner, request);
+  const double keep_m = robot.radius_m + robot.margin_m;
+  if (IsClear(plan.value().path, seen, keep_m) || map.count() > kMostCopied) {
+    return {std::move(plan), PathCode::kNone, false};
+  }
+  CellMap now = map;
+  BlockPoints(seen, now);
+  auto blocked = Planner::Make(std::move(now), RulesOf(robot));
+  if (!blocked) return {std::move(plan), PathCode::kNone, false};
+  auto around = blocked.value().Find(request.start, request.goal, stop);
+  const bool leads_around = around.ok();
+  return {leads_around ? std::move(around) : std::move(plan), PathCode::kNone, leads_around};
 }
 
 }  // namespace musher::navigation

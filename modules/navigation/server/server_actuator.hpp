@@ -2,7 +2,8 @@
 // The actuator of a server of the navigation chain. `Server` has a type Config with
 // `self_check_time`, Make(), Permit(), Check() and OnTimeJump(), as PlannerServer has them.
 //
-//   SelfCheck    Check() holds within the time of the config
+//   SelfCheck    waits for all robots, for the time of the config; degraded if one is ready, failed
+//                if none is
 //   Active       goals are accepted
 //   all others   present goals end at once, new ones are rejected
 //   an emergency stop: the same, until Active is set again after its release
@@ -27,6 +28,22 @@ struct Dependencies {
   transport::Clock& clock;
   std::string name_space;
   std::function<void(LogLevel level, const std::string& line)> log;
+};
+
+// What is missing for the robots of a server.
+struct SelfCheckResult {
+  std::string missing;  // empty: nothing
+  int ready = 0;        // robots
+
+  // `what` is missing for a robot; empty: nothing.
+  void Add(const std::string& what) {
+    ready += what.empty() ? 1 : 0;
+    if (!what.empty()) missing += (missing.empty() ? "" : "; ") + what;
+  }
+  Result<> result() const {
+    if (missing.empty()) return Ok();
+    return Error{MakeCode(ModuleCode::kNavigation, KeyCode::kSelfCheckFailed), missing};
+  }
 };
 
 template <class Server>
@@ -96,9 +113,17 @@ class ServerActuator : public MachineActuator {
   }
   Result<> SelfCheck() {
     node_->RunOnLoop([&] { server_->Permit(false, "it is in SelfCheck"); });
-    return program::AwaitOnLoop(
-        *node_, config_.self_check_time, [this] { return server_->Check(); },
+    SelfCheckResult last;
+    const Result<> checked = program::AwaitOnLoop(
+        *node_, config_.self_check_time,
+        [&] {
+          last = server_->Check();
+          return last.result();
+        },
         [this] { return StopRequested(); });
+    if (checked || last.ready == 0) return checked;
+    ReportDegraded(checked.error());  // the other robots can go on
+    return Ok();
   }
 
   const EndSignals signals_;  // before any thread

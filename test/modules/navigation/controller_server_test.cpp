@@ -270,10 +270,10 @@ TEST_F(ControllerServerTest, StandsAfterAPathInMotionThatItCannotDrive) {
 
 TEST_F(ControllerServerTest, ChecksThatTheRobotIsThere) {
   StartServers();
-  EXPECT_TRUE(controller_->Check());
+  EXPECT_TRUE(controller_->Check().result());
   robot_.scan_silent = true;
   Run(1500);
-  const Result<> checked = controller_->Check();
+  const Result<> checked = controller_->Check().result();
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().code, 5309);
   EXPECT_THAT(checked.error().message, HasSubstr("jetbot_0: no scan on jetbot_0/scan for 1."));

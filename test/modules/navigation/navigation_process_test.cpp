@@ -182,6 +182,19 @@ TEST_F(ControllerProcess, FailsItsSelfCheckWithoutOdometry) {
   ExpectFailedSelfCheck("jetbot_0: no odometry on jetbot_0/odom yet");
 }
 
+TEST_F(ControllerProcess, IsDegradedWithoutOneOfItsRobots) {
+  PublishMap();
+  peer_.Start("self_check_ms = 1000\n[[robot]]\nname = \"jetbot_0\"\n[[robot]]\nname = \"g1_0\"\n");
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  ExpectDone("SelfCheck");
+  EXPECT_TRUE(peer_.AwaitStatus([](const ActuatorReport& report) {
+    return report.degraded_reason == "g1_0: no odometry on g1_0/odom yet";
+  })) << peer_.report().degraded_reason;
+  ExpectDone("Active");
+  Drive();
+  EXPECT_TRUE(AwaitMotion()) << peer_.Output();
+}
+
 TEST_F(ControllerProcess, IsNotStartedWithAnInvalidFile) {
   peer_.Start("[[robot]]\nname = \"a\"\nspeed_m_s = -1\n");
   EXPECT_EQ(peer_.AwaitExit(), 2);

@@ -81,12 +81,12 @@ TEST_F(PlannerServerTest, RefusesWithoutRecentOdometry) {
 TEST_F(PlannerServerTest, RefusesWithoutAMapAndFailsItsSelfCheck) {
   StartServers(false);
   ExpectRefused({.goal = At(3, 3)}, 200, "there is no map yet, on map");
-  ASSERT_FALSE(planner_->Check());
-  EXPECT_EQ(planner_->Check().error().code, 5309);
-  EXPECT_EQ(planner_->Check().error().message, "jetbot_0: no map on map");
+  ASSERT_FALSE(planner_->Check().result());
+  EXPECT_EQ(planner_->Check().result().error().code, 5309);
+  EXPECT_EQ(planner_->Check().result().error().message, "jetbot_0: no map on map");
   EXPECT_TRUE(map_->Publish(testing::GridOf(walls_.map())));
   Run(500);
-  EXPECT_TRUE(planner_->Check());
+  EXPECT_TRUE(planner_->Check().result());
   EXPECT_EQ(Plan({.goal = At(3, 3)}).end, GoalEnd::kSucceeded);
 }
 

@@ -112,6 +112,14 @@ TEST(PlannerWork, IgnoresAScanOfTheWallsOfTheMap) {
   EXPECT_FALSE(reply.around_seen);
 }
 
+TEST(PlannerWork, PlansByTheMapWhereNothingThatIsSeenIsOnTheWay) {
+  const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
+  const PathReply reply =
+      Find(planner.value(), {{5, 1.2, 0}, 0}, {{7, 1.2, 0}, 0}, Ground(), {{6, 2.2, 0}});
+  ASSERT_TRUE(reply.plan);
+  EXPECT_FALSE(reply.around_seen);
+}
+
 TEST(PlannerWork, PlansByTheMapWhereNothingLeadsAroundWhatIsSeen) {
   const auto planner = MakePlanner(testing::GridOf(Hall()), {}, Ground());
   std::vector<Point> in_the_door;

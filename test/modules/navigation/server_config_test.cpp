@@ -67,7 +67,7 @@ TEST(ControllerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(file.map, defaults.map);
   EXPECT_EQ(file.odometry_stale, defaults.odometry_stale);
   EXPECT_EQ(file.scan_stale, defaults.scan_stale);
-  EXPECT_EQ(file.patience, defaults.patience);
+  EXPECT_EQ(file.obstacle_time, defaults.obstacle_time);
   EXPECT_EQ(file.late, defaults.late);
   EXPECT_EQ(file.self_check_time, defaults.self_check_time);
   ASSERT_EQ(file.robots.size(), 3U);
