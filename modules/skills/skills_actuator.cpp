@@ -48,6 +48,7 @@ Result<> SkillsActuator::SelfCheck() {
         return Verdict(missing);
       },
       [this] { return StopRequested(); }));
+  RunOnLoop([this] { robot_.CancelEarlierDrives(); });
   Result<> verdict = Verdict(missing);
   if (!missing.odometry.empty() || verdict) return verdict;
   ReportDegraded(verdict.error());

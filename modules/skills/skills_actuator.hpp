@@ -6,7 +6,8 @@
 //   Error, TearDown, an emergency stop, the end of the process
 //                                              skills are cancelled, the robot stands
 //
-// SelfCheck fails without odometry. What else cannot be reached makes it degraded.
+// SelfCheck fails without odometry. What else cannot be reached makes it degraded. It also cancels
+// the drives that a crashed process has left to the controller.
 //
 // Threads: those of SkillActuator.
 
