@@ -10,6 +10,7 @@ namespace {
 
 int Run(const musher::program::Options& options) {
   using namespace musher::skills;
+  const musher::program::EndSignals signals;  // before any thread
   const SkillsReading reading = ReadSkillsFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.config) return musher::program::kUsageError;
@@ -18,6 +19,7 @@ int Run(const musher::program::Options& options) {
   musher::program::PrintErrors(skills.diagnostics);
   if (!skills.entries) return musher::program::kUsageError;
   SkillsActuator actuator(options.actuator, robot, *skills.entries);
+  actuator.StandAt(signals);
   return musher::program::RunToEnd(actuator, options.state_config);
 }
 

@@ -1,5 +1,6 @@
 #include "musher/modules/skills/skills_actuator.hpp"
 
+#include <memory>
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
@@ -35,6 +36,9 @@ Result<> SkillsActuator::RegisterSkills(skill::Registry& registry) {
 
 void SkillsActuator::OpenTopics(transport::Endpoints& topics) {
   robot_.Open(topics, machine_config().name_space);
+  if (signals_ == nullptr) return;
+  topics.Keep(std::shared_ptr<transport::LoopHandle>(
+      signals_->Watch(topics.node().loop(), [this] { robot_.Rest(); })));
 }
 
 Result<> SkillsActuator::SelfCheck() {
@@ -48,6 +52,7 @@ Result<> SkillsActuator::SelfCheck() {
         return Verdict(missing);
       },
       [this] { return StopRequested(); }));
+  RunOnLoop([this] { robot_.CancelEarlierDrives(); });
   Result<> verdict = Verdict(missing);
   if (!missing.odometry.empty() || verdict) return verdict;
   ReportDegraded(verdict.error());

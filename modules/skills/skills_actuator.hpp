@@ -6,13 +6,15 @@
 //   Error, TearDown, an emergency stop, the end of the process
 //                                              skills are cancelled, the robot stands
 //
-// SelfCheck fails without odometry. What else cannot be reached makes it degraded.
+// SelfCheck fails without odometry. What else cannot be reached makes it degraded. It also cancels
+// the drives that a crashed process has left to the controller.
 //
 // Threads: those of SkillActuator.
 
 #include <string>
 #include <vector>
 
+#include "musher/actuator/program/end_signals.hpp"
 #include "musher/application/skill_actuator.hpp"
 #include "musher/modules/skills/robot/ros_robot.hpp"
 
@@ -24,6 +26,10 @@ class SkillsActuator : public SkillActuator {
   SkillsActuator(const std::string& actuator_name, RosRobot& robot,
                  std::vector<skill::Entry> entries);
 
+  // Before Init(): at SIGTERM and SIGINT the robot stands, then the process ends. They must outlive
+  // it.
+  void StandAt(const program::EndSignals& signals) { signals_ = &signals; }
+
  private:
   Result<> RegisterSkills(skill::Registry& registry) override;
   void OpenTopics(transport::Endpoints& topics) override;
@@ -32,6 +38,7 @@ class SkillsActuator : public SkillActuator {
   void OnPause() override { robot_.Rest(); }
 
   RosRobot& robot_;
+  const program::EndSignals* signals_ = nullptr;
   const std::vector<skill::Entry> entries_;
 };
 

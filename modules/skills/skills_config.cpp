@@ -30,7 +30,8 @@ class Reader {
     config_.radius_m = root.Number("radius_m", 0.01, 10).value_or(config_.radius_m);
     config_.hand = root.Bool("hand").value_or(false);
     config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
-    config_.photo_folder = PathOf(root, "photo_folder", "photos");
+    config_.photo_folder = PathOf(root, "photo_folder",
+                                  config_toml::DefaultStateDir("photos", "") + "/" + config_.robot);
     config_.skill_config = PathOf(root, "skill_config", "");
     SetNames();
     if (const Table* topics = root.SubTable("topics")) {

@@ -17,7 +17,7 @@ typedef musher_msgs_msg_dds__SkillOffers_ SkillOffers;
 static dds_entity_t goal_writer, goal_reader, result_writer, result_reader, cancel_writer,
     cancel_reader, feedback_reader, offers_reader;
 static uint64_t client;
-static const uint8_t kGoal[kIdSize] = {7, 8, 9};
+static uint8_t goal_id[kIdSize];  // of this client alone
 static bool offered, cancels, ended;
 static int feedbacks;
 
@@ -34,16 +34,16 @@ static void OnGoalReply(const SkillGoalReply* reply) {
   if (reply->client_id != client) return;
   printf("%s\n", reply->accepted ? "accepted" : "rejected");
   SkillResultRequest request = {.client_id = client, .sequence_number = 1};
-  memcpy(request.goal_id.uuid, kGoal, kIdSize);
+  memcpy(request.goal_id.uuid, goal_id, kIdSize);
   dds_write(result_writer, &request);
 }
 
 static void OnFeedback(const SkillFeedbackMessage* message) {
-  if (memcmp(message->goal_id.uuid, kGoal, kIdSize) != 0 || ++feedbacks > 1) return;
+  if (memcmp(message->goal_id.uuid, goal_id, kIdSize) != 0 || ++feedbacks > 1) return;
   printf("feedback: %s\n", message->feedback.status);
   if (!cancels) return;
   CancelRequest request = {.client_id = client, .sequence_number = 1};
-  memcpy(request.goal_info.goal_id.uuid, kGoal, kIdSize);
+  memcpy(request.goal_info.goal_id.uuid, goal_id, kIdSize);
   dds_write(cancel_writer, &request);
 }
 
@@ -64,7 +64,7 @@ static void SendGoal(char* skill, char* key, char* value) {
   info.params._maximum = info.params._length = 1;
   info.params._buffer = &parameter;
   SkillGoal request = {.client_id = client, .sequence_number = 1};
-  memcpy(request.goal_id.uuid, kGoal, kIdSize);
+  memcpy(request.goal_id.uuid, goal_id, kIdSize);
   request.goal.skill_request.robot_id = "";
   request.goal.skill_request.skill_list._maximum = 1;
   request.goal.skill_request.skill_list._length = 1;
@@ -89,6 +89,7 @@ static void Open(const char* action) {
   cancel_writer = Writer(&action_msgs_srv_dds__CancelGoal_Request__desc,
                          "rq/%s/_action/cancel_goalRequest", action, false);
   dds_get_instance_handle(goal_writer, &client);
+  memcpy(goal_id, &client, sizeof(client));
 }
 
 static bool Matched(void) {

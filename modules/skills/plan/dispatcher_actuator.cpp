@@ -13,6 +13,10 @@ void DispatcherActuator::OnEmergencyStop() {
   if (const auto server = server_.lock()) server->Permit(false, "an emergency stop holds it");
 }
 
+void DispatcherActuator::OnEnd() {
+  if (const auto server = server_.lock()) server->Permit(false, "its process ends");
+}
+
 Result<> DispatcherActuator::SetUp() {
   return OpenEndpoints([this](transport::Endpoints& endpoints) {
     const auto server = std::make_shared<PlanServer>(
@@ -21,6 +25,9 @@ Result<> DispatcherActuator::SetUp() {
     server->Open(endpoints);
     endpoints.Keep(server);
     server_ = server;
+    if (signals_ == nullptr) return;
+    endpoints.Keep(std::shared_ptr<transport::LoopHandle>(
+        signals_->Watch(endpoints.node().loop(), [this] { OnEnd(); })));
   });
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/actuator/program/end_signals.hpp"
 #include "musher/modules/skills/plan/plan_server.hpp"
 
 namespace musher::skills {
@@ -20,14 +21,20 @@ class DispatcherActuator : public MachineActuator {
   DispatcherActuator(const std::string& actuator_name, DispatcherConfig config);
   ~DispatcherActuator() override = default;
 
+  // Before Init(): at SIGTERM and SIGINT the present plan is cancelled, then the process ends. They
+  // must outlive it.
+  void CancelAt(const program::EndSignals& signals) { signals_ = &signals; }
+
  protected:
   void OnEmergencyStop() override;
 
  private:
   Result<> Run(const State& state);
   Result<> SetUp();
+  void OnEnd();
 
   const DispatcherConfig config_;
+  const program::EndSignals* signals_ = nullptr;
   std::weak_ptr<PlanServer> server_;  // kept by the endpoints
 };
 

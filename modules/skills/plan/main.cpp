@@ -6,8 +6,13 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  return musher::program::RunModule<musher::skills::DispatcherActuator>(
-      options, musher::skills::ReadDispatcherFile(options.file));
+  const musher::program::EndSignals signals;  // before any thread
+  const auto reading = musher::skills::ReadDispatcherFile(options.file);
+  musher::program::PrintErrors(reading.diagnostics);
+  if (!reading.config) return musher::program::kUsageError;
+  musher::skills::DispatcherActuator dispatcher(options.actuator, *reading.config);
+  dispatcher.CancelAt(signals);
+  return musher::program::RunToEnd(dispatcher, options.state_config);
 }
 
 }  // namespace

@@ -159,6 +159,10 @@ void Navigator::Tend() {
   }
 }
 
+void Navigator::CancelEarlierDrives() {
+  if (HasController()) controller_->CancelAll(kCancelTime, [](const auto& /*reply*/) {});
+}
+
 void Navigator::CancelAll() {
   Tend();
   for (const auto& request : requests_) {

@@ -43,6 +43,8 @@ class Navigator {
   void Tend();
   // Cancels all requests and drives.
   void CancelAll();
+  // Also the drives that a process before this one has left behind.
+  void CancelEarlierDrives();
 
  private:
   struct Request;

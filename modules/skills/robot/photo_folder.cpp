@@ -27,7 +27,7 @@ Error Refused(const std::string& name, const std::string& why) {
 
 Result<std::string> WritePng(const Picture& picture, const std::string& folder,
                              const std::string& name) {
-  const Result<std::string> path = PhotoPath(folder, name);
+  Result<std::string> path = PhotoPath(folder, name);
   if (!path) return path;
   const std::size_t bytes = std::size_t{picture.width} * picture.height * 3;
   if (bytes == 0 || picture.bgr.size() != bytes) return Refused(name, "the picture is empty");
@@ -72,7 +72,7 @@ Result<std::string> PhotoPath(const std::string& folder, const std::string& name
 
 skill::Future<std::string> PhotoFolder::Save(const Picture& picture, const std::string& name) {
   auto source = std::make_shared<skill::Source<std::string>>();
-  const skill::Future<std::string> future = source->future();
+  skill::Future<std::string> future = source->future();
   writer_.Do([this, picture, name, source = std::move(source)]() mutable {
     Result<std::string> written = WritePng(picture, folder_, name);
     // The loop has the last reference: the result is set there.

@@ -50,6 +50,10 @@ void RosRobot::Rest() {
   if (const auto wire = wire_.lock()) wire->Rest();
 }
 
+void RosRobot::CancelEarlierDrives() {
+  if (const auto wire = wire_.lock()) wire->navigator->CancelEarlierDrives();
+}
+
 RosRobot::Missing RosRobot::Look() const {
   const auto wire = wire_.lock();
   return wire ? wire->Look() : Missing{kClosed, {}};

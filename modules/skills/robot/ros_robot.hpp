@@ -33,6 +33,9 @@ class RosRobot final : public Robot {
   // The robot stands, its drives are cancelled.
   void Rest();
 
+  // Cancels the drives that a process before this one, which has crashed, has left behind.
+  void CancelEarlierDrives();
+
   // What of its environment cannot be reached.
   struct Missing {
     std::string odometry;             // empty: it comes

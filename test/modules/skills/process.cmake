@@ -13,3 +13,14 @@ musher_test(skills_process_test
   DEPENDS musher_skills_process musher_plan_dispatcher musher::controller rapidcheck_gtest Threads::Threads
     opencv_core opencv_imgcodecs
   LABELS modules)
+
+# The real programs over DDS.
+if(TARGET musher-skills)
+  musher_test(skills_program_test
+    SOURCES
+      skills_process_test.cpp
+      ../actuator_peer.cpp
+    DEPENDS musher::actuator musher_exec Threads::Threads
+    LABELS modules)
+  add_dependencies(skills_program_test musher-skills musher-plan-dispatcher)
+endif()

@@ -243,6 +243,23 @@ TEST_F(ARosRobot, FailsADriveWhoseControllerHasCrashed) {
   EXPECT_FALSE(robot_.HasController());
 }
 
+TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
+  const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
+  Run(100);
+  ASSERT_THAT(peers_->drives, SizeIs(1));
+  network_.Crash(*body_);
+  Run(100);
+  EXPECT_EQ(peers_->cancels, 0);
+  const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
+  transport::Endpoints endpoints(*node, "dog");
+  RosRobot next(Config());
+  next.Open(endpoints, "dog");
+  Run(500);
+  next.CancelEarlierDrives();
+  Run(100);
+  EXPECT_EQ(peers_->cancels, 1);
+}
+
 TEST_F(ARosRobot, StandsAndCancelsItsDrivesAtRest) {
   robot_.SetVelocity({0.5, 0, 0, 0});
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
