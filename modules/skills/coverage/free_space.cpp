@@ -86,15 +86,30 @@ std::vector<Interval> FreeSpace::At(double y_m) const {
   return free;
 }
 
-bool FreeSpace::Clear(const GroundPoint& a, const GroundPoint& b) const {
+bool FreeSpace::Passes(const GroundPoint& a, const GroundPoint& b) const {
   const Edge way{a, b};
+  const double length = Distance(a, b);
+  const double x = length > 0 ? (b.x_m - a.x_m) / length : 1;
+  const double y = length > 0 ? (b.y_m - a.y_m) / length : 0;
+  const auto outside = [&](double first, double second, double least, double most) {
+    return (first < least && second < least) || (first > most && second > most);
+  };
   for (const Edge& edge : edges_) {
-    const auto [left, right] = std::minmax(a.x_m, b.x_m);
-    if (std::min(edge.from.x_m, edge.to.x_m) > right + radius_m_) continue;
-    if (std::max(edge.from.x_m, edge.to.x_m) < left - radius_m_) continue;
+    // Along the way and across it: most edges are far from it by one of them.
+    const GroundPoint from{edge.from.x_m - a.x_m, edge.from.y_m - a.y_m};
+    const GroundPoint to{edge.to.x_m - a.x_m, edge.to.y_m - a.y_m};
+    if (outside(x * from.y_m - y * from.x_m, x * to.y_m - y * to.x_m, -radius_m_, radius_m_) ||
+        outside(x * from.x_m + y * from.y_m, x * to.x_m + y * to.y_m, -radius_m_,
+                length + radius_m_)) {
+      continue;
+    }
     if (Distance(edge, way) < radius_m_ - kToleranceM) return false;
   }
-  return Contains(edges_, a);
+  return true;
+}
+
+bool FreeSpace::Clear(const GroundPoint& a, const GroundPoint& b) const {
+  return Passes(a, b) && Contains(edges_, a);
 }
 
 Router::Router(const FreeSpace& space, const Region& region) : space_(space) {
@@ -103,7 +118,7 @@ Router::Router(const FreeSpace& space, const Region& region) : space_(space) {
   neighbours_.resize(nodes_.size());
   for (Node i = 0; i < nodes_.size(); ++i) {
     for (Node k = i + 1; k < nodes_.size(); ++k) {
-      if (!space_.Clear(nodes_[i], nodes_[k])) continue;
+      if (!space_.Passes(nodes_[i], nodes_[k])) continue;
       neighbours_[i].push_back(k);
       neighbours_[k].push_back(i);
     }
@@ -112,7 +127,7 @@ Router::Router(const FreeSpace& space, const Region& region) : space_(space) {
 
 // On an arc around each corner that can be in the way.
 void Router::AddNodes(const Ring& ring, bool hole) {
-  constexpr double kStepRad = std::numbers::pi / 8;
+  constexpr double kStepRad = std::numbers::pi / 6;
   // So that the chords between the nodes keep the radius, with a little more.
   const double radius_m = space_.radius_m() / std::cos(kStepRad / 2) + 1e-3;
   // Seen along the ring, the region is on the left of a boundary and on the right of a hole.
@@ -139,7 +154,7 @@ const std::vector<Router::Node>& Router::Visible(const GroundPoint& point) {
   const auto [place, is_new] = visible_.try_emplace({point.x_m, point.y_m});
   if (is_new) {
     for (Node node = 0; node < nodes_.size(); ++node) {
-      if (space_.Clear(point, nodes_[node])) place->second.push_back(node);
+      if (space_.Passes(nodes_[node], point)) place->second.push_back(node);
     }
   }
   return place->second;

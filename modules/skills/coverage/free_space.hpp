@@ -23,8 +23,9 @@ class FreeSpace {
 
   // The x of the free points with this y, in ascending order.
   std::vector<Interval> At(double y_m) const;
-  // Whether the robot can go straight from a to b.
+  // Whether the robot can go straight from a to b. `Passes` is the same for an `a` that is free.
   bool Clear(const GroundPoint& a, const GroundPoint& b) const;
+  bool Passes(const GroundPoint& a, const GroundPoint& b) const;
 
   double radius_m() const { return radius_m_; }
   double lowest_m() const { return lowest_m_; }    // y of the region

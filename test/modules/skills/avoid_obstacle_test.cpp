@@ -28,8 +28,9 @@ void AddWall(MovingRobot& robot, double x0, double y0, double x1, double y1) {
 }
 
 void AddPillar(MovingRobot& robot, double x, double y, double radius) {
-  for (int i = 0; i < 40; ++i) {
-    const double angle = 2 * M_PI * i / 40;
+  const int count = std::max(8, static_cast<int>(2 * M_PI * radius / 0.1));
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * M_PI * i / count;
     robot.points.push_back({x + radius * std::cos(angle), y + radius * std::sin(angle), 0});
   }
 }

@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "musher/modules/navigation/trajectory/trajectory.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
 namespace musher::explore_test {
@@ -53,6 +54,20 @@ TEST_F(Explore, GoesToTheStartAndAlongItsPath) {
   ASSERT_EQ(robot.driven_paths.size(), 2U);
   EXPECT_LT(navigation::Distance(robot.driven_paths[0].back().at, {0.5, 1, 0}), 0.1);
   EXPECT_NEAR(robot.travelled_m, 66 + 5.3, 1);
+}
+
+// The controller makes a trajectory of the path.
+TEST_F(Explore, HasAPathThatCanBeDrivenInTime) {
+  for (const char* distance : {"0.05", "0.5", "100"}) {
+    robot.at = {};
+    robot.driven_paths.clear();
+    Go({{"interpolation_distance", distance}});
+    EXPECT_TRUE(RunToItsEnd(120));
+    ASSERT_EQ(robot.driven_paths.size(), 2U);
+    const auto trajectory = navigation::MakeTrajectory(robot.driven_paths[1], {});
+    ASSERT_TRUE(trajectory) << trajectory.error().message;
+    EXPECT_LT(trajectory.value().duration(), std::chrono::seconds(100));
+  }
 }
 
 TEST_F(Explore, ReportsItsPath) {
