@@ -110,7 +110,14 @@ class Composite : public Skill {
     }
     if (order_ == Order::kInOrder) return;
     std::vector<std::string> names;
-    for (const auto& run : runs_) AddAll(*run, names);
+    for (const auto& run : runs_) {
+      // Of one part, a skill that occurs twice runs one after the other, or is refused there.
+      std::vector<std::string> inside;
+      AddAll(*run, inside);
+      std::ranges::sort(inside);
+      inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
+      names.insert(names.end(), inside.begin(), inside.end());
+    }
     std::ranges::sort(names);
     const auto twice = std::ranges::adjacent_find(names);
     if (twice != names.end()) table.Refuse(*twice + " would run twice at once");

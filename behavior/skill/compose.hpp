@@ -15,24 +15,17 @@
 // failed one. The limits are those of the skills inside: it has none of its own, except in a
 // config.
 //
+// A config file composes them, too: toml/skills_toml.hpp.
+//
 // A parameter that is not given here is a parameter of the whole, "take_off.altitude"; of a skill
 // that is in it several times, "take_off.altitude" for the first and "take_off_2.altitude" for the
 // second.
 
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "musher/behavior/skill/registry.hpp"
 
 namespace musher::skill {
-
-enum class Order : std::uint8_t { kInOrder, kParallel, kFirstToFinish };
-
-struct Part {
-  std::string skill;
-  Values parameters{};
-};
 
 // The factory of such a skill, for Registry::Add(), which reports its errors: an unknown skill,
 // with the nearest name; none at all; one that would run twice at once. `registry` is used now

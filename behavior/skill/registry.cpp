@@ -3,9 +3,17 @@
 #include <algorithm>
 
 #include "musher/base/suggest.hpp"
+#include "musher/behavior/skill/compose.hpp"
 #include "musher/behavior/skill/run.hpp"
 
 namespace musher::skill {
+namespace {
+
+void AddError(std::string& errors, const std::string& error) {
+  errors += (errors.empty() ? "" : "\n") + error;
+}
+
+}  // namespace
 
 Result<> Registry::Add(const std::string& name, Factory make) {
   if (name.empty() || name.find('/') != std::string::npos) {
@@ -36,24 +44,37 @@ std::vector<std::string> Registry::Names() const {
 }
 
 Result<> Registry::Configure(const Config& config) {
-  std::vector<Entry> configured = entries_;
+  Registry configured = *this;
   std::string errors;
-  const auto refuse = [&](const std::string& error) {
-    errors += (errors.empty() ? "" : "\n") + error;
+  const auto composed = [&](const std::string& name) {
+    return std::ranges::find(config.compositions, name, &Config::Composition::name) !=
+           config.compositions.end();
   };
   for (const auto& [name, settings] : config.settings) {
-    const auto found = std::ranges::find(configured, name, &Entry::name);
-    if (found == configured.end()) {
-      refuse(NoSuch("skill", name, Names()));
+    if (!composed(name)) configured.Set(name, settings, errors);
+  }
+  for (const Config::Composition& composition : config.compositions) {
+    const Result<> added =
+        configured.Add(composition.name, Compose(composition.order, configured, composition.parts));
+    if (!added) {
+      AddError(errors, added.error().message);
       continue;
     }
-    found->settings = settings;
-    const Run probe(name, found->make(), settings);
-    if (!probe.built()) refuse(probe.built().error().message);
+    for (const auto& [name, settings] : config.settings) {
+      if (name == composition.name) configured.Set(name, settings, errors);
+    }
   }
   if (!errors.empty()) return Error{kCodeParametersInvalid, errors};
-  entries_ = std::move(configured);
+  *this = std::move(configured);
   return Ok();
+}
+
+void Registry::Set(const std::string& skill, const Settings& settings, std::string& errors) {
+  const auto found = std::ranges::find(entries_, skill, &Entry::name);
+  if (found == entries_.end()) return AddError(errors, NoSuch("skill", skill, Names()));
+  found->settings = settings;
+  const Run probe(skill, found->make(), settings);
+  if (!probe.built()) AddError(errors, probe.built().error().message);
 }
 
 Result<std::vector<Entry>> Registry::Of(const Config& config, std::string_view robot) const {

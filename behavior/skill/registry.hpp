@@ -9,6 +9,7 @@
 // By a config file (toml/skills_toml.hpp): registry.Configure(config), and registry.Of(config,
 // "cf2x") for its skills.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -30,6 +31,16 @@ struct Entry {
   Settings settings{};
 };
 
+// Of the skills of a composition; see compose.hpp.
+enum class Order : std::uint8_t { kInOrder, kParallel, kFirstToFinish };
+
+struct Part {
+  std::string skill;
+  Values parameters{};
+
+  friend bool operator==(const Part&, const Part&) = default;
+};
+
 struct Config {
   struct Group {
     std::string name;
@@ -38,8 +49,16 @@ struct Config {
 
     friend bool operator==(const Group&, const Group&) = default;
   };
+  struct Composition {
+    std::string name;
+    Order order = Order::kInOrder;
+    std::vector<Part> parts;
+
+    friend bool operator==(const Composition&, const Composition&) = default;
+  };
   std::vector<Group> groups;
   std::vector<std::pair<std::string, Settings>> settings;  // by skill
+  std::vector<Composition> compositions{};                 // each after those that it runs
 
   friend bool operator==(const Config&, const Config&) = default;
 };
@@ -59,9 +78,9 @@ class Registry {
   const Entry* Find(std::string_view name) const;
   std::vector<std::string> Names() const;
 
-  // Takes over the settings of a config. Fails, with all errors, for an unknown skill and for
-  // settings that do not fit one; then nothing has changed. Skills that were composed before keep
-  // the settings of their parts.
+  // Takes over the settings of a config, and adds its compositions. Fails, with all errors, for an
+  // unknown skill, for settings that do not fit one, and for what Compose() and Add() refuse; then
+  // nothing has changed. Skills that were composed before keep the settings of their parts.
   Result<> Configure(const Config& config);
 
   // The skills of a kind of robot, in the order of the config. Fails for a kind and for a skill
@@ -69,6 +88,8 @@ class Registry {
   Result<std::vector<Entry>> Of(const Config& config, std::string_view robot) const;
 
  private:
+  void Set(const std::string& skill, const Settings& settings, std::string& errors);
+
   std::vector<Entry> entries_;
 };
 

@@ -4,6 +4,7 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/behavior/skill/run.hpp"
+#include "musher/behavior/skill/toml/read_compositions.hpp"
 #include "musher/behavior/skill/toml/read_value.hpp"
 #include "musher/behavior/skill/toml/skills_toml.hpp"
 
@@ -12,8 +13,6 @@ namespace {
 
 using config_toml::Findings;
 using config_toml::Member;
-using config_toml::Position;
-using config_toml::Quote;
 using config_toml::TableReader;
 using config_toml::Word;
 
@@ -22,13 +21,20 @@ constexpr int kMostRetries = 1000;
 class ConfigReader {
  public:
   ConfigReader(const Registry& registry, Findings& findings)
-      : names_(registry.Names()), registry_(registry), findings_(findings) {}
+      : compositions_(registry, findings), findings_(findings) {}
 
   Config Read(const config_toml::Table& root) {
     TableReader table(root, {1, 1}, "", findings_);
     Config config;
+    const config_toml::Table& skills = Members(table, "skill");
+    for (const Member& member : skills) compositions_.Note(member);
     for (const Member& member : Members(table, "group")) ReadGroup(member, config);
-    for (const Member& member : Members(table, "skill")) ReadSkill(member, config);
+    for (const Member& member : skills) {
+      if (!compositions_.Has(member.key)) ReadSkill(member, config);
+    }
+    config.compositions = compositions_.Read([&](TableReader& reader, const Run& probe) {
+      config.settings.emplace_back(probe.name(), ReadSettings(reader, probe.table()));
+    });
     table.RefuseOthers();
     return config;
   }
@@ -46,13 +52,6 @@ class ConfigReader {
     return table;
   }
 
-  void Unknown(Position at, const std::string& path, const std::string& what,
-               const std::string& name, const std::vector<std::string>& known) {
-    const std::vector<std::string_view> candidates(known.begin(), known.end());
-    findings_.Error(
-        at, path + ": there is no " + what + " " + Quote(name) + findings_.Guess(name, candidates));
-  }
-
   void ReadGroup(const Member& member, Config& config) {
     const std::string path = "group." + member.key;
     const config_toml::Table* content = TableOf(member, path);
@@ -63,9 +62,10 @@ class ConfigReader {
       group.robots.push_back(robot.text);
     }
     table.Require("skills", "the names of its skills");
+    const std::vector<std::string> names = compositions_.Names();
     for (const Word& skill : table.Strings("skills").value_or(std::vector<Word>())) {
-      if (registry_.Find(skill.text) == nullptr) {
-        Unknown(skill.at, path + ".skills", "skill", skill.text, names_);
+      if (std::ranges::find(names, skill.text) == names.end()) {
+        UnknownName(findings_, skill.at, path + ".skills", "skill", skill.text, names);
       }
       group.skills.push_back(skill.text);
     }
@@ -77,20 +77,28 @@ class ConfigReader {
     const std::string path = "skill." + member.key;
     const config_toml::Table* content = TableOf(member, path);
     if (content == nullptr) return;
-    const Entry* entry = registry_.Find(member.key);
-    if (entry == nullptr) return Unknown(member.at, "skill", "skill", member.key, names_);
+    const Entry* entry = compositions_.known().Find(member.key);
+    if (entry == nullptr) {
+      return UnknownName(findings_, member.at, "skill", "skill", member.key, compositions_.Names());
+    }
     const Run probe(entry->name, entry->make());
     TableReader table(*content, member.at, path, findings_);
+    config.settings.emplace_back(member.key, ReadSettings(table, probe.table()));
+  }
+
+  Settings ReadSettings(TableReader& table, const Table& skill) {
     Settings settings;
     settings.run = Limit(table, "time_limit_ms");
     settings.cancel = Limit(table, "cancel_limit_ms");
     if (const auto retries = table.Integer("retries", 0, kMostRetries)) {
       settings.retries = static_cast<int>(*retries);
     }
-    ReadStates(table, probe.table(), settings);
-    ReadParameters(table, probe.table(), settings);
+    ReadStates(table, skill, settings);
+    for (const Member& member : Members(table, "parameters")) {
+      ReadParameter(findings_, member, skill, table.path() + ".parameters", settings.parameters);
+    }
     table.RefuseOthers();
-    config.settings.emplace_back(member.key, std::move(settings));
+    return settings;
   }
 
   static std::optional<Duration> Limit(TableReader& table, std::string_view key) {
@@ -111,38 +119,14 @@ class ConfigReader {
     }
     for (const Member& member : *content) {
       if (std::ranges::find(states, member.key) == states.end()) {
-        Unknown(member.at, path, "state", member.key, states);
+        UnknownName(findings_, member.at, path, "state", member.key, states);
       } else if (const auto limit = Limit(limits, member.key)) {
         settings.states.emplace_back(member.key, *limit);
       }
     }
   }
 
-  void ReadParameters(TableReader& table, const Table& skill, Settings& settings) {
-    const std::string path = table.path() + ".parameters";
-    std::vector<std::string> names;
-    for (const Table::Parameter& parameter : skill.parameters()) names.push_back(parameter.name);
-    for (const Member& member : Members(table, "parameters")) {
-      const auto known = std::ranges::find(names, member.key);
-      if (known == names.end()) {
-        Unknown(member.at, path, "parameter", member.key, names);
-        continue;
-      }
-      const auto index = static_cast<std::size_t>(known - names.begin());
-      const Kind kind = skill.parameters()[index].kind;
-      const auto read = ReadValue(member.value);
-      const auto value = read ? std::optional(As(kind, *read)) : std::nullopt;
-      if (value && value->ok()) {
-        settings.parameters.Set(member.key, value->value());
-      } else {
-        findings_.Error(member.value.at,
-                        path + "." + member.key + ": expected " + std::string(Name(kind)));
-      }
-    }
-  }
-
-  const std::vector<std::string> names_;
-  const Registry& registry_;
+  CompositionReader compositions_;
   Findings& findings_;
 };
 

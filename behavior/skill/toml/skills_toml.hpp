@@ -12,6 +12,16 @@
 //   state_limits_ms = { EXECUTING = 30000 }      # 0: none
 //   parameters = { altitude = 2.0 }              # defaults
 //
+//   [skill.survey]                       # a composition, with all keys of a skill
+//   in_order = [{ skill = "take_off", altitude = 2.0 }, { skill = "photos" }]
+//   [skill.photos]
+//   parallel = [{ skill = "hover" }, { skill = "take_photo", save_path = "a.png" }]
+//
+// A composition has one of the keys in_order, parallel and first_to_finish (see compose.hpp), each
+// with a table for every skill: its name, and the parameters that are given. The others are
+// parameters of the whole ("photos.hover.duration"). A skill that runs itself is refused, and one
+// that is composed of more than 256 skills.
+//
 // All keys are optional; what is not there is as the skill declares it. All errors are reported at
 // once, as "file:line:column: error: …", an unknown name with the nearest one.
 

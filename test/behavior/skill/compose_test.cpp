@@ -195,6 +195,16 @@ TEST_F(AComposition, IsRefusedWithWhatIsWrongWithIt) {
             "all: a: there is no parameter sped; did you mean speed?");
 }
 
+// One of its skills in turn with another one, and the other way round.
+TEST_F(AComposition, MayRunASkillTwiceInOrderBesideAnother) {
+  ASSERT_TRUE(registry_.Add("twice", Compose(Order::kInOrder, registry_, {{"a"}, {"a"}})));
+  ASSERT_TRUE(registry_.Add("beside", Compose(Order::kParallel, registry_, {{"twice"}, {"b"}})));
+  const Result<> added =
+      registry_.Add("both", Compose(Order::kParallel, registry_, {{"beside"}, {"a"}}));
+  ASSERT_FALSE(added.ok());
+  EXPECT_EQ(added.error().message, "both: a would run twice at once");
+}
+
 TEST_F(AComposition, RunsCompositions) {
   scripts_[0].step = scripts_[1].step = scripts_[2].step = CompletesAfter(1);
   ASSERT_TRUE(registry_.Add("both", Compose(Order::kParallel, registry_, {{"a"}, {"b"}})));
