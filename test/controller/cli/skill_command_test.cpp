@@ -108,7 +108,7 @@ TEST_F(SkillCommand, RequiresAnActuatorWhereSeveralOfferTheSkill) {
 TEST_F(SkillCommand, ReportsThatNothingRuns) {
   for (const char* command : {"list", "run", "cancel", "watch"}) {
     std::vector<std::string> words = {"--namespace", "nowhere", "skill", command};
-    if (command == std::string("run") || command == std::string("cancel")) words.push_back("rise");
+    if (command == std::string("run") || command == std::string("cancel")) words.emplace_back("rise");
     const Ran ran = RunProgram(words);
     EXPECT_EQ(ran.exit, 3);
     EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));
