@@ -42,7 +42,6 @@ Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkil
       link.node(), transport::ResolveName(global.name_space, skill.action));
   if (!client) return client.error();
   cancelled.client = std::move(client).value();
-  const Time begin = link.loop().Now();
   cancelled.client->Cancel(
       id, timeout, [&cancelled](const Result<msg::CancelGoal::Response>& reply) {
         if (!reply || reply.value().return_code != msg::CancelGoal::kErrorRejected) return;
@@ -50,10 +49,9 @@ Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkil
         cancelled.end.message = cancelled.end.actuator + " refuses the cancellation";
         cancelled.known = true;
       });
-  cancelled.client->GetOutcome(id, timeout, [&cancelled, &link, begin](const auto& outcome) {
+  cancelled.client->GetOutcome(id, timeout, [&cancelled](const auto& outcome) {
     if (!outcome || cancelled.known) return;
     FillSkillEnd(outcome.value(), true, cancelled.end);
-    cancelled.end.duration_s = std::chrono::duration<double>(link.loop().Now() - begin).count();
     cancelled.known = true;
   });
   return Ok();
@@ -74,9 +72,9 @@ std::optional<Failure> CancelOn(Link& link, const GlobalOptions& global, const O
                                         "cancelled"}};
   }
   Cancelled& one = all.emplace_back();
-  one.end = {skill.offer.skill, skill.actuator,    SkillOutcome::kNoAnswer,
-             "no end in time",  feedback.progress, 0,
-             feedback.goal_id};
+  one.end = {
+      skill.offer.skill, skill.actuator, SkillOutcome::kTimeout, "its cancellation was requested",
+      feedback.progress, std::nullopt,   feedback.goal_id};
   if (const auto sent = CancelGoalOf(link, global, skill, *id, timeout, one); !sent) {
     return Failure{ExitCode::kUsage, sent.error()};
   }

@@ -14,7 +14,6 @@
 namespace musher::cli {
 namespace {
 
-using transport::GoalEnd;
 using SkillGoalOutcome = transport::GoalOutcome<msg::SkillExecution>;
 
 constexpr Duration kStartTime = std::chrono::seconds(5);    // for the reply to the request

@@ -85,7 +85,7 @@ class FibonacciClient {
   void Cancel() {
     client_->Cancel(goal_, std::chrono::seconds(2), [this](const auto& reply) {
       const bool accepted = reply && reply.value().return_code == msg::CancelGoal::kErrorNone;
-      if (!accepted) log.push_back("it cannot be cancelled");
+      if (!accepted) log.emplace_back("it cannot be cancelled");
     });
   }
 

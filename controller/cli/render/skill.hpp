@@ -3,6 +3,7 @@
 // json.hpp.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,9 +31,9 @@ struct SkillEnd {
   std::string actuator;
   SkillOutcome outcome = SkillOutcome::kLost;
   std::string message;
-  int progress = 0;       // the last one, in percent
-  double duration_s = 0;  // since its request
-  std::string goal_id;    // 32 hexadecimal digits
+  int progress = 0;                  // the last one, in percent
+  std::optional<double> duration_s;  // since its request; none: it is of another client
+  std::string goal_id;               // 32 hexadecimal digits
 };
 
 std::string SkillsText(const std::vector<msg::SkillOffers>& all, bool colour);

@@ -16,7 +16,7 @@ Json OfSkillEnd(const SkillEnd& end) {
           {"outcome", SkillOutcomeName(end.outcome)},
           {"message", end.message},
           {"progress", end.progress},
-          {"duration_s", end.duration_s},
+          {"duration_s", end.duration_s ? Json(*end.duration_s) : Json()},
           {"goal_id", end.goal_id}};
 }
 

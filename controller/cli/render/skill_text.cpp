@@ -85,29 +85,31 @@ std::string_view SkillOutcomeName(SkillOutcome outcome) {
 }
 
 std::string SkillEndText(const SkillEnd& end) {
-  const std::string time = fmt::format("{:.1f} s", end.duration_s);
+  const auto after = [&end](const char* word) {
+    return end.duration_s ? fmt::format(" {} {:.1f} s", word, *end.duration_s) : "";
+  };
   std::string what;
   switch (end.outcome) {
     case SkillOutcome::kCompleted:
-      what = "completed in " + time;
+      what = "completed" + after("in");
       break;
     case SkillOutcome::kFailed:
-      what = "failed after " + time;
+      what = "failed" + after("after");
       break;
     case SkillOutcome::kCancelled:
-      what = "was cancelled after " + time;
+      what = "was cancelled" + after("after");
       break;
     case SkillOutcome::kRefused:
       what = "was refused";
       break;
     case SkillOutcome::kLost:
-      what = "is lost after " + time;
+      what = "is lost" + after("after");
       break;
     case SkillOutcome::kNoAnswer:
       what = "has not started";
       break;
     case SkillOutcome::kTimeout:
-      what = "has not ended within " + time;
+      what = "has not ended" + after("within");
       break;
     case SkillOutcome::kRunning:
       what = "goes on";
