@@ -67,13 +67,13 @@ struct Termination {
 };
 
 // Why an actuator is degraded. For people it is the error; decisions compare the event.
-struct Fault {
+struct ActuatorFault {
   std::int32_t code = kCodeFailed;
   std::string message;
   EventName event = EventName::kNone;
 
   operator Error() const { return {code, message}; }  // NOLINT(google-explicit-constructor)
-  friend bool operator==(const Fault&, const Fault&) = default;
+  friend bool operator==(const ActuatorFault&, const ActuatorFault&) = default;
 };
 
 struct ActuatorRecord {
@@ -103,7 +103,7 @@ struct ActuatorRecord {
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;
-  std::optional<Fault> fault;             // why it is degraded
+  std::optional<ActuatorFault> fault;     // why it is degraded
   std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
   std::optional<PendingCommand> command;  // the command under way
   RecordId cause = 0;  // the record with the reason why it is degraded, lost or back

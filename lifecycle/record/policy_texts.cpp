@@ -29,8 +29,8 @@ std::string LimitText(BatteryLimit limit, const State& most) {
 
 }  // namespace
 
-RecordText PolicyRequested(const std::string& what) {
-  return {EventName::kPolicyRequested, what + " requested"};
+RecordText PolicyRequested(const std::string& what, const State& target) {
+  return {EventName::kPolicyRequested, what + " requested", target};
 }
 
 RecordText PolicyRefused(const std::string& what, const std::string& why) {
@@ -67,16 +67,17 @@ RecordText BatteryChanged(const std::string& battery, std::optional<bool> charge
 }
 
 RecordText BatterySwitchDown(const std::string& battery, const State& target) {
-  return {EventName::kBatterySwitchDown, battery + ": down to " + target};
+  return {EventName::kBatterySwitchDown, battery + ": down to " + target, target};
 }
 
 RecordText BatterySwitchUp(const std::string& battery, const State& target) {
-  return {EventName::kBatterySwitchUp, battery + ": back to " + target};
+  return {EventName::kBatterySwitchUp, battery + ": back to " + target, target};
 }
 
 RecordText LyingStill(Duration limit) {
   return {EventName::kLyingStillSwitch,
-          "the robot has lain still for " + InSeconds(limit) + ": down to LowPower"};
+          "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
+          State(kLowPower)};
 }
 
 RecordText PolicySwitchRefused(const RecordText& wanted, const std::string& why) {

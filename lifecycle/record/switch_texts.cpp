@@ -27,8 +27,8 @@ EventName EventOf(SwitchOutcome outcome) {
 
 }  // namespace
 
-RecordText SwitchRequested(const std::string& to) {
-  return {EventName::kSwitchRequested, "switch " + to + " requested"};
+RecordText SwitchRequested(const std::string& to, const State& target) {
+  return {EventName::kSwitchRequested, "switch " + to + " requested", target};
 }
 
 RecordText SwitchWaiting(const std::string& to, Duration at_most, const std::string& why) {

@@ -26,6 +26,7 @@ namespace musher {
 struct RecordText {
   EventName event = EventName::kNone;
   std::string message;
+  State target = {};  // of the switch that is requested or decided, for programs
 
   friend bool operator==(const RecordText&, const RecordText&) = default;
 };
@@ -66,7 +67,7 @@ RecordText MayStillRun(const std::optional<State>& state);  // none: not known
 RecordText MayStillRunOn(const std::string& host);
 
 // A switch: switch_texts.cpp. `to`: "to Active", "of eyes to Active".
-RecordText SwitchRequested(const std::string& to);
+RecordText SwitchRequested(const std::string& to, const State& target);
 RecordText SwitchWaiting(const std::string& to, Duration at_most, const std::string& why);
 RecordText SwitchRefused(const std::string& to, const std::string& why);
 // `actuator`: "": the machine.
@@ -158,7 +159,8 @@ RecordText GivenUp(int restarts, const std::optional<std::string>& why);
 RecordText RestartedTooOften(int starts, Duration reset_after);
 
 // The policy: policy_texts.cpp. `battery`: BatteryText().
-RecordText PolicyRequested(const std::string& what);
+// `target`: of a request for a switch; "": another request.
+RecordText PolicyRequested(const std::string& what, const State& target);
 RecordText PolicyRefused(const std::string& what, const std::string& why);
 RecordText BatterySampleInvalid(int percent);
 RecordText BatterySilent(Duration limit, std::optional<int> last);

@@ -37,6 +37,11 @@ std::string Describe(const event::PolicyRequested& requested) {
   return "reboot";
 }
 
+// Of a request for a switch; empty: another request.
+State SwitchTargetOf(const event::PolicyRequested& requested) {
+  return requested.what == PolicyRequest::kSwitch ? requested.state.substr(0, 64) : State();
+}
+
 }  // namespace
 
 void PolicyRequests::On(const event::PolicyRequested& requested) {
@@ -52,7 +57,7 @@ void PolicyRequests::On(const event::PolicyRequested& requested) {
     return refuse({kCodeStatusError, "the machine is not set up yet"}, 0);
   }
   const RecordId request_record =
-      RecordPolicy(kCodeOk, texts::PolicyRequested(Describe(requested)));
+      RecordPolicy(kCodeOk, texts::PolicyRequested(Describe(requested), SwitchTargetOf(requested)));
   if (const auto refusal = Handle(requested, request_record)) refuse(*refusal, request_record);
 }
 

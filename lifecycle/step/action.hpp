@@ -117,6 +117,7 @@ struct Record {
   std::string data = {};  // what does not fit in a line: a backtrace
   std::optional<SwitchNote> of_switch = {};
   EventName event = EventName::kNone;  // what happened, as an id
+  State target = {};                   // of the switch that is requested or decided; not journaled
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.

@@ -9,6 +9,7 @@ action::Record Filled(const char* kind, std::int32_t code, const RecordText& tex
   record.code = code;
   record.message = text.message;
   record.event = text.event;
+  record.target = text.target;
   record.cause = cause;
   return record;
 }
@@ -81,7 +82,7 @@ RecordId StepPart::RecordPolicy(std::int32_t code, const RecordText& text, Recor
 void StepPart::Degrade(std::size_t i, std::int32_t code, const RecordText& text, RecordId cause) {
   const auto& known = Of(i).fault;
   if (known && known->code == code && known->message == text.message) return;
-  Of(i).fault = Fault{code, text.message, text.event};
+  Of(i).fault = ActuatorFault{code, text.message, text.event};
   Of(i).cause = RecordActuator(i, code, texts::Degraded(ConfigOf(i).name, text), cause);
 }
 

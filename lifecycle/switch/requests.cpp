@@ -29,9 +29,9 @@ void Requests::On(const event::SetStateRequested& requested) {
                                Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
-  const RecordId request_record =
-      RecordSwitch(only, 0, kCodeOk,
-                   texts::SwitchRequested(Describe(config_, requested.target.substr(0, 64), only)));
+  const State target = requested.target.substr(0, 64);
+  const RecordId request_record = RecordSwitch(
+      only, 0, kCodeOk, texts::SwitchRequested(Describe(config_, target, only), target));
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
     return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
