@@ -168,7 +168,7 @@ TEST_F(JournalRecording, OfVersionTwoIsReplayedAndBroughtUpToDate) {
 TEST_F(JournalRecording, OfANewerVersionIsNotReadAtAll) {
   Write({Entry(1)}, Options());
   Execute("PRAGMA user_version = 4");
-  EXPECT_THAT(ReadJournal(path_, 0, 1).error().message, HasSubstr("its version is 3, not 2"));
+  EXPECT_THAT(ReadJournal(path_, 0, 1).error().message, HasSubstr("its version is 4, not 3"));
   EXPECT_FALSE(ReadRecording(path_));
 }
 
