@@ -17,23 +17,20 @@ void Authority::On(const event::RivalSeen& rival) {
                           ToString(rival.epoch);
   const Error fenced{kCodePermissionDenied, why};
   const RecordId recorded =
-      RecordMachine(fenced.code, "this controller (epoch " + ToString(machine_.epoch) +
-                                     ") releases control: " + why);
+      RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, why));
   switching_.EndWaiting(fenced, recorded);
   if (machine_.current) {
     SwitchResult result = SwitchConclusion(config_, machine_).Conclude(*machine_.current, false);
     result.outcome = SwitchOutcome::kSuperseded;
     result.code = fenced.code;
     result.reason = fenced.message;
-    RecordEnd(*machine_.current, result,
-              "switch " + ToString(result.number) + " is superseded: " + why, recorded);
+    RecordEnd(*machine_.current, result, recorded);
     switching_.Answer(machine_.current->requests, result);
     if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();
   }
   if (machine_.stopping) {
-    const SwitchResult result = tear_down_.Conclude(
-        {fenced.code, "had not ended when another controller, " + rival.who + ", took over"});
+    const SwitchResult result = tear_down_.Conclude(fenced.code, rival.who);
     switching_.Answer(machine_.stopping->requests, result);
   }
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {

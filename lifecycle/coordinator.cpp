@@ -146,7 +146,7 @@ bool Coordinator::AdvanceSwitch() {
 
 void Coordinator::ReportIfBroken() {
   const std::string broken = BrokenInvariant(config_, machine_);
-  if (!broken.empty()) RecordMachine(kCodeFailed, kBrokenInvariant + broken);
+  if (!broken.empty()) RecordMachine(kCodeFailed, texts::InvariantBroken(broken));
 }
 
 void Coordinator::Decline(const Event& event) {

@@ -140,6 +140,7 @@ class Checker {
   void NoteLevels(const BatteryPolicy& policy, int percent);
   void CheckPowerOff();
   bool ByPolicy(const State& state) const;
+  void NoteLowering(const State& from);
 
   void CheckLoss(const Machine& machine, std::size_t i, bool provided);
   void CheckPlace(const Machine& machine, std::size_t i);

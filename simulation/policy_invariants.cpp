@@ -23,15 +23,8 @@ std::optional<Rank> MostAt(const BatteryPolicy& policy, int percent, bool chargi
 }
 
 // Reads 22 from "the battery is at 22 %, …".
-std::optional<int> PercentIn(const std::string& text) {
-  constexpr std::string_view kBefore = "the battery is at ";
-  if (!text.starts_with(kBefore)) return std::nullopt;
-  return std::atoi(text.c_str() + kBefore.size());
-}
-
-// "switch 7: Protected → LowPower, …". Refusals of requests that wait may precede it.
-bool BeginsASwitch(const action::Record& record) {
-  return record.message.starts_with("switch ") && record.message.find(" → ") != std::string::npos;
+int PercentIn(const std::string& text) {
+  return std::atoi(text.c_str() + text.find_first_of("0123456789"));
 }
 
 }  // namespace
@@ -61,46 +54,48 @@ void Checker::NoteLevels(const BatteryPolicy& policy, int percent) {
   }
 }
 
-// Reads the policy's decisions from its records: "…: down to LowPower", "…: back to Active", and
-// then "switch 7: Protected → LowPower, …".
+// Follows the policy's decisions by their records: a decision, and then the beginning of its
+// switch. Refusals of requests that wait may be between them.
 void Checker::OnRecord(const action::Record& record) {
-  const std::string& text = record.message;
-  if (record.actuator && text.starts_with("restart of ")) {
-    config_errors_.erase(config_.actuators[*record.actuator].name);
+  switch (record.event) {
+    case EventName::kRestartRequested:
+      config_errors_.erase(config_.actuators[*record.actuator].name);
+      return;
+    case EventName::kPolicyRequested:
+    case EventName::kSwitchRequested:
+      // A request that ends in the same step never shows as the switch under way.
+      if (!record.actuator && !record.target.empty()) just_replied_.insert(record.target);
+      return;
+    case EventName::kSwitchStarted:
+      if (std::exchange(lowering_begins_, false)) NoteLowering(record.of_switch->state);
+      return;
+    case EventName::kBatterySwitchUp:
+      policy_up_to_.push_back(record.target);
+      raised_at_ = PercentIn(record.message);
+      return;
+    case EventName::kBatterySwitchDown:
+      policy_down_to_.push_back(record.target);
+      lowering_begins_ = true;
+      return;
+    case EventName::kLyingStillSwitch:
+      policy_down_to_.push_back(record.target);
+      lowering_begins_ = false;
+      lowered_.reset();
+      return;
+    default:
+      return;
   }
-  // A request that ends in the same step never shows as the switch under way.
-  constexpr std::string_view kRequested = " requested";
-  constexpr std::string_view kSwitchTo = "switch to ";
-  if (text.starts_with(kSwitchTo) && text.ends_with(kRequested)) {
-    just_replied_.insert(
-        text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kRequested.size()));
+}
+
+// The battery takes the machine down from the state `from`.
+void Checker::NoteLowering(const State& from) {
+  // The raise to `from` has ended in this step.
+  if (std::erase(policy_up_to_, from) != 0) {
+    CheckRaise(from, raised_at_.value_or(0));
+    checked_raise_ = from;
   }
-  if (lowering_begins_ && BeginsASwitch(record)) {
-    lowering_begins_ = false;
-    const std::size_t at = text.find(": ") + 2;
-    const State from = text.substr(at, text.find(" → ", at) - at);
-    // The raise to `from` has ended in this step.
-    if (std::erase(policy_up_to_, from) != 0) {
-      CheckRaise(from, raised_at_.value_or(0));
-      checked_raise_ = from;
-    }
-    if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
-    lowered_->second = policy_down_to_.back();
-    return;
-  }
-  const std::size_t down = text.rfind(": down to ");
-  const std::size_t back = text.rfind(": back to ");
-  const std::size_t at = down == std::string::npos ? back : down;
-  if (record.kind != "policy" || at == std::string::npos) return;
-  const State target = text.substr(at + std::string_view(": down to ").size());
-  if (target.find(' ') != std::string::npos) return;  // a refusal
-  (back == at ? policy_up_to_ : policy_down_to_).push_back(target);
-  if (back == at) {
-    raised_at_ = PercentIn(text);
-    return;
-  }
-  lowering_begins_ = text.starts_with("the battery");
-  if (!lowering_begins_) lowered_.reset();  // by lying still
+  if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
+  lowered_->second = policy_down_to_.back();
 }
 
 bool Checker::ByPolicy(const State& state) const {

@@ -127,6 +127,11 @@ CLI::Option* Grammar::OneOf(CLI::Option* option, const std::vector<std::string>&
       ->type_name(option->get_positional() ? "" : CLI::detail::join(words, "|"));
 }
 
+CLI::Option* Grammar::Suggest(CLI::Option* option, const std::vector<std::string>& words) {
+  choices_[option] = words;
+  return option;
+}
+
 CLI::Option* Grammar::Offer(CLI::Option* option, Names names) {
   offers_[option] = names;
   return option;

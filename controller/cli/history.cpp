@@ -2,11 +2,14 @@
 // that has exited.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "musher/base/suggest.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/link.hpp"
@@ -16,6 +19,7 @@
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/wire.hpp"
+#include "musher/lifecycle/record/event_name.hpp"
 
 namespace musher::cli {
 namespace {
@@ -24,6 +28,7 @@ struct HistoryOptions {
   std::string since;      // empty: all
   std::string until;      // empty: all
   std::string actuator;   // empty: of all, and of the machine
+  std::string event;      // empty: all
   std::string journal;    // empty: query the controller
   unsigned limit = 1000;  // 0: no limit
   bool csv = false;
@@ -40,12 +45,28 @@ std::variant<Entries, Failure> FromFile(const std::string& path, std::int64_t si
                                         unsigned limit) {
   const auto read = ReadJournal(path, since, limit);
   if (!read) return Failure{ExitCode::kUsage, read.error()};
-  msg::GetHistory::Response history;
+  msg::GetHistory::Response history = ToMessage(read.value().entries);
   history.error = read.value().damage;
-  for (const JournalEntry& entry : read.value().entries) {
-    history.entries.push_back(ToMessage(entry));
-  }
   return history;
+}
+
+// A controller of an older version sends no events.
+Entries WithEvents(Entries history) {
+  history.events.resize(history.entries.size());
+  return history;
+}
+
+// Keeps the entries, and their events, for which `keep` is true.
+template <class Keep>
+void KeepOnly(Entries& history, const Keep& keep) {
+  Entries kept;
+  kept.error = std::move(history.error);
+  for (std::size_t i = 0; i < history.entries.size(); ++i) {
+    if (!keep(history.entries[i], history.events[i])) continue;
+    kept.entries.push_back(std::move(history.entries[i]));
+    kept.events.push_back(std::move(history.events[i]));
+  }
+  history = std::move(kept);
 }
 
 std::variant<Entries, Failure> FromController(Link& link, std::int64_t since, unsigned limit) {
@@ -62,7 +83,7 @@ std::variant<Entries, Failure> FromController(Link& link, std::int64_t since, un
   if (!response.error.empty() && response.entries.empty()) {
     return Failure{ExitCode::kNotDone, {kCodeFailed, response.error}};
   }
-  return response;
+  return WithEvents(response);
 }
 
 // Which entries are requested.
@@ -70,27 +91,29 @@ struct Selection {
   std::int64_t since = 0;
   std::int64_t until = INT64_MAX;
   std::string actuator;
+  std::string event;
   unsigned limit = 0;  // 0: all
 
   // The limit counts matching entries only.
   unsigned ReadLimit() const {
-    const bool filters = until != INT64_MAX || !actuator.empty();
+    const bool filters = until != INT64_MAX || !actuator.empty() || !event.empty();
     return limit == 0 || filters ? kAll : limit;
   }
-  void Apply(std::vector<msg::HistoryEntry>& entries) const {
-    std::erase_if(entries, [this](const msg::HistoryEntry& entry) {
-      return entry.wall_ns > until || (!actuator.empty() && entry.actuator != actuator);
+  void Apply(Entries& history) const {
+    KeepOnly(history, [this](const msg::HistoryEntry& entry, const std::string& of_entry) {
+      return entry.wall_ns <= until && (actuator.empty() || entry.actuator == actuator) &&
+             (event.empty() || of_entry == event);
     });
-    const std::size_t most = limit == 0 ? entries.size() : limit;
-    if (entries.size() > most) {
-      entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(most));
-    }
+    const std::size_t count = history.entries.size();
+    std::size_t left_out = limit == 0 || count <= limit ? 0 : count - limit;
+    KeepOnly(history, [&](const auto&, const auto&) { return left_out == 0 || left_out-- == 0; });
   }
 };
 
 Result<Selection> Select(const HistoryOptions& options) {
   Selection selection;
   selection.actuator = options.actuator;
+  selection.event = options.event;
   selection.limit = options.limit;
   if (!options.since.empty()) {
     const auto since = ParseSince(options.since, WallNow());
@@ -126,20 +149,19 @@ ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_
       return link.interrupted() ? ExitCode::kDone : console.Fail(*failure);
     }
     auto& history = std::get<Entries>(read);
-    std::erase_if(history.entries, [last](const auto& entry) { return entry.id <= last; });
+    KeepOnly(history, [last](const auto& entry, const auto&) { return entry.id > last; });
     if (history.entries.empty()) continue;
     last = history.entries.back().id;
     since = history.entries.back().wall_ns;
     selection.limit = 0;
-    selection.Apply(history.entries);
+    selection.Apply(history);
     if (!history.entries.empty()) Show(history, csv, false, console);
   }
   return ExitCode::kDone;
 }
 
-ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& state,
-                 Console& console) {
-  const auto why = FindWhy(entries, state);
+ExitCode Explain(const Entries& history, const State& state, Console& console) {
+  const auto why = FindWhy(history, state);
   if (!why) return console.Fail({ExitCode::kNotDone, why.error()});
   console.Print(console.mode().json ? WhyJson(why.value())
                                     : WhyText(why.value(), console.mode().colour));
@@ -164,11 +186,24 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
   const std::int64_t since =
       history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
-  if (options.why) return Explain(history.entries, *options.why, console);
-  wanted.Apply(history.entries);
+  if (options.why) return Explain(history, *options.why, console);
+  wanted.Apply(history);
   Show(history, options.csv, true, console);
   if (!options.follow) return ExitCode::kDone;
   return Follow(*link, wanted, last, since, options.csv, console);
+}
+
+std::vector<std::string> Events() {
+  return {kEventNames.begin() + 1, kEventNames.end()};
+}
+
+// Why a name is not that of an event; empty: it is.
+std::string EventError(const std::string& name) {
+  const auto events = Events();
+  if (std::find(events.begin(), events.end(), name) != events.end()) return "";
+  const std::string near = Nearest(name, events);
+  return "unknown event '" + name.substr(0, 64) + "'" +
+         (near.empty() ? "; docs/reference.md lists them" : "; did you mean '" + near + "'?");
 }
 
 }  // namespace
@@ -185,6 +220,9 @@ void AddHistory(Grammar& grammar) {
       .Offer(app.add_option("--actuator", options.actuator, "Only events of this one"),
              Names::kActuators)
       ->type_name("NAME");
+  grammar.Suggest(app.add_option("--event", options.event, "Only events of this name"), Events())
+      ->check(EventError)
+      ->type_name("EVENT");
   app.add_option("--limit", options.limit,
                  "Number of newest matching entries; default 1000, 0: all")
       ->check(CLI::Range(0U, 1'000'000U).description(""))

@@ -15,11 +15,12 @@ struct Why {
   State state;
   // The entry of the change to `state`, then its cause, then the cause of that, ...
   std::vector<msg::HistoryEntry> chain;
-  bool complete = true;  // false: the cause of the last one is not among the entries
+  std::vector<std::string> events;  // of the chain
+  bool complete = true;             // false: the cause of the last one is not among the entries
 };
 
-// Why `state` was last entered; empty: why the machine is in its current state. `entries`: oldest
-// first. Fails if they do not contain the change.
-Result<Why> FindWhy(const std::vector<msg::HistoryEntry>& entries, const State& state);
+// Why `state` was last entered; empty: why the machine is in its current state. Fails if the
+// entries of `history` do not contain the change.
+Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state);
 
 }  // namespace musher::cli

@@ -55,6 +55,10 @@ template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<AfterTearDown> = {
     "stays down", "may start", "starts again"};
 
+template <>
+inline constexpr std::array<std::string_view, kEventNames.size()> kValueNames<EventName> =
+    kEventNames;
+
 // The last value has the last name: so no value before it is missing.
 template <class T>
 constexpr bool EndsWith(T last) {

@@ -25,6 +25,13 @@ inline constexpr std::tuple kFields<Termination> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<ActuatorFault> = {
+    Field{"code", &ActuatorFault::code},
+    Field{"message", &ActuatorFault::message},
+    Field{"event", &ActuatorFault::event},
+};
+
+template <>
 inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"presence", &ActuatorRecord::presence},
     Field{"report", &ActuatorRecord::report},
@@ -69,7 +76,8 @@ inline constexpr std::tuple kFields<Leg> = {
     Field{"progress", &Leg::progress}, Field{"outcome", &Leg::outcome},
     Field{"ran", &Leg::ran},           Field{"may_fail", &Leg::may_fail},
     Field{"code", &Leg::code},         Field{"message", &Leg::message},
-    Field{"started", &Leg::started},   Field{"duration", &Leg::duration},
+    Field{"event", &Leg::event},       Field{"started", &Leg::started},
+    Field{"duration", &Leg::duration},
 };
 
 template <>

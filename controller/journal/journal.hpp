@@ -36,6 +36,7 @@ struct JournalEntry {
   RecordId id = 0;      // of the decision's record, grows from 1 in a controller; 0: none
   RecordId cause = 0;   // id of the record that it follows from; 0: none
   State state{};        // the machine's new state, if this entry records its change
+  std::string event{};  // its event name; empty: written by an older version, or the journal's own
 
   friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
 };

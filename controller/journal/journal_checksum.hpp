@@ -20,6 +20,7 @@ inline std::int64_t ChecksumOf(std::int64_t id, const JournalEntry& e) {
   for (const auto* text : {&e.kind, &e.actuator, &e.message, &e.data, &e.state}) {
     all += *text + kEnd;
   }
+  if (!e.event.empty()) all += e.event + kEnd;  // entries of older versions have none
   return static_cast<std::int64_t>(Fnv1a(all));
 }
 

@@ -50,13 +50,14 @@ void EnsureSchema(SQLite::Database& database) {
   }
   const auto version = empty ? 0 : Query(database, "PRAGMA user_version");
   if (version == journal_schema::kVersion) return;
-  if (!empty && version != 1) {
+  if (!empty && version != 1 && version != 2) {
     throw Damaged("its version is " + std::to_string(version) + ", not " +
                   std::to_string(journal_schema::kVersion));
   }
   SQLite::Transaction transaction(database);
   if (empty) database.exec(journal_schema::kCreateVersion1);
-  database.exec(journal_schema::kUpgradeTo2);
+  if (version < 2) database.exec(journal_schema::kUpgradeTo2);
+  database.exec(journal_schema::kUpgradeTo3);
   database.exec("PRAGMA application_id = " + std::to_string(journal_schema::kApplicationId));
   database.exec("PRAGMA user_version = " + std::to_string(journal_schema::kVersion));
   transaction.commit();
@@ -73,7 +74,7 @@ class Inserter {
     SQLite::bind(entry_, id, e.wall_ns, e.steady_ns, static_cast<std::int64_t>(e.epoch.value()),
                  static_cast<std::int64_t>(e.switch_number.value()), e.kind, e.actuator, e.code,
                  e.message, e.data, static_cast<std::int64_t>(e.id.value()),
-                 static_cast<std::int64_t>(e.cause.value()), e.state, ChecksumOf(id, e));
+                 static_cast<std::int64_t>(e.cause.value()), e.state, ChecksumOf(id, e), e.event);
     entry_.exec();
     entry_.reset();
   }

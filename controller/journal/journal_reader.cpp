@@ -92,6 +92,7 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
   entry.id = Unsigned(row, 10);
   entry.cause = Unsigned(row, 11);
   entry.state = row.getColumn(12).getString();
+  if (row.getColumnCount() > 14) entry.event = row.getColumn(14).getString();
   const auto checksum = row.getColumn(13);
   const bool may_lack_it = of_version_1 && id < first_with_checksum;
   if (checksum.isNull() ? !may_lack_it : checksum.getInt64() != ChecksumOf(id, entry)) {
@@ -182,7 +183,8 @@ class TableReader {
 };
 
 const char* EntryColumns(int version) {
-  return version == 1 ? journal_schema::kEntryColumnsVersion1 : journal_schema::kEntryColumns;
+  if (version == 1) return journal_schema::kEntryColumnsVersion1;
+  return version == 2 ? journal_schema::kEntryColumnsVersion2 : journal_schema::kEntryColumns;
 }
 
 std::string DamageText(std::size_t count, const char* what, const Damage& damage) {

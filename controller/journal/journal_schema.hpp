@@ -1,6 +1,6 @@
 #pragma once
 // The journal's tables. Another layout gets another version. When the controller starts, it moves a
-// file of a newer version aside and upgrades one of version 1.
+// file of a newer version aside and upgrades an older one.
 //
 // Both tables share one sequence of ids, in the order of Append(): an id in neither table is a lost
 // row.
@@ -8,7 +8,7 @@
 namespace musher::journal_schema {
 
 inline constexpr int kApplicationId = 0x4d757368;  // "Mush", in the file's header
-inline constexpr int kVersion = 2;
+inline constexpr int kVersion = 3;
 
 // Version 1 had only `entry`, up to `data`.
 inline constexpr char kCreateVersion1[] = R"(
@@ -38,10 +38,13 @@ inline constexpr char kUpgradeTo2[] = R"(
     checksum INTEGER NOT NULL
   ))";
 
+// The checksum of an entry with an event includes it.
+inline constexpr char kUpgradeTo3[] = "ALTER TABLE entry ADD COLUMN event TEXT NOT NULL DEFAULT ''";
+
 inline constexpr char kInsertEntry[] = R"(
   INSERT INTO entry (id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message,
-                     data, record, cause, state, checksum)
-  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))";
+                     data, record, cause, state, checksum, event)
+  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))";
 inline constexpr char kInsertInput[] =
     "INSERT INTO input (id, wall_ns, kind, data, checksum) VALUES (?, ?, ?, ?, ?)";
 
@@ -65,9 +68,12 @@ inline constexpr char kNewest[] =
 
 inline constexpr char kEntryColumnsVersion1[] =
     "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data";
-inline constexpr char kEntryColumns[] =
+inline constexpr char kEntryColumnsVersion2[] =
     "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data, record, "
     "cause, state, checksum";
+inline constexpr char kEntryColumns[] =
+    "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data, record, "
+    "cause, state, checksum, event";
 inline constexpr char kInputColumns[] = "id, wall_ns, kind, data, checksum";
 
 }  // namespace musher::journal_schema

@@ -4,16 +4,57 @@
 #include <utility>
 
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 
 namespace musher::recording {
 namespace {
 
-// Whether two decisions are equal: with a different config their numbers are not compared.
+// Whether two decisions are equal: with a different config their numbers are not compared, nor are
+// events with an entry that an older version has written without one.
 bool Same(const JournalEntry& a, const JournalEntry& b, bool with_numbers) {
   const bool same = a.kind == b.kind && a.actuator == b.actuator && a.code == b.code &&
-                    a.message == b.message && a.state == b.state;
+                    a.message == b.message && a.state == b.state &&
+                    (a.event.empty() || b.event.empty() || a.event == b.event);
   return same && (!with_numbers || (a.id == b.id && a.cause == b.cause && a.epoch == b.epoch &&
                                     a.switch_number == b.switch_number));
+}
+
+// A snapshot of an older version has the sentences of faults and legs without their events. Two of
+// them have to be known, because decisions follow from them.
+EventName EventOfOlderVersion(const std::string& sentence) {
+  if (sentence == kOutOfReach) return EventName::kConnectionLost;
+  return sentence == texts::TornDownAlone().message ? EventName::kTornDownAlone : EventName::kNone;
+}
+
+// The parts of a machine that have a sentence with an event.
+template <class M, class Each>
+void ForEachEvent(M& machine, const Each& each) {
+  for (auto& record : machine.actuators) {
+    if (record.fault) each(record.fault->message, record.fault->event);
+  }
+  if (!machine.current) return;
+  for (auto* legs : {&machine.current->legs, &machine.current->back}) {
+    for (auto& leg : *legs) each(leg.message, leg.event);
+  }
+}
+
+Machine WithEvents(Machine machine) {
+  ForEachEvent(machine, [](const std::string& message, EventName& event) {
+    if (event == EventName::kNone) event = EventOfOlderVersion(message);
+  });
+  return machine;
+}
+
+// Whether the replayed machine is the recorded one, apart from events that are not recorded.
+bool SameMachine(const Machine& recorded, Machine replayed) {
+  std::vector<EventName> events;
+  ForEachEvent(recorded, [&](const std::string&, EventName event) { events.push_back(event); });
+  std::size_t next = 0;
+  ForEachEvent(replayed, [&](const std::string&, EventName& event) {
+    if (next < events.size() && events[next] == EventName::kNone) event = EventName::kNone;
+    ++next;
+  });
+  return recorded == replayed;
 }
 
 bool IsOf(const std::vector<Leg>& legs, std::size_t actuators) {
@@ -143,7 +184,7 @@ class Replayer {
   }
 
   Result<> On(const SnapshotPtr& snapshot) {
-    const bool same = machine_ && (other_config_ || *machine_ == snapshot->machine);
+    const bool same = machine_ && (other_config_ || SameMachine(snapshot->machine, *machine_));
     if (same) return Ok();
     if (!config_ || snapshot->config_hash != recorded_hash_ || !Fits(snapshot->machine)) {
       report_.notes.emplace_back("a snapshot is of a different config");
@@ -155,7 +196,7 @@ class Replayer {
                               std::to_string(last_id_));
     }
     const bool starts = !machine_;
-    machine_ = snapshot->machine;
+    machine_ = WithEvents(snapshot->machine);
     if (starts) CountStart();
     return Ok();
   }
@@ -234,6 +275,7 @@ class Replayer {
     entry.id = record.id;
     entry.cause = record.cause;
     entry.state = record.state;
+    entry.event = NameOf(record.event);
     return entry;
   }
 

@@ -38,10 +38,8 @@ msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
     response.error = reading.error().message;
     return response;
   }
+  response = ToMessage(reading.value().entries);
   response.error = reading.value().damage;
-  for (const JournalEntry& entry : reading.value().entries) {
-    response.entries.push_back(ToMessage(entry));
-  }
   return response;
 }
 

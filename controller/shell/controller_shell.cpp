@@ -172,8 +172,10 @@ void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnsw
   Handle(requested);
 }
 
-void ControllerShell::Remark(std::int32_t code, const std::string& message) {
-  Do(action::Record{"machine", std::nullopt, 0, code, message});
+void ControllerShell::Remark(std::int32_t code, const std::string& message, EventName event) {
+  action::Record record{"machine", std::nullopt, 0, code, message};
+  record.event = event;
+  Do(record);
 }
 
 // Handles events one after the other: a callback that gets an answer may send a new request.
@@ -316,6 +318,7 @@ void ControllerShell::Do(const action::Record& a) {
   entry.id = a.id;
   entry.cause = a.cause;
   entry.state = a.state;
+  entry.event = NameOf(a.event);
   if (a.of_switch) {
     entry.data = EncodeSwitchNote(*a.of_switch);
     if (switches_.size() == kSwitchEntriesKept) switches_.erase(switches_.begin());

@@ -123,7 +123,8 @@ class ControllerShell {
   void SendPolicyRequest(event::PolicyRequested requested, OnAnswer done);
 
   // Records an event that needs no decision.
-  void Remark(std::int32_t code, const std::string& message);
+  void Remark(std::int32_t code, const std::string& message,
+              EventName event = EventName::kControllerRemark);
 
   // Whether clients are answered; after the machine is stopped, until the last reply is sent.
   bool OpenForClients() const { return status_ != nullptr; }

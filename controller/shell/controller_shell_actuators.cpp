@@ -94,9 +94,11 @@ void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash)
   Peer& peer = peers_[actuator];
   if (hash == config_.hash || peer.hash_recorded) return;
   peer.hash_recorded = true;
-  Do(action::Record{"actuator", actuator, 0, kCodeParametersInvalid,
-                    config_.actuators[actuator].name + " is using a different config (" + hash +
-                        ") than " + config_.file + " (" + config_.hash + ")"});
+  action::Record record{"actuator", actuator, 0, kCodeParametersInvalid,
+                        config_.actuators[actuator].name + " is using a different config (" + hash +
+                            ") than " + config_.file + " (" + config_.hash + ")"};
+  record.event = EventName::kConfigDiffers;
+  Do(record);
 }
 
 // An earlier config may have listed it. No controller controls it, so it is only reported here.
@@ -111,7 +113,8 @@ void ControllerShell::RecordUnlisted(const msg::ActuatorStatus& status) {
          unlisted->first + " runs (pid " + std::to_string(status.pid) + ", in " + status.state +
              "), but " + config_.file +
              " does not list it: it is not controlled. `musher down` and then `musher down "
-             "--without-controller` stop it");
+             "--without-controller` stop it",
+         EventName::kUnlistedActuator);
 }
 
 std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {

@@ -128,7 +128,9 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
   const auto output = dependencies_.output(spec.name);
   if (output) spec.output = output->get();
   const auto failed = [this, name = spec.name](const std::string& how) {
-    Do(action::Record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how});
+    action::Record record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how};
+    record.event = EventName::kPowerCommandFailed;
+    Do(record);
   };
   const auto started =
       dependencies_.processes->Start(spec, [this, failed](const ProcessExit& exit) {
@@ -183,10 +185,12 @@ void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
   const Time now = dependencies_.node->loop().Now();
   if (recorded && now - *recorded < kUnprovenPeriod) return;
   recorded = now;
-  Do(action::Record{"process", actuator, 0, kCodePermissionDenied,
-                    config_.actuators[actuator].name + " reports process " + std::to_string(pid) +
-                        " of this host as its own, without proof: " + why +
-                        "; that process is not watched, traced or signalled"});
+  action::Record record{"process", actuator, 0, kCodePermissionDenied,
+                        config_.actuators[actuator].name + " reports process " +
+                            std::to_string(pid) + " of this host as its own, without proof: " +
+                            why + "; that process is not watched, traced or signalled"};
+  record.event = EventName::kProcessUnproven;
+  Do(record);
 }
 
 // Watches a process that ran before this controller and may never publish a status. A `child` was

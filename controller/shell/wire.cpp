@@ -123,4 +123,13 @@ msg::HistoryEntry ToMessage(const JournalEntry& entry) {
           entry.cause.value(), entry.state,    entry.data};
 }
 
+msg::GetHistory::Response ToMessage(const std::vector<JournalEntry>& entries) {
+  msg::GetHistory::Response history;
+  for (const JournalEntry& entry : entries) {
+    history.entries.push_back(ToMessage(entry));
+    history.events.push_back(entry.event);
+  }
+  return history;
+}
+
 }  // namespace musher

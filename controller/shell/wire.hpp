@@ -12,6 +12,8 @@ namespace musher {
 msg::SetState::Response ToMessage(const SwitchResult& result);
 msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan);
 msg::HistoryEntry ToMessage(const JournalEntry& entry);
+// The entries and their events, without the error.
+msg::GetHistory::Response ToMessage(const std::vector<JournalEntry>& entries);
 
 // Without the controller's own pid and host.
 msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine);

@@ -33,7 +33,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   if (report.incarnation == record.dead) return;
   if (!same && record.presence == Presence::kPresent) {
     if (IsImpostor(seen.actuator, report)) return;
-    commands_.Lose(seen.actuator, "it was restarted", record.cause);
+    commands_.Lose(seen.actuator, texts::Replaced(), record.cause);
   }
   // Restarts by another party are counted as well.
   if (!same && record.report.incarnation != 0 && record.process == 0) ++record.restarts;
@@ -68,7 +68,7 @@ void Arrivals::FoundTornDown(std::size_t i, const ActuatorReport& report) {
   record.report = report;
   record.set_up_by.reset();
   if (record.presence == Presence::kStarting) record.presence = Presence::kLost;
-  Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
+  Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), record.cause);
 }
 
 // A Musher actuator exits after a failed SetUp. A ROS 2 node keeps running unconfigured: it is
@@ -84,9 +84,7 @@ void Arrivals::SetUpFailed(std::size_t i, const ActuatorReport& report) {
     record.join_tried = true;  // no automatic retry
     record.due = false;
   }
-  Degrade(i, report.outcome_code,
-          "SetUp failed with " + CodeText(report.outcome_code) +
-              (report.outcome_message.empty() ? "" : ": " + report.outcome_message),
+  Degrade(i, report.outcome_code, texts::SetUpFailed(report.outcome_code, report.outcome_message),
           record.cause);
   if (keeps_running) FallBack(i);
 }
@@ -100,10 +98,8 @@ bool Arrivals::IsImpostor(std::size_t i, const ActuatorReport& report) {
   record.other = report;
   if (known) return true;
   RecordActuator(i, kCodePermissionDenied,
-                 "another process publishes as " + ConfigOf(i).name + ": process " +
-                     std::to_string(report.pid) + " of host " + report.host.substr(0, 64) +
-                     "; it is ignored while process " + std::to_string(record.report.pid) +
-                     " answers");
+                 texts::DuplicateActuator(ConfigOf(i).name, report.pid, report.host.substr(0, 64),
+                                          record.report.pid));
   return true;
 }
 
@@ -156,10 +152,11 @@ void Arrivals::On(const event::Replied& replied) {
       return commands_.End(
           replied.actuator,
           {record.command->queries > 0 ? ActuatorOutcome::kOverdue : ActuatorOutcome::kRefused,
-           replied.code, replied.message, false});
+           replied.code, texts::Reported(ActuatorOutcome::kRefused, replied.message), false});
     case Verdict::kFailed:
       return commands_.End(replied.actuator,
-                           {ActuatorOutcome::kFailed, replied.code, replied.message, true});
+                           {ActuatorOutcome::kFailed, replied.code,
+                            texts::Reported(ActuatorOutcome::kFailed, replied.message), true});
   }
 }
 
@@ -171,13 +168,15 @@ void Arrivals::On(const event::Vanished& vanished) {
   const bool was_there =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
   if (!vanished.for_good) {
-    if (was_there) commands_.LoseConnection(vanished.actuator, vanished.how);
+    if (was_there) {
+      commands_.LoseConnection(vanished.actuator, texts::Disconnected(vanished.how));
+    }
     return;
   }
   record.dead = vanished.incarnation;
   commands_.AssumeTornDown(vanished.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
-  if (was_there) commands_.Lose(vanished.actuator, "crashed: " + vanished.how);
+  if (was_there) commands_.Lose(vanished.actuator, texts::Crashed(vanished.how));
   if (record.restart_at) return;  // our process has exited before
   if (record.given_up) return FallBack(vanished.actuator);
   if (record.process != 0) return processes_.Terminate(vanished.actuator, record.process, kEndTime);
@@ -199,9 +198,7 @@ void Arrivals::EvaluateFoundBusy(std::size_t i) {
   record.free_by.reset();
   if (!record.report.busy() || record.command || record.presence != Presence::kPresent) return;
   const State& target = record.report.target;
-  Degrade(i, kCodeTimeout,
-          "still busy with " + target + ", which no switch waits for, after " +
-              std::to_string(ToMilliseconds(config_.TimeFor(i, target))) + " ms");
+  Degrade(i, kCodeTimeout, texts::FoundBusy(target, config_.TimeFor(i, target)));
   Do(action::SendQuery{i, record.report.number, true});
   FallBack(i);
 }

@@ -10,7 +10,8 @@ void EndLeg(Leg& leg, const CommandResult& end, Time now) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = end.outcome;
   leg.code = end.code;
-  leg.message = end.message;
+  leg.message = end.text.message;
+  leg.event = end.text.event;
   leg.ran = end.ran;
   leg.duration = now - leg.started;
 }
@@ -18,14 +19,13 @@ void EndLeg(Leg& leg, const CommandResult& end, Time now) {
 void Commands::End(std::size_t i, const CommandResult& given) {
   const PendingCommand command = *Of(i).command;
   const CommandResult end = Tolerate(i, command, given);
-  const std::string took = std::to_string(ToMilliseconds(now_ - command.sent)) + " ms";
+  const Duration took = now_ - command.sent;
   const RecordId cause = end.cause != 0                             ? end.cause
                          : machine_.current && command.queries == 0 ? machine_.current->cause
                                                                     : Of(i).cause;
   const RecordId recorded = RecordActuator(
       i, end.code,
-      ConfigOf(i).name + ": " + command.target + " " + std::string(OutcomeName(end.outcome)) +
-          " after " + took + (end.message.empty() ? "" : ": " + end.message),
+      texts::CommandEnded(ConfigOf(i).name, command.target, end.outcome, took, end.text.message),
       cause);
   if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = recorded;
   Of(i).command.reset();
@@ -51,7 +51,7 @@ void Commands::End(std::size_t i, const CommandResult& given) {
                        end.outcome == ActuatorOutcome::kOverdue &&
                        machine_.phase != Phase::kStopping;
   if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
-    Hang(i, true, "hung: in " + command.target + " for " + took + ", and it cannot be queried");
+    Hang(i, true, texts::HungIn(command.target, took));
   }
 }
 
@@ -65,9 +65,10 @@ CommandResult Commands::Tolerate(std::size_t i, const PendingCommand& command,
   const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
                          std::find(critical->begin(), critical->end(), end.code) == critical->end();
   if (!tolerated) return end;
-  const std::string why = end.message.empty() ? "its self-check failed" : end.message;
+  const std::string& message = end.text.message;
+  const std::string why = message.empty() ? "its self-check failed" : message;
   Of(i).tolerated = Error{end.code, why};
-  return {ActuatorOutcome::kDone, end.code, "degraded: " + why, true, end.cause};
+  return {ActuatorOutcome::kDone, end.code, texts::DoneDegraded(why), true, end.cause};
 }
 
 // The part of the switch under way that waits for this actuator; null when there is none.
@@ -90,8 +91,7 @@ void Commands::EndOwn(std::size_t i, const PendingCommand& command, const Comman
     return;
   }
   if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
-  Degrade(i, end.code,
-          command.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
+  Degrade(i, end.code, texts::CommandNotDone(command.target, end.outcome, end.text.message),
           record.cause);
   FallBack(i);
 }
@@ -105,7 +105,7 @@ void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0) {
     if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
-    Lose(i, "its pid is unknown; it was torn down for its restart");
+    Lose(i, texts::PidUnknown());
     return processes_.Recover(i);
   }
   const Duration grace = ends_itself ? kExitGrace : Duration::zero();
@@ -121,10 +121,10 @@ void Commands::AssumeTornDown(std::size_t i) {
   if (!Of(i).command || Of(i).command->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
   Of(i).report.apart = true;  // it was commanded alone, the machine continues
-  End(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
+  End(i, {ActuatorOutcome::kDone, kCodeOk, {}, true});
 }
 
-void Commands::Lose(std::size_t i, const std::string& how, RecordId cause, std::int32_t code) {
+void Commands::Lose(std::size_t i, const RecordText& how, RecordId cause, std::int32_t code) {
   ActuatorRecord& record = Of(i);
   const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
@@ -141,18 +141,18 @@ void Commands::Lose(std::size_t i, const std::string& how, RecordId cause, std::
   record.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;
   if (torn_down) {
-    return Degrade(i, kCodeStateInvalid, kTornDownAlone, cause);
+    return Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), cause);
   }
   // The reason why its SetUp failed says more than that its process has exited.
   if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
-void Commands::LoseConnection(std::size_t i, const std::string& how, RecordId cause) {
+void Commands::LoseConnection(std::size_t i, const RecordText& how, RecordId cause) {
   Lose(i, how, cause);
   if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
 }
 
-void Commands::Hang(std::size_t i, bool silent, const std::string& how) {
+void Commands::Hang(std::size_t i, bool silent, const RecordText& how) {
   const std::int32_t pid = ProcessOf(i);
   const bool killable = MayRestart(i) && pid != 0;
   if (killable || silent) {
@@ -161,10 +161,8 @@ void Commands::Hang(std::size_t i, bool silent, const std::string& how) {
     Degrade(i, kCodeTimeout, how);
   }
   if (!killable) return FallBack(i);
-  Of(i).cause = RecordProcess(i, kCodeTimeout,
-                              "taking a backtrace of " + ConfigOf(i).name + "; then process " +
-                                  std::to_string(pid) + " gets SIGKILL",
-                              Of(i).cause);
+  Of(i).cause =
+      RecordProcess(i, kCodeTimeout, texts::BacktraceStarted(ConfigOf(i).name, pid), Of(i).cause);
   processes_.Terminate(i, pid, kBacktraceTime);
   Do(action::TakeBacktrace{i, pid});
 }

@@ -48,7 +48,7 @@ void Commands::Accept(std::size_t i, const ActuatorReport& report) {
   record.report = report;
   if (moved) Drifted(i);
   if (came_free && !record.checked && report.outcome_code != kCodeOk) {
-    Degrade(i, report.outcome_code, "failed after its deadline: " + report.outcome_message);
+    Degrade(i, report.outcome_code, texts::FailedLate(report.outcome_message));
   }
   stops_.Compare(report, i);
   if (report.number < kLastNumber) machine_.number = std::max(machine_.number, report.number);
@@ -58,18 +58,19 @@ void Commands::Accept(std::size_t i, const ActuatorReport& report) {
 void Commands::Drifted(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (!record.checked) record.join_tried = false;  // it may have been configured by hand
-  const bool succeeded = record.report.outcome_code == kCodeOk;
-  record.cause =
-      RecordActuator(i, kCodeStatusError,
-                     ConfigOf(i).name + " has switched to " + record.state() + " by itself" +
-                         (succeeded ? "" : ": " + record.report.outcome_message));
+  const ActuatorReport& report = record.report;
+  const bool succeeded = report.outcome_code == kCodeOk;
+  record.cause = RecordActuator(
+      i, kCodeStatusError,
+      texts::ActuatorDrifted(ConfigOf(i).name, record.state(),
+                             succeeded ? std::nullopt : std::optional(report.outcome_message)));
   const bool ends = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
   if (record.state() == kTearDown && !ends) {
-    Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
-  } else if (record.fault && record.fault->message == kTornDownAlone) {
+    Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), record.cause);
+  } else if (record.fault && record.fault->event == EventName::kTornDownAlone) {
     record.fault.reset();  // what it had reported was not true
     if (record.health == Health::kHung) {
-      Degrade(i, kCodeTimeout, "hung: it has not recovered yet", record.cause);
+      Degrade(i, kCodeTimeout, texts::StillHung(), record.cause);
     }
   }
   if (!record.held && MayFollow(i)) record.due = true;
@@ -78,20 +79,14 @@ void Commands::Drifted(std::size_t i) {
 void Commands::QueryOrLose(std::size_t i) {
   PendingCommand& command = *Of(i).command;
   if (command.queries >= kQueryAttempts) {
-    return LoseConnection(
-        i, "no answer, not even to the query for the outcome of " + command.target, Of(i).cause);
+    return LoseConnection(i, texts::QueryUnanswered(command.target), Of(i).cause);
   }
   if (command.queries == 0) {
-    const std::string next = HasQuery(ConfigOf(i).protocol)
-                                 ? "; querying the outcome of " + command.target
-                                 : "; its protocol has no query for the outcome of " +
-                                       command.target +
-                                       ", so its state is unknown until it answers";
-    Of(i).cause = RecordActuator(
-        i, kCodeTimeout,
-        ConfigOf(i).name + " did not answer within " +
-            std::to_string(ToMilliseconds(command.deadline - command.sent)) + " ms" + next,
-        machine_.current ? machine_.current->cause : Of(i).cause);
+    Of(i).cause =
+        RecordActuator(i, kCodeTimeout,
+                       texts::CommandUnanswered(ConfigOf(i).name, command.deadline - command.sent,
+                                                command.target, HasQuery(ConfigOf(i).protocol)),
+                       machine_.current ? machine_.current->cause : Of(i).cause);
   }
   ++command.queries;
   command.deadline = now_ + kQueryTimeout;
@@ -100,17 +95,17 @@ void Commands::QueryOrLose(std::size_t i) {
 
 CommandResult Commands::EvaluateReport(std::size_t i, const PendingCommand& command) const {
   const ActuatorReport& report = Of(i).report;
-  const std::string time = std::to_string(ToMilliseconds(now_ - command.sent)) + " ms";
+  const Duration time = now_ - command.sent;
   if (report.outcome_number == command.number) {
     if (report.outcome_code == kCodeOk) return DoneUnlessContradicted(i, "");
-    return {ActuatorOutcome::kFailed, report.outcome_code, report.outcome_message, true};
+    return {ActuatorOutcome::kFailed, report.outcome_code,
+            texts::Reported(ActuatorOutcome::kFailed, report.outcome_message), true};
   }
   if (report.busy_number == command.number) {
-    return {ActuatorOutcome::kOverdue, kCodeTimeout,
-            "still busy with " + command.target + " after " + time, true};
+    return {ActuatorOutcome::kOverdue, kCodeTimeout, texts::StillBusy(command.target, time), true};
   }
-  return {ActuatorOutcome::kOverdue, kCodeTimeout,
-          "had not started " + command.target + " after " + time, false};
+  return {ActuatorOutcome::kOverdue, kCodeTimeout, texts::HadNotStarted(command.target, time),
+          false};
 }
 
 CommandResult Commands::DoneUnlessContradicted(std::size_t i, const std::string& message) const {
@@ -118,13 +113,14 @@ CommandResult Commands::DoneUnlessContradicted(std::size_t i, const std::string&
   const State& target = record.command->target;
   if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
     return {ActuatorOutcome::kDone, record.report.degraded_code,
-            "degraded: " + record.report.degraded_reason, true};
+            texts::DoneDegraded(record.report.degraded_reason), true};
   }
   if (target == kSelfCheck || record.state() == target) {
-    return {ActuatorOutcome::kDone, kCodeOk, message, true};
+    return {ActuatorOutcome::kDone, kCodeOk, texts::Reported(ActuatorOutcome::kDone, message),
+            true};
   }
   return {ActuatorOutcome::kFailed, kCodeStatusError,
-          "it reports done, but its state is " + record.state().substr(0, 64), true};
+          texts::ContradictedBy(record.state().substr(0, 64)), true};
 }
 
 void Commands::ReportUnchecked(std::size_t i) {
@@ -133,9 +129,7 @@ void Commands::ReportUnchecked(std::size_t i) {
   const bool passes_by_itself = !config_.RankOf(record.state()) && !record.join_tried;
   if (record.state() == machine_.state || passes_by_itself || record.checked || record.fault)
     return;
-  Degrade(i, kCodeStatusError,
-          "it is in " + record.state() +
-              " and has not passed its self-check; run `musher set SelfCheck`");
+  Degrade(i, kCodeStatusError, texts::SelfCheckMissing(record.state()));
 }
 
 }  // namespace musher

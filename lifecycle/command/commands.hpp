@@ -20,7 +20,7 @@ inline constexpr int kQueryAttempts = 3;
 struct CommandResult {
   ActuatorOutcome outcome = ActuatorOutcome::kDone;
   std::int32_t code = kCodeOk;
-  std::string message;
+  RecordText text;
   bool ran = false;    // the callback ran, or may have run
   RecordId cause = 0;  // the record with the reason; 0: the switch it was part of
 };
@@ -44,14 +44,14 @@ class Commands : StepPart {
   // waits for it.
   void End(std::size_t i, const CommandResult& given);
 
-  void Lose(std::size_t i, const std::string& how, RecordId cause = 0,
+  void Lose(std::size_t i, const RecordText& how, RecordId cause = 0,
             std::int32_t code = kCodeNetError);
   // The connection to it is lost. The state of a process that this controller has started is
   // determined: if it has exited or hangs, it is restarted.
-  void LoseConnection(std::size_t i, const std::string& how, RecordId cause = 0);
+  void LoseConnection(std::size_t i, const RecordText& how, RecordId cause = 0);
   // A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator
   // that the controller may not restart is left as it is: it may recover.
-  void Hang(std::size_t i, bool silent, const std::string& how);
+  void Hang(std::size_t i, bool silent, const RecordText& how);
   // The exit of a process can overtake its last sample.
   void AssumeTornDown(std::size_t i);
   // An actuator that was found in Error, or reached its state otherwise without a check, or had its

@@ -10,8 +10,7 @@ void Control::Take(std::size_t i) {
   const bool ours = record.controlled == record.report.incarnation;
   if (seen >= kLastEpoch) {
     record.take_control_again.reset();
-    return Degrade(i, kCodePermissionDenied,
-                   "it reports epoch " + ToString(seen) + ", which is out of range");
+    return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
   if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
     // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
@@ -37,8 +36,7 @@ void Control::RaiseEpoch(Epoch epoch, std::size_t because_of) {
   machine_.epoch = epoch;
   saving_.Save(Stored::kEpoch);
   memory_.Lower(std::nullopt);  // that controller may have changed the state of the machine
-  RecordMachine(kCodeOk, "epoch " + ToString(epoch) + ": " + ConfigOf(because_of).name +
-                             " was controlled by epoch " + std::to_string(epoch.value() - 1));
+  RecordMachine(kCodeOk, texts::EpochRaised(epoch, ConfigOf(because_of).name));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
     Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting
@@ -64,16 +62,14 @@ void Control::Attach(std::size_t i) {
   record.due = late && record.checked && !record.held;
   if (record.report.busy()) record.free_by = now_ + config_.TimeFor(i, record.report.target);
   record.cause = RecordActuator(
-      i, kCodeOk,
-      ConfigOf(i).name + " is present in " + record.state() +
-          (record.report.pid == 0 ? "" : " (pid " + std::to_string(record.report.pid) + ")"),
+      i, kCodeOk, texts::ActuatorPresent(ConfigOf(i).name, record.state(), record.report.pid),
       record.cause);
   if (machine_.emergency_stop && record.report.emergency_stop == 0) {
     Do(action::PublishEmergencyStop{*machine_.emergency_stop,
                                     true});  // it may have missed the stop
   }
   if (record.state() == kTearDown && record.held)
-    Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
+    Degrade(i, kCodeStateInvalid, texts::TornDownAlone(), record.cause);
   processes_.EvaluateArrival(i);
 }
 

@@ -21,6 +21,7 @@
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
+#include "musher/lifecycle/record/event_name.hpp"
 
 namespace musher {
 
@@ -65,6 +66,16 @@ struct Termination {
   friend bool operator==(const Termination&, const Termination&) = default;
 };
 
+// Why an actuator is degraded. For people it is the error; decisions compare the event.
+struct ActuatorFault {
+  std::int32_t code = kCodeFailed;
+  std::string message;
+  EventName event = EventName::kNone;
+
+  operator Error() const { return {code, message}; }  // NOLINT(google-explicit-constructor)
+  friend bool operator==(const ActuatorFault&, const ActuatorFault&) = default;
+};
+
 struct ActuatorRecord {
   Presence presence = Presence::kAbsent;
   ActuatorReport report;  // the last one
@@ -92,7 +103,7 @@ struct ActuatorRecord {
   // Since the release of the last emergency stop a switch has been requested that leads it up or to
   // a state of the same rank: it may switch on again.
   bool set_again = false;
-  std::optional<Error> fault;             // why it is degraded
+  std::optional<ActuatorFault> fault;     // why it is degraded
   std::optional<Error> tolerated;         // a failure of its last self-check that is not critical
   std::optional<PendingCommand> command;  // the command under way
   RecordId cause = 0;  // the record with the reason why it is degraded, lost or back
@@ -132,6 +143,7 @@ struct Leg {
   bool may_fail = false;  // was degraded before, or is skipped: does not undo the others
   std::int32_t code = kCodeOk;
   std::string message;
+  EventName event = EventName::kNone;  // of the message
   Time started{};
   Duration duration{};
 

@@ -47,7 +47,7 @@ void PolicyMemory::LowerAtMostTo(const State& most) {
 
 void PolicyMemory::EndKeep(const std::string& why) {
   const Keep keep = *std::exchange(machine_.policy.keep, std::nullopt);
-  RecordPolicy(kCodeOk, "the machine is no longer kept in " + keep.state + ": " + why);
+  RecordPolicy(kCodeOk, texts::KeepEnded(keep.state, why));
 }
 
 void PolicyMemory::BackOff() {

@@ -10,8 +10,7 @@ void Power::Begin(bool reboot, Time tear_down_at, RecordId cause) {
   power.reboot = reboot;
   power.tear_down_at = tear_down_at;
   power.force_at = now_ + config_.policy->power.force_after;
-  power.cause =
-      RecordPolicy(kCodeOk, reboot ? "the robot reboots" : "the robot is powered off", cause);
+  power.cause = RecordPolicy(kCodeOk, texts::PowerDownStarted(reboot), cause);
   machine_.policy.power = power;
 }
 
@@ -20,13 +19,8 @@ void Power::Command(bool in_time) {
   if (std::exchange(power.commanded, true)) return;
   const PowerPolicy& policy = config_.policy->power;
   const auto& command = power.reboot ? policy.reboot_command : policy.off_command;
-  std::string line;
-  for (const std::string& word : command) line += " " + word;
   RecordPolicy(in_time ? kCodeOk : kCodeTimeout,
-               std::string(power.reboot ? "reboot" : "power-off") +
-                   (in_time ? "" : ", although the machine is not torn down") +
-                   (command.empty() ? "; no command is configured" : ":" + line),
-               power.cause);
+               texts::PowerCommandGiven(power.reboot, in_time, command), power.cause);
   Do(action::RunPowerCommand{power.reboot});
 }
 

@@ -36,20 +36,20 @@ void Processes::Recover(std::size_t i, const event::ProcessEnded& ended) {
   if (!MayRestart(i) || content) return FallBack(i);
   if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
   if (record.restarts >= config.restart.limit) {
-    return GiveUp(i, "given up after " + std::to_string(record.restarts) + " restarts; " +
-                         (record.fault ? record.fault->message : "its process ended"));
+    return GiveUp(
+        i, texts::GivenUp(record.restarts,
+                          record.fault ? std::optional(record.fault->message) : std::nullopt));
   }
   const Duration delay = DelayOf(config.restart, record.restarts);
   ++record.restarts;
   record.restart_at = now_ + delay;
   record.cause = RecordProcess(
       i, kCodeOk,
-      config.name + ": restarting in " + std::to_string(ToMilliseconds(delay)) + " ms (" +
-          std::to_string(record.restarts) + " of " + std::to_string(config.restart.limit) + ")",
+      texts::RestartScheduled(config.name, delay, record.restarts, config.restart.limit),
       record.cause);
 }
 
-void Processes::GiveUp(std::size_t i, const std::string& why) {
+void Processes::GiveUp(std::size_t i, const RecordText& why) {
   Of(i).given_up = true;
   Degrade(i, kCodeFailed, why, Of(i).cause);
   FallBack(i);
@@ -61,10 +61,7 @@ void Processes::EvaluateArrival(std::size_t i) {
   record.given_up = record.restarts > restart.limit;
   if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
   if (!record.given_up) return;
-  Degrade(i, kCodeFailed,
-          "started " + std::to_string(record.restarts) +
-              " times in a row; not driven until it has run for " +
-              std::to_string(ToMilliseconds(restart.reset_after)) + " ms",
+  Degrade(i, kCodeFailed, texts::RestartedTooOften(record.restarts, restart.reset_after),
           record.cause);
   FallBack(i);
 }
@@ -109,12 +106,8 @@ bool Processes::IsFinal(std::size_t i, const event::ProcessEnded& ended) const {
   return MayRestart(i) && !Of(i).restart_requested && ConfigOf(i).restart.Prevents(ended.exit_code);
 }
 
-std::string Processes::WhyFinal(const event::ProcessEnded& ended) const {
-  const std::string code = "exit code " + std::to_string(ended.exit_code);
-  return ended.how + "; not restarted automatically, because " + code +
-         (ended.exit_code == kUsageExitCode ? " means a configuration error"
-                                            : " is one of its restart_prevent_exit_codes") +
-         "; restart it with `musher restart " + ConfigOf(ended.actuator).name + "`";
+RecordText Processes::WhyFinal(const event::ProcessEnded& ended) const {
+  return texts::RestartPrevented(ended.how, ended.exit_code, ConfigOf(ended.actuator).name);
 }
 
 }  // namespace musher

@@ -34,10 +34,10 @@ class Processes : StepPart {
 
   // Whether the exit code says that a restart does not help.
   bool IsFinal(std::size_t i, const event::ProcessEnded& ended) const;
-  std::string WhyFinal(const event::ProcessEnded& ended) const;
+  RecordText WhyFinal(const event::ProcessEnded& ended) const;
 
  private:
-  void GiveUp(std::size_t i, const std::string& why);
+  void GiveUp(std::size_t i, const RecordText& why);
 };
 
 }  // namespace musher

@@ -69,8 +69,7 @@ void Binding::Suspend(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
   record.suspended = true;
   record.due = true;
-  Degrade(i, kCodeStatusError, "suspended: " + missing + ", in its binds_to, is not up",
-          Of(*config_.IndexOf(missing)).cause);
+  Degrade(i, kCodeStatusError, texts::NotUp(missing), Of(*config_.IndexOf(missing)).cause);
 }
 
 }  // namespace musher

@@ -14,13 +14,12 @@ bool Fallback::Begin() {
   if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is that safe already
   const Plan plan = MakeSafetyPlan(config_, machine_, target);
   if (plan.refusal) {  // not of a running machine with a valid config
-    RecordMachine(plan.refusal->code,
-                  "cannot fall back to " + target + ": " + plan.refusal->message,
+    RecordMachine(plan.refusal->code, texts::FallbackRefused(target, plan.refusal->message),
                   machine_.fallback_cause);
     return false;
   }
-  const RecordId recorded = RecordMachine(kCodeOk, "an actuator is lost; falling back to " + target,
-                                          machine_.fallback_cause);
+  const RecordId recorded =
+      RecordMachine(kCodeOk, texts::FallbackStarted(target), machine_.fallback_cause);
   switching_.Begin(plan, Purpose::kFallback, {}, recorded);
   return true;
 }

@@ -27,11 +27,11 @@ bool Joining::DriveLateOnes() {
       changed = true;
       continue;
     }
-    std::string blocker;
+    std::optional<RecordText> blocker;
     if (!MayJoin(i, blocker)) {
-      if (blocker.empty()) continue;
+      if (!blocker) continue;
       changed |= !record.fault;  // the actuators after it are evaluated in turn
-      Degrade(i, kCodeStatusError, blocker, CauseOfBlocker(i));
+      Degrade(i, kCodeStatusError, *blocker, CauseOfBlocker(i));
       continue;
     }
     Join(i);
@@ -65,15 +65,12 @@ void Joining::Hold(std::size_t i) {
   const std::int32_t own = record.report.outcome_code;
   const bool reported = own != kCodeOk && record.fault && record.fault->code == own;
   if (record.fault && (reported || record.suspended || !record.checked)) return;
-  Degrade(i, kCodeProtectedError,
-          "is in " + record.state() + ", the machine in " + machine_.state +
-              ": held by an emergency stop; after its release run `musher set " + machine_.state +
-              "`",
+  Degrade(i, kCodeProtectedError, texts::HeldIn(record.state(), machine_.state),
           machine_.stop_cause);
 }
 
 // Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.
-bool Joining::MayJoin(std::size_t i, std::string& blocker) const {
+bool Joining::MayJoin(std::size_t i, std::optional<RecordText>& blocker) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
   const State place = PlaceOf(i);
@@ -82,7 +79,7 @@ bool Joining::MayJoin(std::size_t i, std::string& blocker) const {
   if (goes_up && IsStopped(i) && machine_.state != kError) return false;
   if (record.due && !goes_up) return true;
   if (!NeedsMet(i, blocker)) {
-    if (blocker.empty()) blocker = WaitsForSuspended(i);
+    if (!blocker) blocker = WaitsForSuspended(i);
     return false;
   }
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
@@ -105,7 +102,7 @@ void Joining::Join(std::size_t i) {
   } else if (!config_.RankOf(place)) {
     return;  // the machine is between states; the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {
-    Degrade(i, kCodeUnSupport, "has no state '" + place + "'", record.cause);
+    Degrade(i, kCodeUnSupport, texts::NoState(place), record.cause);
   } else {
     commands_.Issue(i, machine_.number + 1, place, config_.TimeFor(i, place));
   }

@@ -19,7 +19,7 @@ class Joining : StepPart {
   bool StoppedOnTheLevel(std::size_t i) const;
   bool IsStopped(std::size_t i) const;
   void Hold(std::size_t i);
-  bool MayJoin(std::size_t i, std::string& blocker) const;
+  bool MayJoin(std::size_t i, std::optional<RecordText>& blocker) const;
   void Join(std::size_t i);
 
   Commands& commands_;

@@ -13,7 +13,7 @@ void Recovery::On(const event::HealthChanged& changed) {
   }
   if (changed.health == Health::kWell) return Recovered(i, changed.how);
   record.health = changed.health;
-  const std::string what = std::string(HealthName(changed.health)) + ": " + changed.how;
+  const RecordText what = texts::Unhealthy(changed.health, changed.how);
   switch (changed.health) {
     case Health::kHung:
       return commands_.Hang(i, changed.silent, what);
@@ -25,7 +25,7 @@ void Recovery::On(const event::HealthChanged& changed) {
       return;
     case Health::kStarved:
     case Health::kWell:
-      RecordActuator(i, kCodeTimeout, ConfigOf(i).name + " is " + what);
+      RecordActuator(i, kCodeTimeout, texts::ActuatorStarved(ConfigOf(i).name, changed.how));
       return;
   }
 }
@@ -34,7 +34,7 @@ void Recovery::Recovered(std::size_t i, const std::string& how) {
   ActuatorRecord& record = Of(i);
   record.health = Health::kWell;
   record.cause =
-      RecordActuator(i, kCodeOk, ConfigOf(i).name + " has recovered: " + how, record.cause);
+      RecordActuator(i, kCodeOk, texts::ActuatorRecovered(ConfigOf(i).name, how), record.cause);
   if (!record.restart_requested) record.termination.reset();  // else it is terminated anyway
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
@@ -52,7 +52,9 @@ void Recovery::On(const event::BacktraceTaken& taken) {
   action::Record backtrace;
   backtrace.kind = "process";
   backtrace.actuator = taken.actuator;
-  backtrace.message = "backtrace of " + ConfigOf(taken.actuator).name + ":";
+  const RecordText text = texts::BacktraceTaken(ConfigOf(taken.actuator).name);
+  backtrace.message = text.message;
+  backtrace.event = text.event;
   backtrace.cause = record.cause;
   backtrace.data = taken.text;
   Record(backtrace);
@@ -63,12 +65,10 @@ void Recovery::On(const event::BacktraceTaken& taken) {
 void Recovery::AssumeExited(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = record.termination->pid;
-  RecordProcess(i, kCodeTimeout,
-                "no exit reported for process " + std::to_string(pid) +
-                    " after SIGKILL; it is assumed to have exited");
+  RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
   if (record.process == pid) record.process = 0;
   record.dead = record.report.incarnation;
-  if (record.presence == Presence::kPresent) commands_.Lose(i, "it was killed");
+  if (record.presence == Presence::kPresent) commands_.Lose(i, texts::Killed());
   processes_.Recover(i);
 }
 
@@ -96,10 +96,9 @@ void Recovery::On(const event::ProcessStarted& started) {
   ActuatorRecord& record = Of(started.actuator);
   record.process = started.pid;
   record.launching = false;
-  record.cause = RecordProcess(
-      started.actuator, kCodeOk,
-      ConfigOf(started.actuator).name + " started (pid " + std::to_string(started.pid) + ")",
-      record.cause);
+  record.cause = RecordProcess(started.actuator, kCodeOk,
+                               texts::ProcessStarted(ConfigOf(started.actuator).name, started.pid),
+                               record.cause);
   // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
   if (!stopped && machine_.phase != Phase::kStopping) return;
@@ -114,7 +113,7 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
   const bool announced = Of(failed.actuator).take_control_again.has_value();
   if (Of(failed.actuator).presence == Presence::kPresent || announced) return;
   Of(failed.actuator).presence = Presence::kAbsent;
-  Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
+  Degrade(failed.actuator, kCodeFailed, texts::ProcessNotStarted(failed.why),
           Of(failed.actuator).cause);
   processes_.Recover(failed.actuator);
 }
@@ -124,20 +123,19 @@ void Recovery::On(const event::ProcessEnded& ended) {
   if (record.process != ended.pid) return;
   record.process = 0;
   if (record.report.pid == ended.pid) record.dead = record.report.incarnation;
-  const std::string how = "process " + std::to_string(ended.pid) + " ended: " + ended.how;
   record.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
-                    ConfigOf(ended.actuator).name + "'s " + how, record.fault ? record.cause : 0);
+                    texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),
+                    record.fault ? record.cause : 0);
   if (AnotherProcessIsPresent(ended.actuator, ended.pid)) return;
   // The exit status of a process that we have not started is unknown.
   if (ended.clean || record.found_running) commands_.AssumeTornDown(ended.actuator);
   // A clean exit that was not requested is a loss, but not a crash.
   if (record.health != Health::kHung && !ended.clean) record.health = Health::kCrashed;
   const bool in_set_up = record.presence == Presence::kStarting;
-  const std::string why = processes_.IsFinal(ended.actuator, ended)
-                              ? processes_.WhyFinal(ended)
-                              : std::string(ended.clean ? "ended: its " : "crashed: its ") + how +
-                                    (in_set_up ? " during SetUp" : "");
+  const RecordText why = processes_.IsFinal(ended.actuator, ended)
+                             ? processes_.WhyFinal(ended)
+                             : texts::Exited(ended.pid, ended.how, ended.clean, in_set_up);
   if (in_set_up || record.presence == Presence::kPresent) {
     const bool final = processes_.IsFinal(ended.actuator, ended);
     commands_.Lose(ended.actuator, why, record.cause, final ? kCodeFailed : kCodeNetError);
@@ -151,7 +149,8 @@ void Recovery::On(const event::ProcessEnded& ended) {
 // Whether a lost connection is all that is known about its loss.
 bool Recovery::WasDisconnected(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kLost && record.fault && record.fault->message == kOutOfReach;
+  return record.presence == Presence::kLost && record.fault &&
+         record.fault->event == EventName::kConnectionLost;
 }
 
 }  // namespace musher

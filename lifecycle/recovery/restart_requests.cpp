@@ -44,7 +44,7 @@ void Recovery::On(const event::RestartRequested& requested) {
   record.restart_requested = true;
   record.restarts = 0;
   record.given_up = false;
-  record.cause = RecordProcess(*i, kCodeOk, "restart of " + requested.actuator + " requested");
+  record.cause = RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator));
   EndForRestart(*i);
 }
 
@@ -83,7 +83,7 @@ void Recovery::AnswerRestarts(std::size_t i) {
   if (!ended && !there && !record.fault) return;
   Result<> answer;
   if (record.fault) {
-    answer = *record.fault;
+    answer = Error(*record.fault);
   } else if (!there) {
     answer = Error{kCodeStateInvalid, "the machine is being torn down"};
   }

@@ -37,12 +37,18 @@ std::string Describe(const event::PolicyRequested& requested) {
   return "reboot";
 }
 
+// Of a request for a switch; empty: another request.
+State SwitchTargetOf(const event::PolicyRequested& requested) {
+  return requested.what == PolicyRequest::kSwitch ? requested.state.substr(0, 64) : State();
+}
+
 }  // namespace
 
 void PolicyRequests::On(const event::PolicyRequested& requested) {
   const auto refuse = [&](const Error& why, RecordId request_record) {
     if (request_record != 0) {
-      RecordPolicy(why.code, Describe(requested) + " refused: " + why.message, request_record);
+      RecordPolicy(why.code, texts::PolicyRefused(Describe(requested), why.message),
+                   request_record);
     }
     Do(action::AnswerCall{requested.request, why});
   };
@@ -50,7 +56,8 @@ void PolicyRequests::On(const event::PolicyRequested& requested) {
   if (machine_.phase == Phase::kIdle) {
     return refuse({kCodeStatusError, "the machine is not set up yet"}, 0);
   }
-  const RecordId request_record = RecordPolicy(kCodeOk, Describe(requested) + " requested");
+  const RecordId request_record =
+      RecordPolicy(kCodeOk, texts::PolicyRequested(Describe(requested), SwitchTargetOf(requested)));
   if (const auto refusal = Handle(requested, request_record)) refuse(*refusal, request_record);
 }
 

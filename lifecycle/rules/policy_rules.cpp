@@ -10,10 +10,6 @@ namespace {
 
 constexpr int kFullBattery = 100;
 
-std::string InSeconds(Duration duration) {
-  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(duration).count()) + " s";
-}
-
 }  // namespace
 
 void PolicyRules::Begin(const StoredPolicy& stored) {
@@ -30,36 +26,35 @@ void PolicyRules::On(const event::BatterySeen& seen) {
   PolicyState& policy = machine_.policy;
   if (seen.percent < 0 || seen.percent > kFullBattery) {
     if (std::exchange(policy.invalid_recorded, true)) return;
-    RecordPolicy(kCodeParametersInvalid, "the battery reports " + std::to_string(seen.percent) +
-                                             " %, which is out of range; such values are ignored");
+    RecordPolicy(kCodeParametersInvalid, texts::BatterySampleInvalid(seen.percent));
     return;
   }
   if (std::exchange(policy.battery_silent, false)) {
-    RecordPolicy(kCodeOk, "battery samples received again");
+    RecordPolicy(kCodeOk, texts::BatteryResumed());
   }
   const bool cable = policy.battery && policy.charging != seen.charging;
   policy.battery = seen.percent;
   policy.charging = seen.charging;
-  EvaluateLevel(cable ? (seen.charging ? ": charger connected" : ": charger disconnected") : "");
+  EvaluateLevel(cable ? std::optional(seen.charging) : std::nullopt);
 }
 
 // Records a change of the ceiling; the record is the cause of what follows.
-void PolicyRules::EvaluateLevel(const std::string& seen) {
+void PolicyRules::EvaluateLevel(std::optional<bool> charger) {
   PolicyState& policy = machine_.policy;
   const BatteryLevel before = policy.level;
   policy.level = LevelAt(*config_.policy->battery, *policy.battery, before);
   if (policy.level > before) policy.retry_at.reset();
-  if (policy.level == before && seen.empty()) return;
-  std::string text = BatteryText(policy) + seen;
-  if (policy.level != before) {
-    const State most = CeilingState(config_, policy.level);
-    const bool kept_up = TakingDownLevel(policy) != policy.level;
-    text += policy.level == BatteryLevel::kFree    ? ": the machine is no longer limited"
-            : kept_up                              ? ": no switch above " + most
-            : policy.level == BatteryLevel::kEmpty ? ": it is empty"
-                                                   : ": the machine is limited to " + most;
-  }
-  policy.level_cause = RecordPolicy(kCodeOk, text);
+  if (policy.level == before && !charger) return;
+  using Limit = texts::BatteryLimit;
+  const bool kept_up = TakingDownLevel(policy) != policy.level;
+  const Limit limit = policy.level == before                 ? Limit::kAsBefore
+                      : policy.level == BatteryLevel::kFree  ? Limit::kLifted
+                      : kept_up                              ? Limit::kNoSwitchAbove
+                      : policy.level == BatteryLevel::kEmpty ? Limit::kEmpty
+                                                             : Limit::kLimited;
+  policy.level_cause =
+      RecordPolicy(kCodeOk, texts::BatteryChanged(BatteryText(policy), charger, limit,
+                                                  CeilingState(config_, policy.level)));
 }
 
 void PolicyRules::On(const event::MotionSeen& seen) {
@@ -74,12 +69,8 @@ void PolicyRules::On(const event::InputSilent& silent) {
   if (silent.input == PolicyInput::kMotion) {
     policy.still = false;  // nothing reports that it lies still
   } else if (config_.policy->battery && !std::exchange(policy.battery_silent, true)) {
-    const std::string last =
-        policy.battery
-            ? "; its last value, " + std::to_string(*policy.battery) + " %, stays in effect"
-            : "; its level is unknown";
     RecordPolicy(kCodeNetError,
-                 "no battery sample for " + InSeconds(config_.policy->battery->silent) + last);
+                 texts::BatterySilent(config_.policy->battery->silent, policy.battery));
   }
 }
 
@@ -144,7 +135,7 @@ bool PolicyRules::TakeDown(BatteryLevel level) {
   const auto& before = machine_.policy.stored.lowering;
   const State from = before && before->to == machine_.state ? before->from : machine_.state;
   if (!BeginByPolicy(MakeSafetyPlan(config_, machine_, target),
-                     BatteryText(machine_.policy) + ": down to " + target,
+                     texts::BatterySwitchDown(BatteryText(machine_.policy), target),
                      machine_.policy.level_cause)) {
     return false;
   }
@@ -164,7 +155,7 @@ bool PolicyRules::BringBack() {
   const auto rank = config_.RankOf(target);
   if (!rank || *rank <= *config_.RankOf(machine_.state) || machine_.emergency_stop) return false;
   return BeginByPolicy(MakePlan(config_, machine_, target),
-                       BatteryText(machine_.policy) + ": back to " + target,
+                       texts::BatterySwitchUp(BatteryText(machine_.policy), target),
                        machine_.policy.level_cause);
 }
 
@@ -192,15 +183,14 @@ bool PolicyRules::LowPowerWhenStill() {
   const Duration limit = config_.policy->low_power->lying_still;
   if (policy_now() < *since + limit) return false;
   memory_.Lower(std::nullopt);  // from now on it is in LowPower for another reason
-  return BeginByPolicy(MakePlan(config_, machine_, State(kLowPower)),
-                       "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
-                       0);
+  return BeginByPolicy(MakePlan(config_, machine_, State(kLowPower)), texts::LyingStill(limit), 0);
 }
 
-bool PolicyRules::BeginByPolicy(const Plan& plan, const std::string& why, RecordId cause) {
+bool PolicyRules::BeginByPolicy(const Plan& plan, const RecordText& why, RecordId cause) {
   if (plan.refusal) {
     if (machine_.policy.failures == 0) {
-      RecordPolicy(plan.refusal->code, why + " refused: " + plan.refusal->message, cause);
+      RecordPolicy(plan.refusal->code, texts::PolicySwitchRefused(why, plan.refusal->message),
+                   cause);
     }
     memory_.BackOff();
     return false;
@@ -216,7 +206,8 @@ bool PolicyRules::TearDownForPower() {
   const Plan plan = MakePlan(config_, machine_, State(kTearDown));
   if (plan.refusal) {
     power.tear_down_at = Time::max();  // the command comes in time, regardless
-    RecordPolicy(plan.refusal->code, "no TearDown: " + plan.refusal->message, power.cause);
+    RecordPolicy(plan.refusal->code, texts::PowerTearDownRefused(plan.refusal->message),
+                 power.cause);
     return false;
   }
   tear_down_.Begin(plan, {}, power.cause);

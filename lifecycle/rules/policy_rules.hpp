@@ -33,14 +33,14 @@ class PolicyRules : StepPart {
   State UpTo(const State& wanted) const;
 
  private:
-  void EvaluateLevel(const std::string& seen);
+  void EvaluateLevel(std::optional<bool> charger);
   bool BatteryRulesWait() const;
   bool ApplyBatteryRule();
   bool TakeDown(BatteryLevel level);
   bool BringBack();
   void CountStillness();
   bool LowPowerWhenStill();
-  bool BeginByPolicy(const Plan& plan, const std::string& why, RecordId cause);
+  bool BeginByPolicy(const Plan& plan, const RecordText& why, RecordId cause);
   bool TearDownForPower();
 
   PolicyMemory& memory_;

@@ -24,37 +24,24 @@ void StartUp::CheckDeadlines() {
 }
 
 // Why it is not set up by its deadline.
-std::string StartUp::NotSetUp(std::size_t i) const {
+RecordText StartUp::NotSetUp(std::size_t i) const {
   const ActuatorConfig& actuator = ConfigOf(i);
   const ActuatorRecord& record = Of(i);
-  const std::string within =
-      "within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) + " ms";
+  const Duration within = config_.TimeFor(i, kSetUp);
   const bool announced = record.report.incarnation != 0 && record.report.incarnation != record.dead;
   if (actuator.protocol == Protocol::kRos2Lifecycle && !announced) {
     const std::string folder = config_.name_space.empty() ? "/" : "/" + config_.name_space + "/";
-    return "no managed node " + folder + actuator.name + " was discovered " + within +
-           (record.process == 0
-                ? ""
-                : ", but its program runs (process " + std::to_string(record.process) + ")") +
-           "; the node has another name, or no lifecycle states, or does not discover the machine: "
-           "`musher check` shows why";
+    return texts::NodeNotDiscovered(folder + actuator.name, within, record.process);
   }
   if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
-    return "was not set up " + within;
+    return texts::SetUpTimeout(within);
   }
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     const bool shared = Of(other).process == record.process;  // `i` itself is not present
     if (!shared || Of(other).presence != Presence::kPresent) continue;
-    return "was not set up " + within + ": process " + std::to_string(record.process) +
-           ", which runs it and " + ConfigOf(other).name +
-           ", did not announce it; `musher restart " + actuator.name + "` starts both again";
+    return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within, record.process);
   }
-  std::string command = R"(["musher-exec", "--")";
-  for (const std::string& word : actuator.command) command += ", \"" + word + "\"";
-  return "its program runs (process " + std::to_string(record.process) +
-         ") but never announced itself as actuator " + actuator.name + " " + within +
-         "; wrap a program that is not a Musher module with musher-exec: command = " + command +
-         "]";
+  return texts::NotAnnounced(actuator.name, actuator.command, within, record.process);
 }
 
 }  // namespace musher

@@ -29,14 +29,9 @@ void StartUp::Begin(const event::Begin& begin) {
   for (const RemoteActuator& remote : begin.remote) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
-  RecordMachine(kCodeOk, "controller started: epoch " + ToString(machine_.epoch) + ", " +
-                             std::to_string(machine_.actuators.size()) + " actuators");
+  RecordMachine(kCodeOk, texts::ControllerStarted(machine_.epoch, machine_.actuators.size()));
   if (machine_.finishing) {
-    RecordMachine(
-        kCodeOk,
-        "the previous controller was tearing the machine down; this start by a supervisor "
-        "finishes that TearDown, and the machine stays down until `musher up` starts it",
-        kBegun);
+    RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
     saving_.Save(Stored::kStopIntent);  // clears the intent
   }
@@ -46,7 +41,7 @@ void StartUp::Begin(const event::Begin& begin) {
 void StartUp::StartStage(int stage, RecordId cause) {
   machine_.stage = stage;
   if (stage > 1 && !machine_.by_hand) {
-    cause = RecordMachine(kCodeOk, "starting stage " + std::to_string(stage), cause);
+    cause = RecordMachine(kCodeOk, texts::StageStarted(stage), cause);
   }
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -73,12 +68,12 @@ bool StartUp::StartProcesses() {
         (record.fault && !record.blocked)) {
       continue;
     }
-    std::string blocker;
+    std::optional<RecordText> blocker;
     if (!NeedsMet(i, blocker)) {
-      if (blocker.empty()) blocker = WaitsForSuspended(i);
-      if (blocker.empty() || record.blocked) continue;
+      if (!blocker) blocker = WaitsForSuspended(i);
+      if (!blocker || record.blocked) continue;
       record.blocked = true;
-      Degrade(i, kCodeStatusError, blocker, CauseOfBlocker(i));
+      Degrade(i, kCodeStatusError, *blocker, CauseOfBlocker(i));
       FallBack(i);
     } else {
       if (std::exchange(record.blocked, false)) record.fault.reset();
@@ -116,8 +111,7 @@ void StartUp::EndFirstStage() {
     if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
   }
   AnswerSetUpRequests();
-  const RecordId recorded =
-      RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
+  const RecordId recorded = RecordMachine(kCodeOk, texts::ActuatorsSetUp(present), kBegun);
   if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = Adoption(config_, machine_).LowestFound())
     return AdoptFrom(*lowest, recorded);
@@ -143,10 +137,9 @@ void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>
   if (present == 0) {
     return Fail(missing.empty() ? "the machine has no actuator" : missing.front(), cause);
   }
-  std::string message = "the machine waits in SetUp for a manager to configure it";
-  for (const std::string& actuator : missing) message += "; " + actuator;
-  RecordMachine(kCodeOk, message, cause);
-  Do(action::StartUpEnded{true, message});
+  const RecordText text = texts::WaitingForManager(missing);
+  RecordMachine(kCodeOk, text, cause);
+  Do(action::StartUpEnded{true, text.message});
 }
 
 // Returns whether a critical actuator of the stages so far has a fault.
@@ -171,15 +164,14 @@ void StartUp::OnSwitchEnded(const EndedSwitch& ended) {
   }
   if (!ended.of_machine || ended.undone || !config_.RankOf(machine_.state)) return;
   if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
-    BecomeRunning("the machine is " + machine_.state +
-                      (ended.result.degraded.empty() ? "" : ", degraded: " + FirstTrouble()),
-                  ended.record);
+    const std::string trouble = ended.result.degraded.empty() ? "" : FirstTrouble();
+    BecomeRunning(texts::MachineUsable(machine_.state, trouble), ended.record);
   }
 }
 
 void StartUp::Activate(RecordId cause) {
   if (!config_.HasState(kActive)) {
-    return BecomeRunning("self-check done; the machine has no Active", cause);
+    return BecomeRunning(texts::MachineUsableWithoutActive(), cause);
   }
   const Plan plan = MakePlan(config_, machine_, State(kActive));
   if (plan.refusal) return Fail(plan.refusal->message, cause);
@@ -188,37 +180,33 @@ void StartUp::Activate(RecordId cause) {
 
 void StartUp::Fail(const std::string& why, RecordId cause) {
   machine_.phase = Phase::kFailed;
-  const std::string message =
-      "start-up failed, the machine stays in " + machine_.state + ": " + why;
-  RecordMachine(kCodeFailed, message, cause);
-  Do(action::StartUpEnded{false, message});
+  const RecordText text = texts::StartUpFailed(machine_.state, why);
+  RecordMachine(kCodeFailed, text, cause);
+  Do(action::StartUpEnded{false, text.message});
 }
 
 // An earlier controller left actuators running: the machine continues from the least active state,
 // so that no actuator becomes more active by a restart; the others are driven there.
 void StartUp::AdoptFrom(const State& lowest, RecordId cause) {
   if (lowest == kTearDown) {
-    const std::string message =
-        "the previous controller ended during TearDown; this one finishes it";
-    const RecordId recorded = RecordMachine(kCodeOk, message, cause);
-    Do(action::StartUpEnded{false, message});
+    const RecordText text = texts::TearDownResumed();
+    const RecordId recorded = RecordMachine(kCodeOk, text, cause);
+    Do(action::StartUpEnded{false, text.message});
     return tear_down_.Begin(MakePlan(config_, machine_, lowest), {}, recorded);
   }
   machine_.state = lowest;
   const Adoption adoption(config_, machine_);
   if (const std::string elsewhere = adoption.Elsewhere(); !elsewhere.empty()) {
-    cause = RecordMachine(
-        kCodeOk,
-        adoption.FoundSwitching()
-            ? "a previous controller left a switch unfinished (" + elsewhere +
-                  "); finishing it in " + lowest
-            : "the least active state found is " + lowest + "; elsewhere: " + elsewhere,
-        cause);
+    cause =
+        RecordMachine(kCodeOk,
+                      adoption.FoundSwitching() ? texts::UnfinishedSwitchFound(elsewhere, lowest)
+                                                : texts::MixedStatesFound(elsewhere, lowest),
+                      cause);
   }
-  BecomeRunning("the machine is adopted in " + lowest, cause);
+  BecomeRunning(texts::MachineAdopted(lowest), cause);
 }
 
-void StartUp::BecomeRunning(const std::string& message, RecordId cause) {
+void StartUp::BecomeRunning(const RecordText& text, RecordId cause) {
   machine_.phase = Phase::kRunning;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -229,8 +217,8 @@ void StartUp::BecomeRunning(const std::string& message, RecordId cause) {
     const bool away = !there || IsUnconfigured(config_, i, record);
     if (away && record.fault && !IsComing(i)) FallBack(i);
   }
-  RecordMachine(kCodeOk, message, cause);
-  Do(action::StartUpEnded{true, message});
+  RecordMachine(kCodeOk, text, cause);
+  Do(action::StartUpEnded{true, text.message});
 }
 
 // The fault of the first degraded actuator; there is one.

@@ -33,10 +33,10 @@ class StartUp : StepPart {
   bool FailOnCriticalFault();
   void Activate(RecordId cause);
   void Fail(const std::string& why, RecordId cause);
-  void BecomeRunning(const std::string& message, RecordId cause);
+  void BecomeRunning(const RecordText& text, RecordId cause);
   void AnswerSetUpRequests();
   std::string FirstTrouble() const;
-  std::string NotSetUp(std::size_t i) const;
+  RecordText NotSetUp(std::size_t i) const;
 
   Saving& saving_;
   Switching& switching_;

@@ -116,6 +116,8 @@ struct Record {
   State state{};          // the machine's, where this record reports its change
   std::string data = {};  // what does not fit in a line: a backtrace
   std::optional<SwitchNote> of_switch = {};
+  EventName event = EventName::kNone;  // what happened, as an id
+  State target = {};                   // of the switch that is requested or decided; not journaled
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.

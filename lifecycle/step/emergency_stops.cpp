@@ -74,9 +74,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
   machine_.other_stops.clear();
   for (const EmergencyStop& stop : engaged) Release(stop.id);
   saving_.Save(Stored::kEmergencyStops);
-  RecordMachine(kCodeOk, "emergency stop released by " +
-                             (requested.by.empty() ? "an unknown source" : requested.by) +
-                             "; no state changes");
+  RecordMachine(kCodeOk, texts::EmergencyStopReleased(requested.by));
   Do(action::AnswerCall{requested.request, Ok()});
 }
 
@@ -127,10 +125,8 @@ bool EmergencyStops::IsReleased(StopId id) const {
 void EmergencyStops::Engage(const EmergencyStop& stop) {
   Do(action::PublishEmergencyStop{stop, true});
   saving_.Save(Stored::kEmergencyStops);
-  const std::string origin = (stop.by.empty() ? "an unknown source" : stop.by) +
-                             (stop.reason.empty() ? "" : ": " + stop.reason);
   const RecordId recorded =
-      RecordMachine(kCodeProtectedError, "emergency stop engaged by " + origin,
+      RecordMachine(kCodeProtectedError, texts::EmergencyStopEngaged(stop.by, stop.reason),
                     machine_.other_stops.empty() ? 0 : machine_.stop_cause);
   if (machine_.other_stops.empty()) machine_.stop_cause = recorded;
   if (machine_.current) machine_.current->stopped = true;

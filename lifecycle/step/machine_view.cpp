@@ -55,12 +55,12 @@ bool MachineView::MayFollow(std::size_t i) const {
   return Of(i).checked || (own && machine && *own > *machine);
 }
 
-bool MachineView::NeedsMet(std::size_t i, std::string& blocker) const {
+bool MachineView::NeedsMet(std::size_t i, std::optional<RecordText>& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
     if (needed.fault && !needed.suspended && !IsComing(*config_.IndexOf(name)))
-      blocker = "needs " + name + ", which is degraded: " + needed.fault->message;
+      blocker = texts::DependencyDegraded(name, needed.fault->message);
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }
   return met;
@@ -74,11 +74,11 @@ RecordId MachineView::CauseOfBlocker(std::size_t i) const {
   return 0;
 }
 
-std::string MachineView::WaitsForSuspended(std::size_t i) const {
+std::optional<RecordText> MachineView::WaitsForSuspended(std::size_t i) const {
   for (const std::string& name : ConfigOf(i).after) {
-    if (Of(*config_.IndexOf(name)).suspended) return "waits for " + name + ", which is suspended";
+    if (Of(*config_.IndexOf(name)).suspended) return texts::DependencySuspended(name);
   }
-  return {};
+  return std::nullopt;
 }
 
 State MachineView::PlaceOf(std::size_t i) const {

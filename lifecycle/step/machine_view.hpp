@@ -2,9 +2,10 @@
 // The queries of the parts of a step about the machine and its actuators. Reads only.
 
 #include <cstdint>
-#include <string>
+#include <optional>
 
 #include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 
 namespace musher {
 
@@ -41,11 +42,11 @@ class MachineView {
   State PlaceOf(std::size_t i) const;
 
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
-  bool NeedsMet(std::size_t i, std::string& blocker) const;
+  bool NeedsMet(std::size_t i, std::optional<RecordText>& blocker) const;
   // The record of the fault that blocks it; 0: none.
   RecordId CauseOfBlocker(std::size_t i) const;
-  // The suspended actuator in its `after` that it waits for; empty: none.
-  std::string WaitsForSuspended(std::size_t i) const;
+  // The suspended actuator in its `after` that it waits for, if any.
+  std::optional<RecordText> WaitsForSuspended(std::size_t i) const;
 
   // Whether each actuator of the stages so far is present, or will not be.
   bool StageIsSetUp(int stage) const;

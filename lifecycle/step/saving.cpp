@@ -72,15 +72,14 @@ void Saving::On(const event::SaveEnded& ended) {
     return one.what == ended.what && one.save == ended.save;
   });
   if (found == unsaved.end()) return;  // a newer save of the same counts
-  const std::string what(StoredName(ended.what));
   const bool failed_before = !found->why.empty();
   if (ended.ok) {
     unsaved.erase(found);
-    if (failed_before) RecordMachine(kCodeOk, "the " + what + " is on disk now");
+    if (failed_before) RecordMachine(kCodeOk, texts::SaveRecovered(StoredName(ended.what)));
   } else {
     found->why = ended.why.empty() ? "failed" : ended.why;
     if (!failed_before) {
-      RecordMachine(kCodeFailed, "the " + what + " is not on disk: " + found->why);
+      RecordMachine(kCodeFailed, texts::SaveFailed(StoredName(ended.what), found->why));
     }
   }
   if (ended.what == Stored::kStopIntent && machine_.stopping) machine_.stopping->intent_by.reset();

@@ -1,6 +1,20 @@
 #include "musher/lifecycle/step/step_part.hpp"
 
 namespace musher {
+namespace {
+
+action::Record Filled(const char* kind, std::int32_t code, const RecordText& text, RecordId cause) {
+  action::Record record;
+  record.kind = kind;
+  record.code = code;
+  record.message = text.message;
+  record.event = text.event;
+  record.target = text.target;
+  record.cause = cause;
+  return record;
+}
+
+}  // namespace
 
 // Numbers the record. A record about the machine also reports a change of its state.
 RecordId StepPart::Record(action::Record record) {
@@ -13,38 +27,63 @@ RecordId StepPart::Record(action::Record record) {
   return record.id;
 }
 
-RecordId StepPart::RecordMachine(std::int32_t code, const std::string& message, RecordId cause) {
-  return Record({"machine", std::nullopt, 0, code, message, 0, cause, {}});
+RecordId StepPart::RecordMachine(std::int32_t code, const RecordText& text, RecordId cause) {
+  return Record(Filled("machine", code, text, cause));
 }
 
-RecordId StepPart::RecordEnd(const Switch& s, const SwitchResult& result,
-                             const std::string& message, RecordId cause) {
-  action::Record record{"switch", s.only, s.number, result.code, message, 0, cause, {}};
+RecordId StepPart::RecordSwitch(std::optional<std::size_t> only, CommandNumber number,
+                                std::int32_t code, const RecordText& text, RecordId cause) {
+  action::Record record = Filled("switch", code, text, cause);
+  record.actuator = only;
+  record.switch_number = number;
+  return Record(record);
+}
+
+RecordId StepPart::RecordBegin(const Switch& s, RecordId cause) {
+  const std::string only = s.only ? ConfigOf(*s.only).name : "";
+  action::Record record =
+      Filled("switch", kCodeOk,
+             texts::SwitchStarted(s.number, only, s.from, s.target, s.legs.size()), cause);
+  record.actuator = s.only;
+  record.switch_number = s.number;
+  record.of_switch = {s.target, std::nullopt, s.from};
+  return Record(record);
+}
+
+RecordId StepPart::RecordEnd(const Switch& s, const SwitchResult& result, RecordId cause) {
+  action::Record record = Filled(
+      "switch", result.code, texts::SwitchEnded(s.number, result.outcome, result.reason), cause);
+  record.actuator = s.only;
+  record.switch_number = s.number;
   record.of_switch = {s.target, result.outcome, result.state};
   return Record(record);
 }
 
-RecordId StepPart::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+RecordId StepPart::RecordActuator(std::size_t i, std::int32_t code, const RecordText& text,
                                   RecordId cause) {
-  const CommandNumber number = Of(i).command ? Of(i).command->number : 0;
-  return Record({"actuator", i, number, code, message, 0, cause, {}});
+  action::Record record = Filled("actuator", code, text, cause);
+  record.actuator = i;
+  if (Of(i).command) record.switch_number = Of(i).command->number;
+  return Record(record);
 }
 
-RecordId StepPart::RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+RecordId StepPart::RecordProcess(std::size_t i, std::int32_t code, const RecordText& text,
                                  RecordId cause) {
-  return Record({"process", i, 0, code, message, 0, cause, {}});
+  action::Record record = Filled("process", code, text, cause);
+  record.actuator = i;
+  return Record(record);
 }
 
-RecordId StepPart::RecordPolicy(std::int32_t code, const std::string& message, RecordId cause) {
-  return Record({"policy", std::nullopt, 0, code, message, 0, cause, {}});
+RecordId StepPart::RecordPolicy(std::int32_t code, const RecordText& text, RecordId cause) {
+  return Record(Filled("policy", code, text, cause));
 }
 
-void StepPart::Degrade(std::size_t i, std::int32_t code, const std::string& message,
-                       RecordId cause) {
-  const Error fault{code, message};
-  if (Of(i).fault == fault) return;
-  Of(i).fault = fault;
-  Of(i).cause = RecordActuator(i, code, ConfigOf(i).name + " is degraded: " + message, cause);
+// The same sentence with another event is the same fault.
+void StepPart::Degrade(std::size_t i, std::int32_t code, const RecordText& text, RecordId cause) {
+  const auto& known = Of(i).fault;
+  if (known && known->code == code && known->message == text.message) return;
+  Of(i).fault = ActuatorFault{code, text.message, text.event};
+  Of(i).cause = RecordActuator(i, code, texts::Degraded(ConfigOf(i).name, text), cause);
 }
 
 void StepPart::FallBack(std::size_t i) {

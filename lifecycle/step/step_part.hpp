@@ -9,15 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/lifecycle/step/action.hpp"
 #include "musher/lifecycle/step/event.hpp"
 #include "musher/lifecycle/step/machine_view.hpp"
 
 namespace musher {
-
-// The fault of an actuator that was torn down alone, whether its process has exited or still runs
-// other actuators.
-inline constexpr const char* kTornDownAlone = "is torn down; only a new start brings it back";
 
 // What a step reads, changes and gives.
 struct StepContext {
@@ -46,17 +43,20 @@ class StepPart : protected MachineView {
   // one is known. A decision with later effects stores the id for them in ActuatorRecord, Switch or
   // Machine.
   RecordId Record(action::Record record);
-  RecordId RecordMachine(std::int32_t code, const std::string& message, RecordId cause = 0);
-  RecordId RecordEnd(const Switch& s, const SwitchResult& result, const std::string& message,
-                     RecordId cause);
-  RecordId RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+  RecordId RecordMachine(std::int32_t code, const RecordText& text, RecordId cause = 0);
+  // `only`: of one actuator instead of the machine; `number` 0: it has not begun.
+  RecordId RecordSwitch(std::optional<std::size_t> only, CommandNumber number, std::int32_t code,
+                        const RecordText& text, RecordId cause = 0);
+  RecordId RecordBegin(const Switch& s, RecordId cause);
+  RecordId RecordEnd(const Switch& s, const SwitchResult& result, RecordId cause);
+  RecordId RecordActuator(std::size_t i, std::int32_t code, const RecordText& text,
                           RecordId cause = 0);
-  RecordId RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+  RecordId RecordProcess(std::size_t i, std::int32_t code, const RecordText& text,
                          RecordId cause = 0);
-  RecordId RecordPolicy(std::int32_t code, const std::string& message, RecordId cause = 0);
+  RecordId RecordPolicy(std::int32_t code, const RecordText& text, RecordId cause = 0);
 
   // Records the fault, once; the record becomes the cause of what follows from the fault.
-  void Degrade(std::size_t i, std::int32_t code, const std::string& message, RecordId cause = 0);
+  void Degrade(std::size_t i, std::int32_t code, const RecordText& text, RecordId cause = 0);
   // An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no
   // switch is under way. Of several the least active counts.
   void FallBack(std::size_t i);

@@ -29,9 +29,9 @@ void Requests::On(const event::SetStateRequested& requested) {
                                Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
-  const RecordId request_record =
-      Record({"switch", only, 0, kCodeOk,
-              "switch " + Describe(config_, requested.target.substr(0, 64), only) + " requested"});
+  const State target = requested.target.substr(0, 64);
+  const RecordId request_record = RecordSwitch(
+      only, 0, kCodeOk, texts::SwitchRequested(Describe(config_, target, only), target));
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
     return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
@@ -99,10 +99,10 @@ void Requests::Await(const Plan& plan, RequestId request, RecordId request_recor
   const Time until = *plan.free_by + kAnswered;
   machine_.waiting = WaitingSwitch{plan.target, plan.only, until, {request}, request_record};
   machine_.waiting->cause =
-      Record({"switch", plan.only, 0, kCodeOk,
-              "switch " + Describe(config_, plan.target, plan.only) + " waits at most " +
-                  std::to_string(ToMilliseconds(until - now_)) + " ms: " + plan.refusal->message,
-              0, request_record});
+      RecordSwitch(plan.only, 0, kCodeOk,
+                   texts::SwitchWaiting(Describe(config_, plan.target, plan.only), until - now_,
+                                        plan.refusal->message),
+                   request_record);
 }
 
 bool Requests::BeginWaiting() {

@@ -34,19 +34,16 @@ EndedSwitch Switching::End() {
   const SwitchResult result = conclusion().Conclude(s, undone);
   const Leg* worst = undone ? conclusion().WorstLeg(s) : nullptr;
   const bool stopped = undone && s.stopped;
-  const RecordId recorded =
-      RecordEnd(s, result,
-                "switch " + ToString(s.number) + " is " + std::string(OutcomeName(result.outcome)) +
-                    (result.reason.empty() ? "" : ": " + result.reason),
-                stopped ? machine_.stop_cause
-                : worst ? Of(worst->actuator).cause
-                        : s.cause);
+  const RecordId recorded = RecordEnd(s, result,
+                                      stopped ? machine_.stop_cause
+                                      : worst ? Of(worst->actuator).cause
+                                              : s.cause);
   EndedSwitch ended{s.purpose, undone, !s.only, result, recorded};
   if (s.purpose == Purpose::kStop) return ended;  // answered when the processes have exited
   memory_.OnSwitchEnded(s, undone);
   Answer(s.requests, result);
   const bool torn_down = s.only && s.target == kTearDown && !undone;
-  if (torn_down) Degrade(*s.only, kCodeStateInvalid, kTornDownAlone, recorded);
+  if (torn_down) Degrade(*s.only, kCodeStateInvalid, texts::TornDownAlone(), recorded);
   return ended;
 }
 
@@ -68,7 +65,7 @@ void Switching::Apply(const Switch& s, bool undone) {
     if (check) record.checked = false;
     if (undone && (!leg.ran || s.rolling_back)) continue;
     const bool reported = leg.outcome != ActuatorOutcome::kSkipped;
-    Degrade(leg.actuator, leg.code, leg.message, reported ? record.cause : s.cause);
+    Degrade(leg.actuator, leg.code, {leg.event, leg.message}, reported ? record.cause : s.cause);
   }
   if (undone || check || s.only) return;
   DriveTheRest(s);
@@ -78,7 +75,7 @@ void Switching::Apply(const Switch& s, bool undone) {
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
     if (was_held && away) FallBack(i);  // from now on its loss counts
     if (other.outcome == ActuatorOutcome::kUnsupported) {
-      Degrade(i, other.code, other.message, s.cause);
+      Degrade(i, other.code, {EventName::kStateUnsupported, other.message}, s.cause);
     }
   }
 }
@@ -115,9 +112,7 @@ void Switching::SettleBack(const Switch& s) {
       SettleHeld(s, leg);
       continue;
     }
-    Degrade(leg.actuator, leg.code,
-            "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +
-                leg.message,
+    Degrade(leg.actuator, leg.code, texts::RollbackFailed(leg.target, leg.message),
             Of(leg.actuator).cause);
     if (!IsComing(leg.actuator)) FallBack(leg.actuator);
   }
@@ -128,14 +123,14 @@ void Switching::SettleBack(const Switch& s) {
 void Switching::SettleHeld(const Switch& s, const Leg& back) {
   const ActuatorRecord& record = Of(back.actuator);
   const auto forward = std::ranges::find(s.legs, back.actuator, &Leg::actuator);
-  const std::string ended = ": an emergency stop has ended the switch to " + s.target;
   if (record.report.busy()) {
-    Degrade(back.actuator, back.code, "is busy with " + record.report.target + ended,
+    Degrade(back.actuator, back.code, texts::StoppedWhileBusy(record.report.target, s.target),
             machine_.stop_cause);
   } else if (record.state() != machine_.state && record.state() == s.target) {
-    Degrade(back.actuator, back.code, "is in " + record.state() + ended, machine_.stop_cause);
+    Degrade(back.actuator, back.code, texts::StoppedIn(record.state(), s.target),
+            machine_.stop_cause);
   } else if (forward->failed() && forward->code != kCodeProtectedError) {
-    Degrade(back.actuator, forward->code, forward->message, record.cause);
+    Degrade(back.actuator, forward->code, {forward->event, forward->message}, record.cause);
   }
 }
 
@@ -147,7 +142,7 @@ void Switching::Supersede(CommandNumber by, const State& target, RecordId cause)
   result.outcome = SwitchOutcome::kSuperseded;
   result.code = kCodeTargetBusy;
   result.reason = "switch " + ToString(by) + " (to " + target + ") took over";
-  RecordEnd(s, result, "switch " + ToString(s.number) + " is superseded: " + result.reason, cause);
+  RecordEnd(s, result, cause);
   for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
     Of(leg.actuator).command.reset();
@@ -163,14 +158,9 @@ void Switching::Refuse(const State& target, std::optional<std::size_t> only,
                        RecordId cause) {
   SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
-  Record({"switch",
-          only,
-          0,
-          why.code,
-          "switch " + Describe(config_, target.substr(0, 64), only) + " refused: " + why.message,
-          0,
-          cause,
-          {}});
+  RecordSwitch(only, 0, why.code,
+               texts::SwitchRefused(Describe(config_, target.substr(0, 64), only), why.message),
+               cause);
   Answer(requests, result);
 }
 

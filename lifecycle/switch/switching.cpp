@@ -5,7 +5,16 @@
 #include <utility>
 
 #include "musher/lifecycle/config/flow.hpp"
+
 namespace musher {
+namespace {
+
+void Explain(Leg& leg, const RecordText& text) {
+  leg.message = text.message;
+  leg.event = text.event;
+}
+
+}  // namespace
 
 std::string Describe(const MachineConfig& config, const State& target,
                      std::optional<std::size_t> only) {
@@ -28,19 +37,7 @@ CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<Re
              cause);
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
   if (purpose == Purpose::kRequested) PermitSwitchingOn(s);
-  action::Record begins{"switch",
-                        s.only,
-                        s.number,
-                        kCodeOk,
-                        "switch " + ToString(s.number) + ": " +
-                            (s.only ? ConfigOf(*s.only).name + " " : "") + s.from + " → " +
-                            s.target + ", " + std::to_string(s.legs.size()) +
-                            (s.legs.size() == 1 ? " actuator" : " actuators"),
-                        0,
-                        cause,
-                        {}};
-  begins.of_switch = {s.target, std::nullopt, s.from};
-  Record(begins);
+  RecordBegin(s, cause);
   machine_.current = std::move(s);
   return machine_.current->number;
 }
@@ -142,7 +139,7 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
 std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
   const ActuatorRecord& record = Of(leg.actuator);
   if (record.presence != Presence::kPresent) {
-    return CommandResult{ActuatorOutcome::kLost, kCodeNetError, "is no longer available", false};
+    return CommandResult{ActuatorOutcome::kLost, kCodeNetError, texts::NoLongerAvailable(), false};
   }
   // Modules of other protocols do not receive the stop. A switch up is undone as a whole.
   const Switch& s = *machine_.current;
@@ -150,14 +147,14 @@ std::optional<CommandResult> Switching::FindUnfit(const Leg& leg) const {
   if (s.stopped && level && SwitchesOnAgain(config_, leg.from, leg.target) &&
       RunsCallback(config_, leg.actuator, leg.from, leg.target)) {
     return CommandResult{ActuatorOutcome::kRefused, kCodeProtectedError,
-                         "is held by an emergency stop", false};
+                         texts::RefusedByEmergencyStop(), false};
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
   // The leg configures such a node first.
   if (IsUnconfigured(config_, leg.actuator, record)) return std::nullopt;
-  return CommandResult{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
-                       "was restarted and has not passed its self-check", false};
+  return CommandResult{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed, texts::RestartedUnchecked(),
+                       false};
 }
 
 // A leg that `leg` needs and that has ended otherwise than done; null when there is none.
@@ -175,8 +172,8 @@ void Switching::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
   leg.code = kCodeStatusError;
-  leg.message = blocker == nullptr ? "another actuator failed first"
-                                   : "needs " + ConfigOf(blocker->actuator).name + ", which failed";
+  Explain(leg, blocker == nullptr ? texts::AnotherFailedFirst()
+                                  : texts::NeededOneFailed(ConfigOf(blocker->actuator).name));
   leg.may_fail = !Critical(leg.actuator);
 }
 
@@ -228,13 +225,13 @@ void Switching::BeginRollback(Switch& s) {
       back.progress = Leg::Progress::kEnded;
       back.outcome = ActuatorOutcome::kUnsupported;
       back.code = kCodeUnSupport;
-      back.message = "has no state to go back to";
+      Explain(back, texts::NoStateToGoBackTo());
     } else if (StoppedOnTheLevel(s) && SwitchesOnAgain(config_, back.from, back.target) &&
                RunsCallback(config_, back.actuator, back.from, back.target)) {
       back.progress = Leg::Progress::kEnded;  // the way back may switch on, too
       back.outcome = ActuatorOutcome::kSkipped;
       back.code = kCodeProtectedError;
-      back.message = "is not driven back during an emergency stop";
+      Explain(back, texts::NotDrivenBack());
     }
     for (const Leg& other : s.legs) {  // the reverse order
       if (std::find(other.needs.begin(), other.needs.end(), leg.actuator) == other.needs.end())
@@ -245,16 +242,9 @@ void Switching::BeginRollback(Switch& s) {
   }
   const auto driven = std::ranges::count(s.back, Leg::Progress::kWaiting, &Leg::progress);
   const Leg* worst = conclusion().WorstLeg(s);
-  Record({"switch",
-          s.only,
-          s.number,
-          kCodeOk,
-          "switch " + ToString(s.number) + ": rolling back with command " +
-              ToString(s.back_number) + ", " + std::to_string(driven) +
-              (driven == 1 ? " actuator" : " actuators"),
-          0,
-          s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause,
-          {}});
+  RecordSwitch(s.only, s.number, kCodeOk,
+               texts::RollbackStarted(s.number, s.back_number, static_cast<std::size_t>(driven)),
+               s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause);
 }
 
 // The state to which a leg is rolled back: its state before; from a step of a start, where an

@@ -62,10 +62,7 @@ bool TearDown::WaitsForIntent() {
   if (!machine_.stopping || !machine_.stopping->intent_by) return false;
   if (now_ < *machine_.stopping->intent_by) return true;
   machine_.stopping->intent_by.reset();
-  RecordMachine(
-      kCodeTimeout,
-      "the stop intent is not on disk yet; TearDown begins anyway. If the controller ends "
-      "before the save, a supervisor starts the machine again");
+  RecordMachine(kCodeTimeout, texts::StopIntentLate());
   return false;
 }
 
@@ -91,13 +88,13 @@ void TearDown::Advance() {
   if (out_of_time && machine_.current) EndUnfinished();
   if (!stopping.result) return;
   if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
-  const SwitchResult result = Conclude({kCodeTimeout, "has not ended"});
+  const SwitchResult result = Conclude(kCodeTimeout, std::nullopt);
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart)
     saving_.Save(Stored::kStopIntent);  // there is none now
-  RecordMachine(result.code, "the machine is stopped after " +
-                                 std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms" +
-                                 (result.done() ? "" : "; " + result.reason));
+  RecordMachine(result.code,
+                texts::MachineStopped(now_ - stopping.begun,
+                                      result.done() ? std::nullopt : std::optional(result.reason)));
   switching_.Answer(stopping.requests, result);
   if (machine_.policy.power) power_.Command(true);
   Do(action::Stopped{});
@@ -107,25 +104,24 @@ void TearDown::Advance() {
 void TearDown::EndUnfinished() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (Of(i).command)
-      commands_.End(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
+      commands_.End(i, {ActuatorOutcome::kLost, kCodeTimeout, texts::NoAnswerWithinBudget(), true});
   }
   for (Leg& leg : machine_.current->legs) {
     if (leg.progress != Leg::Progress::kWaiting) continue;
-    EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, "the budget was used up", false}, now_);
+    EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, texts::BudgetUsedUp(), false}, now_);
   }
   OnTornDown(switching_.End().result);
 }
 
 // The result of TearDown after the processes have had their time. An actuator that was lost only
 // since then, and a process that outlives SIGKILL, are left behind. So is a process that this
-// controller was still ending, or starting, when another one took over: `not_ended` says why.
-SwitchResult TearDown::Conclude(const Error& not_ended) {
+// controller was still ending, or starting, when another one, `successor`, took over.
+SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::string>& successor) {
   ListSurvivors();
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0 && !Of(i).launching) continue;
-    const std::string process = pid == 0 ? "process" : "process " + std::to_string(pid);
-    Degrade(i, not_ended.code, "its " + process + " " + not_ended.message, Of(i).cause);
+    Degrade(i, code, texts::ProcessLeftBehind(pid, successor), Of(i).cause);
   }
   SwitchResult result = *machine_.stopping->result;
   result.degraded = Degraded(config_, machine_);
@@ -142,34 +138,29 @@ SwitchResult TearDown::Conclude(const Error& not_ended) {
 
 void TearDown::ListSurvivors() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const std::string why = WhyMayRun(i);
-    if (!why.empty()) Degrade(i, kCodeNetError, why, Of(i).cause);
+    if (const auto why = WhyMayRun(i)) Degrade(i, kCodeNetError, *why, Of(i).cause);
   }
 }
 
-// Why an actuator that TearDown does not reach may still run; empty: it has exited, or is reached,
+// Why an actuator that TearDown does not reach may still run; none: it has exited, or is reached,
 // or its process is ended with the machine.
-std::string TearDown::WhyMayRun(std::size_t i) const {
-  const std::string lost = "connection lost and no exit seen; it may still run in ";
+std::optional<RecordText> TearDown::WhyMayRun(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   // Found by its name when this controller started, and no status has arrived from it yet.
   const bool found =
       record.found_running && record.presence == Presence::kAbsent && record.process != 0;
-  if (found && !ends_with_it) return lost + "an unknown state";
+  if (found && !ends_with_it) return texts::MayStillRun(std::nullopt);
   if (record.report.incarnation == 0 && record.elsewhere) {
-    const std::string host = record.elsewhere->empty()
-                                 ? "on this or another host"
-                                 : "on another host, " + record.elsewhere->substr(0, 64);
-    return "no status received since this controller started; it may still run " + host +
-           ", where an earlier controller has left it (if it has exited, remove its line from the "
-           "file remote_actuators in the state folder)";
+    return texts::MayStillRunOn(record.elsewhere->substr(0, 64));
   }
   const bool reported = record.report.incarnation != 0 && record.report.incarnation != record.dead;
   const bool out_of_reach =
       record.presence == Presence::kLost || record.presence == Presence::kStarting;
-  if (!reported || !out_of_reach || ends_with_it || record.state() == kTearDown) return {};
-  return lost + record.state();
+  if (!reported || !out_of_reach || ends_with_it || record.state() == kTearDown) {
+    return std::nullopt;
+  }
+  return texts::MayStillRun(record.state());
 }
 
 bool TearDown::ProcessesLeft() const {
@@ -201,11 +192,7 @@ void TearDown::On(const event::ProcessesFound& found) {
     const std::int32_t pid = found.processes[i];
     if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0) continue;
     Of(i).process = pid;
-    RecordProcess(i, kCodeOk,
-                  "process " + std::to_string(pid) + " of " + ConfigOf(i).name +
-                      ", started by another controller, was found during shutdown and is ended "
-                      "with the machine",
-                  Of(i).cause);
+    RecordProcess(i, kCodeOk, texts::ProcessFound(pid, ConfigOf(i).name), Of(i).cause);
     Do(action::SignalProcess{i, pid, stopping.killed});
     stopping.look = Stopping::Look::kNotYet;  // again, once it has ended
   }
@@ -215,9 +202,7 @@ void TearDown::SignalProcesses(bool kill) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0) continue;
-    RecordProcess(i, kCodeTimeout,
-                  ConfigOf(i).name + " has not ended; process " + std::to_string(pid) +
-                      (kill ? " gets SIGKILL" : " gets SIGTERM"));
+    RecordProcess(i, kCodeTimeout, texts::ProcessSignalled(ConfigOf(i).name, pid, kill));
     Do(action::SignalProcess{i, pid, kill});
   }
 }

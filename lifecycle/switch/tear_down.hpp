@@ -43,12 +43,13 @@ class TearDown : StepPart {
   void On(const event::ProcessesFound& found);
   // Escalates, and stops the machine when all processes have exited or the budget is used up.
   void Advance();
-  // The result of TearDown now. `not_ended`: why processes that still run are left behind.
-  SwitchResult Conclude(const Error& not_ended);
+  // The result of TearDown now. `code`: of processes that still run and are left behind;
+  // `successor`: the controller that has taken over, if any.
+  SwitchResult Conclude(std::int32_t code, const std::optional<std::string>& successor);
 
  private:
   void ListSurvivors();
-  std::string WhyMayRun(std::size_t i) const;
+  std::optional<RecordText> WhyMayRun(std::size_t i) const;
   bool ProcessesLeft() const;
   bool HasSearched();
   void SignalProcesses(bool kill);

@@ -14,6 +14,7 @@ using recording::ReplayReport;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class JournalRecording : public JournalTest {
  protected:
@@ -145,10 +146,29 @@ TEST_F(JournalRecording, OfVersionOneIsReadAndBroughtUpToDate) {
   EXPECT_EQ(report.starts, 2U);
 }
 
+TEST_F(JournalRecording, OfVersionTwoIsReplayedAndBroughtUpToDate) {
+  auto older = RecordedLife();
+  for (JournalItem& item : older) {
+    if (auto* entry = std::get_if<JournalEntry>(&item)) entry->event.clear();
+  }
+  Write(older, Options());
+  Execute("ALTER TABLE entry DROP COLUMN event; PRAGMA user_version = 2");
+  EXPECT_THAT(Read().front().event, IsEmpty());
+  EXPECT_EQ(Replayed(ReadAll()).differences, 0U);
+
+  Write(RecordedLife(), Options());
+  EXPECT_THAT(Troubles(), IsEmpty());
+  EXPECT_THAT(Read().front().event, IsEmpty());
+  EXPECT_THAT(Read().back().event, Not(IsEmpty()));
+  const ReplayReport report = Replayed(ReadAll());
+  EXPECT_EQ(report.differences, 0U);
+  EXPECT_EQ(report.starts, 4U);
+}
+
 TEST_F(JournalRecording, OfANewerVersionIsNotReadAtAll) {
   Write({Entry(1)}, Options());
-  Execute("PRAGMA user_version = 3");
-  EXPECT_THAT(ReadJournal(path_, 0, 1).error().message, HasSubstr("its version is 3, not 2"));
+  Execute("PRAGMA user_version = 4");
+  EXPECT_THAT(ReadJournal(path_, 0, 1).error().message, HasSubstr("its version is 4, not 3"));
   EXPECT_FALSE(ReadRecording(path_));
 }
 

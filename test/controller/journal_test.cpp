@@ -29,7 +29,8 @@ TEST_F(JournalTest, GivesBackEveryFieldOfAnEntry) {
                            R"({"target":"Active"})",
                            (std::uint64_t{1} << 63) + 6,
                            8,
-                           "Active"};
+                           "Active",
+                           "switch_done"};
   Journal journal(path_, Options());
   journal.Append(entry);
   ASSERT_TRUE(journal.Flush(kFlushTimeout));

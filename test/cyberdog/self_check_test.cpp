@@ -28,7 +28,7 @@ class SelfChecks : public ::testing::Test {
   }
   Json Described() const { return Json::parse(SelfCheckOf(config_, machine_).description); }
   void Fail(const char* name, std::int32_t code) {
-    machine_.actuators[*config_.IndexOf(name)].fault = Error{code, ""};
+    machine_.actuators[*config_.IndexOf(name)].fault = ActuatorFault{code, ""};
   }
 
   MachineConfig config_;
@@ -88,8 +88,8 @@ TEST_F(SelfChecks, SplitASumIntoTheDevicesThatFailed) {
 // Found when the device manager gave one code for several devices: the others were reported as
 // well.
 TEST_F(SelfChecks, FindThePartsThatOnlyTheMessageNames) {
-  machine_.actuators[1].fault = Error{1109, "led: no driver, 1109; uwb: silent, 1609"};
-  machine_.actuators[2].fault = Error{2309, "ultrasonic: silent, 2309; gps: silent, 2409"};
+  machine_.actuators[1].fault = ActuatorFault{1109, "led: no driver, 1109; uwb: silent, 1609"};
+  machine_.actuators[2].fault = ActuatorFault{2309, "ultrasonic: silent, 2309; gps: silent, 2409"};
   const Json json = Described();
   EXPECT_EQ(json["device"]["led"], 1109);
   EXPECT_EQ(json["device"]["uwb"], 1609);

@@ -130,12 +130,12 @@ TEST_F(Capabilities, OfSeveralActuatorsAreAllowedWhenAllAllowThem) {
 TEST_F(Capabilities, OfAnUnavailableActuatorAreRefused) {
   machine_.actuators[0].presence = Presence::kLost;
   EXPECT_EQ(Verdict("walk"), (CapabilityVerdict{"walk", false, kStateInvalid, "legs is lost"}));
-  machine_.actuators[0].fault = Error{3101, "crashed"};
+  machine_.actuators[0].fault = ActuatorFault{3101, "crashed"};
   EXPECT_EQ(Verdict("walk").reason, "legs is lost; legs is degraded: crashed");
 }
 
 TEST_F(Capabilities, OfADegradedActuatorHaveItsFaultAsReasonAndDependOnItsState) {
-  machine_.actuators[0].fault = Error{3009, "a motor is hot"};
+  machine_.actuators[0].fault = ActuatorFault{3009, "a motor is hot"};
   EXPECT_EQ(Verdict("walk"),
             (CapabilityVerdict{"walk", true, kCodeOk, "legs is degraded: a motor is hot"}));
   machine_.actuators[0].report.state = kLowPower;

@@ -142,7 +142,7 @@ TEST_F(Plans, UpAreRefusedForABusyActuatorUnlessASwitchIsUnderWayThatWillEnd) {
 TEST_F(Plans, LeaveOutAnOverdueCyberdogModuleBecauseItCannotBeQueried) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   machine_.actuators[0].report.target = State(kOta);
-  machine_.actuators[0].fault = Error{kCodeTimeout, "overdue"};
+  machine_.actuators[0].fault = ActuatorFault{kCodeTimeout, "overdue"};
   EXPECT_EQ(To(kLowPower).steps[0].part, Part::kLeftOut);
   machine_.actuators[0].command = PendingCommand{1, State(kOta), {}, {}, 0};
   EXPECT_EQ(To(kLowPower).steps[0].part, Part::kDriven) << "it may answer in time";
@@ -164,7 +164,7 @@ TEST_F(Plans, DistinguishActuatorsInTheTargetFromDetachedOnesInTheTarget) {
 
 TEST_F(Plans, DriveADegradedActuatorInTheTargetOnceMore) {
   machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
-  machine_.actuators[0].fault = Error{kCodeFailed, "it stumbled"};
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "it stumbled"};
   machine_.actuators[1].report.target = State(kDeActive);
   const Plan plan = To(kLowPower);
   EXPECT_EQ(plan.steps[0].part, Part::kDriven);
@@ -240,7 +240,8 @@ TEST_F(Plans, CountATornDownActuatorAsInTheTargetOfATearDownOnly) {
 TEST_F(Plans, OfTheCheckOfAStartIncludeADegradedActuatorUnlessItIsAnUnconfiguredNode) {
   machine_.phase = Phase::kStarting;
   PutAllIn(kSetUp);
-  for (const std::size_t i : {0, 1}) machine_.actuators[i].fault = Error{kCodeFailed, "it hung"};
+  for (const std::size_t i : {0, 1})
+    machine_.actuators[i].fault = ActuatorFault{kCodeFailed, "it hung"};
   config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
   machine_.actuators[1].report.state = config_.default_state;
   const Plan plan = To(kSelfCheck);

@@ -74,6 +74,8 @@ class Grammar {
 
   // The parser accepts only these words; completion offers them.
   CLI::Option* OneOf(CLI::Option* option, const std::vector<std::string>& words);
+  // Completion offers these words; the option checks its value itself.
+  CLI::Option* Suggest(CLI::Option* option, const std::vector<std::string>& words);
   // Completion offers these.
   CLI::Option* Offer(CLI::Option* option, Names names);
 

@@ -66,13 +66,18 @@ Json Of(const std::map<std::string, Running::Actuator>& running) {
   return actuators;
 }
 
+std::string EventOf(const std::vector<std::string>& events, std::size_t i) {
+  return i < events.size() ? events[i] : "";
+}
+
 // An entry of the journal or of the wire.
 template <class Entry>
-Json OfEntry(const Entry& e) {
+Json OfEntry(const Entry& e, const std::string& event) {
   return {{"time", UtcText(e.wall_ns)},
           {"epoch", e.epoch},
           {"switch", e.switch_number},
           {"kind", e.kind},
+          {"event", event},
           {"actuator", e.actuator},
           {"code", e.code},
           {"message", e.message},
@@ -228,13 +233,17 @@ std::string PlanJson(const msg::GetPlan::Response& plan) {
 
 std::string HistoryJson(const msg::GetHistory::Response& history) {
   Json list = Json::array();
-  for (const msg::HistoryEntry& e : history.entries) list.push_back(OfEntry(e));
+  for (std::size_t i = 0; i < history.entries.size(); ++i) {
+    list.push_back(OfEntry(history.entries[i], EventOf(history.events, i)));
+  }
   return JsonLine({{"entries", list}, {"damage", history.error}});
 }
 
 std::string WhyJson(const Why& why) {
   Json chain = Json::array();
-  for (const msg::HistoryEntry& e : why.chain) chain.push_back(OfEntry(e));
+  for (std::size_t i = 0; i < why.chain.size(); ++i) {
+    chain.push_back(OfEntry(why.chain[i], EventOf(why.events, i)));
+  }
   return JsonLine({{"state", why.state}, {"chain", chain}, {"complete", why.complete}});
 }
 
@@ -242,7 +251,7 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
   Json lines = Json::array();
   for (const recording::ReplayLine& line : report.lines) {
     Json json = {{"mark", MarkName(line.mark)}};
-    json.update(OfEntry(line.entry));
+    json.update(OfEntry(line.entry, line.entry.event));
     if (!line.input.empty()) json["input"] = Json::parse(line.input);
     lines.push_back(json);
   }

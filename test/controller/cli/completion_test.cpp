@@ -91,6 +91,8 @@ TEST_F(Completion, OffersTheWordsThatAnOptionTakes) {
   EXPECT_THAT(Offered({"graph", "--format=s"}), ElementsAre("--format=svg")) << "as zsh does";
   EXPECT_THAT(Offered({"graph", "--format", "=", "s"}), ElementsAre("svg")) << "as bash does";
   EXPECT_THAT(Offered({"low-power", ""}), ElementsAre("on", "off"));
+  EXPECT_THAT(Offered({"history", "--event", "switch_do"}),
+              ElementsAre("switch_done", "switch_done_degraded"));
   EXPECT_THAT(Offered({"history", "--limit", ""}), IsEmpty());
 }
 

@@ -122,10 +122,16 @@ TEST(Json, HasTheCapabilities) {
 }
 
 TEST(Json, HasAHistory) {
-  EXPECT_EQ(HistoryJson({"", {{9, 1'500'000'000, 3, 12, "switch", "", 0, "done", 7, "Active"}}}),
-            R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
-            R"("kind":"switch","actuator":"","code":0,"message":"done","id":9,"cause":7,)"
-            R"("new_state":"Active","data":""}],"damage":""})");
+  EXPECT_EQ(
+      HistoryJson(
+          {"", {{9, 1'500'000'000, 3, 12, "switch", "", 0, "done", 7, "Active"}}, {"switch_done"}}),
+      R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
+      R"("kind":"switch","event":"switch_done","actuator":"","code":0,"message":"done",)"
+      R"("id":9,"cause":7,)"
+      R"("new_state":"Active","data":""}],"damage":""})");
+  EXPECT_THAT(HistoryJson({"", {{9, 1, 3, 12, "switch", "", 0, "done", 7, ""}}, {}}),
+              ::testing::HasSubstr(R"("event":"")"))
+      << "of a controller that sends no events";
   EXPECT_EQ(HistoryJson({"torn", {}}), R"({"entries":[],"damage":"torn"})");
 }
 

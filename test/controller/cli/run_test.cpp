@@ -63,16 +63,17 @@ TEST(Program, ReadsTheJournalOfAnExitedController) {
     Journal journal(file, {});
     journal.Append(
         JournalEntry{1'000'000'000, 1, 3, 12, "switch", "legs", 107, "too late", "", 5, 4, ""});
-    journal.Append(
-        JournalEntry{5'000'000'000, 2, 3, 13, "switch", "", 0, "done", "", 6, 0, "Active"});
+    journal.Append(JournalEntry{5'000'000'000, 2, 3, 13, "switch", "", 0, "done", "", 6, 0,
+                                "Active", "switch_done"});
   }
   const Ran all = RunProgram({"history", "--journal", file, "--json"});
   EXPECT_EQ(all.exit, 0);
   EXPECT_EQ(all.out, R"({"entries":[{"time":"1970-01-01T00:00:01.000Z","epoch":3,"switch":12,)"
-                     R"("kind":"switch","actuator":"legs","code":107,"message":"too late","id":5,)"
-                     R"("cause":4,"new_state":"","data":""},)"
+                     R"("kind":"switch","event":"","actuator":"legs","code":107,)"
+                     R"("message":"too late","id":5,"cause":4,"new_state":"","data":""},)"
                      R"({"time":"1970-01-01T00:00:05.000Z","epoch":3,"switch":13,"kind":"switch",)"
-                     R"("actuator":"","code":0,"message":"done","id":6,"cause":0,)"
+                     R"("event":"switch_done","actuator":"","code":0,"message":"done","id":6,)"
+                     R"("cause":0,)"
                      R"("new_state":"Active","data":""}],"damage":""})"
                      "\n");
   const Ran since = RunProgram({"history", "--journal", file, "--since", "1970-01-01T00:00:02Z"});
@@ -80,6 +81,37 @@ TEST(Program, ReadsTheJournalOfAnExitedController) {
   EXPECT_THAT(since.out, HasSubstr("switch   done"));
   const Ran newest = RunProgram({"history", "--journal", file, "--limit", "1"});
   EXPECT_THAT(newest.out, Not(HasSubstr("too late")));
+}
+
+TEST(Program, FiltersTheHistoryByEvent) {
+  const TempFolder folder;
+  const std::string file = folder / "journal.sqlite";
+  {
+    Journal journal(file, {});
+    for (const char* event : {"switch_started", "switch_done", "", "switch_done"}) {
+      JournalEntry entry{1, 1, 3, 12, "switch", "", 0, "a sentence"};
+      entry.event = event;
+      journal.Append(entry);
+    }
+  }
+  const auto entries = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"history", "--journal", file, "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const std::string out = RunProgram(words).out;
+    std::size_t count = 0;
+    for (std::size_t at = out.find(R"("time")"); at != std::string::npos; ++count) {
+      at = out.find(R"("time")", at + 1);
+    }
+    return count;
+  };
+  EXPECT_EQ(entries({}), 4U);
+  EXPECT_EQ(entries({"--event", "switch_done"}), 2U);
+  EXPECT_EQ(entries({"--event", "switch_done", "--limit", "1"}), 1U);
+  EXPECT_EQ(entries({"--event", "switch_refused"}), 0U);
+  const Ran unknown = RunProgram({"history", "--journal", file, "--event", "switch_don"});
+  EXPECT_EQ(unknown.exit, 2);
+  EXPECT_THAT(unknown.err,
+              HasSubstr("--event: unknown event 'switch_don'; did you mean 'switch_done'?"));
 }
 
 TEST(Program, ReportsAJournalThatCannotBeRead) {

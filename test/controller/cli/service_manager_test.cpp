@@ -212,7 +212,8 @@ TEST_F(Service, DescribesAMachineByItsPhaseItsStateAndItsMissingActuators) {
   EXPECT_EQ(StatusWords(config_, machine_), "starting, SelfCheck, 1 of 2 actuators");
   machine_.phase = Phase::kRunning;
   machine_.state = kProtected;
-  for (ActuatorRecord& actuator : machine_.actuators) actuator.fault = Error{kCodeNetError, "gone"};
+  for (ActuatorRecord& actuator : machine_.actuators)
+    actuator.fault = ActuatorFault{kCodeNetError, "gone"};
   EXPECT_EQ(StatusWords(config_, machine_), "Protected, degraded: legs, eyes");
 }
 

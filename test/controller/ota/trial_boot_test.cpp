@@ -59,18 +59,18 @@ TEST_F(Trials, WaitForALaterStage) {
 }
 
 TEST_F(Trials, EndBadlyWithACriticalActuator) {
-  machine_.actuators[0].fault = Error{kCodeFailed, "the motors are gone"};
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "the motors are gone"};
   EXPECT_THAT(Verdict(), HasSubstr("critical legs: the motors are gone"));
 }
 
 TEST_F(Trials, WaitForACriticalActuatorThatIsStartedAgain) {
-  machine_.actuators[0].fault = Error{kCodeFailed, "it crashed"};
+  machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "it crashed"};
   machine_.actuators[0].restart_at = Time{};
   EXPECT_EQ(Verdict(), "not known");
 }
 
 TEST_F(Trials, SucceedWithoutANonCriticalActuator) {
-  machine_.actuators[1].fault = Error{kCodeFailed, "no loudspeaker"};
+  machine_.actuators[1].fault = ActuatorFault{kCodeFailed, "no loudspeaker"};
   machine_.actuators[1].presence = Presence::kLost;
   EXPECT_EQ(Verdict(), "kept");
 }
@@ -83,7 +83,7 @@ TEST_F(Trials, EndBadlyWhenTheStartFails) {
 TEST_F(Trials, AreUndecidedWhileTheMachineIsTakenDown) {
   for (const Phase phase : {Phase::kStopping, Phase::kStopped, Phase::kFenced}) {
     machine_.phase = phase;
-    machine_.actuators[0].fault = Error{kCodeFailed, "it is torn down"};
+    machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "it is torn down"};
     EXPECT_EQ(Verdict(), "not known");
   }
 }

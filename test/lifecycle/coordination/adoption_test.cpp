@@ -57,7 +57,7 @@ TEST_F(Adopting, ReportsATornDownActuatorAsTornDownAndDoesNotWaitForIt) {
   EXPECT_LT(t.now() - begun, Milliseconds(50)) << "the time of its SetUp is 100 ms";
   t.Rest();
   ASSERT_TRUE(t.RecordOf("b").fault);
-  EXPECT_EQ(t.RecordOf("b").fault->message, "is torn down; only a new start brings it back");
+  EXPECT_EQ(t.RecordOf("b").fault->event, EventName::kTornDownAlone);
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 

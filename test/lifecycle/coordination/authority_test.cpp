@@ -154,8 +154,9 @@ TEST_F(Authority, AnActuatorThatChangesItsStateByItselfIsRecordedAndDrivenBack) 
 TEST_F(Authority, AnActuatorThatTearsItselfDownIsListedWithWhatBringsItBack) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.state = "TearDown"; });
-  EXPECT_EQ(t.RecordOf("b").fault,
-            (Error{kCodeStateInvalid, "is torn down; only a new start brings it back"}));
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->code, kCodeStateInvalid);
+  EXPECT_EQ(t.RecordOf("b").fault->event, EventName::kTornDownAlone);
 }
 
 TEST(Drift, IsNotSeenInAStart) {

@@ -307,7 +307,7 @@ TEST_F(DancersOfAnyProtocol, AreNotConfiguredDuringTheStop) {
 
 TEST_F(DancersOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {
   StartUp();
-  Of(1).fault = Error{5001, "the motor stalls"};
+  Of(1).fault = ActuatorFault{5001, "the motor stalls"};
   Stop();
   ActuatorReport report = Report(1, "Dancing");
   report.outcome_code = 5001;
@@ -318,7 +318,7 @@ TEST_F(DancersOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {
 
 TEST_F(DancersOfAnyProtocol, AreNotSaidToBeBusyAnyMoreWhereAStopHoldsThem) {
   StartUp();
-  Of(1).fault = Error{kCodeTimeout, "still busy with Dancing after 100 ms"};
+  Of(1).fault = ActuatorFault{kCodeTimeout, "still busy with Dancing after 100 ms"};
   Stop();
   Say(1, Report(1, "Dancing"));
   EXPECT_EQ(Of(1).fault->message, kStays);

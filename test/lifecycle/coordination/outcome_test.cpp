@@ -62,7 +62,7 @@ TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   config_ = MachineOf(3);
   config_.actuators[0].after = {"b"};
   In("LowPower");
-  Of(0).fault = Of(1).fault = Error{kCodeFailed, "it was degraded before"};
+  Of(0).fault = Of(1).fault = ActuatorFault{kCodeFailed, "it was degraded before"};
   RequestSwitch("Active");
   Fail(1, 5001);
   EXPECT_TRUE(Of(2).command);
@@ -73,7 +73,7 @@ TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
 
 TEST_F(Outcomes, DependOnThePresentStatesAndNotOnAnEarlierFault) {
   StartUp();
-  Of(1).fault = Error{kCodeFailed, "its last check had failed"};
+  Of(1).fault = ActuatorFault{kCodeFailed, "its last check had failed"};
   Of(1).checked = false;
   RequestSwitch("LowPower");
   ObeyAll();
@@ -157,7 +157,7 @@ TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingActuatorSkipped) {
 
 TEST_F(Outcomes, OfARefusalNameTheDegradedActuators) {
   StartUp();
-  Of(1).fault = Error{kCodeFailed, "it stumbled"};
+  Of(1).fault = ActuatorFault{kCodeFailed, "it stumbled"};
   RequestSwitch("Nowhere");
   EXPECT_THAT(Result().degraded, ElementsAre("b"));
 }

@@ -108,8 +108,9 @@ TEST_F(TakeControl, OfADetachedActuatorThatIsTornDownMeanwhileDegradesIt) {
   report.target.clear();
   report.epoch = machine_.epoch;
   Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
-  EXPECT_EQ(Of(1).fault,
-            (Error{kCodeStateInvalid, "is torn down; only a new start brings it back"}));
+  ASSERT_TRUE(Of(1).fault);
+  EXPECT_EQ(Of(1).fault->code, kCodeStateInvalid);
+  EXPECT_EQ(Of(1).fault->event, EventName::kTornDownAlone);
 }
 
 using Reports = OneController;
