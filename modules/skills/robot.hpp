@@ -19,7 +19,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/behavior/skill/future.hpp"
-#include "musher/modules/navigation/pose.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
-#include "musher/modules/navigation/controller/follower.hpp"
 #include "musher/modules/navigation/server/robot_table.hpp"
+#include "musher/navigation/controller/follower.hpp"
 
 namespace musher::navigation {
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/navigation/navigation_fault.hpp"
 #include "musher/modules/navigation/server/work_thread.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
 namespace {

@@ -2,7 +2,7 @@
 // Makes a path drivable from where a body is. Pure; any thread. Metres, radians, the frame of the
 // map.
 
-#include "musher/modules/navigation/pose.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::navigation {
 

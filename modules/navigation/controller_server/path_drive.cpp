@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "musher/modules/navigation/controller_server/drive_path.hpp"
-#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
 namespace {

@@ -26,10 +26,10 @@
 #include <vector>
 
 #include "musher/messages/nav2_msgs/follow_path.hpp"
-#include "musher/modules/navigation/controller/follower.hpp"
 #include "musher/modules/navigation/controller_server/controller_config.hpp"
 #include "musher/modules/navigation/messages/conversions.hpp"
-#include "musher/modules/navigation/planner/clearance.hpp"
+#include "musher/navigation/controller/follower.hpp"
+#include "musher/navigation/planner/clearance.hpp"
 
 namespace musher::navigation {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
 namespace {

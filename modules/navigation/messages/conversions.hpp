@@ -13,8 +13,8 @@
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/sensor_msgs/point_cloud2.hpp"
 #include "musher/messages/trajectory_msgs/joint_trajectory.hpp"
-#include "musher/modules/navigation/controller/obstacle_watch.hpp"
-#include "musher/modules/navigation/planner/cell_map.hpp"
+#include "musher/navigation/controller/obstacle_watch.hpp"
+#include "musher/navigation/planner/cell_map.hpp"
 
 namespace musher::navigation {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "musher/modules/navigation/navigation_fault.hpp"
-#include "musher/modules/navigation/planner/octree_map.hpp"
+#include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/planner/octree_map.hpp"
 
 namespace musher::navigation {
 namespace {

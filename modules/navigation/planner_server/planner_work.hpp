@@ -8,8 +8,8 @@
 
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/modules/navigation/messages/conversions.hpp"
-#include "musher/modules/navigation/planner/planner.hpp"
 #include "musher/modules/navigation/planner_server/planner_config.hpp"
+#include "musher/navigation/planner/planner.hpp"
 
 namespace musher::navigation {
 

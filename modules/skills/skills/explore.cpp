@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "musher/modules/navigation/planner/headings.hpp"
 #include "musher/modules/skills/skills/points_text.hpp"
+#include "musher/navigation/planner/headings.hpp"
 
 namespace musher::skills {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
-#include "musher/modules/navigation/pose.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
 

@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "musher/modules/navigation/pose.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
 

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
 namespace {

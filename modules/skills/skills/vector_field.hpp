@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "musher/modules/navigation/pose.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
 

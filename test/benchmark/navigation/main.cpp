@@ -18,13 +18,13 @@
 #include <string>
 #include <vector>
 
-#include "musher/modules/navigation/controller/axis_control.hpp"
-#include "musher/modules/navigation/navigation_fault.hpp"
-#include "musher/modules/navigation/planner/planner.hpp"
+#include "musher/navigation/controller/axis_control.hpp"
+#include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/planner/planner.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/benchmark/navigation/sampled_search.hpp"
-#include "musher/test/modules/navigation/drive.hpp"
-#include "musher/test/modules/navigation/maps.hpp"
+#include "musher/test/navigation/drive.hpp"
+#include "musher/test/navigation/maps.hpp"
 
 namespace musher::benchmark {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/modules/navigation/planner/clearance.hpp"
+#include "musher/navigation/planner/clearance.hpp"
 
 namespace musher::benchmark {
 

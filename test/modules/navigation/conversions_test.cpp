@@ -9,7 +9,7 @@
 #include <functional>
 #include <limits>
 
-#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation::conversions_test {
 

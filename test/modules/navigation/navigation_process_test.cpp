@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "musher/test/modules/actuator_peer.hpp"
-#include "musher/test/modules/navigation/maps.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
+#include "musher/test/navigation/maps.hpp"
 #include "musher/transport/action.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 

@@ -13,8 +13,8 @@
 #include "musher/modules/navigation/controller_server/controller_server.hpp"
 #include "musher/modules/navigation/planner_server/planner_server.hpp"
 #include "musher/test/modules/navigation/loop_background.hpp"
-#include "musher/test/modules/navigation/maps.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
+#include "musher/test/navigation/maps.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::navigation::testing {

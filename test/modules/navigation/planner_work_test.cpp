@@ -6,9 +6,9 @@
 
 #include <cstring>
 
-#include "musher/modules/navigation/navigation_fault.hpp"
-#include "musher/test/modules/navigation/maps.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 #include "musher/test/modules/navigation/simulated_robot.hpp"
+#include "musher/test/navigation/maps.hpp"
 
 namespace musher::navigation::planner_work_test {
 

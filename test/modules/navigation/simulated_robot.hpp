@@ -15,7 +15,7 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/modules/navigation/messages/conversions.hpp"
-#include "musher/modules/navigation/planner/clearance.hpp"
+#include "musher/navigation/planner/clearance.hpp"
 #include "musher/transport/action.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/node.hpp"

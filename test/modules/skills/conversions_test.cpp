@@ -10,7 +10,7 @@
 
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
-#include "musher/modules/navigation/navigation_fault.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills::conversions_test {
 

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "musher/modules/navigation/trajectory/trajectory.hpp"
+#include "musher/navigation/trajectory/trajectory.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
 namespace musher::explore_test {

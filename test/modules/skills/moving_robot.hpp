@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "musher/behavior/skill/manager.hpp"
-#include "musher/modules/navigation/navigation_fault.hpp"
 #include "musher/modules/skills/robot.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
+#include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills::testing {
 

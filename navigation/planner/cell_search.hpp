@@ -1,0 +1,56 @@
+#pragma once
+// The ways of a body between the cells of a map: which cells belong together, and the shortest way
+// from cell to cell (A* over 8 neighbours on the ground, 26 in the air). Complete: a way between
+// cells is found if there is one, and that there is none is known without a search. Deterministic.
+// Immutable once made; any thread.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "musher/navigation/planner/clearance.hpp"
+
+namespace musher::navigation {
+
+class CellSearch {
+ public:
+  // A body of this radius moves between the centres of neighbouring cells where it fits all along.
+  CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m);
+
+  bool IsOpen(const Cell& cell) const { return map_.Has(cell) && region_[map_.IndexOf(cell)] != 0; }
+
+  // The number of the region of an open cell, from 1 on; cells with the same one are connected.
+  std::uint32_t RegionOf(const Cell& cell) const { return region_[map_.IndexOf(cell)]; }
+
+  // In m², or m³ for a map of several layers.
+  double SizeOf(std::uint32_t region) const;
+
+  // The open cells around a place whose centre a body of `radius_m` can reach from there in a
+  // straight line, the nearest first. `reach_m`: how far to look.
+  std::vector<Cell> EntriesOf(const Point& place, double reach_m, double radius_m) const;
+
+  struct Way {
+    std::vector<Cell> cells;
+    double length_m = 0;
+  };
+
+  // The shortest way between open cells of one region; none if `stop` returns true, which is
+  // called every thousand cells.
+  std::optional<Way> Search(const Cell& from, const Cell& to,
+                            const std::function<bool()>& stop) const;
+
+ private:
+  void LabelRegions();
+  bool Passes(std::size_t from, std::size_t to) const;
+
+  std::shared_ptr<const Clearance> clearance_;
+  const CellMap& map_;
+  double radius_m_;
+  std::vector<std::uint32_t> region_;  // 0: not open
+  std::vector<bool> roomy_;            // the way to each neighbour that is roomy as well fits
+  std::vector<std::size_t> sizes_;     // of each region, in cells
+};
+
+}  // namespace musher::navigation
