@@ -12,6 +12,7 @@
 namespace musher::navigation {
 namespace {
 
+constexpr std::uint16_t kObstacleStays = 104;  // PATIENCE_EXCEEDED of nav2_msgs/FollowPath
 constexpr Duration kKeptPoses = std::chrono::seconds(1);
 constexpr Duration kLongestGuess = Milliseconds(100);  // of where a body has moved on
 constexpr double kStandsMS = 0.05;                     // m/s; a slower body stands
@@ -182,8 +183,7 @@ void PathDrive::Stop() {
 
 DriveEnd PathDrive::Failure(const Error& error) const {
   const bool obstacle = Is(error, Fault::kObstacle);
-  return {obstacle ? FollowCode::kPatienceExceeded : FollowCode::kFailedToMakeProgress,
-          error.message};
+  return {obstacle ? kObstacleStays : FollowCode::kFailedToMakeProgress, error.message};
 }
 
 Velocity PathDrive::BodyCommand(const Velocity& velocity, double yaw_rad) const {
@@ -229,7 +229,7 @@ PathDrive::Step PathDrive::Update(Time now) {
   if (command.progress == Progress::kArrived) return end({FollowCode::kNone, ""});
   if (command.replan && command.obstruction) {
     const Point& at = command.obstruction->at;
-    return end({FollowCode::kPatienceExceeded,
+    return end({kObstacleStays,
                 fmt::format("an obstacle at ({:.2f}, {:.2f}, {:.2f}) has been in the way for "
                             "{:.1f} s",
                             at.x_m, at.y_m, at.z_m, SecondsOf(config_.obstacle_time))});
