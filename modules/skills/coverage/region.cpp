@@ -87,14 +87,14 @@ Result<> CheckApart(const std::string& name, const Ring& ring, const std::string
 Result<> CheckHole(const Region& region, std::size_t index) {
   const std::string name = fmt::format("hole {}", index + 1);
   const Ring& hole = region.holes[index];
-  const Result<> apart = CheckApart(name, hole, "the boundary", region.boundary);
+  Result<> apart = CheckApart(name, hole, "the boundary", region.boundary);
   if (!apart) return apart;
   if (!Contains(EdgesOf(region.boundary), hole.front())) {
     return NoRegion(name + " is outside of the boundary");
   }
   for (std::size_t i = 0; i < index; ++i) {
     const std::string other = fmt::format("hole {}", i + 1);
-    const Result<> holes_apart = CheckApart(name, hole, other, region.holes[i]);
+    Result<> holes_apart = CheckApart(name, hole, other, region.holes[i]);
     if (!holes_apart) return holes_apart;
     if (Contains(EdgesOf(region.holes[i]), hole.front())) {
       return NoRegion(name + " is in " + other);

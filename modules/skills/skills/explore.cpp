@@ -209,7 +209,7 @@ void Explore::BeginRest(const Tick& tick) {
 
 TravelStep Explore::Approach(Tick& tick) {
   if (!travel_.driving()) {
-    const TravelStep step = travel_.Plan(path_[*target_], std::nullopt, tick.step);
+    TravelStep step = travel_.Plan(path_[*target_], std::nullopt, tick.step);
     if (step.kind == Kind::kFailed) {
       if (*target_ + 1 == path_.size()) return step;
       SkipTo(tick, Ahead(*target_, kSkipM));
@@ -218,7 +218,7 @@ TravelStep Explore::Approach(Tick& tick) {
     if (step.kind == Kind::kDone) travel_.Begin(travel_.planned());
     return step.kind == Kind::kDone ? TravelStep{Kind::kPending} : step;
   }
-  const TravelStep step = travel_.Drive(tick.step);
+  TravelStep step = travel_.Drive(tick.step);
   if (step.kind == Kind::kBlocked) return {Kind::kPending};  // plans again
   if (step.kind != Kind::kDone) return step;
   SetIndex(tick, *target_);

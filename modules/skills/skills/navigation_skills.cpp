@@ -34,7 +34,7 @@ Result<> RegisterNavigationSkills(skill::Registry& registry, Robot& robot) {
       {"avoid_obstacle", MadeFor<AvoidObstacle>(robot)},
   };
   for (const auto& [name, make] : skills) {
-    const Result<> added = registry.Add(name, make);
+    Result<> added = registry.Add(name, make);
     if (!added) return added;
   }
   return Ok();

@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "musher/behavior/skill/check.hpp"
+#include "musher/behavior/skill/snapshot.hpp"
 #include "musher/test/modules/skills/moving_robot.hpp"
 
 namespace musher::navigation_skills_test {
@@ -145,6 +146,23 @@ class Hall : public SkillsOnARobot {
       straight_;
   bool plans_ = true;
 };
+
+// The process is restarted while they run; its drives and plans are lost.
+TEST(NavigationSkills, ContinueInAnotherProcess) {
+  for (int which = 0; which < 7; ++which) {
+    Hall hall;
+    hall.StartOne(which);
+    hall.RunFor(3);
+    ASSERT_EQ(hall.feedback().status, Status::kProcessing) << hall.run().name();
+    const auto saved = hall.manager->Save();
+    ASSERT_TRUE(saved) << saved.error().message;
+    hall.manager = std::make_unique<skill::Manager>(hall.registry.All());
+    ASSERT_THAT(hall.manager->Restore(saved.value()), IsEmpty()) << which;
+    EXPECT_TRUE(hall.RunToItsEnd(200)) << hall.run().name();
+    EXPECT_EQ(hall.feedback().status, Status::kCompleted)
+        << hall.run().name() << ": " << hall.feedback().message;
+  }
+}
 
 RC_GTEST_PROP(NavigationSkills, EndAndLeaveTheRobotAtAStand, ()) {
   Hall hall;
