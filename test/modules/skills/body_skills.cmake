@@ -1,6 +1,7 @@
 musher_test(body_skills_test
   SOURCES
     body_property_test.cpp
+    body_restore_test.cpp
     body_table_test.cpp
     fake_robot.cpp
     flight_test.cpp

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "musher/behavior/skill/snapshot.hpp"
 #include "musher/modules/skills/skills/body_skills.hpp"
 
 namespace musher::skills::testing {
@@ -150,6 +151,16 @@ void Bench::Step() {
 void Bench::StepFor(double seconds) {
   const auto steps = std::lround(seconds * 10);
   for (long i = 0; i < steps; ++i) Step();
+}
+
+void Bench::Restore() {
+  const auto saved = manager_->Save();
+  ASSERT_TRUE(saved.ok()) << saved.error().message;
+  manager_.reset();
+  registry_ = {};
+  ASSERT_TRUE(RegisterBodySkills(registry_, robot).ok());
+  manager_ = std::make_unique<skill::Manager>(registry_.All());
+  ASSERT_TRUE(manager_->Restore(saved.value()).empty());
 }
 
 const skill::Feedback& Bench::RunOut() {
