@@ -116,6 +116,7 @@ HandReply FakeRobot::Use(const HandRequest& request) {
     case HandAction::kPlace:
       break;
   }
+  if (object->held_by != name_) return {false, name_ + " does not hold " + request.object};
   if (navigation::Distance(request.target, body.at) > reach_m) {
     return {false, "Too far: the hand does not reach the target",
             navigation::Distance(request.target, body.at)};
