@@ -107,7 +107,7 @@ Grasp::Outcome Grasp::ComeCloser(const HandRequest& request, skill::Tick& tick) 
 Grasp::Outcome Grasp::Execute(skill::Tick& tick) {
   const HandRequest request = GraspingRequest(HandAction::kAttach, tick.parameters);
   if (tick.data.Find(kAttachedAt) != nullptr) return Verify(request.object, tick);
-  if (tick.entered && grip_->Held() == request.object) return Outcome::Done("Object attached");
+  if (!call_.pending() && grip_->Held() == request.object) return Outcome::Done("Object attached");
   tick.data.Set(kAttaching, true);
   const HandCall::Answer answer = call_.Poll(robot_, request, tick.entered);
   switch (answer.kind) {

@@ -51,6 +51,10 @@ skill::Next PickUp::CheckDistance(skill::Tick& tick) {
 
 skill::Next PickUp::Attach(skill::Tick& tick) {
   const HandRequest request = GraspingRequest(HandAction::kAttach, tick.parameters);
+  // A restored run: it may have been attached.
+  if (!call_.pending() && grip_->Held() == request.object) {
+    return skill::Next::Succeed("Object picked up");
+  }
   const HandCall::Answer answer = call_.Poll(robot_, request, tick.entered);
   if (answer.distance_m >= 0) tick.Detail("distance_m", answer.distance_m);
   switch (answer.kind) {

@@ -102,7 +102,9 @@ Place::Outcome Place::Prepare(skill::Tick& tick) {
 
 Place::Outcome Place::Execute(skill::Tick& tick) {
   if (tick.data.Find(kPlacedAt) != nullptr) return Verify(tick);
-  if (tick.entered && tick.retries > 0 && grip_->Held().empty()) {  // the last reply was lost
+  // The last reply was lost, or the run is restored: it may have been placed.
+  const bool asks_again = tick.entered ? tick.retries > 0 : !call_.pending();
+  if (asks_again && robot_.HasObjects() && grip_->Held().empty()) {
     tick.data.Set(kPlacedAt, PlaceSeconds(tick.now));
     return Verify(tick);
   }

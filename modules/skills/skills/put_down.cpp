@@ -31,6 +31,11 @@ skill::Next PutDown::Initialize(skill::Tick& tick) {
 }
 
 skill::Next PutDown::Release(skill::Tick& tick) {
+  // A restored run: it may have been released.
+  const bool asks_again = !tick.entered && !call_.pending();
+  if (asks_again && robot_.HasObjects() && grip_->Held().empty()) {
+    return skill::Next::Succeed("Object put down");
+  }
   const HandRequest request{.action = HandAction::kRelease,
                             .object = tick.data.Text(kReleasedObject),
                             .distance_threshold_m = 0,

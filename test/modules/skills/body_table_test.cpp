@@ -12,7 +12,6 @@ namespace musher::skills::body_table_test {
 using testing::Bench;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 TEST(BodySkills, AreOfferedByTheirNames) {
   Bench bench("jetbot_0", "jetbot");

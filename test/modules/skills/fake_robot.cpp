@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "musher/behavior/skill/snapshot.hpp"
 #include "musher/modules/skills/skills/body_skills.hpp"
 
 namespace musher::skills::testing {
@@ -115,6 +116,7 @@ HandReply FakeRobot::Use(const HandRequest& request) {
     case HandAction::kPlace:
       break;
   }
+  if (object->held_by != name_) return {false, name_ + " does not hold " + request.object};
   if (navigation::Distance(request.target, body.at) > reach_m) {
     return {false, "Too far: the hand does not reach the target",
             navigation::Distance(request.target, body.at)};
@@ -150,6 +152,16 @@ void Bench::Step() {
 void Bench::StepFor(double seconds) {
   const auto steps = std::lround(seconds * 10);
   for (long i = 0; i < steps; ++i) Step();
+}
+
+void Bench::Restore() {
+  const auto saved = manager_->Save();
+  ASSERT_TRUE(saved.ok()) << saved.error().message;
+  manager_.reset();
+  registry_ = {};
+  ASSERT_TRUE(RegisterBodySkills(registry_, robot).ok());
+  manager_ = std::make_unique<skill::Manager>(registry_.All());
+  ASSERT_TRUE(manager_->Restore(saved.value()).empty());
 }
 
 const skill::Feedback& Bench::RunOut() {

@@ -116,6 +116,9 @@ class Bench {
   // Start() and RunOut().
   const skill::Feedback& Execute(const std::string& skill, const skill::Values& parameters = {});
 
+  // Continues in another process, from a snapshot of this moment.
+  void Restore();
+
   const skill::Run& run() const { return *manager_->Find(skill_); }
   const skill::Feedback& feedback() const { return run().feedback(); }
   skill::Manager& manager() { return *manager_; }

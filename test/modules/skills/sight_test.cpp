@@ -16,7 +16,6 @@ using skill::Status;
 using skill::Values;
 using testing::Bench;
 using ::testing::Contains;
-using ::testing::HasSubstr;
 
 class Sight : public ::testing::Test {
  protected:

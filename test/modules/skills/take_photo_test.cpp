@@ -8,7 +8,6 @@ namespace musher::skills::take_photo_test {
 using skill::Status;
 using skill::Values;
 using testing::Bench;
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using testing::Reply;
