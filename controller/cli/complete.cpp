@@ -143,6 +143,7 @@ std::vector<CompleteOptions::Word> SkillWords(const CompleteOptions& options,
     }
   }
   std::vector<CompleteOptions::Word> all;
+  all.reserve(words.size());
   for (const auto& [text, meaning] : words) all.push_back({text, meaning});
   return all;
 }
