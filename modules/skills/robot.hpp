@@ -72,6 +72,7 @@ class Robot {
 
   virtual const std::string& name() const = 0;  // "cf2x_0"
   virtual const std::string& kind() const = 0;  // "cf2x"
+  virtual bool flies() const = 0;
   virtual double radius_m() const = 0;
 
   // The time of the present step.

@@ -39,6 +39,7 @@ struct SkillsConfig {
   std::string robot;
   std::string kind;
   config_toml::Position kind_at;
+  bool flies = false;
   double radius_m = 0.25;
   bool hand = false;
   InterfaceNames names;

@@ -94,8 +94,8 @@ fly() {
   expect_end nav_3d completed "Reached goal"
   run cf2x_0 take_photo save_path=lab.png
   expect "take_photo" completed "$(answer .outcome)"
-  expect "the photo is a PNG file" "PNG" "$(head -c 4 "$scratch/config/skills/photos/lab.png" | tail -c 3)"
-  cp "$scratch/config/skills/photos/lab.png" "$photo"
+  expect "the photo is a PNG file" "PNG" "$(head -c 4 "$XDG_STATE_HOME/musher/photos/cf2x_0/lab.png" | tail -c 3)"
+  cp "$XDG_STATE_HOME/musher/photos/cf2x_0/lab.png" "$photo"
   run cf2x_0 land
   expect_end land completed "Landed"
 }

@@ -45,6 +45,7 @@ class RosRobot final : public Robot {
 
   const std::string& name() const override { return config_.robot; }
   const std::string& kind() const override { return config_.kind; }
+  bool flies() const override { return config_.flies; }
   double radius_m() const override { return config_.radius_m; }
 
   Time Now() const override { return now_; }

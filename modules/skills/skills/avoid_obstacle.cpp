@@ -56,7 +56,7 @@ void AvoidObstacle::Declare(skill::Table& table) {
 }
 
 std::optional<std::string> AvoidObstacle::WhyRefused(const skill::Values& parameters) const {
-  if (MovesInTheAir(robot_)) {
+  if (robot_.flies()) {
     return robot_.name() + " flies; avoid_obstacle is for robots on the ground";
   }
   const std::size_t numbers = parameters.Get<skill::Numbers>("goal_pos", {}).size();

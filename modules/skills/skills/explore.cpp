@@ -117,9 +117,9 @@ Result<> Explore::MakePath(Tick& tick) {
     tick.data.Set(kBegin, skill::Numbers{pose.at.x_m, pose.at.y_m, pose.at.z_m});
   }
   const auto begin = tick.data.Get<skill::Numbers>(kBegin, {0, 0, 0});
-  const double height_m = MovesInTheAir(robot_) ? begin[2] : 0;
+  const double height_m = robot_.flies() ? begin[2] : 0;
   constexpr double kInTheAirM = 0.1;
-  if (MovesInTheAir(robot_) && robot_.pose() && height_m < kInTheAirM) {
+  if (robot_.flies() && robot_.pose() && height_m < kInTheAirM) {
     return BadArea(fmt::format("Invalid altitude: {} is at {:.2f} m; it has to take off first",
                                robot_.name(), height_m));
   }

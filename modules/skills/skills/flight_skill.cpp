@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 namespace musher::skills {
 namespace {
 
-constexpr std::array<std::string_view, 3> kGroundKinds{"g1", "h1", "jetbot"};
 constexpr double kOdometryLimitS = 2;
 constexpr double kLongestControlStepS = 0.2;
 constexpr std::string_view kBlindSince = "odometry_missing_since_s";
@@ -25,16 +23,12 @@ double ControlStep(Duration step) {
 
 }  // namespace
 
-bool StaysOnTheGround(const Robot& robot) {
-  return std::ranges::find(kGroundKinds, robot.kind()) != kGroundKinds.end();
-}
-
 std::string HeightText(double height_m) {
   return fmt::format("{:.1f}m", height_m);
 }
 
 skill::Next FlightSkill::Step(skill::Tick& tick) {
-  if (StaysOnTheGround(robot_)) {
+  if (!robot_.flies()) {
     return skill::Next::Fail(
         fmt::format("{} is a {}, which cannot fly", robot_.name(), robot_.kind()));
   }

@@ -14,9 +14,6 @@
 
 namespace musher::skills {
 
-// The kinds of ground robots are known; a config that gives one of them a flight skill is wrong.
-bool StaysOnTheGround(const Robot& robot);
-
 // "1.0m", as in the messages of flights.
 std::string HeightText(double height_m);
 

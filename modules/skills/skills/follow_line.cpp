@@ -59,7 +59,7 @@ void FollowLine::Declare(skill::Table& table) {
 
 std::optional<std::string> FollowLine::WhyRefused(const skill::Values& parameters) const {
   const double speed = parameters.Number("speed"), distance = parameters.Number("distance");
-  if (MovesInTheAir(robot_)) {
+  if (robot_.flies()) {
     return robot_.name() + " flies; follow_line is for robots on the ground";
   }
   if (speed <= 0 || speed > kMostMPerS) {

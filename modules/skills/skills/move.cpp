@@ -33,8 +33,8 @@ Result<> Move::Take(const skill::Tick& tick) {
   if (path_.empty()) return refuse("path has no way-points");
   if (loops_ < 0) return refuse(fmt::format("loops is {}; expected 0 or more", loops_));
   for (std::size_t i = 0; i < path_.size(); ++i) {
-    if (!MovesInTheAir(robot())) path_[i].z_m = 0;
-    if (MovesInTheAir(robot()) && path_[i].z_m <= 0) {
+    if (!robot().flies()) path_[i].z_m = 0;
+    if (robot().flies() && path_[i].z_m <= 0) {
       return refuse(
           fmt::format("Invalid altitude: way-point {} is at {:.2f} m; expected more than 0 m",
                       i + 1, path_[i].z_m));

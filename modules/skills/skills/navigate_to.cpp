@@ -42,7 +42,7 @@ void NavigateTo::Describe(skill::Table& table) {
 Result<navigation::Point> NavigateTo::PlaceOf(const skill::Values& parameters,
                                               const std::string& name) const {
   const skill::Numbers numbers = parameters.Get<skill::Numbers>(name, {});
-  const bool flies = MovesInTheAir(robot());
+  const bool flies = robot().flies();
   if (numbers.size() != 3 && (flies || numbers.size() != 2)) {
     return BadPlace(
         fmt::format("{} has {} numbers; expected {}", name, numbers.size(),
@@ -59,7 +59,7 @@ Result<navigation::Point> NavigateTo::PlaceOf(const skill::Values& parameters,
 }
 
 Result<> NavigateTo::Take(const skill::Tick& tick) {
-  const bool flies = MovesInTheAir(robot());
+  const bool flies = robot().flies();
   if (for_ == For::kGround && flies) {
     return BadPlace(robot().name() + " flies; nav_2d is for robots on the ground, use nav_3d");
   }

@@ -27,10 +27,6 @@ double LengthOf(const navigation::Path& path) {
 
 }  // namespace
 
-bool MovesInTheAir(const Robot& robot) {
-  return robot.kind() == "cf2x" || robot.kind() == "drone_autel";
-}
-
 bool Stands(const Robot& robot) {
   const navigation::Velocity velocity = robot.velocity();
   return navigation::Speed(velocity) < kStandingMPerS &&
@@ -169,7 +165,7 @@ TravelStep Travel::DriveEnd() {
 
 // On the ground the height does not count.
 double Travel::Apart(const navigation::Point& a, const navigation::Point& b) const {
-  if (MovesInTheAir(robot_)) return navigation::Distance(a, b);
+  if (robot_.flies()) return navigation::Distance(a, b);
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
 

@@ -35,8 +35,6 @@ inline constexpr double kArrivedWithinM = 0.5;
 inline constexpr double kStandingMPerS = 0.05;
 inline constexpr double kStandingRadPerS = 0.05;
 
-// By its kind: cf2x, drone_autel.
-bool MovesInTheAir(const Robot& robot);
 bool Stands(const Robot& robot);
 
 struct TravelStep {

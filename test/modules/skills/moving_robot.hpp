@@ -84,6 +84,7 @@ class MovingRobot : public Robot {
   // --- Robot ---
   const std::string& name() const override { return name_; }
   const std::string& kind() const override { return robot_kind; }
+  bool flies() const override { return robot_kind == "cf2x" || robot_kind == "drone_autel"; }
   double radius_m() const override { return 0.2; }
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override {

@@ -32,7 +32,7 @@ class SkillsProcess : public ::testing::Test {
   }
   // A flyer, which is commanded to rise.
   void BeginToRise() {
-    peer_.Start("robot = \"r\"\nkind = \"cf2x\"\nself_check_ms = 1000\n");
+    peer_.Start("robot = \"r\"\nkind = \"cf2x\"\nflies = true\nself_check_ms = 1000\n");
     ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
     ASSERT_TRUE(peer_.Switch("Active")) << peer_.Output();
