@@ -30,7 +30,9 @@ double HeadRoom(const Scene& scene) {
 
 std::vector<Solid> SolidsOf(const Scene& scene) {
   std::vector<Solid> solids;
-  for (const Box& box : scene.boxes) solids.push_back({Named("box", box.name), box});
+  for (const Box& box : scene.boxes) {
+    solids.push_back({box.name.empty() ? "a wall or box" : Named("box", box.name), box});
+  }
   for (const Circle& circle : scene.circles) {
     solids.push_back({Named("circle", circle.name), circle});
   }

@@ -156,7 +156,8 @@ class RobotReader {
         {{"holonomic", RobotKind::kHolonomic}, {"differential", RobotKind::kDifferential}});
     robot.kind = flyer ? RobotKind::kFlyer : drive.value_or(RobotKind::kHolonomic);
     if (flyer && reader.Has("drive")) {
-      reader.Fault(reader.At("drive"), "drive", "is of a robot on the ground");
+      reader.Fault(reader.At("drive"), "drive",
+                   "a flyer has none: expected it of a robot on the ground");
     }
     if (flyer) {
       Set(robot.start_m.z(), keys::Height(reader, "z_m"));
@@ -168,7 +169,8 @@ class RobotReader {
       return;
     }
     for (const char* key : {"z_m", "climb_m_s", "wind"}) {
-      if (reader.Has(key)) reader.Fault(reader.At(key), key, "is of a flyer");
+      if (reader.Has(key))
+        reader.Fault(reader.At(key), key, "a robot on the ground has none: expected it of a flyer");
     }
   }
 

@@ -56,14 +56,11 @@ Solid SolidOf(const RobotSpec& spec, const RobotBody& body) {
 Fleet::Fleet(const Scene& scene) {
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const RobotSpec& spec = scene.robots[i];
-    robots_.push_back({RobotBody(spec, SeedOf(scene, kGusts, i)),
-                       Battery(spec.battery),
-                       {},
-                       0,
-                       false,
-                       0,
-                       {},
-                       {}});
+    robots_.push_back({.body = RobotBody(spec, SeedOf(scene, kGusts, i)),
+                       .battery = Battery(spec.battery),
+                       .holds = std::nullopt,
+                       .track = {},
+                       .planned_m = {}});
     Record(i, {});
   }
   for (const ObjectSpec& spec : scene.objects) {

@@ -15,7 +15,7 @@ class Mover {
  public:
   Mover(const MoverSpec& spec, std::uint64_t seed);
 
-  // `is_free` tells whether its middle can be at a point now; it waits until it is.
+  // `is_free` reports whether its middle can be at a point now; it waits until it is.
   void Step(const MoverSpec& spec, const std::function<bool(const Eigen::Vector2d&)>& is_free,
             Duration dt);
 
