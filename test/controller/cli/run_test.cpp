@@ -89,9 +89,7 @@ TEST(Program, FiltersTheHistoryByEvent) {
   {
     Journal journal(file, {});
     for (const char* event : {"switch_started", "switch_done", "", "switch_done"}) {
-      JournalEntry entry{1, 1, 3, 12, "switch", "", 0, "a sentence"};
-      entry.event = event;
-      journal.Append(entry);
+      journal.Append(JournalEntry{1, 1, 3, 12, "switch", "", 0, "text", "", 1, 0, "", event});
     }
   }
   const auto entries = [&](const std::vector<std::string>& options) {
