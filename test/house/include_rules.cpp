@@ -53,6 +53,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
       {"openssl/", {"transport/security/", "wire/security/", "controller/ota/signature.cpp"}},
       {"toml++/", {"base/toml/"}},
+      {"tinyxml2.h", {"behavior/tree/xml/"}},
       {"CLI/",
        {"controller/cli/", "actuator/program/", "modules/", "test/benchmark/",
         "test/fault_injection/", "test/controller/cli/"}},
