@@ -29,9 +29,9 @@ std::string_view Name(NodeKind kind);  // "Action", as in XML
 struct TestNodeConfig {
   Status result = Status::kSuccess;
   Duration delay{};  // RUNNING until then
-  std::string success_script;
-  std::string failure_script;
-  std::string post_script;
+  std::string success_script{};
+  std::string failure_script{};
+  std::string post_script{};
 };
 
 class Factory {
