@@ -63,9 +63,10 @@ void Board::Remap(std::string_view key, std::string_view outer) {
 }
 
 Entry& Board::Own(std::string_view key) {
-  own_.push_back({.key = std::string(key)});
-  entries_.insert_or_assign(std::string(key), &own_.back());
-  return own_.back();
+  own_.push_back(std::make_unique<Entry>());
+  own_.back()->key = key;
+  entries_.insert_or_assign(std::string(key), own_.back().get());
+  return *own_.back();
 }
 
 std::vector<std::string> Board::Keys() const {

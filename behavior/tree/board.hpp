@@ -6,9 +6,8 @@
 // Threads: one at a time, like the tree.
 
 #include <cstdint>
-#include <deque>
-#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +18,8 @@ namespace musher::tree {
 
 struct Entry {
   std::string key;
-  const Type* type = nullptr;  // of the ports that use it; null: any
-  bool mixed = false;          // ports with different types use it, one of them a text
+  // Of the ports that use it. Null: any; also where ports with two types do, one of them a text.
+  const Type* type = nullptr;
   Value value{};
   std::uint64_t sequence = 0;  // how many times it was set
 
@@ -65,7 +64,7 @@ class Board {
  private:
   Board* parent_ = nullptr;
   bool autoremap_ = false;
-  std::deque<Entry> own_;
+  std::vector<std::unique_ptr<Entry>> own_;
   std::map<std::string, Entry*, std::less<>> entries_;
 };
 

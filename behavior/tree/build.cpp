@@ -65,6 +65,7 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   tree_->boards_.push_back(std::make_unique<Board>());
   elements_.clear();
   types_.clear();
+  read_as_text_.clear();
   constants_.clear();
   reads_.clear();
   writes_.clear();

@@ -31,7 +31,7 @@ struct Built {
 };
 
 // A tree has at most so many nodes, with those of its subtrees.
-inline constexpr std::size_t kMostNodes = 200'000;
+inline constexpr std::size_t kMostNodes = 100'000;
 // Nodes in each other; each needs some stack in a tick.
 inline constexpr int kDeepestTree = 1000;
 

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -81,6 +82,7 @@ class Building {
     Place place;
   };
   std::map<const Entry*, FirstUse> types_;
+  std::set<const Entry*> read_as_text_;
   struct Constant {
     Entry* entry = nullptr;
     const Attribute* attribute = nullptr;

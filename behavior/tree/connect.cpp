@@ -58,6 +58,11 @@ Setup::Connection Building::Connect(const Element& element, Board& board, const 
 
 void Building::Unify(Entry& entry, const Attribute& attribute, const PortModel& model) {
   if (model.type == nullptr) return;
+  // Everything that is a text or a number can be read as a text.
+  if (model.direction == Direction::kIn && model.type == TypeOf<std::string>()) {
+    read_as_text_.insert(&entry);
+    return;
+  }
   const auto [first, is_first] =
       types_.try_emplace(&entry, FirstUse{model.type, attribute.value_at});
   if (is_first) {
@@ -65,9 +70,8 @@ void Building::Unify(Entry& entry, const Attribute& attribute, const PortModel& 
     return;
   }
   const Type* known = first->second.type;
-  if (entry.mixed || known == model.type) return;
+  if (entry.type == nullptr || known == model.type) return;
   if (known == TypeOf<std::string>() || model.type == TypeOf<std::string>()) {
-    entry.mixed = true;
     entry.type = nullptr;
     return;
   }
@@ -175,7 +179,7 @@ void Building::SetConstants() {
     const auto known = factory_.enums().find(constant.text);
     if (known != factory_.enums().end() && constant.entry->type != TypeOf<std::string>()) {
       set = constant.entry->AssignNumber(known->second);
-    } else if (constant.entry->type == nullptr && !constant.entry->mixed && number) {
+    } else if (constant.entry->type == nullptr && !read_as_text_.contains(constant.entry) && number) {
       set = constant.entry->AssignNumber(number.value());
     } else {
       set = constant.entry->AssignText(constant.text);

@@ -91,7 +91,9 @@ void Building::WarnOfUnset() {
   for (const auto& [entry, key] : writes_) written.push_back(entry->key);
   std::ranges::sort(written);
   written.erase(std::unique(written.begin(), written.end()), written.end());
+  constexpr std::size_t kShortest = 4;  // shorter ones are near to too many
   for (const auto& [entry, place] : reads_) {
+    if (entry->key.size() < kShortest) continue;
     if (writes_.contains(entry) || !entry->value.empty()) continue;
     const std::string nearest = Nearest(entry->key, written);
     if (nearest.empty()) continue;
