@@ -76,8 +76,8 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
 
 // Headers that would burden all code that includes Musher's.
 bool IsHeavy(const std::string& library) {
-  static const std::set<std::string> heavy = {"toml++/",   "CLI/", "SQLiteCpp/", "sqlite3.h",
-                                              "nlohmann/", "fmt/", "opencv2/"};
+  static const std::set<std::string> heavy = {"toml++/",   "tinyxml2.h", "CLI/", "SQLiteCpp/",
+                                              "sqlite3.h", "nlohmann/",  "fmt/", "opencv2/"};
   return heavy.contains(library);
 }
 

@@ -36,6 +36,12 @@ TEST(Load, RefusesCountsThatCanNotBeReached) {
   EXPECT_EQ(Findings(Main("<Parallel success_count=\"2\"><AlwaysSuccess/></Parallel>")),
             "t.xml:3:26: error: success_count is more than the number of its children, 1\n");
 }
+TEST(Load, RefusesAScriptFromAnEntry) {
+  EXPECT_EQ(
+      Findings(Main("<Script code=\"{s}\"/>")),
+      "t.xml:3:15: error: a script is fixed when the tree is loaded; expected its text instead "
+      "of an entry\n");
+}
 TEST(Load, NamesWhatIsNoXml) {
   EXPECT_THAT(Findings("<root>\n<a>\n</b></root>"),
               HasSubstr("t.xml:2:1: error: an element is not closed, or closed with another name"));
