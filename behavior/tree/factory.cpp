@@ -74,13 +74,15 @@ Factory::Factory() {
 }
 
 Result<> Factory::AddAction(std::string_view name, LeafFunction function) {
-  return Register(name, {NodeKind::kAction, false, [function](Setup&) -> std::unique_ptr<Node> {
+  return Register(name, {NodeKind::kAction, false,
+                         [function = std::move(function)](Setup&) -> std::unique_ptr<Node> {
                            return std::make_unique<FunctionAction>(function);
                          }});
 }
 
 Result<> Factory::AddCondition(std::string_view name, LeafFunction function) {
-  return Register(name, {NodeKind::kCondition, false, [function](Setup&) -> std::unique_ptr<Node> {
+  return Register(name, {NodeKind::kCondition, false,
+                         [function = std::move(function)](Setup&) -> std::unique_ptr<Node> {
                            return std::make_unique<FunctionCondition>(function);
                          }});
 }

@@ -6,23 +6,14 @@
 namespace musher::tree {
 namespace {
 
-using Kind = Operand::Kind;
-
-Operand NumberOperand(double number) {
-  return {.kind = Kind::kNumber, .number = number};
-}
-Operand TextOperand(std::string_view text) {
-  return {.kind = Kind::kText, .text = text};
-}
-
 std::string Shown(const Operand& operand) {
-  if (operand.kind == Kind::kNumber) return NumberText(operand.number);
-  if (operand.kind == Kind::kText) return "'" + std::string(operand.text) + "'";
-  return operand.other->Shown();
+  if (operand.is_number()) return NumberText(operand.number());
+  if (operand.is_text()) return "'" + std::string(operand.text()) + "'";
+  return operand.other().Shown();
 }
 
 double NumberOf(const Operand& operand, std::string_view sign) {
-  if (operand.kind == Kind::kNumber) return operand.number;
+  if (operand.is_number()) return operand.number();
   throw ScriptError("'" + std::string(sign) + "' needs numbers; got " + Shown(operand));
 }
 
@@ -35,9 +26,9 @@ std::int64_t WholeOf(const Operand& operand, std::string_view sign) {
 }
 
 bool TruthOf(const Operand& operand) {
-  if (operand.kind == Kind::kNumber) return operand.number != 0;
-  if (operand.kind == Kind::kText && operand.text == "true") return true;
-  if (operand.kind == Kind::kText && operand.text == "false") return false;
+  if (operand.is_number()) return operand.number() != 0;
+  if (operand.is_text() && operand.text() == "true") return true;
+  if (operand.is_text() && operand.text() == "false") return false;
   throw ScriptError("expected true or false, or a number; got " + Shown(operand));
 }
 
@@ -70,9 +61,9 @@ Operand Script::Evaluate(std::uint32_t at) const {
   const Operation& operation = operations_[at];
   switch (operation.code) {
     case Code::kNumber:
-      return NumberOperand(operation.number);
+      return Operand(operation.number);
     case Code::kText:
-      return TextOperand(operation.text);
+      return Operand(std::string_view(operation.text));
     case Code::kEntry:
       return Read(*operation.entry);
     case Code::kNegate:
@@ -83,8 +74,8 @@ Operand Script::Evaluate(std::uint32_t at) const {
       return Compare(operation);
     case Code::kIf: {
       const Operand condition = Evaluate(operation.a);
-      const bool is_text = condition.kind == Kind::kText;
-      const bool holds = is_text ? !condition.text.empty() : TruthOf(condition);
+      const bool is_text = condition.is_text();
+      const bool holds = is_text ? !condition.text().empty() : TruthOf(condition);
       return Evaluate(holds ? operation.b : operation.c);
     }
     case Code::kAssign:
@@ -96,28 +87,28 @@ Operand Script::Evaluate(std::uint32_t at) const {
 
 Operand Script::Read(const Entry& entry) const {
   const Value& value = entry.value;
-  if (const double* number = value.As<double>()) return NumberOperand(*number);
-  if (const std::string* text = value.Text()) return TextOperand(*text);
+  if (const double* number = value.As<double>()) return Operand(*number);
+  if (const std::string* text = value.Text()) return Operand(std::string_view(*text));
   double number = 0;
-  if (value.ToNumber(number)) return NumberOperand(number);
+  if (value.ToNumber(number)) return Operand(number);
   if (value.empty()) {
     throw ScriptError("the blackboard has no value of '" + entry.key + "'");
   }
-  return {.kind = Kind::kOther, .other = &value};
+  return Operand(value);
 }
 
 // An assignment in the other operand may change the text that an operand refers to.
 void Script::Keep(const Operation& operation, Operand& operand) const {
-  if (!assigns_inside_ || operand.kind != Kind::kText) return;
-  operation.text.assign(operand.text);
-  operand.text = operation.text;
+  if (!assigns_inside_ || !operand.is_text()) return;
+  operation.text.assign(operand.text());
+  operand = Operand(std::string_view(operation.text));
 }
 
 Operand Script::Unary(const Operation& operation) const {
   const Operand operand = Evaluate(operation.a);
-  if (operation.code == Code::kNegate) return NumberOperand(-NumberOf(operand, "-"));
-  if (operation.code == Code::kNot) return NumberOperand(NumberOf(operand, "!") == 0 ? 1 : 0);
-  return NumberOperand(static_cast<double>(~WholeOf(operand, "~")));
+  if (operation.code == Code::kNegate) return Operand(-NumberOf(operand, "-"));
+  if (operation.code == Code::kNot) return Operand(NumberOf(operand, "!") == 0 ? 1.0 : 0.0);
+  return Operand(static_cast<double>(~WholeOf(operand, "~")));
 }
 
 Operand Script::Binary(const Operation& operation) const {
@@ -126,33 +117,33 @@ Operand Script::Binary(const Operation& operation) const {
   const Operand right = Evaluate(operation.b);
   switch (operation.code) {
     case Code::kAdd:
-      if (left.kind == Kind::kText && right.kind == Kind::kText) {
-        operation.text.assign(left.text);
-        operation.text.append(right.text);
-        return TextOperand(operation.text);
+      if (left.is_text() && right.is_text()) {
+        operation.text.assign(left.text());
+        operation.text.append(right.text());
+        return Operand(std::string_view(operation.text));
       }
-      return NumberOperand(NumberOf(left, "+") + NumberOf(right, "+"));
+      return Operand(NumberOf(left, "+") + NumberOf(right, "+"));
     case Code::kSubtract:
-      return NumberOperand(NumberOf(left, "-") - NumberOf(right, "-"));
+      return Operand(NumberOf(left, "-") - NumberOf(right, "-"));
     case Code::kMultiply:
-      return NumberOperand(NumberOf(left, "*") * NumberOf(right, "*"));
+      return Operand(NumberOf(left, "*") * NumberOf(right, "*"));
     case Code::kDivide:
-      return NumberOperand(NumberOf(left, "/") / NumberOf(right, "/"));
+      return Operand(NumberOf(left, "/") / NumberOf(right, "/"));
     case Code::kBitAnd:
-      return NumberOperand(static_cast<double>(WholeOf(left, "&") & WholeOf(right, "&")));
+      return Operand(static_cast<double>(WholeOf(left, "&") & WholeOf(right, "&")));
     case Code::kBitOr:
-      return NumberOperand(static_cast<double>(WholeOf(left, "|") | WholeOf(right, "|")));
+      return Operand(static_cast<double>(WholeOf(left, "|") | WholeOf(right, "|")));
     case Code::kBitXor:
-      return NumberOperand(static_cast<double>(WholeOf(left, "^") ^ WholeOf(right, "^")));
+      return Operand(static_cast<double>(WholeOf(left, "^") ^ WholeOf(right, "^")));
     case Code::kAnd:
-      return NumberOperand(TruthOf(left) && TruthOf(right) ? 1 : 0);
+      return Operand(TruthOf(left) && TruthOf(right) ? 1.0 : 0.0);
     default:
-      return NumberOperand(TruthOf(left) || TruthOf(right) ? 1 : 0);
+      return Operand(TruthOf(left) || TruthOf(right) ? 1.0 : 0.0);
   }
 }
 
 Operand Script::Compare(const Operation& first) const {
-  const auto holds = [](const auto& a, const auto& b, Comparison comparison) {
+  const auto holds = [](auto a, auto b, Comparison comparison) {
     switch (comparison) {
       case Comparison::kEqual:
         return Same(a, b);
@@ -176,15 +167,15 @@ Operand Script::Compare(const Operation& first) const {
     const Operand right = Evaluate(operation->b);
     const auto comparison = static_cast<Comparison>(operation->kind);
     bool is = false;
-    if (left.kind == Kind::kNumber && right.kind == Kind::kNumber) {
-      is = holds(left.number, right.number, comparison);
-    } else if (left.kind == Kind::kText && right.kind == Kind::kText) {
-      is = holds(left.text, right.text, comparison);
+    if (left.is_number() && right.is_number()) {
+      is = holds(left.number(), right.number(), comparison);
+    } else if (left.is_text() && right.is_text()) {
+      is = holds(left.text(), right.text(), comparison);
     } else {
       throw ScriptError("can not compare " + Shown(left) + " with " + Shown(right));
     }
-    if (!is) return NumberOperand(0);
-    if (operation->c == 0) return NumberOperand(1);
+    if (!is) return Operand(0.0);
+    if (operation->c == 0) return Operand(1.0);
     operation = &operations_[operation->c];
     left = right;
   }
@@ -200,27 +191,27 @@ Operand Script::Assign(const Operation& operation) const {
   Operand right = Evaluate(operation.b);
   if (kind != Assignment::kMake && kind != Assignment::kSet) {
     const Operand left = Read(entry);
-    if (kind == Assignment::kAdd && left.kind == Kind::kText && right.kind == Kind::kText) {
-      operation.text.assign(left.text);
-      operation.text.append(right.text);
-      right = TextOperand(operation.text);
+    if (kind == Assignment::kAdd && left.is_text() && right.is_text()) {
+      operation.text.assign(left.text());
+      operation.text.append(right.text());
+      right = Operand(std::string_view(operation.text));
     } else if (kind == Assignment::kAdd) {
-      right = NumberOperand(NumberOf(left, "+=") + NumberOf(right, "+="));
+      right = Operand(NumberOf(left, "+=") + NumberOf(right, "+="));
     } else if (kind == Assignment::kSubtract) {
-      right = NumberOperand(NumberOf(left, "-=") - NumberOf(right, "-="));
+      right = Operand(NumberOf(left, "-=") - NumberOf(right, "-="));
     } else if (kind == Assignment::kMultiply) {
-      right = NumberOperand(NumberOf(left, "*=") * NumberOf(right, "*="));
+      right = Operand(NumberOf(left, "*=") * NumberOf(right, "*="));
     } else {
-      right = NumberOperand(NumberOf(left, "/=") / NumberOf(right, "/="));
+      right = Operand(NumberOf(left, "/=") / NumberOf(right, "/="));
     }
   }
   Result<> assigned;
-  if (right.kind == Kind::kNumber) {
-    assigned = entry.AssignNumber(right.number);
-  } else if (right.kind == Kind::kText) {
-    assigned = entry.AssignText(right.text);
+  if (right.is_number()) {
+    assigned = entry.AssignNumber(right.number());
+  } else if (right.is_text()) {
+    assigned = entry.AssignText(right.text());
   } else {
-    assigned = entry.Assign(*right.other);
+    assigned = entry.Assign(right.other());
   }
   if (!assigned) throw ScriptError("'" + entry.key + "': " + assigned.error().message);
   return Read(entry);

@@ -31,13 +31,33 @@ class ScriptError : public std::runtime_error {
 
 using Enums = std::map<std::string, double, std::less<>>;
 
-// What an expression is evaluated to. Texts and values belong to the script or the blackboard.
-struct Operand {
+// What an expression is evaluated to. Texts and values belong to the script or the blackboard. Of
+// 16 bytes, so that it is passed in registers.
+class Operand {
+ public:
   enum class Kind : std::uint8_t { kNumber, kText, kOther };
-  Kind kind = Kind::kNumber;
-  double number = 0;
-  std::string_view text{};
-  const Value* other = nullptr;
+
+  Operand() = default;
+  explicit Operand(double number) : number_(number) {}
+  explicit Operand(std::string_view text)
+      : kind_(Kind::kText), size_(static_cast<std::uint32_t>(text.size())), text_(text.data()) {}
+  explicit Operand(const Value& other) : kind_(Kind::kOther), other_(&other) {}
+
+  bool is_number() const { return kind_ == Kind::kNumber; }
+  bool is_text() const { return kind_ == Kind::kText; }
+  // Of its kind only.
+  double number() const { return number_; }
+  std::string_view text() const { return {text_, size_}; }
+  const Value& other() const { return *other_; }
+
+ private:
+  Kind kind_ = Kind::kNumber;
+  std::uint32_t size_ = 0;
+  union {
+    double number_ = 0;
+    const char* text_;
+    const Value* other_;
+  };
 };
 
 class Script {

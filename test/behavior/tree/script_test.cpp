@@ -18,8 +18,7 @@ struct Scripts : testing::Test {
     }
     try {
       const Operand value = script.Evaluate();
-      return value.kind == Operand::Kind::kNumber ? NumberText(value.number)
-                                                  : "'" + std::string(value.text) + "'";
+      return value.is_number() ? NumberText(value.number()) : "'" + std::string(value.text()) + "'";
     } catch (const ScriptError& error) {
       return error.what();
     }
