@@ -190,7 +190,7 @@ Node* Building::MakeRegistered(const Element& element, std::string_view id,
   }
   CheckAttributes(element, setup);
   const TestNodeConfig* substitute =
-      registered.kind == NodeKind::kAction || registered.kind == NodeKind::kCondition
+      factory_.has_substitutes() && element.children.empty()
           ? factory_.Substituted(tree_->infos_[node_id].name, tree_->Path(node_id))
           : nullptr;
   if (substitute != nullptr) {

@@ -17,7 +17,7 @@ bool IsCondition(std::string_view name) {
 // Attributes of every element that are no ports.
 bool IsReserved(std::string_view name) {
   return name == "name" || name == "ID" || name == "_description" || name == "_autoremap" ||
-         name == "_uid" || name == "_fullpath" || name == "_fullPath" || name == "_onFailed" ||
+         name == "_uid" || name == "_fullpath" || name == "_fullPath" ||
          name == "__shared_blackboard";
 }
 
@@ -179,7 +179,8 @@ void Building::SetConstants() {
     const auto known = factory_.enums().find(constant.text);
     if (known != factory_.enums().end() && constant.entry->type != TypeOf<std::string>()) {
       set = constant.entry->AssignNumber(known->second);
-    } else if (constant.entry->type == nullptr && !read_as_text_.contains(constant.entry) && number) {
+    } else if (constant.entry->type == nullptr && !read_as_text_.contains(constant.entry) &&
+               number) {
       set = constant.entry->AssignNumber(number.value());
     } else {
       set = constant.entry->AssignText(constant.text);

@@ -76,6 +76,7 @@ class Factory {
   const Registered* Find(std::string_view name) const;  // null: there is none
   std::vector<std::string> Names() const;               // sorted
   const Enums& enums() const { return enums_; }
+  bool has_substitutes() const { return !substitutes_.empty(); }
   const TestNodeConfig* Substituted(std::string_view name, std::string_view path) const;
   // The ports of a node.
   std::vector<PortModel> PortsOf(std::string_view name) const;

@@ -14,7 +14,6 @@
 //
 // Threads: one at a time. A node must not tick its own tree.
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>

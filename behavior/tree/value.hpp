@@ -54,10 +54,14 @@ constexpr std::string_view TypeName() {
   }
 }
 
+inline constexpr std::size_t kRoom = 32;
+constexpr bool FitsInside(std::size_t size, std::size_t alignment) {
+  return size <= kRoom && alignment <= alignof(std::max_align_t);
+}
+
 template <class T>
 struct Room {
-  static constexpr std::size_t kSize = 32;
-  static constexpr bool kInside = sizeof(T) <= kSize && alignof(T) <= alignof(std::max_align_t);
+  static constexpr bool kInside = FitsInside(sizeof(T), alignof(T));
 
   static T& At(void* room) {
     if constexpr (kInside) {
@@ -172,7 +176,7 @@ class Value {
 
  private:
   const Type* type_ = nullptr;
-  alignas(std::max_align_t) std::byte room_[internal::Room<int>::kSize];
+  alignas(std::max_align_t) std::byte room_[internal::kRoom];
 };
 
 // A number for people and for texts: "3", "0.5".
