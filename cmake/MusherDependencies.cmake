@@ -15,6 +15,7 @@ endmacro()
 
 musher_dependency(CycloneDDS cyclonedds-dev 0.10.2)
 musher_dependency(tomlplusplus libtomlplusplus-dev)
+musher_dependency(tinyxml2 libtinyxml2-dev)
 musher_dependency(fmt libfmt-dev)
 musher_dependency(SQLiteCpp libsqlitecpp-dev)
 musher_dependency(OpenSSL libssl-dev 3.0)

@@ -1,0 +1,78 @@
+#include "musher/behavior/tree/board.hpp"
+
+namespace musher::tree {
+
+Result<> Entry::Assign(const Value& from) {
+  if (type == nullptr || from.type() == type) {
+    value = from;
+  } else if (Result<> converted = value.SetAs(*type, from); !converted) {
+    return converted;
+  }
+  ++sequence;
+  return Ok();
+}
+
+Result<> Entry::AssignNumber(double number) {
+  if (type == nullptr) {
+    value.Set(number);
+  } else if (Result<> converted = value.SetNumberAs(*type, number); !converted) {
+    return converted;
+  }
+  ++sequence;
+  return Ok();
+}
+
+Result<> Entry::AssignText(std::string_view text) {
+  if (type == nullptr) {
+    value.SetText(text);
+  } else if (Result<> converted = value.SetTextAs(*type, text); !converted) {
+    return converted;
+  }
+  ++sequence;
+  return Ok();
+}
+
+Entry& Board::At(std::string_view key) {
+  if (key.starts_with('@')) {
+    Board* root = this;
+    while (root->parent_ != nullptr) root = root->parent_;
+    return root->At(key.substr(1));
+  }
+  const auto found = entries_.find(key);
+  if (found != entries_.end()) return *found->second;
+  if (!autoremap_ || parent_ == nullptr || key.starts_with('_')) return Own(key);
+  Entry& outer = parent_->At(key);
+  entries_.emplace(key, &outer);
+  return outer;
+}
+
+Entry* Board::Find(std::string_view key) {
+  if (key.starts_with('@')) {
+    Board* root = this;
+    while (root->parent_ != nullptr) root = root->parent_;
+    return root->Find(key.substr(1));
+  }
+  const auto found = entries_.find(key);
+  if (found != entries_.end()) return found->second;
+  const bool outer = autoremap_ && parent_ != nullptr && !key.starts_with('_');
+  return outer ? parent_->Find(key) : nullptr;
+}
+
+void Board::Remap(std::string_view key, std::string_view outer) {
+  entries_.insert_or_assign(std::string(key), &parent_->At(outer));
+}
+
+Entry& Board::Own(std::string_view key) {
+  own_.push_back(std::make_unique<Entry>());
+  own_.back()->key = key;
+  entries_.insert_or_assign(std::string(key), own_.back().get());
+  return *own_.back();
+}
+
+std::vector<std::string> Board::Keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, entry] : entries_) keys.push_back(key);
+  return keys;
+}
+
+}  // namespace musher::tree

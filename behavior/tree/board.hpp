@@ -1,0 +1,96 @@
+#pragma once
+// Blackboards: named values that the nodes of a tree share. A tree has one for its main tree and
+// one for each subtree; a remapped key of a subtree is an entry of the board around it. Keys become
+// entries when the tree is built, so that a tick looks nothing up.
+//
+// Threads: one at a time, like the tree.
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/behavior/tree/value.hpp"
+
+namespace musher::tree {
+
+struct Entry {
+  std::string key;
+  // Of the ports that use it. Null: any; also where ports with two types do, one of them a text.
+  const Type* type = nullptr;
+  Value value{};
+  std::uint64_t sequence = 0;  // how many times it was set
+
+  // Converts to `type` where it has one; fails and keeps the value where that is impossible.
+  Result<> Assign(const Value& from);
+  Result<> AssignNumber(double number);
+  Result<> AssignText(std::string_view text);
+  template <class T>
+  Result<> Set(const T& from);
+};
+
+class Board {
+ public:
+  Board() = default;
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
+
+  // Of a subtree. With `autoremap`, a key that does not begin with '_' is the parent's.
+  Board(Board& parent, bool autoremap) : parent_(&parent), autoremap_(autoremap) {}
+
+  // The entry of a key, which is made where it is missing. "@key" is a key of the main tree.
+  Entry& At(std::string_view key);
+  // Null: there is no such entry.
+  Entry* Find(std::string_view key);
+  // `key` here is `outer` of the parent.
+  void Remap(std::string_view key, std::string_view outer);
+  // Makes a key of this board, whatever is remapped.
+  Entry& Own(std::string_view key);
+
+  template <class T>
+  Result<> Set(std::string_view key, const T& value) {
+    return At(key).Set(value);
+  }
+  Result<> Set(std::string_view key, const char* text) { return At(key).AssignText(text); }
+  // Fails where the entry is missing or empty, or its value can not become a T.
+  template <class T>
+  Result<T> Get(std::string_view key);
+
+  std::vector<std::string> Keys() const;  // sorted
+  Board* parent() const { return parent_; }
+
+ private:
+  Board* parent_ = nullptr;
+  bool autoremap_ = false;
+  std::vector<std::unique_ptr<Entry>> own_;
+  std::map<std::string, Entry*, std::less<>> entries_;
+};
+
+template <class T>
+Result<> Entry::Set(const T& from) {
+  if (type == TypeOf<T>() || type == nullptr) {
+    value.Set(from);
+    ++sequence;
+    return Ok();
+  }
+  Value made;
+  made.Set(from);
+  return Assign(made);
+}
+
+template <class T>
+Result<T> Board::Get(std::string_view key) {
+  const Entry* entry = Find(key);
+  if (entry == nullptr || entry->value.empty()) {
+    return Error{kCodeFailed, "the blackboard has no value of '" + std::string(key) + "'"};
+  }
+  if (const T* value = entry->value.As<T>()) return *value;
+  Value made;
+  const Result<> converted = made.SetAs(*TypeOf<T>(), entry->value);
+  if (!converted) return converted.error();
+  return *made.As<T>();
+}
+
+}  // namespace musher::tree

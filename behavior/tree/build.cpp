@@ -1,0 +1,296 @@
+#include "musher/behavior/tree/build.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "musher/base/suggest.hpp"
+#include "musher/behavior/tree/building.hpp"
+#include "musher/behavior/tree/conditions.hpp"
+
+namespace musher::tree {
+namespace {
+
+constexpr std::size_t kMostDiagnostics = 200;
+
+// The subtree as a node: its child is the root of the other tree.
+class Subtree : public Decorator {
+  Status OnTick(Tick& tick) override { return TickChild(tick); }
+};
+
+bool IsForm(std::string_view name) {
+  return name == "Action" || name == "Condition" || name == "Decorator" || name == "Control";
+}
+
+std::string Quoted(std::string_view text) {
+  return "'" + std::string(text) + "'";
+}
+
+std::string Guess(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::string nearest = Nearest(word, candidates);
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+std::vector<std::string> TreeNames(const Document& document) {
+  std::vector<std::string> names;
+  for (const Document::Tree& tree : document.trees) names.push_back(tree.id);
+  return names;
+}
+
+}  // namespace
+
+bool Building::failed() const {
+  return std::ranges::any_of(
+      found_, [](const auto& one) { return std::get<Severity>(one) == Severity::kError; });
+}
+
+void Building::ReportScript(const Attribute& attribute, const Script::Finding& finding) {
+  Report(document_.Inside(attribute, finding.at),
+         finding.error ? Severity::kError : Severity::kWarning,
+         "script in " + attribute.name + ": " + finding.what);
+}
+
+std::vector<Diagnostic> Building::Take() && {
+  std::ranges::sort(found_);
+  found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+  std::vector<Diagnostic> diagnostics;
+  for (auto& [place, severity, message] : found_) {
+    if (diagnostics.size() >= kMostDiagnostics) break;
+    diagnostics.push_back(document_.At(place, severity, std::move(message)));
+  }
+  return diagnostics;
+}
+
+std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t history) {
+  tree_ = std::unique_ptr<Tree>(new Tree(main.id, history));
+  tree_->boards_.push_back(std::make_unique<Board>());
+  elements_.clear();
+  types_.clear();
+  read_as_text_.clear();
+  constants_.clear();
+  reads_.clear();
+  writes_.clear();
+  MakeContent(main, {});
+  if (failed()) return nullptr;
+  SetConstants();
+  Warn();
+  return failed() ? nullptr : std::move(tree_);
+}
+
+Node* Building::MakeContent(const Document::Tree& tree, const Around& around) {
+  used_.push_back(tree.id);
+  if (tree.content.children.size() != 1) {
+    Report(tree.content.at, Severity::kError,
+           "tree " + Quoted(tree.id) + " has " + std::to_string(tree.content.children.size()) +
+               " nodes at its top; expected 1");
+  }
+  inside_.push_back(tree.id);
+  Node* root = nullptr;
+  for (const Element& child : tree.content.children) {
+    Node* made = MakeNode(child, around);
+    if (root == nullptr) root = made;
+  }
+  inside_.pop_back();
+  return root;
+}
+
+Node* Building::MakeNode(const Element& element, const Around& around) {
+  if (tree_->nodes_.size() >= kMostNodes || around.depth > kDeepestTree) {
+    if (!too_large_) {
+      Report(element.at, Severity::kError,
+             tree_->nodes_.size() >= kMostNodes
+                 ? "the tree has more than " + std::to_string(kMostNodes) + " nodes"
+                 : "the tree is deeper than " + std::to_string(kDeepestTree) + " nodes");
+    }
+    too_large_ = true;
+    return nullptr;
+  }
+  if (element.name == "SubTree" || element.name == "SubTreePlus") {
+    return MakeSubtree(element, around);
+  }
+  std::string_view id = element.name;
+  Place at = element.at;
+  if (IsForm(id)) {
+    const Attribute* attribute = element.Find("ID");
+    if (attribute == nullptr) {
+      Report(element.at, Severity::kError, "<" + element.name + "> needs the attribute 'ID'");
+      return nullptr;
+    }
+    id = attribute->value;
+    at = attribute->value_at;
+  }
+  const Factory::Registered* registered = factory_.Find(id);
+  if (registered == nullptr) {
+    UnknownNode(element, at, id);
+    for (const Element& child : element.children) MakeNode(child, around);
+    return nullptr;
+  }
+  if (IsForm(element.name) && element.name != Name(registered->kind)) {
+    Report(element.at, Severity::kError,
+           "node " + Quoted(id) + " is registered as " + std::string(Name(registered->kind)) +
+               ", not as " + element.name);
+  }
+  return MakeRegistered(element, id, *registered, around);
+}
+
+void Building::UnknownNode(const Element& element, Place place, std::string_view id) {
+  if (document_.Find(id) != nullptr) {
+    Report(place, Severity::kError,
+           Quoted(id) + " is a tree; write <SubTree ID=\"" + std::string(id) + "\"/>");
+    return;
+  }
+  const bool modelled = std::ranges::any_of(document_.models, [id](const Element& model) {
+    const Attribute* attribute = model.Find("ID");
+    return attribute != nullptr && attribute->value == id;
+  });
+  std::vector<std::string> names = factory_.Names();
+  names.emplace_back("SubTree");
+  Report(place, Severity::kError,
+         "there is no node " + Quoted(id) + Guess(id, names) +
+             (modelled ? "; <TreeNodesModel> describes it, but the program does not register it"
+                       : ""));
+  static_cast<void>(element);
+}
+
+NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind kind,
+                         const Around& around) {
+  const Attribute* name = element.Find("name");
+  tree_->nodes_.push_back(nullptr);
+  elements_.push_back(&element);
+  tree_->infos_.push_back({.name = name != nullptr ? name->value : std::string(id),
+                           .id = std::string(id),
+                           .kind = kind,
+                           .parent = around.parent,
+                           .board = around.board,
+                           .takes_time = false,
+                           .place = element.at});
+  return static_cast<NodeId>(tree_->nodes_.size() - 1);
+}
+
+Node* Building::Keep(NodeId id, std::unique_ptr<Node> node) {
+  node->id_ = id;
+  Node* kept = node.get();
+  tree_->nodes_[id] = std::move(node);
+  return kept;
+}
+
+Node* Building::MakeRegistered(const Element& element, std::string_view id,
+                               const Factory::Registered& registered, const Around& around) {
+  const NodeId node_id = Reserve(element, id, registered.kind, around);
+  tree_->infos_[node_id].takes_time = registered.takes_time;
+  Board& board = *tree_->boards_[around.board];
+  Setup setup(this, element, board, factory_.enums());
+  used_attributes_.clear();
+  std::unique_ptr<Node> made;
+  try {
+    made = registered.make(setup);
+  } catch (const std::exception& error) {
+    Report(element.at, Severity::kError,
+           "node " + Quoted(id) + " can not be made: " + error.what());
+    return nullptr;
+  }
+  CheckAttributes(element, setup);
+  const TestNodeConfig* substitute =
+      factory_.has_substitutes() && element.children.empty()
+          ? factory_.Substituted(tree_->infos_[node_id].name, tree_->Path(node_id))
+          : nullptr;
+  if (substitute != nullptr) {
+    made = MakeTestNode(setup, *substitute);
+    tree_->infos_[node_id].takes_time = substitute->delay > Duration{};
+  }
+  Node* node = Keep(node_id, std::move(made));
+  SetConditions(element, *node, board);
+  MakeChildren(element, node, node_id, around);
+  CheckChildren(element, *node, id);
+  return node;
+}
+
+void Building::MakeChildren(const Element& element, Node* node, NodeId id, const Around& around) {
+  auto* control = dynamic_cast<Control*>(node);
+  auto* decorator = dynamic_cast<Decorator*>(node);
+  for (const Element& child : element.children) {
+    Node* made = MakeNode(child, {id, around.board, around.depth + 1});
+    if (made == nullptr) continue;
+    if (control != nullptr) control->children_.push_back(made);
+    if (decorator != nullptr) decorator->child_ = made;
+  }
+}
+
+void Building::CheckChildren(const Element& element, const Node& node, std::string_view id) {
+  const std::size_t count = element.children.size();
+  std::size_t least = 0;
+  std::size_t most = 0;
+  if (dynamic_cast<const Decorator*>(&node) != nullptr) {
+    least = most = 1;
+  } else if (const auto* control = dynamic_cast<const Control*>(&node)) {
+    least = control->least_;
+    most = control->most_;
+  }
+  if (count >= least && count <= most) return;
+  std::string expected = std::to_string(least);
+  if (most == Control::kAny) expected = "at least " + expected;
+  if (most != Control::kAny && most != least) expected += " to " + std::to_string(most);
+  Report(
+      element.at, Severity::kError,
+      "node " + Quoted(id) + " has " + std::to_string(count) + " children; expected " + expected);
+}
+
+Node* Building::MakeSubtree(const Element& element, const Around& around) {
+  const Attribute* attribute = element.Find("ID");
+  if (attribute == nullptr) {
+    Report(element.at, Severity::kError, "<SubTree> needs the attribute 'ID', the name of a tree");
+    return nullptr;
+  }
+  if (!element.children.empty()) {
+    Report(element.at, Severity::kError, "<SubTree> has children; expected none");
+  }
+  const std::string& id = attribute->value;
+  const Document::Tree* tree = document_.Find(id);
+  if (tree == nullptr) {
+    Report(attribute->value_at, Severity::kError,
+           "there is no tree " + Quoted(id) + Guess(id, TreeNames(document_)));
+    return nullptr;
+  }
+  if (std::ranges::find(inside_, id) != inside_.end()) {
+    std::string circle;
+    for (const std::string& each : inside_) circle += each + " -> ";
+    Report(attribute->value_at, Severity::kError, "the trees are recursive: " + circle + id);
+    return nullptr;
+  }
+  const NodeId node_id = Reserve(element, id, NodeKind::kSubtree, around);
+  Node* node = Keep(node_id, std::make_unique<Subtree>());
+  SetConditions(element, *node, *tree_->boards_[around.board]);
+  const std::uint32_t board = MakeBoard(element, id, around.board);
+  static_cast<Decorator*>(node)->child_ = MakeContent(*tree, {node_id, board, around.depth + 1});
+  return node;
+}
+
+Built Build(const Document& document, const Factory& factory, const BuildOptions& options) {
+  Building building(document, factory);
+  const auto fail = [&](Place place, std::string message) -> Built {
+    building.Report(place, Severity::kError, std::move(message));
+    return {nullptr, std::move(building).Take()};
+  };
+  if (document.trees.empty()) return fail({}, "there is no <BehaviorTree>");
+  std::string name = options.tree;
+  if (name.empty() && document.main) name = document.main->value;
+  if (name.empty() && document.trees.size() > 1) {
+    return fail({}, "there are " + std::to_string(document.trees.size()) +
+                        " trees; name the first one: <root main_tree_to_execute=\"" +
+                        document.trees.front().id + "\">");
+  }
+  const Document::Tree* main = name.empty() ? &document.trees.front() : document.Find(name);
+  if (main == nullptr) {
+    return fail(options.tree.empty() && document.main ? document.main->value_at : Place{},
+                "there is no tree " + Quoted(name) + Guess(name, TreeNames(document)));
+  }
+  std::unique_ptr<Tree> tree = building.Make(*main, options.history);
+  // Trees that nothing uses are checked, too.
+  for (const Document::Tree& other : document.trees) {
+    const auto& used = building.used();
+    if (std::ranges::find(used, other.id) == used.end()) building.Make(other, 0);
+  }
+  if (building.failed()) tree = nullptr;
+  return {std::move(tree), std::move(building).Take()};
+}
+
+}  // namespace musher::tree

@@ -1,0 +1,134 @@
+#include "musher/behavior/tree/factory.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "musher/base/check.hpp"
+
+namespace musher::tree {
+namespace {
+
+class FunctionAction : public Action {
+ public:
+  explicit FunctionAction(LeafFunction function) : function_(std::move(function)) {}
+  Status Do(const Tick& tick) override { return function_(tick); }
+
+ private:
+  LeafFunction function_;
+};
+
+class FunctionCondition : public Condition {
+ public:
+  explicit FunctionCondition(LeafFunction function) : function_(std::move(function)) {}
+  Status Evaluate(const Tick& tick) override { return function_(tick); }
+
+ private:
+  LeafFunction function_;
+};
+
+bool CanBeElement(std::string_view name) {
+  const auto allowed = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
+  };
+  return !name.empty() && std::ranges::all_of(name, allowed) &&
+         (std::isalpha(static_cast<unsigned char>(name[0])) != 0 || name[0] == '_');
+}
+
+bool Matches(std::string_view pattern, std::string_view text) {
+  std::size_t p = 0;
+  std::size_t t = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t after = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      after = t;
+    } else if (p < pattern.size() && pattern[p] == text[t]) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++after;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+}  // namespace
+
+std::string_view Name(NodeKind kind) {
+  constexpr std::array<std::string_view, 5> kNames = {"Action", "Condition", "Decorator", "Control",
+                                                      "SubTree"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+Factory::Factory() {
+  AddControls(*this);
+  AddDecorators(*this);
+  AddLeaves(*this);
+  AddLoops(*this);
+}
+
+Result<> Factory::AddAction(std::string_view name, LeafFunction function) {
+  return Register(name, {NodeKind::kAction, false,
+                         [function = std::move(function)](Setup&) -> std::unique_ptr<Node> {
+                           return std::make_unique<FunctionAction>(function);
+                         }});
+}
+
+Result<> Factory::AddCondition(std::string_view name, LeafFunction function) {
+  return Register(name, {NodeKind::kCondition, false,
+                         [function = std::move(function)](Setup&) -> std::unique_ptr<Node> {
+                           return std::make_unique<FunctionCondition>(function);
+                         }});
+}
+
+Result<> Factory::Register(std::string_view name, Registered registered) {
+  constexpr std::array<std::string_view, 7> kReserved = {
+      "Action", "Condition", "Control", "Decorator", "SubTree", "BehaviorTree", "root"};
+  if (!CanBeElement(name) || std::ranges::find(kReserved, name) != kReserved.end()) {
+    return Error{kCodeFailed, "'" + std::string(name) + "' can not be the name of a node"};
+  }
+  if (!nodes_.emplace(name, std::move(registered)).second) {
+    return Error{kCodeFailed, "there is already a node '" + std::string(name) + "'"};
+  }
+  return Ok();
+}
+
+void Factory::Substitute(std::string pattern, TestNodeConfig config) {
+  substitutes_.emplace_back(std::move(pattern), std::move(config));
+}
+
+const Factory::Registered* Factory::Find(std::string_view name) const {
+  const auto found = nodes_.find(name);
+  return found == nodes_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> Factory::Names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, registered] : nodes_) names.push_back(name);
+  return names;
+}
+
+const TestNodeConfig* Factory::Substituted(std::string_view name, std::string_view path) const {
+  for (const auto& [pattern, config] : substitutes_) {
+    if (Matches(pattern, name) || Matches(pattern, path)) return &config;
+  }
+  return nullptr;
+}
+
+std::vector<PortModel> Factory::PortsOf(std::string_view name) const {
+  const Registered* registered = Find(name);
+  if (registered == nullptr) return {};
+  const Element element;
+  Board board;
+  Setup setup(nullptr, element, board, enums_);
+  static_cast<void>(registered->make(setup));
+  return setup.ports();
+}
+
+}  // namespace musher::tree

@@ -1,0 +1,106 @@
+#pragma once
+// Which nodes there are. A new factory has the nodes of BehaviorTree.CPP 4.
+//
+//   tree::Factory factory;
+//   added = factory.Add<Move>("Move", robot);       // Move(tree::Setup&, Robot&)
+//   factory.AddEnum("RED", 1);
+//
+// Arguments that are variables are passed by reference, and must outlive the trees.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/behavior/tree/node.hpp"
+#include "musher/behavior/tree/setup.hpp"
+
+namespace musher::tree {
+
+enum class NodeKind : std::uint8_t { kAction, kCondition, kDecorator, kControl, kSubtree };
+std::string_view Name(NodeKind kind);  // "Action", as in XML
+
+// A node that takes the place of others in a test.
+struct TestNodeConfig {
+  Status result = Status::kSuccess;
+  Duration delay{};  // RUNNING until then
+  std::string success_script{};
+  std::string failure_script{};
+  std::string post_script{};
+};
+
+class Factory {
+ public:
+  using Make = std::function<std::unique_ptr<Node>(Setup&)>;
+  struct Registered {
+    NodeKind kind = NodeKind::kAction;
+    bool takes_time = false;  // may return RUNNING by itself
+    Make make;
+  };
+
+  Factory();
+
+  // Fails where the name is taken, or can not be the name of an XML element.
+  template <class N, class... Args>
+  Result<> Add(std::string_view name, Args&&... args) {
+    return Register(name,
+                    {KindOf<N>(), std::is_base_of_v<StatefulAction, N>,
+                     [kept = std::tuple<Args...>(std::forward<Args>(args)...)](Setup& setup) {
+                       return std::apply(
+                           [&setup](auto&... each) -> std::unique_ptr<Node> {
+                             if constexpr (std::is_constructible_v<N, Setup&, decltype(each)...>) {
+                               return std::make_unique<N>(setup, each...);
+                             } else {
+                               return std::make_unique<N>(each...);
+                             }
+                           },
+                           kept);
+                     }});
+  }
+  Result<> AddAction(std::string_view name, LeafFunction function);
+  Result<> AddCondition(std::string_view name, LeafFunction function);
+  Result<> Register(std::string_view name, Registered registered);
+
+  // A name for a number, in scripts and ports.
+  void AddEnum(std::string_view name, double value) {
+    enums_.insert_or_assign(std::string(name), value);
+  }
+  // Nodes whose name or path matches, with '*' for any characters, become test nodes.
+  void Substitute(std::string pattern, TestNodeConfig config);
+
+  const Registered* Find(std::string_view name) const;  // null: there is none
+  std::vector<std::string> Names() const;               // sorted
+  const Enums& enums() const { return enums_; }
+  bool has_substitutes() const { return !substitutes_.empty(); }
+  const TestNodeConfig* Substituted(std::string_view name, std::string_view path) const;
+  // The ports of a node.
+  std::vector<PortModel> PortsOf(std::string_view name) const;
+
+ private:
+  template <class N>
+  static constexpr NodeKind KindOf() {
+    static_assert(std::is_base_of_v<Node, N>, "a node derives from Action, Condition, ...");
+    if constexpr (std::is_base_of_v<Condition, N>) return NodeKind::kCondition;
+    if constexpr (std::is_base_of_v<Decorator, N>) return NodeKind::kDecorator;
+    if constexpr (std::is_base_of_v<Control, N>) return NodeKind::kControl;
+    return NodeKind::kAction;
+  }
+
+  std::map<std::string, Registered, std::less<>> nodes_;
+  Enums enums_;
+  std::vector<std::pair<std::string, TestNodeConfig>> substitutes_;
+};
+
+// The nodes of BehaviorTree.CPP 4.
+void AddControls(Factory& factory);
+void AddDecorators(Factory& factory);
+void AddLeaves(Factory& factory);
+void AddLoops(Factory& factory);
+std::unique_ptr<Node> MakeTestNode(Setup& setup, const TestNodeConfig& config);
+
+}  // namespace musher::tree

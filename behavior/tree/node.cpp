@@ -1,0 +1,95 @@
+#include "musher/behavior/tree/node.hpp"
+
+#include <stdexcept>
+
+#include "musher/behavior/tree/conditions.hpp"
+
+namespace musher::tree {
+
+Node::Node() = default;
+Node::~Node() = default;
+
+void Node::FailIdle() const {
+  throw std::runtime_error("its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
+}
+
+void Node::Fail(const char* what) {
+  // A leaf has ended by itself; a node with children has to be halted for them.
+  status_ = leaf_ ? Status::kFailure : Status::kRunning;
+  throw NodeFault{this, what};
+}
+
+Status Node::ExecuteSpecially(Tick& tick) {
+  if (conditions_ != nullptr) {
+    try {
+      if (!running()) {
+        if (const auto instead = conditions_->BeforeStart()) {
+          if (*instead == Status::kSkipped) return *instead;
+          conditions_->AfterCompleted(*instead);
+          Become(*instead, tick);
+          return *instead;
+        }
+      } else if (!conditions_->MayContinue()) {
+        Halt(tick);
+        return Status::kSkipped;
+      }
+    } catch (const std::exception& error) {
+      Fail(error.what());
+    }
+  }
+  const Status status = Run(tick);
+  if (IsCompleted(status)) {
+    try {
+      if (conditions_ != nullptr) conditions_->AfterCompleted(status);
+    } catch (const std::exception& error) {
+      Fail(error.what());
+    }
+  }
+  Become(status == Status::kSkipped ? Status::kIdle : status, tick);
+  return status;
+}
+
+void Node::Halt(Tick& tick) {
+  Become(Status::kIdle, tick);
+  try {
+    OnHalt(tick);
+    if (conditions_ != nullptr) conditions_->AfterHalt();
+  } catch (const std::exception& error) {
+    if (tick.fault.empty()) tick.fault = error.what();
+  } catch (...) {
+    if (tick.fault.empty()) tick.fault = "an unknown exception";
+  }
+}
+
+Status Action::OnTick(Tick& tick) {
+  const Status status = Do(tick);
+  if (status == Status::kRunning) {
+    throw std::runtime_error("an action must not return RUNNING; derive from StatefulAction");
+  }
+  return status;
+}
+
+std::optional<Status> Conditions::BeforeStart() const {
+  constexpr std::array<Status, 3> kThen = {Status::kFailure, Status::kSuccess, Status::kSkipped};
+  for (std::size_t i = 0; i < kThen.size(); ++i) {
+    if (scripts[i] && scripts[i]->True()) return kThen[i];
+  }
+  if (scripts[3] && !scripts[3]->True()) return Status::kSkipped;
+  return std::nullopt;
+}
+
+bool Conditions::MayContinue() const {
+  return !scripts[3] || scripts[3]->True();
+}
+
+void Conditions::AfterCompleted(Status status) const {
+  const auto& script = scripts[status == Status::kSuccess ? 4 : 5];
+  if (script) script->Run();
+  if (scripts[7]) scripts[7]->Run();
+}
+
+void Conditions::AfterHalt() const {
+  if (scripts[6]) scripts[6]->Run();
+}
+
+}  // namespace musher::tree

@@ -1,0 +1,202 @@
+#pragma once
+// The nodes of a behaviour tree. A robot's node derives from one of
+//
+//   Action          done within its tick: SUCCESS or FAILURE
+//   StatefulAction  takes several ticks: OnStart, OnRunning until it is done, OnHalted if it is
+//                   stopped before
+//   Condition       looks at something: SUCCESS or FAILURE; RUNNING while it can not say
+//   Decorator       has one child
+//   Control         has several children
+//
+// and makes its ports in its constructor (setup.hpp). A call returns at once and reads no clock:
+// the time is in the tick. What it throws ends the tick: the tree is halted, and the tick fails
+// with the path of the node.
+//
+//   IDLE ── tick ──→ RUNNING ── tick ──→ SUCCESS | FAILURE ── reset by the parent ──→ IDLE
+//                       └── Halt(): OnHalt() once ──→ IDLE
+//
+// Threads: one at a time.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/behavior/recent.hpp"
+#include "musher/behavior/tree/status.hpp"
+
+namespace musher::tree {
+
+using NodeId = std::uint32_t;  // in the order of the XML, 0 is the root
+
+// A change of a node's status. A reset after SUCCESS or FAILURE is not recorded.
+struct Change {
+  Time at{};
+  NodeId node = 0;
+  Status from = Status::kIdle;
+  Status to = Status::kIdle;  // IDLE: halted
+
+  friend bool operator==(const Change&, const Change&) = default;
+};
+
+// One tick of the tree.
+struct Tick {
+  Time now;
+  bool woken = false;   // a node wants to be ticked again at once
+  std::string fault{};  // of a node that threw while it was halted
+  Recent<Change>* history = nullptr;
+};
+
+struct Conditions;  // conditions.hpp
+class Node;
+
+// What a node threw, with its path.
+struct NodeFault {
+  const Node* node = nullptr;
+  std::string what;
+};
+
+class Node {
+ public:
+  Node();
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+  virtual ~Node();
+
+  // For the parent: one tick of this node, with its conditions.
+  Status Execute(Tick& tick) {
+    if (special_) return ExecuteSpecially(tick);
+    const Status status = Run(tick);
+    Become(status == Status::kSkipped ? Status::kIdle : status, tick);
+    return status;
+  }
+  // For the parent: stops it where it runs; then it is idle.
+  void Reset(Tick& tick) {
+    if (status_ == Status::kRunning) {
+      Halt(tick);
+    } else {
+      status_ = Status::kIdle;
+    }
+  }
+  Status status() const { return status_; }
+  bool running() const { return status_ == Status::kRunning; }
+  NodeId id() const { return id_; }
+
+ protected:
+  virtual Status OnTick(Tick& tick) = 0;
+  virtual void OnHalt(Tick&) {}  // only while it runs
+
+ private:
+  friend class Building;
+
+  Status Run(Tick& tick) {
+    try {
+      const Status status = OnTick(tick);
+      if (status == Status::kIdle) FailIdle();
+      return status;
+    } catch (const NodeFault&) {
+      status_ = Status::kRunning;  // so that a halt reaches the nodes below
+      throw;
+    } catch (const std::exception& error) {
+      Fail(error.what());
+    } catch (...) {
+      Fail("an unknown exception");
+    }
+  }
+  void Become(Status status, Tick& tick) {
+    if (status_ == status) return;
+    if (tick.history != nullptr) tick.history->Add({tick.now, id_, status_, status});
+    status_ = status;
+  }
+  [[noreturn]] void FailIdle() const;
+  [[noreturn]] void Fail(const char* what);
+  Status ExecuteSpecially(Tick& tick);
+  void Halt(Tick& tick);
+
+  Status status_ = Status::kIdle;
+  bool special_ = false;
+  bool leaf_ = true;
+  NodeId id_ = 0;
+  std::unique_ptr<Conditions> conditions_;
+
+  friend class Decorator;
+  friend class Control;
+};
+
+class Action : public Node {
+ protected:
+  // SUCCESS or FAILURE.
+  virtual Status Do(const Tick& tick) = 0;
+
+ private:
+  Status OnTick(Tick& tick) final;
+};
+
+class StatefulAction : public Node {
+ protected:
+  virtual Status OnStart(const Tick& tick) = 0;
+  virtual Status OnRunning(const Tick& tick) = 0;
+  virtual void OnHalted(const Tick&) {}
+
+ private:
+  Status OnTick(Tick& tick) final { return running() ? OnRunning(tick) : OnStart(tick); }
+  void OnHalt(Tick& tick) final { OnHalted(tick); }
+};
+
+class Condition : public Node {
+ protected:
+  virtual Status Evaluate(const Tick& tick) = 0;
+
+ private:
+  Status OnTick(Tick& tick) final { return Evaluate(tick); }
+};
+
+class Decorator : public Node {
+ public:
+  Node& child() const { return *child_; }
+
+ protected:
+  Decorator() { leaf_ = false; }
+  // Ticks the child, and resets it when it has completed.
+  Status TickChild(Tick& tick) {
+    const Status status = child_->Execute(tick);
+    if (IsCompleted(status)) child_->Reset(tick);
+    return status;
+  }
+  // An override halts the child, too: by this.
+  void OnHalt(Tick& tick) override { child_->Reset(tick); }
+
+ private:
+  friend class Building;
+  Node* child_ = nullptr;
+};
+
+class Control : public Node {
+ public:
+  const std::vector<Node*>& children() const { return children_; }
+
+ protected:
+  static constexpr std::size_t kAny = static_cast<std::size_t>(-1);
+  // How many children it needs; checked when the tree is built.
+  explicit Control(std::size_t least = 1, std::size_t most = kAny) : least_(least), most_(most) {
+    leaf_ = false;
+  }
+  void OnHalt(Tick& tick) override { ResetChildren(tick); }
+  // Each control does this when it completes.
+  void ResetChildren(Tick& tick) {
+    for (Node* child : children_) child->Reset(tick);
+  }
+
+ private:
+  friend class Building;
+  std::size_t least_;
+  std::size_t most_;
+  std::vector<Node*> children_;
+};
+
+// Leaves that are a function.
+using LeafFunction = std::function<Status(const Tick&)>;
+
+}  // namespace musher::tree

@@ -1,0 +1,137 @@
+#pragma once
+// The scripting language of BehaviorTree.CPP 4: "speed := 0.5; near = distance < 2 && !blocked".
+//
+//   values       1.5, 0x1F, 'text', true, false, names of enums, keys of the blackboard
+//   operators    := = += -= *= /=   a ? b : c   && ||   == != < > <= >=   + - * /   & | ^ ~   ! -
+//   sequence     a; b; c      the value is that of the last one
+//
+// := makes an entry that has no value, = needs one. A comparison may be a chain: 0 < x < 5. && and
+// || have the same rank, from the left, and both sides are always evaluated, as in
+// BehaviorTree.CPP. Numbers are 64-bit floating-point; bit operators need whole numbers.
+//
+// The names become entries of the blackboard when the script is parsed. A run allocates nothing
+// unless a text grows. Run() and True() throw ScriptError.
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/behavior/tree/board.hpp"
+
+namespace musher::tree {
+
+class ScriptError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+using Enums = std::map<std::string, double, std::less<>>;
+
+// What an expression is evaluated to. Texts and values belong to the script or the blackboard. Of
+// 16 bytes, so that it is passed in registers.
+class Operand {
+ public:
+  enum class Kind : std::uint8_t { kNumber, kText, kOther };
+
+  Operand() = default;
+  explicit Operand(double number) : number_(number) {}
+  explicit Operand(std::string_view text)
+      : kind_(Kind::kText), size_(static_cast<std::uint32_t>(text.size())), text_(text.data()) {}
+  explicit Operand(const Value& other) : kind_(Kind::kOther), other_(&other) {}
+
+  bool is_number() const { return kind_ == Kind::kNumber; }
+  bool is_text() const { return kind_ == Kind::kText; }
+  // Of its kind only.
+  double number() const { return number_; }
+  std::string_view text() const { return {text_, size_}; }
+  const Value& other() const { return *other_; }
+
+ private:
+  Kind kind_ = Kind::kNumber;
+  std::uint32_t size_ = 0;
+  union {
+    double number_ = 0;
+    const char* text_;
+    const Value* other_;
+  };
+};
+
+class Script {
+ public:
+  // An error or a warning at a byte of the text.
+  struct Finding {
+    std::size_t at = 0;
+    bool error = true;
+    std::string what;
+  };
+
+  // Always gives a script; one with an error in `findings` must not run. With `is_condition`, an
+  // assignment with '=' is warned of.
+  static Script Parse(std::string_view text, Board& board, const Enums& enums, bool is_condition,
+                      std::vector<Finding>& findings);
+
+  void Run() const;
+  bool True() const;
+  Operand Evaluate() const;
+
+  // The entries that it reads and assigns.
+  const std::vector<Entry*>& reads() const { return reads_; }
+  const std::vector<Entry*>& writes() const { return writes_; }
+
+ private:
+  friend class ScriptParser;
+
+  enum class Code : std::uint8_t {
+    kNumber,
+    kText,
+    kEntry,
+    kNegate,
+    kInvertBits,
+    kNot,
+    kAdd,
+    kSubtract,
+    kMultiply,
+    kDivide,
+    kBitAnd,
+    kBitOr,
+    kBitXor,
+    kAnd,
+    kOr,
+    kCompare,
+    kIf,
+    kAssign,
+  };
+  enum class Comparison : std::uint8_t { kEqual, kNotEqual, kLess, kGreater, kAtMost, kAtLeast };
+  enum class Assignment : std::uint8_t { kMake, kSet, kAdd, kSubtract, kMultiply, kDivide };
+  // `a`, `b` and `c` are operations. A chain of comparisons is linked by `c`: its next one.
+  struct Operation {
+    Code code = Code::kNumber;
+    std::uint8_t kind = 0;  // of a comparison or an assignment
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;
+    std::uint32_t c = 0;
+    double number = 0;
+    Entry* entry = nullptr;
+    mutable std::string text{};  // of a literal; else what the operation has made
+  };
+
+  Operand Evaluate(std::uint32_t at) const;
+  Operand Read(const Entry& entry) const;
+  void Keep(const Operation& operation, Operand& operand) const;
+  Operand Unary(const Operation& operation) const;
+  Operand Binary(const Operation& operation) const;
+  Operand Compare(const Operation& operation) const;
+  Operand Assign(const Operation& operation) const;
+
+  std::vector<Operation> operations_;
+  std::vector<std::uint32_t> statements_;
+  bool assigns_inside_ = false;  // within an expression: its operands are kept
+  std::vector<Entry*> reads_;
+  std::vector<Entry*> writes_;
+};
+
+}  // namespace musher::tree

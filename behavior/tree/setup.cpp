@@ -1,0 +1,70 @@
+#include "musher/behavior/tree/setup.hpp"
+
+#include "musher/behavior/tree/building.hpp"
+
+namespace musher::tree {
+
+std::optional<std::string_view> KeyOf(std::string_view value, std::string_view name) {
+  const std::string_view text = Trimmed(value);
+  if (text.size() < 3 || text.front() != '{' || text.back() != '}') return std::nullopt;
+  const std::string_view key = text.substr(1, text.size() - 2);
+  return key == "=" ? name : key;
+}
+
+Setup::Setup(Building* building, const Element& element, Board& board, const Enums& enums)
+    : building_(building), element_(element), board_(board), enums_(enums) {
+  const Attribute* name = element.Find("name");
+  name_ = name != nullptr ? name->value : element.name;
+}
+
+Setup::Connection Setup::Connect(PortModel model) {
+  Connection connection;
+  if (building_ != nullptr) connection = building_->Connect(element_, board_, model);
+  ports_.push_back(std::move(model));
+  return connection;
+}
+
+Entry* Setup::Key(std::string_view name, std::string_view doc) {
+  const Connection connection =
+      Connect({std::string(name), Direction::kText, nullptr, true, std::string(doc)});
+  if (connection.text == nullptr) return building_ == nullptr ? nullptr : connection.entry;
+  const std::string_view value = connection.text->value;
+  Entry& entry = board_.At(KeyOf(value, name).value_or(Trimmed(value)));
+  if (name == "output_key") building_->NoteWrite(entry, connection.text->value_at);
+  return &entry;
+}
+
+std::string Setup::Text(std::string_view name, bool required, std::string_view doc) {
+  const Connection connection =
+      Connect({std::string(name), Direction::kText, nullptr, required, std::string(doc)});
+  return connection.text == nullptr ? "" : connection.text->value;
+}
+
+std::optional<Script> Setup::ScriptOf(std::string_view name, bool is_condition) {
+  const Connection connection =
+      Connect({std::string(name), Direction::kText, nullptr, true, "a script"});
+  if (connection.text == nullptr) return std::nullopt;
+  if (KeyOf(connection.text->value, name)) {
+    Report(name, Severity::kError,
+           "a script is fixed when the tree is loaded; expected its text instead of an entry");
+    return std::nullopt;
+  }
+  std::vector<Script::Finding> findings;
+  Script script = Script::Parse(connection.text->value, board_, enums_, is_condition, findings);
+  bool failed = false;
+  for (Script::Finding& finding : findings) {
+    failed |= finding.error;
+    building_->ReportScript(*connection.text, finding);
+  }
+  if (failed) return std::nullopt;
+  building_->NoteScript(script, connection.text->value_at);
+  return script;
+}
+
+void Setup::Report(std::string_view attribute, Severity severity, std::string what) {
+  if (building_ == nullptr) return;
+  const Attribute* found = element_.Find(attribute);
+  building_->Report(found != nullptr ? found->value_at : element_.at, severity, std::move(what));
+}
+
+}  // namespace musher::tree

@@ -1,0 +1,135 @@
+#pragma once
+// What the constructor of a node gets: it makes the ports of the node from the attributes of its
+// XML element.
+//
+//   explicit Move(tree::Setup& setup)
+//       : row_(setup.Input<int>("row", "of the grid")),
+//         timeout_s_(setup.Input<double>("timeout_sec", 30.0)),
+//         message_(setup.Output<std::string>("message")) {}
+//
+// What is missing or wrong there is reported at the place in the XML, for all nodes at once.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/behavior/tree/board.hpp"
+#include "musher/behavior/tree/document.hpp"
+#include "musher/behavior/tree/port.hpp"
+#include "musher/behavior/tree/script.hpp"
+
+namespace musher::tree {
+
+enum class Direction : std::uint8_t { kIn, kOut, kInOut, kText };
+
+struct PortModel {
+  std::string name;
+  Direction direction = Direction::kIn;
+  const Type* type = nullptr;  // null: any
+  bool required = false;
+  std::string doc;  // for people
+};
+
+class Building;
+
+class Setup {
+ public:
+  // Of a tree; without `building`, only to learn the ports.
+  Setup(Building* building, const Element& element, Board& board, const Enums& enums);
+  Setup(const Setup&) = delete;
+  Setup& operator=(const Setup&) = delete;
+
+  // A port that has to be set.
+  template <class T>
+  InPort<T> Input(std::string_view name, std::string_view doc = "") {
+    return MakeInput<T>({std::string(name), Direction::kIn, TypeOf<T>(), true, std::string(doc)},
+                        std::nullopt);
+  }
+  // A port with a default value.
+  template <class T>
+  requires(!std::convertible_to<T, std::string_view>) InPort<T> Input(std::string_view name,
+                                                                      T otherwise,
+                                                                      std::string_view doc = "") {
+    return MakeInput<T>({std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc)},
+                        std::move(otherwise));
+  }
+  // A port that may be missing: its Find() is null then.
+  template <class T>
+  InPort<T> OptionalInput(std::string_view name, std::string_view doc = "") {
+    return MakeInput<T>({std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc)},
+                        std::nullopt);
+  }
+  template <class T>
+  OutPort<T> Output(std::string_view name, std::string_view doc = "") {
+    return {
+        std::string(name),
+        Connect({std::string(name), Direction::kOut, TypeOf<T>(), false, std::string(doc)}).entry};
+  }
+  template <class T>
+  InOutPort<T> InOut(std::string_view name, std::string_view doc = "") {
+    return {
+        std::string(name),
+        Connect({std::string(name), Direction::kInOut, TypeOf<T>(), true, std::string(doc)}).entry};
+  }
+
+  // An entry of any type: "key" or "{key}". Null: the port is missing, which is an error.
+  Entry* Key(std::string_view name, std::string_view doc = "");
+  // A text that is fixed in the XML. Empty: it is missing.
+  std::string Text(std::string_view name, bool required, std::string_view doc = "");
+  std::optional<Script> ScriptOf(std::string_view name, bool is_condition);
+  // An attribute without a port of its own: a fixed text or an entry.
+  struct Connection {
+    Entry* entry = nullptr;
+    const Attribute* text = nullptr;
+  };
+  Connection Connect(PortModel model);
+
+  const std::string& name() const { return name_; }  // of the node
+  Board& board() { return board_; }
+  const Enums& enums() const { return enums_; }
+  // An error or a warning at an attribute, or at the node where that is missing.
+  void Report(std::string_view attribute, Severity severity, std::string what);
+
+  const std::vector<PortModel>& ports() const { return ports_; }
+
+ private:
+  template <class T>
+  InPort<T> MakeInput(PortModel model, std::optional<T> otherwise) {
+    const std::string name = model.name;
+    const Connection connection = Connect(std::move(model));
+    if (connection.text != nullptr) otherwise = FixedAs<T>(*connection.text);
+    return {name, connection.entry, std::move(otherwise)};
+  }
+  template <class T>
+  std::optional<T> FixedAs(const Attribute& attribute) {
+    if constexpr (Numeric<T> && !std::same_as<T, Status>) {
+      const auto known = enums_.find(attribute.value);
+      if (known != enums_.end() && Fits<T>(known->second)) return static_cast<T>(known->second);
+    }
+    if constexpr (HasText<T>) {
+      Result<T> value = Convert<T>::FromText(attribute.value);
+      if (value) return std::move(value).value();
+      Report(attribute.name, Severity::kError,
+             "port '" + attribute.name + "': " + value.error().message);
+    } else {
+      Report(attribute.name, Severity::kError,
+             "port '" + attribute.name + "' has a type that no text can be converted to (" +
+                 std::string(TypeOf<T>()->name) + "): expected an entry, such as \"{" +
+                 attribute.name + "}\"");
+    }
+    return std::nullopt;
+  }
+
+  Building* building_;
+  const Element& element_;
+  Board& board_;
+  const Enums& enums_;
+  std::string name_;
+  std::vector<PortModel> ports_;
+};
+
+// The key of "{key}", or of "{=}" for the port `name`. Nothing: it is a fixed text.
+std::optional<std::string_view> KeyOf(std::string_view value, std::string_view name);
+
+}  // namespace musher::tree

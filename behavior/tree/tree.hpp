@@ -1,0 +1,96 @@
+#pragma once
+// A behaviour tree, built and ready to be ticked: its nodes, blackboards, status and history.
+//
+//   tree::Reading read = tree::ReadTreeFile("course.xml");          // xml/tree_xml.hpp
+//   tree::Built built = tree::Build(read.document, factory);        // build.hpp
+//   built.tree->TickOnce(now);                                      // as often as wanted
+//
+// A tick ends with SUCCESS, FAILURE, RUNNING or SKIPPED, or fails with the path of the node that
+// threw: then every running node has been halted, and the next tick begins again at the root.
+// After SUCCESS and FAILURE the next tick begins again, too.
+//
+// Time is an argument; one that is before the last is taken for the last. A tick allocates nothing
+// of its own.
+//
+// Threads: one at a time. A node must not tick its own tree.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/base/time.hpp"
+#include "musher/behavior/recent.hpp"
+#include "musher/behavior/tree/board.hpp"
+#include "musher/behavior/tree/document.hpp"
+#include "musher/behavior/tree/factory.hpp"
+#include "musher/behavior/tree/node.hpp"
+
+namespace musher::tree {
+
+inline constexpr NodeId kNoNode = static_cast<NodeId>(-1);
+
+// What is known of a node beside its behaviour.
+struct NodeInfo {
+  std::string name;  // of the instance
+  std::string id;    // of its class; of a subtree that of its tree
+  NodeKind kind = NodeKind::kAction;
+  NodeId parent = kNoNode;
+  std::uint32_t board = 0;
+  bool takes_time = false;
+  Place place;
+};
+
+class Tree {
+ public:
+  // How often TickOnce() ticks at most.
+  static constexpr int kMostTicksAtOnce = 100;
+
+  ~Tree();  // halts nothing
+  Tree(const Tree&) = delete;
+  Tree& operator=(const Tree&) = delete;
+
+  // One tick.
+  Result<Status> TickExactlyOnce(Time now);
+  // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
+  // AsyncSequence), at most kMostTicksAtOnce.
+  Result<Status> TickOnce(Time now);
+  // Halts every running node once. An error names what one of them has thrown.
+  Result<> Halt(Time now);
+
+  const std::string& name() const { return name_; }
+  std::size_t size() const { return nodes_.size(); }
+  const NodeInfo& info(NodeId id) const { return infos_.at(id); }
+  Status status(NodeId id) const { return nodes_.at(id)->status(); }
+  Status status() const { return nodes_.front()->status(); }
+  // "Main/approach/Move": the names from the root.
+  std::string Path(NodeId id) const;
+  std::optional<NodeId> Find(std::string_view path) const;
+  std::vector<NodeId> Children(NodeId id) const;
+  const Recent<Change>& history() const { return history_; }
+  // "12.5 s Main/approach/Move: RUNNING -> SUCCESS", a line for each change.
+  std::string HistoryText() const;
+
+  // Of the main tree.
+  Board& board() { return *boards_.front(); }
+  // Of the subtree that a node belongs to.
+  Board& board(NodeId id) { return *boards_.at(infos_.at(id).board); }
+
+ private:
+  friend class Building;
+  Tree(std::string name, std::size_t history);
+
+  std::string name_;
+  std::vector<std::unique_ptr<Board>> boards_;
+  std::vector<std::unique_ptr<Node>> nodes_;  // by id
+  std::vector<NodeInfo> infos_;
+  Recent<Change> history_;
+  Tick tick_;
+};
+
+// For Graphviz: the nodes with their status, in colour.
+std::string ToDot(const Tree& tree);
+
+}  // namespace musher::tree

@@ -1,0 +1,92 @@
+#include "musher/behavior/tree/value.hpp"
+
+#include <array>
+
+namespace musher::tree {
+
+Value& Value::operator=(const Value& other) {
+  if (this == &other) return *this;
+  if (type_ == other.type_) {
+    if (type_ != nullptr) type_->assign(room_, other.room_);
+    return *this;
+  }
+  Clear();
+  if (other.type_ != nullptr) other.type_->copy(room_, other.room_);
+  type_ = other.type_;
+  return *this;
+}
+
+void Value::SetText(std::string_view text) {
+  if (auto* present = As<std::string>()) {
+    present->assign(text);
+  } else {
+    Set(std::string(text));
+  }
+}
+
+std::string Value::Shown() const {
+  if (empty()) return "nothing";
+  if (const auto* text = Text()) return "'" + *text + "'";
+  if (const auto* truth = As<bool>()) return *truth ? "true" : "false";
+  if (const auto* status = As<Status>()) return std::string(Name(*status));
+  double number = 0;
+  return ToNumber(number) ? NumberText(number) : std::string(type_->name);
+}
+
+Result<> Value::SetAs(const Type& type, const Value& other) {
+  double number = 0;
+  if (other.type_ == &type) {
+    *this = other;
+    return Ok();
+  }
+  if (const auto* text = other.Text()) return SetTextAs(type, *text);
+  if (other.ToNumber(number)) return SetNumberAs(type, number);
+  return Error{kCodeFailed, "a value of type " +
+                                std::string(other.empty() ? "nothing" : other.type_->name) +
+                                " is not of type " + std::string(type.name)};
+}
+
+Result<> Value::SetNumberAs(const Type& type, double number) {
+  if (&type == TypeOf<double>()) {
+    Set(number);
+    return Ok();
+  }
+  if (&type == TypeOf<std::string>()) {
+    SetText(NumberText(number));
+    return Ok();
+  }
+  // A number needs no memory of its own, so the room can be written again.
+  const bool reuse = type_ == &type && type.from_number != nullptr;
+  if (type.from_number != nullptr && !reuse) Clear();
+  if (type.from_number == nullptr || !type.from_number(room_, number)) {
+    return Error{kCodeFailed,
+                 NumberText(number) + " is not valid: expected " + std::string(type.name)};
+  }
+  type_ = &type;
+  return Ok();
+}
+
+Result<> Value::SetTextAs(const Type& type, std::string_view text) {
+  if (&type == TypeOf<std::string>()) {
+    SetText(text);
+    return Ok();
+  }
+  if (type.from_text == nullptr) {
+    return Error{kCodeFailed, "type " + std::string(type.name) +
+                                  " has no conversion from a text (Convert<T>::FromText)"};
+  }
+  Value made;
+  Result<> read = type.from_text(made.room_, text);
+  if (!read) return read;
+  made.type_ = &type;
+  *this = made;
+  return Ok();
+}
+
+std::string NumberText(double number) {
+  std::array<char, 40> room{};
+  const auto [end, code] = std::to_chars(room.data(), room.data() + room.size(), number);
+  return code == std::errc() ? std::string(room.data(), end) : "?";
+}
+
+}  // namespace musher::tree

@@ -1,0 +1,105 @@
+// What a tree may do that its author seldom wants. The rules are in docs/behavior-trees.md.
+
+#include <algorithm>
+#include <optional>
+
+#include "musher/base/suggest.hpp"
+#include "musher/behavior/tree/building.hpp"
+
+namespace musher::tree {
+namespace {
+
+// The fixed number of an attribute. Nothing: it is missing or an entry.
+std::optional<double> FixedNumber(const Element& element, std::string_view name) {
+  const Attribute* attribute = element.Find(name);
+  if (attribute == nullptr) return std::nullopt;
+  const Result<double> number = Convert<double>::FromText(attribute->value);
+  return number ? std::optional(number.value()) : std::nullopt;
+}
+
+}  // namespace
+
+void Building::Warn() {
+  // A node takes time if it or one below may return RUNNING: children have higher ids.
+  std::vector<NodeInfo>& infos = tree_->infos_;
+  std::vector<std::vector<NodeId>> children(infos.size());
+  for (NodeId id = static_cast<NodeId>(infos.size()); id-- > 0;) {
+    const NodeId parent = infos[id].parent;
+    if (parent == kNoNode) continue;
+    if (infos[id].takes_time) infos[parent].takes_time = true;
+    children[parent].insert(children[parent].begin(), id);
+  }
+  for (NodeId id = 0; id < infos.size(); ++id) {
+    WarnOfReactive(id, children[id]);
+    WarnOfTime(id, children[id]);
+    WarnOfParallel(id, children[id].size());
+  }
+  WarnOfUnset();
+}
+
+void Building::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
+  const NodeInfo& info = tree_->infos_[id];
+  if (info.id != "ReactiveSequence" && info.id != "ReactiveFallback") return;
+  for (const NodeId child : children) {
+    const NodeInfo& other = tree_->infos_[child];
+    if (child == children.back() || !other.takes_time) continue;
+    Report(other.place, Severity::kWarning,
+           "'" + other.name + "' may return RUNNING, and is not the last child of " + info.id +
+               ": it is started again in each tick after it has completed, and each time it runs "
+               "the children behind it are halted");
+  }
+}
+
+void Building::WarnOfTime(NodeId id, const std::vector<NodeId>& children) {
+  const NodeInfo& info = tree_->infos_[id];
+  const Element& element = *elements_[id];
+  const bool at_once = children.size() == 1 && !tree_->infos_[children[0]].takes_time;
+  if (info.id == "Timeout") {
+    if (FixedNumber(element, "msec") == 0.0) {
+      Report(info.place, Severity::kWarning, "msec=\"0\" is no limit");
+    } else if (at_once) {
+      Report(info.place, Severity::kWarning,
+             "Timeout has no effect: nothing below it may return RUNNING");
+    }
+  }
+  const bool repeats = info.id == "Repeat" && FixedNumber(element, "num_cycles") == -1.0;
+  const bool retries =
+      info.id == "RetryUntilSuccessful" && FixedNumber(element, "num_attempts") == -1.0;
+  if ((repeats || retries) && at_once) {
+    Report(info.place, Severity::kWarning,
+           info.id + " has no limit and nothing below it may return RUNNING: TickOnce() ticks " +
+               std::to_string(Tree::kMostTicksAtOnce) + " times");
+  }
+}
+
+void Building::WarnOfParallel(NodeId id, std::size_t children) {
+  const NodeInfo& info = tree_->infos_[id];
+  const Element& element = *elements_[id];
+  for (const std::string_view port : {"success_count", "failure_count", "max_failures"}) {
+    if (info.id != "Parallel" && info.id != "ParallelAll") return;
+    const auto count = FixedNumber(element, port);
+    if (!count || *count <= static_cast<double>(children)) continue;
+    Report(element.Find(port)->value_at, Severity::kError,
+           std::string(port) + " is more than the number of its children, " +
+               std::to_string(children));
+  }
+}
+
+// An entry that is read and never set is often misspelt.
+void Building::WarnOfUnset() {
+  std::vector<std::string> written;
+  for (const auto& [entry, key] : writes_) written.push_back(entry->key);
+  std::ranges::sort(written);
+  written.erase(std::unique(written.begin(), written.end()), written.end());
+  constexpr std::size_t kShortest = 4;  // shorter ones are near to too many
+  for (const auto& [entry, place] : reads_) {
+    if (entry->key.size() < kShortest) continue;
+    if (writes_.contains(entry) || !entry->value.empty()) continue;
+    const std::string nearest = Nearest(entry->key, written);
+    if (nearest.empty()) continue;
+    Report(place, Severity::kWarning,
+           "nothing in the tree sets '" + entry->key + "'; did you mean '" + nearest + "'?");
+  }
+}
+
+}  // namespace musher::tree

@@ -1,0 +1,186 @@
+// The controls: which children are ticked, in which order, and what is halted.
+// "a^" is a's first tick, "a" a further one, "a!" its halt.
+
+#include "musher/test/behavior/tree/trees.hpp"
+
+namespace musher::tree::control_test {
+
+std::string A(const std::string& does, const std::string& more = "") {
+  return "<Say name=\"a\" does=\"" + does + "\" " + more + "/>";
+}
+std::string B(const std::string& does, const std::string& more = "") {
+  return "<Say name=\"b\" does=\"" + does + "\" " + more + "/>";
+}
+std::string C(const std::string& does, const std::string& more = "") {
+  return "<Say name=\"c\" does=\"" + does + "\" " + more + "/>";
+}
+std::string In(const std::string& control, const std::string& children) {
+  return Main("<" + control + ">" + children + "</" + control.substr(0, control.find(' ')) + ">");
+}
+
+struct Control : testing::Test, Logged {
+  // The letters of so many ticks, and the log of each.
+  std::string Run(const std::string& xml, int ticks) {
+    tree = MakeTree(xml, factory);
+    std::string text;
+    for (int i = 0; i < ticks; ++i) {
+      text += i > 0 ? "| " : "";
+      text += Letter(tree->TickExactlyOnce(At(10 * i)));
+      text += ": " + Take();
+    }
+    return text;
+  }
+  std::string TicksAndLog(int times, int first = 0) {
+    const std::string letters = Ticks(*tree, times, first);
+    return letters + " " + Take();
+  }
+  std::unique_ptr<Tree> tree;
+};
+
+TEST_F(Control, SequenceGoesOnWhereItWas) {
+  EXPECT_EQ(Run(In("Sequence", A("S") + B("RRS") + C("S")), 4),
+            "R: a^ b^ | R: b | S: b c^ | R: a^ b^ ");
+}
+TEST_F(Control, SequenceBeginsAgainAfterAFailure) {
+  EXPECT_EQ(Run(In("Sequence", A("S") + B("F") + C("S")), 2), "F: a^ b^ | F: a^ b^ ");
+}
+TEST_F(Control, SequenceWithMemoryRepeatsTheChildThatFailed) {
+  EXPECT_EQ(Run(In("SequenceWithMemory", A("S") + B("FS") + C("S")), 3),
+            "F: a^ b^ | S: b^ c^ | F: a^ b^ ");
+}
+TEST_F(Control, SequenceWithMemoryKeepsItsPlaceWhenItIsHalted) {
+  Run(In("SequenceWithMemory", A("S") + B("RS")), 1);
+  ASSERT_TRUE(tree->Halt(At(20)));
+  EXPECT_EQ(Take(), "b! ");
+  EXPECT_EQ(Letter(tree->TickExactlyOnce(At(30))), 'S');
+  EXPECT_EQ(Take(), "b^ ");
+}
+TEST_F(Control, AsyncSequenceGivesTheTreeATurnBetweenChildren) {
+  EXPECT_EQ(Run(In("AsyncSequence", A("S") + B("S") + C("S")), 4),
+            "R: a^ | R: b^ | S: c^ | R: a^ ");
+  tree = MakeTree(In("AsyncSequence", A("S") + B("S") + C("S")), factory);
+  EXPECT_EQ(Letter(tree->TickOnce(At(0))), 'S');
+}
+TEST_F(Control, FallbackTriesTheNextAndRemembersWhichRuns) {
+  EXPECT_EQ(Run(In("Fallback", A("F") + B("RF") + C("S")), 3), "R: a^ b^ | S: b c^ | R: a^ b^ ");
+  EXPECT_EQ(Run(In("Fallback", A("F") + B("F")), 1), "F: a^ b^ ");
+}
+TEST_F(Control, ReactiveSequenceHaltsWhatRunsWhenAConditionFails) {
+  EXPECT_EQ(Run(In("ReactiveSequence", A("SSF") + B("R")), 4),
+            "R: a^ b^ | R: a^ b | F: a^ b! | R: a^ b^ ");
+}
+TEST_F(Control, ReactiveSequenceHaltsTheChildBehindOneThatBeginsToRun) {
+  EXPECT_EQ(Run(In("ReactiveSequence", A("SRS") + B("RRR")), 3), "R: a^ b^ | R: a^ b! | R: a b^ ");
+}
+TEST_F(Control, ReactiveFallbackHaltsWhatRunsWhenAnEarlierChildSucceeds) {
+  EXPECT_EQ(Run(In("ReactiveFallback", A("FFS") + B("R")), 3), "R: a^ b^ | R: a^ b | S: a^ b! ");
+}
+TEST_F(Control, ParallelNeedsAllAndEndsWithTheFirstFailure) {
+  EXPECT_EQ(Run(In("Parallel", A("RS") + B("RRS")), 3), "R: a^ b^ | R: a b | S: b ");
+  EXPECT_EQ(Run(In("Parallel", A("RRS") + B("RF")), 2), "R: a^ b^ | F: a b a! ");
+}
+TEST_F(Control, ParallelHaltsWhatRunsOnceEnoughHaveSucceeded) {
+  EXPECT_EQ(Run(In("Parallel success_count=\"1\" failure_count=\"2\"", A("RR") + B("RS")), 2),
+            "R: a^ b^ | S: a b a! ");
+}
+TEST_F(Control, ParallelFailsWhenItCanNoLongerSucceed) {
+  EXPECT_EQ(
+      Run(In("Parallel success_count=\"2\" failure_count=\"3\"", A("F") + B("RF") + C("R")), 2),
+      "R: a^ b^ c^ | F: b c! ");
+}
+TEST_F(Control, ParallelAllWaitsForAll) {
+  EXPECT_EQ(Run(In("ParallelAll max_failures=\"2\"", A("F") + B("RRS") + C("S")), 3),
+            "R: a^ b^ c^ | R: b | S: b ");
+  EXPECT_EQ(Run(In("ParallelAll", A("F") + B("RS")), 2), "R: a^ b^ | F: b ");
+}
+TEST_F(Control, IfThenElseDecidesOnce) {
+  EXPECT_EQ(Run(In("IfThenElse", A("SF") + B("RS") + C("S")), 3), "R: a^ b^ | S: b | S: a^ c^ ");
+  EXPECT_EQ(Run(In("IfThenElse", A("F") + B("S")), 1), "F: a^ ");
+}
+TEST_F(Control, WhileDoElseDecidesInEachTick) {
+  EXPECT_EQ(Run(In("WhileDoElse", A("SFS") + B("R") + C("R")), 3),
+            "R: a^ b^ | R: a^ b! c^ | R: a^ c! b^ ");
+  EXPECT_EQ(Run(In("WhileDoElse", A("SF") + B("R")), 2), "R: a^ b^ | F: a^ b! ");
+}
+TEST_F(Control, ASkippedConditionSkipsIfThenElseAndWhileDoElse) {
+  const std::string skipped = A("S", "_skipIf=\"true\"");
+  EXPECT_EQ(Run(In("IfThenElse", skipped + B("S")), 1), "-: ");
+  EXPECT_EQ(Run(In("WhileDoElse", skipped + B("S")), 1), "-: ");
+}
+
+TEST_F(Control, SwitchTicksTheMatchingCaseAndHaltsTheOther) {
+  tree = MakeTree(Main("<Switch2 variable=\"{v}\" case_1=\"1\" case_2=\"go\">" + A("R") + B("R") +
+                       C("R") + "</Switch2>"),
+                  factory);
+  ASSERT_TRUE(tree->board().Set("v", "go"));
+  EXPECT_EQ(TicksAndLog(2), "RR b^ b ");
+  ASSERT_TRUE(tree->board().Set("v", 1.0));
+  EXPECT_EQ(TicksAndLog(1, 2), "R b! a^ ");
+  ASSERT_TRUE(tree->board().Set("v", "none"));
+  EXPECT_EQ(TicksAndLog(1, 3), "R a! c^ ");
+}
+TEST_F(Control, SwitchTicksItsLastChildWhereTheVariableHasNoValue) {
+  EXPECT_EQ(Run(Main("<Switch2 variable=\"{v}\" case_1=\"1\" case_2=\"2\">" + A("S") + B("S") +
+                     C("S") + "</Switch2>"),
+                1),
+            "S: c^ ");
+}
+TEST_F(Control, SwitchComparesWithTheNamesOfEnums) {
+  factory.AddEnum("RED", 2);
+  tree = MakeTree(Main("<Switch2 variable=\"{v}\" case_1=\"RED\" case_2=\"3\">" + A("S") + B("S") +
+                       C("S") + "</Switch2>"),
+                  factory);
+  ASSERT_TRUE(tree->board().Set("v", 2.0));
+  EXPECT_EQ(TicksAndLog(1), "S a^ ");
+}
+
+TEST_F(Control, IsSkippedWhenAllItsChildrenAre) {
+  const std::string skipped = A("S", "_skipIf=\"true\"") + B("S", "_skipIf=\"true\"");
+  for (const char* name : {"Sequence", "Fallback", "ReactiveSequence", "ReactiveFallback",
+                           "SequenceWithMemory", "Parallel", "ParallelAll"}) {
+    EXPECT_EQ(Run(In(name, skipped), 1), "-: ") << name;
+  }
+}
+TEST_F(Control, PassesOverASkippedChild) {
+  const std::string skipped = A("S", "_skipIf=\"true\"");
+  EXPECT_EQ(Run(In("Sequence", skipped + B("S")), 1), "S: b^ ");
+  EXPECT_EQ(Run(In("Fallback", skipped + B("F")), 1), "F: b^ ");
+  EXPECT_EQ(Run(In("Parallel", skipped + B("S")), 1), "S: b^ ");
+}
+
+TEST_F(Control, HaltReachesEachRunningNodeOnce) {
+  Run(Main("<Parallel><Sequence>" + A("R") + "</Sequence><ReactiveSequence><AlwaysSuccess/>" +
+           B("R") + "</ReactiveSequence><Delay delay_msec=\"0\"><Inverter>" + C("R") +
+           "</Inverter></Delay></Parallel>"),
+      2);
+  Take();
+  ASSERT_TRUE(tree->Halt(At(20)));
+  EXPECT_EQ(Take(), "a! b! c! ");
+  ASSERT_TRUE(tree->Halt(At(30)));
+  EXPECT_EQ(Take(), "");
+  for (NodeId id = 0; id < tree->size(); ++id) EXPECT_EQ(tree->status(id), Status::kIdle);
+}
+
+TEST_F(Control, ANodeThatThrowsHaltsTheOthersAndIsNamedWithItsPath) {
+  tree = MakeTree(In("Parallel name=\"both\"", A("R") + B("R!R")), factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  const Result<Status> failed = tree->TickExactlyOnce(At(10));
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().message, "Main/both/b: it broke");
+  EXPECT_EQ(Take(), "a^ b^ a b a! ");
+  EXPECT_EQ(Letter(tree->TickExactlyOnce(At(20))), 'R');  // begins again
+  EXPECT_EQ(Take(), "a^ b^ ");
+}
+
+TEST_F(Control, AnActionMustNotRun) {
+  ASSERT_TRUE(factory.AddAction("Bad", [](const Tick&) { return Status::kIdle; }));
+  tree = MakeTree(Main("<Bad/>"), factory);
+  EXPECT_EQ(tree->TickExactlyOnce(At(0)).error().message,
+            "Main/Bad: its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
+  ASSERT_TRUE(factory.AddAction("Slow", [](const Tick&) { return Status::kRunning; }));
+  tree = MakeTree(Main("<Slow/>"), factory);
+  EXPECT_THAT(tree->TickExactlyOnce(At(0)).error().message,
+              testing::HasSubstr("an action must not return RUNNING"));
+}
+
+}  // namespace musher::tree::control_test

@@ -1,0 +1,170 @@
+// The decorators and the leaves.
+
+#include "musher/test/behavior/tree/trees.hpp"
+
+namespace musher::tree::decorator_test {
+
+std::string Say(const std::string& does) {
+  return "<Say name=\"a\" does=\"" + does + "\"/>";
+}
+
+struct Decorators : testing::Test, Logged {
+  // The results of so many ticks, 10 ms apart, then the log.
+  std::string Run(const std::string& content, int ticks) {
+    tree = MakeTree(Main(content), factory);
+    const std::string letters = Ticks(*tree, ticks);
+    return letters + " " + Take();
+  }
+  std::unique_ptr<Tree> tree;
+};
+
+TEST_F(Decorators, ChangeTheResult) {
+  EXPECT_EQ(Run("<Inverter>" + Say("RSF") + "</Inverter>", 3), "RFS a^ a a^ ");
+  EXPECT_EQ(Run("<ForceSuccess>" + Say("RF") + "</ForceSuccess>", 2), "RS a^ a ");
+  EXPECT_EQ(Run("<ForceFailure>" + Say("RS") + "</ForceFailure>", 2), "RF a^ a ");
+  EXPECT_EQ(Run("<KeepRunningUntilFailure>" + Say("SSF") + "</KeepRunningUntilFailure>", 3),
+            "RRF a^ a^ a^ ");
+}
+
+TEST_F(Decorators, RepeatGivesTheTreeATurnAfterEachRound) {
+  const std::string xml = "<Repeat num_cycles=\"3\">" + Say("S") + "</Repeat>";
+  EXPECT_EQ(Run(xml, 4), "RRSR a^ a^ a^ a^ ");
+  tree = MakeTree(Main(xml), factory);
+  EXPECT_EQ(Letter(tree->TickOnce(At(0))), 'S');
+  EXPECT_EQ(Take(), "a^ a^ a^ ");
+}
+TEST_F(Decorators, RepeatGoesOnInTheSameTickAfterAChildThatRan) {
+  EXPECT_EQ(Run("<Repeat num_cycles=\"2\">" + Say("RS") + "</Repeat>", 3), "RRS a^ a a^ a ");
+}
+TEST_F(Decorators, RepeatEndsWithAFailure) {
+  EXPECT_EQ(Run("<Repeat num_cycles=\"3\">" + Say("SF") + "</Repeat>", 2), "RF a^ a^ ");
+}
+TEST_F(Decorators, RepeatWithoutALimitEndsATickOnce) {
+  const std::string findings =
+      Findings(Main("<Repeat num_cycles=\"-1\"><AlwaysSuccess/></Repeat>"));
+  EXPECT_THAT(findings, testing::HasSubstr("t.xml:3:1: warning: Repeat has no limit"));
+  tree = MakeTree(Main("<Repeat num_cycles=\"-1\"><AlwaysSuccess/></Repeat>"));
+  EXPECT_EQ(Letter(tree->TickOnce(At(0))), 'R');
+}
+TEST_F(Decorators, RetryTriesAgain) {
+  const std::string open = "<RetryUntilSuccessful num_attempts=\"3\">";
+  EXPECT_EQ(Run(open + Say("FS") + "</RetryUntilSuccessful>", 2), "RS a^ a^ ");
+  EXPECT_EQ(Run(open + Say("F") + "</RetryUntilSuccessful>", 4), "RRFR a^ a^ a^ a^ ");
+}
+TEST_F(Decorators, RetryCountsAgainAfterAHalt) {
+  tree = MakeTree(
+      Main("<RetryUntilSuccessful num_attempts=\"2\">" + Say("F") + "</RetryUntilSuccessful>"),
+      factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  ASSERT_TRUE(tree->Halt(At(0)));
+  EXPECT_EQ(Ticks(*tree, 2), "RF");
+}
+
+TEST_F(Decorators, DelayWaitsBeforeTheFirstTick) {
+  EXPECT_EQ(Run("<Delay delay_msec=\"20\">" + Say("RS") + "</Delay>", 6), "RRRSRR a^ a ");
+}
+TEST_F(Decorators, TimeoutHaltsTheChild) {
+  EXPECT_EQ(Run("<Timeout msec=\"20\">" + Say("R") + "</Timeout>", 4), "RRFR a^ a a! a^ ");
+  EXPECT_EQ(Run("<Timeout msec=\"20\">" + Say("RS") + "</Timeout>", 2), "RS a^ a ");
+}
+TEST_F(Decorators, TimeoutOfZeroIsNoLimit) {
+  EXPECT_EQ(Run("<Timeout msec=\"0\">" + Say("R") + "</Timeout>", 3), "RRR a^ a a ");
+}
+TEST_F(Decorators, TimeThatGoesBackStandsStill) {
+  tree = MakeTree(Main("<Sleep msec=\"50\"/>"));
+  EXPECT_EQ(Letter(tree->TickExactlyOnce(At(1000))), 'R');
+  EXPECT_EQ(Letter(tree->TickExactlyOnce(At(10))), 'R');
+  EXPECT_EQ(Letter(tree->TickExactlyOnce(At(1050))), 'S');
+}
+
+TEST_F(Decorators, RunOnceSkipsOrRepeatsItsResult) {
+  EXPECT_EQ(Run("<RunOnce>" + Say("RF") + "</RunOnce>", 4), "RF-- a^ a ");
+  EXPECT_EQ(Run("<RunOnce then_skip=\"false\">" + Say("RF") + "</RunOnce>", 4), "RFFF a^ a ");
+}
+TEST_F(Decorators, PreconditionIsEvaluatedBeforeTheChildStarts) {
+  tree = MakeTree(
+      Main("<Precondition if=\"go == 1\" else=\"SKIPPED\">" + Say("RS") + "</Precondition>"),
+      factory);
+  ASSERT_TRUE(tree->board().Set("go", 0.0));
+  EXPECT_EQ(Ticks(*tree, 1), "-");
+  ASSERT_TRUE(tree->board().Set("go", 1.0));
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  ASSERT_TRUE(tree->board().Set("go", 0.0));
+  EXPECT_EQ(Ticks(*tree, 2), "S-");
+}
+
+TEST_F(Decorators, LoopsTakeEachValue) {
+  tree =
+      MakeTree(Main("<LoopInt queue=\"3;4;5\" value=\"{x}\">"
+                    "<Script code=\"sum := (x == 3 ? 0 : sum) + x\"/></LoopInt>"));
+  EXPECT_EQ(Ticks(*tree, 4), "RRRS");
+  EXPECT_EQ(tree->board().Get<int>("sum").value(), 12);
+  EXPECT_EQ(Ticks(*tree, 4), "RRRS");  // a fixed queue is full again
+}
+TEST_F(Decorators, LoopsEmptyASharedQueueAndReadAVector) {
+  const std::string xml = Main(
+      "<LoopString queue=\"{q}\" value=\"{x}\" if_empty=\"FAILURE\">"
+      "<AlwaysSuccess/></LoopString>");
+  tree = MakeTree(xml);
+  const auto shared = std::make_shared<std::deque<std::string>>();
+  *shared = {"a", "b"};
+  ASSERT_TRUE(tree->board().Set("q", shared));
+  EXPECT_EQ(Ticks(*tree, 4), "RRFF");
+  EXPECT_TRUE(shared->empty());
+  ASSERT_TRUE(tree->board().Set("q", std::vector<std::string>{"c"}));
+  EXPECT_EQ(Ticks(*tree, 3), "RFR");
+  EXPECT_EQ(tree->board().Get<std::string>("x").value(), "c");
+}
+TEST_F(Decorators, AFailedRoundEndsALoop) {
+  EXPECT_EQ(Run("<LoopBool queue=\"1;0\" value=\"{x}\">" + Say("RF") + "</LoopBool>", 2),
+            "RF a^ a ");
+}
+
+TEST_F(Decorators, SkipUnlessUpdatedAndWaitValueUpdateFollowAnEntry) {
+  tree = MakeTree(Main("<SkipUnlessUpdated entry=\"{x}\">" + Say("RS") + "</SkipUnlessUpdated>"),
+                  factory);
+  EXPECT_EQ(Ticks(*tree, 1), "-");
+  ASSERT_TRUE(tree->board().Set("x", 1.0));
+  EXPECT_EQ(Ticks(*tree, 3), "RS-");
+  tree =
+      MakeTree(Main("<WaitValueUpdate entry=\"{x}\">" + Say("S") + "</WaitValueUpdate>"), factory);
+  EXPECT_EQ(Ticks(*tree, 2), "RR");
+  ASSERT_TRUE(tree->board().Set("x", 1.0));
+  EXPECT_EQ(Ticks(*tree, 2), "SR");
+}
+TEST_F(Decorators, SkipUnlessUpdatedHaltsItsChild) {
+  tree = MakeTree(Main("<SkipUnlessUpdated entry=\"{x}\">" + Say("R") + "</SkipUnlessUpdated>"),
+                  factory);
+  ASSERT_TRUE(tree->board().Set("x", 1.0));
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  ASSERT_TRUE(tree->Halt(At(10)));
+  EXPECT_EQ(Take(), "a^ a! ");
+}
+TEST_F(Decorators, WasEntryUpdatedIsTrueOncePerChange) {
+  tree = MakeTree(Main("<WasEntryUpdated entry=\"x\"/>"));
+  EXPECT_EQ(Ticks(*tree, 1), "F");
+  ASSERT_TRUE(tree->board().Set("x", 1.0));
+  EXPECT_EQ(Ticks(*tree, 2), "SF");
+}
+
+TEST_F(Decorators, SleepTakesItsTime) {
+  EXPECT_EQ(Run("<Sleep msec=\"20\"/>", 4), "RRSR ");
+}
+TEST_F(Decorators, SetAndUnsetBlackboard) {
+  tree =
+      MakeTree(Main("<Sequence><SetBlackboard value=\"7\" output_key=\"x\"/>"
+                    "<SetBlackboard value=\"{x}\" output_key=\"{y}\"/>"
+                    "<UnsetBlackboard key=\"x\"/></Sequence>"));
+  EXPECT_EQ(Ticks(*tree, 1), "S");
+  EXPECT_EQ(tree->board().Get<std::string>("y").value(), "7");
+  EXPECT_FALSE(tree->board().Get<std::string>("x"));
+}
+TEST_F(Decorators, ATestNodeTakesThePlaceOfOthers) {
+  factory.Substitute(
+      "Main/*/a",
+      {.result = Status::kFailure, .delay = Milliseconds(20), .failure_script = "failed := 1"});
+  EXPECT_EQ(Run("<Sequence>" + Say("S") + "</Sequence>", 3), "RRF ");
+  EXPECT_EQ(tree->board().Get<int>("failed").value(), 1);
+}
+
+}  // namespace musher::tree::decorator_test

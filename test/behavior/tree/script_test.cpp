@@ -1,0 +1,99 @@
+// The scripting language.
+
+#include "musher/test/behavior/tree/trees.hpp"
+
+namespace musher::tree::script_test {
+
+struct Scripts : testing::Test {
+  Board board;
+  Enums enums{{"RED", 1}, {"BLUE", 2}};
+  std::vector<Script::Finding> findings;
+
+  // The value as a text, or the error.
+  std::string Run(const std::string& text) {
+    findings.clear();
+    const Script script = Script::Parse(text, board, enums, false, findings);
+    for (const auto& finding : findings) {
+      if (finding.error) return std::to_string(finding.at) + ": " + finding.what;
+    }
+    try {
+      const Operand value = script.Evaluate();
+      return value.is_number() ? NumberText(value.number()) : "'" + std::string(value.text()) + "'";
+    } catch (const ScriptError& error) {
+      return error.what();
+    }
+  }
+};
+
+TEST_F(Scripts, Calculate) {
+  EXPECT_EQ(Run("1 + 2 * 3 - 8 / 4"), "5");
+  EXPECT_EQ(Run("-(1 + 2) * 2"), "-6");
+  EXPECT_EQ(Run("0x1F + 1e2 + .5"), "131.5");
+  EXPECT_EQ(Run("7 & 3 | 8 ^ 1"), "10");
+  EXPECT_EQ(Run("~5"), "-6");
+  EXPECT_EQ(Run("'a' + 'b'"), "'ab'");
+}
+TEST_F(Scripts, Compare) {
+  EXPECT_EQ(Run("1 < 2 && 2 <= 2 && 3 != 4"), "1");
+  EXPECT_EQ(Run("0 < 5 < 3"), "0");
+  EXPECT_EQ(Run("0 < 2 < 3"), "1");
+  EXPECT_EQ(Run("'abc' == 'abc' && 'a' < 'b'"), "1");
+  EXPECT_EQ(Run("!true || false"), "0");
+  EXPECT_EQ(Run("0.1 + 0.2 == 0.3"), "1");
+  EXPECT_EQ(Run("RED + BLUE"), "3");
+}
+TEST_F(Scripts, Choose) {
+  EXPECT_EQ(Run("2 > 1 ? 'yes' : 'no'"), "'yes'");
+  EXPECT_EQ(Run("false ? 1 : true ? 2 : 3"), "2");
+}
+TEST_F(Scripts, Assign) {
+  EXPECT_EQ(Run("x := 3; y := x * 2; y += 1; y -= 3; y *= 10; y /= 4"), "10");
+  EXPECT_EQ(Run("t := 'a'; t += 'b'; t"), "'ab'");
+  EXPECT_EQ(Run("x = 7; x"), "7");
+  EXPECT_EQ(Run("a := b := 2; a + b"), "4");
+  EXPECT_EQ(Run("t + (t := 'something that is longer than before') == t"), "0");
+}
+TEST_F(Scripts, AnEqualsSignNeedsAnEntry) {
+  EXPECT_EQ(Run("none = 1"), "the blackboard has no value of 'none'; to make an entry, use ':='");
+  EXPECT_EQ(Run("none + 1"), "the blackboard has no value of 'none'");
+}
+TEST_F(Scripts, ConvertToTheTypeOfTheEntry) {
+  board.At("n").type = TypeOf<int>();
+  EXPECT_EQ(Run("n := 3; n"), "3");
+  EXPECT_EQ(*board.At("n").value.As<int>(), 3);
+  EXPECT_EQ(Run("n := '12'; n"), "12");
+  EXPECT_EQ(Run("n := 2.5"), "'n': 2.5 is not valid: expected integer");
+  EXPECT_EQ(Run("n := 'x'"), "'n': 'x' is not valid: expected integer");
+  EXPECT_EQ(Run("n"), "12");
+}
+TEST_F(Scripts, RefuseWhatDoesNotFit) {
+  EXPECT_EQ(Run("'a' - 1"), "'-' needs numbers; got 'a'");
+  EXPECT_EQ(Run("1.5 & 1"), "'&' needs whole numbers; got 1.5");
+  EXPECT_EQ(Run("'a' == 1"), "can not compare 'a' with 1");
+  EXPECT_EQ(Run("'a' && true"), "expected true or false, or a number; got 'a'");
+}
+TEST_F(Scripts, NameThePlaceOfASyntaxError) {
+  EXPECT_EQ(Run("1 +"), "3: expected a value at the end");
+  EXPECT_EQ(Run("(1 + 2"), "6: expected ')'");
+  EXPECT_EQ(Run("x := 'a"), "5: the text has no closing quotation mark (')");
+  EXPECT_EQ(Run("1 2"), "2: expected an operator or ';'");
+  EXPECT_EQ(Run("3 := 4"), "2: only an entry of the blackboard can be assigned to");
+  EXPECT_EQ(Run("x ? 1"), "5: expected ':' of 'condition ? value : value'");
+  EXPECT_EQ(Run(""), "0: the script is empty");
+  EXPECT_EQ(Run("2x"), "0: expected a number such as 2, 0.5, 1e3 or 0x1F");
+  EXPECT_THAT(Run(std::string(1000, '(')), testing::HasSubstr("nested too deeply"));
+  EXPECT_THAT(Run(std::string(1000, '-')), testing::HasSubstr("nested too deeply"));
+}
+TEST_F(Scripts, GiveAndAndOrTheSameRank) {
+  EXPECT_EQ(Run("true || false && false"), "0");
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].what, "'a || b && c' is '(a || b) && c' here; use parentheses");
+}
+
+TEST_F(Scripts, ReachTheMainTreeByAnAtSign) {
+  Board inner(board, false);
+  Script::Parse("@x := 5", inner, enums, false, findings).Run();
+  EXPECT_EQ(board.Get<int>("x").value(), 5);
+}
+
+}  // namespace musher::tree::script_test

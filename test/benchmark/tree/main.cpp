@@ -1,0 +1,163 @@
+// What a tick of a behaviour tree costs for each node that it ticks, what a port and a script cost,
+// and how long a tree takes to load. The smallest of several turns.
+//
+//   benchmark_tree [TURNS]    (300)
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "musher/behavior/tree/build.hpp"
+#include "musher/behavior/tree/xml/tree_xml.hpp"
+#include "musher/test/behavior/fsm/counting_new.hpp"
+
+namespace musher::benchmark {
+namespace {
+
+using tree::Status;
+
+// Counts its ticks, so that what is measured is known.
+std::uint64_t ticked = 0;
+
+class Leaf : public tree::Action {
+  Status Do(const tree::Tick&) override {
+    ++ticked;
+    return Status::kSuccess;
+  }
+};
+
+class Copy : public tree::Action {
+ public:
+  explicit Copy(tree::Setup& setup)
+      : from_(setup.Input<double>("from")), to_(setup.Output<double>("to")) {}
+
+ private:
+  Status Do(const tree::Tick&) override {
+    for (int i = 0; i < 1000; ++i) to_.Set(from_.Get() + 1);
+    return Status::kSuccess;
+  }
+  tree::InPort<double> from_;
+  tree::OutPort<double> to_;
+};
+
+class Work : public tree::StatefulAction {
+  Status OnStart(const tree::Tick&) override { return Status::kRunning; }
+  Status OnRunning(const tree::Tick&) override { return Status::kSuccess; }
+};
+
+double SecondsOf(const std::function<void()>& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double Smallest(int turns, const std::function<void()>& work) {
+  double smallest = std::numeric_limits<double>::max();
+  for (int i = 0; i < turns; ++i) smallest = std::min(smallest, SecondsOf(work));
+  return smallest;
+}
+
+std::string Document(const std::string& content) {
+  return "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\">" + content + "</BehaviorTree></root>";
+}
+
+// Groups of ten nodes: a sequence, a fallback, decorators, an action that takes two ticks, leaves.
+std::string Mix(int nodes) {
+  std::string text = "<Sequence>\n";
+  for (int i = 0; i < nodes / 10; ++i) {
+    text +=
+        "<Sequence>\n<Leaf/>\n<Fallback>\n<Inverter><Leaf/></Inverter>\n<Leaf/>\n</Fallback>\n"
+        "<ForceSuccess><Work/></ForceSuccess>\n<Leaf/><Leaf/>\n</Sequence>\n";
+  }
+  return Document(text + "</Sequence>");
+}
+
+tree::Factory MakeFactory() {
+  tree::Factory factory;
+  static_cast<void>(factory.Add<Leaf>("Leaf"));
+  static_cast<void>(factory.Add<Copy>("Copy"));
+  static_cast<void>(factory.Add<Work>("Work"));
+  return factory;
+}
+
+std::unique_ptr<tree::Tree> Load(const std::string& xml, std::size_t history = 256) {
+  static const tree::Factory factory = MakeFactory();
+  const tree::Reading reading = tree::ReadTree(xml, "benchmark.xml");
+  tree::Built built = tree::Build(reading.document, factory, {.history = history});
+  for (const Diagnostic& each : built.diagnostics) {
+    std::fprintf(stderr, "%s\n", FormatDiagnostic(each).c_str());
+  }
+  if (built.tree == nullptr) std::exit(1);
+  return std::move(built.tree);
+}
+
+// Of a whole run of the tree, per node that is ticked: the leaves twice, since they work two ticks.
+void MeasureTicks(int turns, int nodes, std::size_t history) {
+  const auto tree = Load(Mix(nodes), history);
+  std::int64_t ticks = 0;
+  const int runs_of_a_turn = std::max(1, 20'000 / nodes);
+  const std::function<void()> run = [&] {
+    for (int i = 0; i < runs_of_a_turn; ++i) {
+      while (tree->TickExactlyOnce(Time(Duration(++ticks))).value() == Status::kRunning) {
+      }
+    }
+  };
+  run();
+  const std::uint64_t ticks_before = static_cast<std::uint64_t>(ticks);
+  const std::size_t allocations = testing::AllocationsOfNew().times;
+  const double seconds = Smallest(turns, run);
+  const double rounds =
+      static_cast<double>(static_cast<std::uint64_t>(ticks) - ticks_before) / turns;
+  // Each group: ten nodes in its first tick of which two (the action, its decorator) and the two
+  // around them come again in the next.
+  const double groups = nodes / 10;
+  const double runs = runs_of_a_turn;
+  const double visited = runs * (groups * 10 + 1) + (rounds - runs) * 4;
+  std::printf("tick of %6d nodes%s: %6.2f ns a ticked node, %zu allocations\n", nodes,
+              history == 0 ? " without history" : "", seconds / visited * 1e9,
+              testing::AllocationsOfNew().times - allocations);
+}
+
+void MeasureLoad(int turns, int nodes) {
+  const std::string xml = Mix(nodes);
+  const double seconds = Smallest(turns, [&xml] { Load(xml); });
+  std::printf("load of %5d nodes: %.3f ms\n", nodes, seconds * 1e3);
+}
+
+void MeasureScript(int turns, const std::string& code) {
+  tree::Board board;
+  static_cast<void>(board.Set("x", 1.0));
+  static_cast<void>(board.Set("y", 2.0));
+  std::vector<tree::Script::Finding> findings;
+  const tree::Script script = tree::Script::Parse(code, board, {}, false, findings);
+  const double seconds = Smallest(turns, [&script] {
+    for (int i = 0; i < 1000; ++i) script.Run();
+  });
+  std::printf("script %-32s %6.1f ns\n", code.c_str(), seconds / 1000 * 1e9);
+}
+
+}  // namespace
+}  // namespace musher::benchmark
+
+int main(int argc, char** argv) {
+  using namespace musher::benchmark;
+  const int turns = argc > 1 ? std::max(1, std::atoi(argv[1])) : 300;
+  for (const int nodes : {100, 1000, 10'000}) {
+    MeasureTicks(turns, nodes, 256);
+    MeasureTicks(turns, nodes, 0);
+  }
+  const auto tree = Load(Document("<Copy from=\"{a}\" to=\"{a}\"/>"));
+  static_cast<void>(tree->board().Set("a", 0.0));
+  const double seconds = Smallest(turns, [&tree] {
+    for (int i = 0; i < 100; ++i) static_cast<void>(tree->TickExactlyOnce(musher::Time{}));
+  });
+  std::printf("get and set of a port: %.2f ns\n", seconds / 100'000 * 1e9);
+  MeasureScript(turns, "x < 3 && y != 1");
+  MeasureScript(turns, "x := x + y * 2; x -= 4");
+  MeasureLoad(std::min(turns, 50), 100);
+  MeasureLoad(std::min(turns, 50), 1000);
+  return 0;
+}
