@@ -2,13 +2,11 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <string>
-#include <string_view>
 
 #include "musher/base/program.hpp"
 #include "musher/controller/cli/config_places.hpp"
@@ -57,13 +55,22 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
 // Musher's own programs, which all support --check. Another program with a similar name could
 // ignore the option and start.
 bool SupportsCheck(const std::string& program) {
-  constexpr std::array<std::string_view, 11> kPrograms = {
-      "musher-exec",           "musher-motion-manager", "musher-audio-manager",
-      "musher-device-manager", "musher-sensor-manager", "musher-camera-manager",
-      "musher-vision-manager", "musher-wedding",        "musher-world",
-      "musher-skills",         "musher-plan-dispatcher"};
-  return std::find(kPrograms.begin(), kPrograms.end(), fs::path(program).filename().string()) !=
-         kPrograms.end();
+  static const std::set<std::string> kPrograms = {"musher-exec",
+                                                  "musher-motion-manager",
+                                                  "musher-audio-manager",
+                                                  "musher-device-manager",
+                                                  "musher-sensor-manager",
+                                                  "musher-camera-manager",
+                                                  "musher-vision-manager",
+                                                  "musher-wedding",
+                                                  "musher-world",
+                                                  "musher-skills",
+                                                  "musher-plan-dispatcher",
+                                                  "musher-planner",
+                                                  "musher-controller",
+                                                  "musher-race",
+                                                  "musher-line-walker"};
+  return kPrograms.contains(fs::path(program).filename().string());
 }
 
 struct Ran {

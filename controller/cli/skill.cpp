@@ -1,6 +1,7 @@
 // musher skill, and musher skill list: the skills of the running robot.
 
 #include <CLI/CLI.hpp>
+#include <vector>
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/render/skill.hpp"
@@ -11,8 +12,26 @@ namespace musher::cli {
 namespace {
 
 struct SkillListOptions {
+  std::string name;      // empty: all, without their parameters
   std::string actuator;  // empty: all
 };
+
+Result<std::vector<msg::SkillOffers>> Chosen(const std::vector<msg::SkillOffers>& all,
+                                             const SkillListOptions& options) {
+  std::vector<msg::SkillOffers> chosen = all;
+  if (!options.name.empty()) {
+    const auto found = FindSkill(all, options.name, options.actuator);
+    if (!found) return found.error();
+  }
+  std::erase_if(chosen, [&options](msg::SkillOffers& of) {
+    if (!options.name.empty()) {
+      std::erase_if(of.skills, [&](const auto& offer) { return offer.skill != options.name; });
+    }
+    const bool other = !options.actuator.empty() && of.actuator != options.actuator;
+    return other || of.skills.empty();
+  });
+  return chosen;
+}
 
 ExitCode SkillList(const SkillListOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
@@ -20,11 +39,11 @@ ExitCode SkillList(const SkillListOptions& options, const GlobalOptions& global,
   const auto offers = SkillOffers::Begin(*link.value(), global);
   if (!offers) return console.Fail(offers.error());
   if (const auto failure = offers.value()->Await(options.actuator)) return console.Fail(*failure);
-  std::vector<msg::SkillOffers> all = offers.value()->all();
-  std::erase_if(all, [&options](const msg::SkillOffers& of) {
-    return !options.actuator.empty() && of.actuator != options.actuator;
-  });
-  console.Print(console.mode().json ? SkillsJson(all) : SkillsText(all, console.mode().colour));
+  const auto chosen = Chosen(offers.value()->all(), options);
+  if (!chosen) return console.Fail(chosen.error());
+  const bool whole = !options.name.empty();
+  console.Print(console.mode().json ? SkillsJson(chosen.value())
+                                    : SkillsText(chosen.value(), whole, console.mode().colour));
   return ExitCode::kDone;
 }
 
@@ -45,6 +64,7 @@ void AddSkillActuator(Grammar& grammar, CLI::App& app, std::string& actuator) {
 void AddSkillList(Grammar& grammar, CLI::App& family) {
   auto [app, options] =
       grammar.Add("list", "List the skills that the actuators offer", SkillList, &family);
+  AddSkillName(grammar, app, options.name, "The skill: its parameters, too");
   AddSkillActuator(grammar, app, options.actuator);
 }
 

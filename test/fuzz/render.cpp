@@ -77,7 +77,7 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
     case 5:
       if (const auto offers = Take<msg::SkillOffers>(bytes)) {
         RequireJson(SkillsJson({*offers}));
-        RequirePrintable(SkillsText({*offers}, false));
+        RequirePrintable(SkillsText({*offers}, true, false));
       }
       return;
     case 6:

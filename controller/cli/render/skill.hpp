@@ -36,7 +36,8 @@ struct SkillEnd {
   std::string goal_id;               // 32 hexadecimal digits
 };
 
-std::string SkillsText(const std::vector<msg::SkillOffers>& all, bool colour);
+// `whole`: with their parameters.
+std::string SkillsText(const std::vector<msg::SkillOffers>& all, bool whole, bool colour);
 std::string SkillsJson(const std::vector<msg::SkillOffers>& all);
 
 // " 15 %  Planning the path"

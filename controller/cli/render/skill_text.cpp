@@ -41,7 +41,7 @@ Style StyleOf(std::uint8_t status) {
 
 }  // namespace
 
-std::string SkillsText(const std::vector<msg::SkillOffers>& all, bool colour) {
+std::string SkillsText(const std::vector<msg::SkillOffers>& all, bool whole, bool colour) {
   std::string text;
   for (const msg::SkillOffers& of : all) {
     const msg::SkillOffers shown = Printable(of);
@@ -55,6 +55,7 @@ std::string SkillsText(const std::vector<msg::SkillOffers>& all, bool colour) {
         line += std::string(width - Width(offer.skill) + 2, ' ') + offer.summary;
       }
       text += line + '\n';
+      if (!whole) continue;
       for (const std::string& parameter : offer.parameters) text += "      " + parameter + '\n';
     }
   }

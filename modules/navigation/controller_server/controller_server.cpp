@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/navigation/server/work_thread.hpp"
+#include "musher/modules/navigation/server/thread_background.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
@@ -44,7 +44,7 @@ ControllerServer::~ControllerServer() {
 Result<std::unique_ptr<ControllerServer>> ControllerServer::Make(
     const Dependencies& dependencies, const ControllerConfig& config,
     std::unique_ptr<Background> background) {
-  if (!background) background = std::make_unique<WorkThread>(dependencies.node.loop());
+  if (!background) background = std::make_unique<ThreadBackground>(dependencies.node.loop());
   std::unique_ptr<ControllerServer> server(
       new ControllerServer(dependencies, config, std::move(background)));
   if (const Result<> opened = server->Open(); !opened) return opened.error();

@@ -27,7 +27,7 @@ class ControllerServer {
  public:
   using Config = ControllerConfig;
 
-  // `background`: for maps; null: a WorkThread.
+  // `background`: for maps; null: a ThreadBackground.
   static Result<std::unique_ptr<ControllerServer>> Make(
       const Dependencies& dependencies, const ControllerConfig& config,
       std::unique_ptr<Background> background = nullptr);

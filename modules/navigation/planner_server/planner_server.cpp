@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/navigation/server/work_thread.hpp"
+#include "musher/modules/navigation/server/thread_background.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
@@ -37,7 +37,7 @@ Result<std::unique_ptr<PlannerServer>> PlannerServer::Make(const Dependencies& d
                                                            const MakeBackground& background) {
   std::unique_ptr<PlannerServer> server(new PlannerServer(dependencies, config));
   const auto thread = [&dependencies]() -> std::unique_ptr<Background> {
-    return std::make_unique<WorkThread>(dependencies.node.loop());
+    return std::make_unique<ThreadBackground>(dependencies.node.loop());
   };
   const Result<> opened = server->Open(background ? background : MakeBackground(thread));
   if (!opened) return opened.error();

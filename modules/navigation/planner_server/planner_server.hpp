@@ -28,7 +28,7 @@ class PlannerServer {
   using Config = PlannerConfig;
   using MakeBackground = std::function<std::unique_ptr<Background>()>;
 
-  // `background`: by default a WorkThread.
+  // `background`: by default a ThreadBackground.
   static Result<std::unique_ptr<PlannerServer>> Make(const Dependencies& dependencies,
                                                      const PlannerConfig& config,
                                                      const MakeBackground& background = {});

@@ -18,7 +18,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/actuator/program/await.hpp"
-#include "musher/modules/navigation/server/end_signals.hpp"
+#include "musher/actuator/program/end_signals.hpp"
 #include "musher/transport/clock.hpp"
 
 namespace musher::navigation {
@@ -105,10 +105,7 @@ class ServerActuator : public MachineActuator {
                      config_);
     if (!server) return server.error();
     server_ = std::move(server).value();
-    signal_watch_ = node_->loop().WhenReadable(signals_.fd(), [this] {
-      server_.reset();
-      signals_.End();
-    });
+    signal_watch_ = signals_.Watch(node_->loop(), [this] { server_.reset(); });
     return Ok();
   }
   Result<> SelfCheck() {
@@ -126,7 +123,7 @@ class ServerActuator : public MachineActuator {
     return Ok();
   }
 
-  const EndSignals signals_;  // before any thread
+  const program::EndSignals signals_;  // before any thread
   const typename Server::Config config_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;

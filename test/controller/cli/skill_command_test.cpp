@@ -23,6 +23,7 @@ namespace musher::cli::skill_command_test {
 using ::testing::AllOf;
 using testing::Ended;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Process;
 
 const std::string kMusher = BinDir() + "/musher";
@@ -35,16 +36,23 @@ class SkillCommand : public ::testing::Test {
   }
 };
 
-TEST_F(SkillCommand, ListsTheSkillsOfEveryActuatorWithTheirParameters) {
+TEST_F(SkillCommand, ListsTheSkillsOfEveryActuatorAndTheParametersOfOne) {
   const FakeSkills zero("cf2x_0");
   const FakeSkills one("cf2x_1");
   const Ran ran = RunProgram({"skill", "list"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out,
               AllOf(HasSubstr("cf2x_0  /cf2x_0/skill_execution\n"
-                              "  rise    rises to an altitude\n"
-                              "      altitude: a number, default 1 (m above the ground)\n"),
-                    HasSubstr("\n  wait\n"), HasSubstr("cf2x_1  ")));
+                              "  rise    rises to an altitude\n"),
+                    HasSubstr("\n  wait\n"), HasSubstr("cf2x_1  "), Not(HasSubstr("altitude: "))));
+  const Ran rise = RunProgram({"skill", "list", "rise", "--actuator", "cf2x_1"});
+  EXPECT_THAT(rise.out, HasSubstr("cf2x_1  /cf2x_1/skill_execution\n"
+                                  "  rise  rises to an altitude\n"
+                                  "      altitude: a number, default 1 (m above the ground)\n"));
+  EXPECT_THAT(rise.out, AllOf(Not(HasSubstr("wait")), Not(HasSubstr("cf2x_0"))));
+  const Ran unknown = RunProgram({"skill", "list", "ries"});
+  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'rise'?"));
   const Ran of_one = RunProgram({"--json", "skill", "list", "--actuator", "cf2x_1"});
   const auto json = Json(of_one.out)["actuators"];
   EXPECT_EQ(json.size(), 1U) << of_one.out;
@@ -108,7 +116,8 @@ TEST_F(SkillCommand, RequiresAnActuatorWhereSeveralOfferTheSkill) {
 TEST_F(SkillCommand, ReportsThatNothingRuns) {
   for (const char* command : {"list", "run", "cancel", "watch"}) {
     std::vector<std::string> words = {"--namespace", "nowhere", "skill", command};
-    if (command == std::string("run") || command == std::string("cancel")) words.emplace_back("rise");
+    if (command == std::string("run") || command == std::string("cancel"))
+      words.emplace_back("rise");
     const Ran ran = RunProgram(words);
     EXPECT_EQ(ran.exit, 3);
     EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));

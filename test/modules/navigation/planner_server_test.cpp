@@ -5,7 +5,7 @@
 #include <atomic>
 #include <limits>
 
-#include "musher/modules/navigation/server/work_thread.hpp"
+#include "musher/modules/navigation/server/thread_background.hpp"
 #include "musher/test/modules/navigation/navigation_rig.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -176,12 +176,12 @@ TEST_F(PlannerServerTest, IsDestroyedInTheMiddleOfARequest) {
   EXPECT_TRUE(plans_.ends[goal]);
 }
 
-TEST(WorkThread, LeavesTheLoopFreeAndReturnsThere) {
+TEST(ThreadBackground, LeavesTheLoopFreeAndReturnsThere) {
   transport::LinuxEventLoop loop;
   std::atomic<bool> release = false;
   bool loop_ran = false, returned = false;
   const std::thread::id here = std::this_thread::get_id();
-  WorkThread thread(loop);
+  ThreadBackground thread(loop);
   thread.Do([&] {
     EXPECT_NE(std::this_thread::get_id(), here);
     while (!release) std::this_thread::yield();
@@ -198,13 +198,13 @@ TEST(WorkThread, LeavesTheLoopFreeAndReturnsThere) {
   EXPECT_TRUE(loop.RunUntil([&] { return returned; }, deadline));
 }
 
-TEST(WorkThread, DropsItsWorkWhenItIsDestroyed) {
+TEST(ThreadBackground, DropsItsWorkWhenItIsDestroyed) {
   transport::LinuxEventLoop loop;
   std::atomic<bool> release = false;
   std::atomic<int> works = 0;
   bool returned = false;
   {
-    WorkThread thread(loop);
+    ThreadBackground thread(loop);
     thread.Do([&] {
       while (!release) std::this_thread::yield();
       ++works;

@@ -1,0 +1,21 @@
+#include "musher/modules/navigation/server/thread_background.hpp"
+
+#include <utility>
+
+namespace musher::navigation {
+
+ThreadBackground::~ThreadBackground() {
+  *alive_ = false;
+  ending_ = true;
+}
+
+void ThreadBackground::Do(std::function<std::function<void()>()> work) {
+  thread_.Do([this, work = std::move(work)] {
+    if (ending_) return;
+    loop_.Post([alive = alive_, then = work()] {
+      if (*alive && then) then();
+    });
+  });
+}
+
+}  // namespace musher::navigation
