@@ -50,7 +50,7 @@ void Building::ReportScript(const Attribute& attribute, const Script::Finding& f
 }
 
 std::vector<Diagnostic> Building::Take() && {
-  std::ranges::sort(found_);
+  std::sort(found_.begin(), found_.end());
   found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
   std::vector<Diagnostic> diagnostics;
   for (auto& [place, severity, message] : found_) {

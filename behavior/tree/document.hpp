@@ -18,7 +18,9 @@ struct Place {
   std::uint32_t at = 0;
 
   friend bool operator==(const Place&, const Place&) = default;
-  friend auto operator<=>(const Place&, const Place&) = default;
+  friend bool operator<(const Place& a, const Place& b) {
+    return a.file != b.file ? a.file < b.file : a.at < b.at;
+  }
 };
 
 struct Attribute {

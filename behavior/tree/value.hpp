@@ -55,8 +55,9 @@ constexpr std::string_view TypeName() {
 }
 
 inline constexpr std::size_t kRoom = 32;
+inline constexpr std::size_t kRoomAlignment = alignof(std::max_align_t);
 constexpr bool FitsInside(std::size_t size, std::size_t alignment) {
-  return size <= kRoom && alignment <= alignof(std::max_align_t);
+  return size <= kRoom && alignment <= kRoomAlignment;
 }
 
 template <class T>
@@ -176,7 +177,7 @@ class Value {
 
  private:
   const Type* type_ = nullptr;
-  alignas(std::max_align_t) std::byte room_[internal::kRoom];
+  alignas(internal::kRoomAlignment) std::byte room_[internal::kRoom];
 };
 
 // A number for people and for texts: "3", "0.5".
