@@ -40,6 +40,15 @@ TEST_F(Causes, RecordsAreNumberedFromOneWithoutGaps) {
   for (std::size_t i = 0; i < t.whole_records.size(); ++i) EXPECT_EQ(t.whole_records[i].id, i + 1);
 }
 
+TEST_F(Causes, EachRecordHasAnEvent) {
+  Harness& t = In("Active");
+  t.Set("LowPower");
+  for (const action::Record& record : t.whole_records) {
+    EXPECT_NE(record.event, EventName::kNone) << record.message;
+  }
+  EXPECT_EQ(t.whole_records.back().event, EventName::kSwitchDone);
+}
+
 TEST_F(Causes, TheEndOfASwitchIsCausedByTheRequest) {
   Harness& t = In("Active");
   t.Set("LowPower");
