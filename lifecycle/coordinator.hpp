@@ -5,7 +5,7 @@
 //
 // Inside, one step is a chain of parts, each a small class (step/step_part.hpp) that uses only
 // those above it:
-//   record/     the event names and the sentences of what is recorded
+//   record/     the sentences of what is recorded, each with its event name (event_name.hpp)
 //   step/       what every part can do: change the machine, act, record, save; emergency stops
 //   process/    the processes of the actuators, restarts
 //   policy/     the stored values of the policy; power

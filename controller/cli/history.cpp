@@ -19,7 +19,7 @@
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/journal/journal_reader.hpp"
 #include "musher/controller/shell/wire.hpp"
-#include "musher/lifecycle/record/event_name.hpp"
+#include "musher/lifecycle/event_name.hpp"
 
 namespace musher::cli {
 namespace {

@@ -17,11 +17,11 @@
 
 #include "musher/base/result.hpp"
 #include "musher/lifecycle/config/config.hpp"
+#include "musher/lifecycle/event_name.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
-#include "musher/lifecycle/record/event_name.hpp"
 
 namespace musher {
 

@@ -10,6 +10,11 @@
 
 namespace musher {
 
+// The fault of an actuator that sends nothing any more, until more is known about it. Its process
+// may have exited, or may only be out of reach: of another host, behind a cable that is cut, or
+// stopped.
+inline constexpr const char* kOutOfReach = "connection lost";
+
 // Epochs grow by one with every controller, numbers with every command; values from these on are
 // not taken over from a report. A controller's own commands may continue the number beyond.
 inline constexpr Epoch kLastEpoch = std::uint64_t{1} << 62;

@@ -1,8 +1,8 @@
 // Of an actuator: what it does by itself, and why it is degraded.
 
 #include "musher/base/code.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/record/texts.hpp"
-#include "musher/lifecycle/step/event.hpp"
 
 namespace musher::texts {
 namespace {

@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/event_name.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
-#include "musher/lifecycle/record/event_name.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {

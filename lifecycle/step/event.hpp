@@ -11,11 +11,6 @@
 
 namespace musher {
 
-// The fault of an actuator that sends nothing any more, until more is known about it. Its process
-// may have exited, or may only be out of reach: of another host, behind a cable that is cut, or
-// stopped.
-inline constexpr const char* kOutOfReach = "connection lost";
-
 namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest follows by requests. `running[i]`: a

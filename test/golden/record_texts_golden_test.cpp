@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "musher/base/code.hpp"
+#include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/record/texts.hpp"
-#include "musher/lifecycle/step/event.hpp"
 #include "musher/test/support/paths.hpp"
 
 namespace musher::record_texts_golden_test {
