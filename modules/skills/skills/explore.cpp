@@ -167,13 +167,13 @@ Next Explore::GoToStart(Tick& tick) {
                                 std::chrono::duration<double>(tick.elapsed).count()));
   }
   if (step.kind == Kind::kDone) return Next::To(executing_);
-  return After(tick, step);
+  return After(step);
 }
 
 Next Explore::Execute(Tick& tick) {
   if (target_) {
     const TravelStep step = Approach(tick);
-    if (step.kind != Kind::kDone && step.kind != Kind::kPending) return After(tick, step);
+    if (step.kind != Kind::kDone && step.kind != Kind::kPending) return After(step);
     if (IndexOf(tick) + 1 >= path_.size()) return Finish(tick);
   } else {
     if (!travel_.driving()) BeginRest(tick);
@@ -184,7 +184,7 @@ Next Explore::Execute(Tick& tick) {
       if (step.kind == Kind::kBlocked) {
         SkipTo(tick, Ahead(IndexOf(tick), kSkipM));
       } else if (step.kind != Kind::kPending) {
-        return After(tick, step);
+        return After(step);
       }
     }
   }
@@ -227,11 +227,10 @@ TravelStep Explore::Approach(Tick& tick) {
   return step;
 }
 
-Next Explore::After(Tick& tick, const TravelStep& step) {
+Next Explore::After(const TravelStep& step) {
   if (step.kind == Kind::kPending) return Next::Stay();
   target_.reset();
-  const bool refused = tick.retries == 0 && step.why.starts_with("Request rejected");
-  if (step.kind == Kind::kLost && !refused) return Next::Retry(initializing_, step.why);
+  if (step.kind == Kind::kLost) return Next::Retry(initializing_, step.why);
   return Next::Fail(step.why);
 }
 

@@ -47,7 +47,7 @@ class Explore : public skill::Skill {
   // The way of the planner to the point of the path `target_`, or, where there is none, to a later
   // one. kDone: there.
   TravelStep Approach(skill::Tick& tick);
-  skill::Next After(skill::Tick& tick, const TravelStep& step);
+  skill::Next After(const TravelStep& step);
   // Along the path from where the robot is.
   void BeginRest(const skill::Tick& tick);
   void NoteProgress(skill::Tick& tick);

@@ -87,9 +87,7 @@ Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
     case Kind::kBlocked:
       return Next::Replan(planning_, why);
     case Kind::kLost:
-      // A server that has restarted rejects requests until it is Active; one that was never lost
-      // has another reason.
-      if (tick.retries == 0 && step.why.starts_with("Request rejected")) return Next::Fail(why);
+      // Also a server that rejects: it does until it is Active, for example after a restart.
       return Next::Retry(initializing_, why);
     case Kind::kFailed:
       return Next::Fail(why);

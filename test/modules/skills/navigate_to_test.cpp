@@ -169,7 +169,19 @@ TEST_F(NavigateTo, FailsWithTheReasonOfThePlanner) {
     return Error{kCodeStateInvalid, "it is not Active"};
   };
   Go();
-  ExpectFailure(3, "Request rejected: it is not Active");
+  ExpectFailure(30, "Request rejected: it is not Active");
+}
+
+// The planner had restarted before the goal came, and was not Active yet.
+TEST_F(NavigateTo, AsksAPlannerThatRejectsAgain) {
+  const auto plans = robot.plan;
+  robot.plan = [&](const auto& goal, const auto& start) -> Result<navigation::Path> {
+    if (robot.plans < 3) return Error{kCodeStateInvalid, "it is not Active"};
+    return plans(goal, start);
+  };
+  Go();
+  EXPECT_TRUE(RunToItsEnd(30));
+  EXPECT_EQ(feedback().message, "Reached goal");
 }
 
 TEST_F(NavigateTo, DoesNotDriveAlongAPathThatIsNone) {
