@@ -31,7 +31,8 @@
 //
 //   skill_execution        action plan_msgs/SkillExecution
 //   skills                 musher_msgs/SkillOffers, latched: its skills with their parameters
-//   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, also of one without a
+//   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, also of one without
+//   a
 //                          goal
 //   <actuator>/get_skill   service musher_msgs/GetSkill: a run's feedback, history, errors, picture
 //

@@ -29,7 +29,7 @@ enum class Names {
   kSkills,
   kSkillKeys,       // "altitude=", of the skill on the command line
   kSkillActuators,  // those that offer skills
-  kConfigs,  // .toml files and folders
+  kConfigs,         // .toml files and folders
   kFiles,
   kFolders
 };

@@ -12,7 +12,8 @@ constexpr Duration kCancelTime = std::chrono::seconds(1);  // then the cancellat
 
 using transport::GoalEnd;
 
-// A server that was lost, or rejects the goal because it is not Active yet: it may take the next one.
+// A server that was lost, or rejects the goal because it is not Active yet: it may take the next
+// one.
 template <class Outcome>
 Error Unreached(const std::string& server, const Outcome& outcome) {
   return Error{outcome.end == GoalEnd::kRejected ? kCodeStateInvalid : kCodeNetError,
