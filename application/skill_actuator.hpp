@@ -31,18 +31,15 @@
 //
 //   skill_execution        action plan_msgs/SkillExecution
 //   skills                 musher_msgs/SkillOffers, latched: its skills with their parameters
-//   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, also of one without
-//   a
-//                          goal
+//   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, with or without goal
 //   <actuator>/get_skill   service musher_msgs/GetSkill: a run's feedback, history, errors, picture
 //
-// Several skills may run at once, each at most once. A
-// goal has one skill with its parameters as texts ("[10, 20, 0]"); see skill::Parse(). One that
-// cannot be started is aborted at once, with the reason in its result: an unknown skill, one that
-// runs, invalid parameters, a robot that is not Active. Feedback is
-// "processing: Planning the path (15%)", at each change. A goal succeeds only when its skill has
-// completed; cancelling the goal cancels the skill; a skill that is cancelled by anything else
-// aborts its goal.
+// Several skills may run at once, each at most once. A goal has one skill with its parameters as
+// texts ("[10, 20, 0]"); see skill::Parse(). One that cannot be started is aborted at once, with
+// the reason in its result: an unknown skill, one that runs, invalid parameters, a robot that is
+// not Active. Feedback is "processing: Planning the path (15%)", at each change. A goal succeeds
+// only when its skill has completed; cancelling the goal cancels the skill; a skill that is
+// cancelled by anything else aborts its goal.
 //
 // In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
 // clock: skills are registered and cancelled, and not stepped.
