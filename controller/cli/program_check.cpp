@@ -55,22 +55,22 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
 // Musher's own programs, which all support --check. Another program with a similar name could
 // ignore the option and start.
 bool SupportsCheck(const std::string& program) {
-  static const std::set<std::string> kPrograms = {"musher-exec",
-                                                  "musher-motion-manager",
-                                                  "musher-audio-manager",
-                                                  "musher-device-manager",
-                                                  "musher-sensor-manager",
-                                                  "musher-camera-manager",
-                                                  "musher-vision-manager",
-                                                  "musher-wedding",
-                                                  "musher-world",
-                                                  "musher-skills",
-                                                  "musher-plan-dispatcher",
-                                                  "musher-planner",
-                                                  "musher-controller",
-                                                  "musher-race",
-                                                  "musher-line-walker"};
-  return kPrograms.contains(fs::path(program).filename().string());
+  static const std::set<std::string> programs = {"musher-exec",
+                                                 "musher-motion-manager",
+                                                 "musher-audio-manager",
+                                                 "musher-device-manager",
+                                                 "musher-sensor-manager",
+                                                 "musher-camera-manager",
+                                                 "musher-vision-manager",
+                                                 "musher-wedding",
+                                                 "musher-world",
+                                                 "musher-skills",
+                                                 "musher-plan-dispatcher",
+                                                 "musher-planner",
+                                                 "musher-controller",
+                                                 "musher-race",
+                                                 "musher-line-walker"};
+  return programs.contains(fs::path(program).filename().string());
 }
 
 struct Ran {
@@ -111,7 +111,7 @@ bool IsOn(const std::string& file, const std::string& line) {
 
 }  // namespace
 
-std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration timeout) {
+std::vector<Diagnostic> Checprograms(const MachineConfig& config, Duration timeout) {
   const ConfigPlaces places(config.file);
   std::error_code no_folder;  // then the path stays relative
   const std::string file = fs::absolute(config.file, no_folder).string();

@@ -9,7 +9,7 @@
 namespace musher::skills {
 namespace {
 
-constexpr std::size_t kMostPoints = 10'000;
+constexpr std::size_t kMostPointsInText = 10'000;
 
 // Reads from the left; the first error stays.
 class ListReader {
@@ -46,7 +46,7 @@ class ListReader {
       at_ = begin;
       return Expect("2 or 3 numbers of a place");
     }
-    if (++count_ > kMostPoints) return Expect("at most 10000 places");
+    if (++count_ > kMostPointsInText) return Expect("at most 10000 places");
     points.push_back({numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 0});
     return true;
   }

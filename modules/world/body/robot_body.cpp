@@ -11,7 +11,7 @@ using Eigen::Rotation2Dd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSinkM_s = 0.5;  // with an empty battery
+constexpr double kSinkMps = 0.5;  // with an empty battery
 constexpr double kLandedM = 1e-6;
 
 // At most so long.
@@ -56,7 +56,7 @@ void RobotBody::PutDown(const Vector3d& position_m, double yaw_rad) {
 
 BodyVelocity RobotBody::Target(bool battery_empty, Duration now) const {
   const bool flies = kind_ == RobotKind::kFlyer;
-  if (battery_empty) return {{0, 0, flies ? -kSinkM_s : 0}, 0};
+  if (battery_empty) return {{0, 0, flies ? -kSinkMps : 0}, 0};
   if (!commanded_ || now - commanded_at_ > command_timeout_) return {};
   BodyVelocity target = command_;
   if (kind_ == RobotKind::kDifferential) target.linear_m_s.y() = 0;

@@ -208,7 +208,7 @@ class RobotReader {
 
   // Of a robot or mover, whose topics begin with it.
   std::string TopicName(TableReader& reader) {
-    const std::string name = OwnName(reader, topic_names_);
+    std::string name = OwnName(reader, topic_names_);
     if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end()) {
       reader.Fault(reader.At("name"), "name",
                    config_toml::Quote(name) + " is the name of topics of the world itself");

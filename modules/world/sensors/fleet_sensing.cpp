@@ -219,7 +219,11 @@ msg::PointCloud2 CloudOfSurfaces(const Scene& scene) {
   message.point_step = 3 * sizeof(float);
   message.row_step = message.point_step * message.width;
   message.data.resize(message.row_step);
-  std::memcpy(message.data.data(), cloud.points().data(), message.data.size());
+  std::uint8_t* next = message.data.data();
+  for (const auto& point : cloud.points()) {
+    std::memcpy(next, point.data(), message.point_step);
+    next += message.point_step;
+  }
   message.is_dense = true;
   return message;
 }
