@@ -33,7 +33,7 @@
 
 namespace musher::navigation {
 
-using FollowCode = msg::FollowPath_Result;
+using FollowCode = msg::FollowPath;
 
 // How a drive has ended.
 struct DriveEnd {

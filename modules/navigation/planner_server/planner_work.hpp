@@ -13,7 +13,7 @@
 
 namespace musher::navigation {
 
-using PathCode = msg::ComputePathToPose_Result;
+using PathCode = msg::ComputePathToPose;
 
 // Of a robot on the ground; the body has room for its radius and margin.
 Result<Planner> MakePlanner(const msg::OccupancyGrid& grid, const PlannerConfig& config,

@@ -111,7 +111,7 @@ class ServerActuator : public MachineActuator {
   Result<> SelfCheck() {
     node_->RunOnLoop([&] { server_->Permit(false, "it is in SelfCheck"); });
     SelfCheckResult last;
-    const Result<> checked = program::AwaitOnLoop(
+    Result<> checked = program::AwaitOnLoop(
         *node_, config_.self_check_time,
         [&] {
           last = server_->Check();

@@ -159,7 +159,7 @@ msg::ManipulationControl::Request ToMessage(const HandRequest& request) {
 }
 
 std::string PlannerReason(std::uint16_t error_code) {
-  using Code = msg::ComputePathToPose_Result;
+  using Code = msg::ComputePathToPose;
   switch (error_code) {
     case Code::kInvalidPlanner:
       return "the planner has no such planner_id";
@@ -183,7 +183,7 @@ std::string PlannerReason(std::uint16_t error_code) {
 }
 
 Error ControllerError(std::uint16_t error_code) {
-  using Code = msg::FollowPath_Result;
+  using Code = msg::FollowPath;
   const auto failed = [](const char* why) { return Error{kCodeFailed, why}; };
   switch (error_code) {
     case Code::kInvalidController:

@@ -134,13 +134,13 @@ TEST(Conversions, SeeTheLineToTheLeftAsPositive) {
 }
 
 TEST(Conversions, SayWhyANavigationFailed) {
-  EXPECT_EQ(PlannerReason(msg::ComputePathToPose_Result::kGoalOccupied),
+  EXPECT_EQ(PlannerReason(msg::ComputePathToPose::kGoalOccupied),
             "the robot does not fit at the goal");
   EXPECT_EQ(PlannerReason(0), "the planner has failed (code 0)");
-  const Error blocked = ControllerError(msg::FollowPath_Result::kPatienceExceeded);
+  const Error blocked = ControllerError(msg::FollowPath::kPatienceExceeded);
   EXPECT_EQ(blocked.message, "an obstacle stays in the way");
   EXPECT_TRUE(navigation::Is(blocked, navigation::Fault::kObstacle));
-  EXPECT_FALSE(navigation::Is(ControllerError(msg::FollowPath_Result::kFailedToMakeProgress),
+  EXPECT_FALSE(navigation::Is(ControllerError(msg::FollowPath::kFailedToMakeProgress),
                               navigation::Fault::kObstacle));
 }
 

@@ -175,7 +175,7 @@ TEST_F(ARosRobot, GetsAPathFromThePlannerOrItsReason) {
   const auto bad = robot_.ComputePath({{3, 1, 0}, 0}, navigation::Pose{});
   Run(100);
   EXPECT_TRUE(peers_->plans[1].goal().use_start);
-  result.error_code = msg::ComputePathToPose_Result::kGoalOccupied;
+  result.error_code = msg::ComputePathToPose::kGoalOccupied;
   peers_->plans[1].Abort(result);
   EXPECT_EQ(ResultOf(bad).error().message, "the robot does not fit at the goal");
 }
@@ -205,7 +205,7 @@ TEST_F(ARosRobot, SaysWhyADriveFailed) {
   const auto drive = robot_.FollowPath({{{0, 0, 0}, 0}, {{3, 1, 0}, 0}});
   Run(100);
   msg::FollowPath::Result result;
-  result.error_code = msg::FollowPath_Result::kPatienceExceeded;
+  result.error_code = msg::FollowPath::kPatienceExceeded;
   peers_->drives[0].Abort(result);
   EXPECT_EQ(ResultOf(drive->end()).error().message, "an obstacle stays in the way");
 }
