@@ -40,7 +40,7 @@ ExitCode SkillList(const SkillListOptions& options, const GlobalOptions& global,
   if (!offers) return console.Fail(offers.error());
   if (const auto failure = offers.value()->Await(options.actuator)) return console.Fail(*failure);
   const auto chosen = Chosen(offers.value()->all(), options);
-  if (!chosen) return console.Fail(chosen.error());
+  if (!chosen) return console.Fail(Failure{ExitCode::kNotDone, chosen.error()});
   const bool whole = !options.name.empty();
   console.Print(console.mode().json ? SkillsJson(chosen.value())
                                     : SkillsText(chosen.value(), whole, console.mode().colour));

@@ -267,7 +267,8 @@ TEST_F(BehaviorCommand, NamesThePackageToInstallWithoutGraphviz) {
 }
 
 TEST(GraphCommandLine, TakesAConfigOrAnApplication) {
-  EXPECT_THAT(RunProgram({"graph"}).err, HasSubstr("FILE or --behavior NAME is required"));
+  EXPECT_THAT(RunProgram({"graph"}).err,
+              HasSubstr("FILE, --behavior NAME or --skill NAME is required"));
   EXPECT_EQ(RunProgram({"graph"}).exit, 2);
   EXPECT_EQ(RunProgram({"graph", "robot.toml", "--behavior", "show"}).exit, 2);
   EXPECT_EQ(RunProgram({"graph", "--what", "flow", "--behavior", "show"}).exit, 2);

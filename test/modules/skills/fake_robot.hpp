@@ -56,7 +56,7 @@ class FakeRobot : public Robot {
 
   const std::string& name() const override { return name_; }
   const std::string& kind() const override { return kind_; }
-  bool flies() const override { return kind_ == "cf2x" || kind_ == "drone_autel"; }
+  bool flies() const override { return kind_ != "jetbot" && kind_ != "g1" && kind_ != "h1"; }
   double radius_m() const override { return 0.2; }
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override {
