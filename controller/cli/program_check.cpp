@@ -111,7 +111,7 @@ bool IsOn(const std::string& file, const std::string& line) {
 
 }  // namespace
 
-std::vector<Diagnostic> Checprograms(const MachineConfig& config, Duration timeout) {
+std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration timeout) {
   const ConfigPlaces places(config.file);
   std::error_code no_folder;  // then the path stays relative
   const std::string file = fs::absolute(config.file, no_folder).string();
