@@ -8,8 +8,15 @@
 
 namespace {
 
+using musher::skills::LoadedSkills;
+using musher::skills::LoadSkills;
+using musher::skills::ReadSkillsFile;
+using musher::skills::RegisterSkills;
+using musher::skills::RosRobot;
+using musher::skills::SkillsActuator;
+using musher::skills::SkillsReading;
+
 int Run(const musher::program::Options& options) {
-  using namespace musher::skills;
   const musher::program::EndSignals signals;  // before any thread
   const SkillsReading reading = ReadSkillsFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);

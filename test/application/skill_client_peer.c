@@ -18,7 +18,7 @@ static dds_entity_t goal_writer, goal_reader, result_writer, result_reader, canc
     cancel_reader, feedback_reader, offers_reader;
 static uint64_t client;
 static uint8_t goal_id[kIdSize];  // of this client alone
-static bool offered, cancels, ended;
+static bool offered, accepted, cancels, ended;
 static int feedbacks;
 
 static void OnOffers(const SkillOffers* offers) {
@@ -32,7 +32,8 @@ static void OnOffers(const SkillOffers* offers) {
 
 static void OnGoalReply(const SkillGoalReply* reply) {
   if (reply->client_id != client) return;
-  printf("%s\n", reply->accepted ? "accepted" : "rejected");
+  accepted = reply->accepted;
+  printf("%s\n", accepted ? "accepted" : "rejected");
   SkillResultRequest request = {.client_id = client, .sequence_number = 1};
   memcpy(request.goal_id.uuid, goal_id, kIdSize);
   dds_write(result_writer, &request);
@@ -112,7 +113,7 @@ int main(int argc, char** argv) {
     dds_waitset_wait_until(waitset, NULL, 0, end);
     TAKE_ALL(offers_reader, OnOffers);
     TAKE_ALL(goal_reader, OnGoalReply);
-    TAKE_ALL(feedback_reader, OnFeedback);
+    if (accepted) TAKE_ALL(feedback_reader, OnFeedback);  // DDS orders no two topics
     TAKE_ALL(cancel_reader, OnCancelReply);
     TAKE_ALL(result_reader, OnResult);
   }

@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
     }
     dds_waitset_wait_until(waitset, NULL, 0, end);
     TAKE_ALL(goal_reader, OnGoalReply);
-    TAKE_ALL(feedback_reader, OnFeedback);
+    if (accepted) TAKE_ALL(feedback_reader, OnFeedback);  // DDS orders no two topics
     TAKE_ALL(cancel_reader, OnCancelReply);
     TAKE_ALL(status_reader, OnStatuses);
     TAKE_ALL(result_reader, OnResult);
