@@ -6,9 +6,8 @@
 //
 //   INITIALIZING   the line and the odometry are there within 2.0 s
 //   EXECUTING      steers to the line, and along it
-//   SEARCHING      8 s: the line is lost; the robot stands, and turns to where the line was, then
-//   to
-//                  the other side, 60 degrees each; a line that is not found is a failure
+//   SEARCHING      8 s: the line is lost; the robot stands, and turns 60 degrees to where the
+//                  line was, then to the other side; a line that is not found is a failure
 //   STOPPING       at the end: until the robot stands
 //
 // It fails 3 s after the last odometry; until then it stands. Details: offset (m, left positive),
