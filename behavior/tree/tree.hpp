@@ -57,7 +57,7 @@ class Tree {
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
   // AsyncSequence), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
-  // Halts every running node once. An error names what one of them has thrown.
+  // Halts every running node once. An error has the path of one that threw, and what.
   Result<> Halt(Time now);
 
   const std::string& name() const { return name_; }
@@ -81,6 +81,7 @@ class Tree {
  private:
   friend class Building;
   Tree(std::string name, std::size_t history);
+  Error HaltFault() const;
 
   std::string name_;
   std::vector<std::unique_ptr<Board>> boards_;
