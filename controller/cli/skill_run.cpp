@@ -1,6 +1,8 @@
 // musher skill run NAME KEY=VALUE...: requests a run of a skill, shows its progress and waits for
 // its end.
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <optional>
 
@@ -25,6 +27,14 @@ struct SkillRunOptions {
   std::vector<std::string> parameters;  // "altitude=2"
   std::string actuator;                 // empty: the only one that offers the skill
 };
+
+// "cancelled after 3.2 s", "failed after 3.2 s: the battery is empty"
+std::string EndAfterTimeout(const SkillEnd& end) {
+  const std::string text =
+      fmt::format("{} after {:.1f} s", SkillOutcomeName(end.outcome), end.duration_s.value_or(0));
+  const bool says_more = end.outcome != SkillOutcome::kCancelled && !end.message.empty();
+  return says_more ? text + ": " + end.message : text;
+}
 
 class SkillRun {
  public:
@@ -132,7 +142,7 @@ class SkillRun {
       end.message = "`musher skill cancel " + end.skill + "` cancels it";
     }
     if (!timed_out_ || end.outcome == SkillOutcome::kCompleted) return end;
-    end.message = (end_ ? SkillEndText(end) : "it goes on, " + end.message);
+    end.message = end_ ? EndAfterTimeout(end) : "it goes on, " + end.message;
     end.outcome = SkillOutcome::kTimeout;
     end.duration_s = std::chrono::duration<double>(*global_.timeout).count();
     return end;
