@@ -47,6 +47,7 @@ void AvoidObstacle::Declare(skill::Table& table) {
   table.To(stopping_, skill::kCancelled, "the robot stands");
   table.MonotoneProgress();
   table.Does("Goes to a place or in a direction, clear of what the scan sees");
+  table.Uses(kBase);
   table.Takes("goal_pos", skill::Numbers{}, "m, x y in the map; empty: by heading");
   table.Takes("heading", 0.0, "rad to the left of where the robot looks");
   table.Takes("distance", 3.0, "m in that direction");

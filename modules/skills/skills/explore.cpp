@@ -75,6 +75,7 @@ void Explore::Declare(skill::Table& table) {
   table.Limit({.run = skill::kNoLimit, .retries = kAttempts});
   table.MonotoneProgress();
   table.Does("Goes over an area in lanes, past holes and obstacles");
+  table.Uses(kBase);
   table.Needs("boundary", skill::Kind::kText, "corners, m in the map: [[0, 0], [9, 0], [9, 9]]");
   table.Takes("holes", std::string(), "lists of corners, m in the map: [[[3, 3], [4, 3], [4, 4]]]");
   table.Takes("lane_width", 2.0, "m, from lane to lane");

@@ -52,6 +52,7 @@ void FollowLine::Declare(skill::Table& table) {
   table.Limit({.run = skill::kNoLimit});
   table.MonotoneProgress();
   table.Does("Drives along the line that the robot sees");
+  table.Uses(kBase);
   table.Takes("speed", 0.3, "m/s, at most 1.0");
   table.Takes("distance", 0.0, "m, 0: until it is cancelled");
 }

@@ -36,6 +36,7 @@ void Track::Declare(skill::Table& table) {
   table.Limit({.run = skill::kNoLimit});
   table.MonotoneProgress();
   table.Does("Follows a target and keeps a distance from it");
+  table.Uses(kBase);
   table.Takes("target_topic", std::string("/target_0/odom"), "nav_msgs/Odometry of the target");
   table.Takes("track_period", std::int64_t{10}, "poses of the target from plan to plan");
   table.Takes("distance", 1.5, "m, kept from the target");
