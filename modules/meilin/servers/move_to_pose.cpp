@@ -6,14 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "musher/modules/meilin/servers/seconds.hpp"
+
 namespace musher::meilin::servers {
 namespace {
 
 constexpr Duration kBrakePeriod = Milliseconds(20);
-
-double Seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
 
 double Radians(double degrees) {
   return degrees * std::numbers::pi / 180;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "musher/base/toml/file.hpp"
@@ -15,7 +16,7 @@ namespace {
 using config_toml::TableReader;
 using config_toml::Value;
 
-enum class Kind { kMove };
+enum class Kind { kMove, kSuspension, kArm, kSpear };
 
 void SetNumber(TableReader& reader, std::string_view key, double least, double most,
                double& value) {
@@ -98,14 +99,79 @@ MoveConfig ReadMove(TableReader& root) {
   return config;
 }
 
+// Where front-left, front-right, rear-left and rear-right are: each of 0 to 3 once.
+void SetOrder(TableReader& reader, std::string_view key, Corners& order) {
+  const auto read = reader.Integers(key, 0, kWheels - 1);
+  if (!read) return;
+  const std::set<std::int64_t> each(read->begin(), read->end());
+  if (read->size() != kWheels || each.size() != kWheels) {
+    reader.Fault(reader.At(key), key, "expected each of 0, 1, 2 and 3 once");
+    return;
+  }
+  for (std::size_t i = 0; i < kWheels; ++i) order[i] = static_cast<std::size_t>((*read)[i]);
+}
+
+SuspensionConfig ReadSuspension(TableReader& root) {
+  SuspensionConfig config;
+  SuspensionSettings& s = config.settings;
+  SetNumber(root, "rest_mm", 0, 1000, s.rest_mm);
+  SetNumber(root, "low_mm", 0, 1000, s.low_mm);
+  SetNumber(root, "high_mm", 0, 1000, s.high_mm);
+  SetNumber(root, "low_step_mm", 0, 1000, s.low_step_mm);
+  SetNumber(root, "highest_step_mm", 0, 1000, s.highest_step_mm);
+  SetNumber(root, "highest_mm", 0, 1000, s.highest_mm);
+  SetNumber(root, "tolerance_mm", 0.1, 100, s.tolerance_mm);
+  SetTime(root, "limit_ms", s.time_limit);
+  SetTime(root, "stale_ms", s.stale);
+  if (s.high_mm > s.highest_mm) {
+    root.Fault(root.At("high_mm"), "high_mm", "no wheel reaches it, see highest_mm");
+  }
+  if (s.low_mm > s.high_mm) root.Fault(root.At("low_mm"), "low_mm", "greater than high_mm");
+  SetOrder(root, "wheel_order", config.wheel_order);
+  SetOrder(root, "switch_order", config.switch_order);
+  SetTopic(root, "action", config.action);
+  SetTopic(root, "command", config.command);
+  SetTopic(root, "chassis", config.chassis);
+  SetTopic(root, "distances", config.distances);
+  SetTopic(root, "state", config.state);
+  return config;
+}
+
+template <class Config>
+Config ReadTool(TableReader& root) {
+  Config config;
+  SetTime(root, "limit_ms", config.time_limit);
+  SetTopic(root, "action", config.action);
+  SetTopic(root, "command", config.command);
+  SetTopic(root, "report", config.report);
+  if (!config.runtime_state.empty()) SetTopic(root, "runtime_state", config.runtime_state);
+  return config;
+}
+
 ServerConfig ReadServer(const config_toml::Table& table, config_toml::Findings& findings) {
   ServerConfig config;
   TableReader root(table, {1, 1}, "", findings);
-  root.Require("server", "the server: \"move_to_pose\"");
-  const auto kind = root.Choice<Kind>("server", {{"move_to_pose", Kind::kMove}});
+  root.Require("server", "the server: \"move_to_pose\", \"suspension\", \"arm\" or \"spear\"");
+  const auto kind = root.Choice<Kind>("server", {{"move_to_pose", Kind::kMove},
+                                                 {"suspension", Kind::kSuspension},
+                                                 {"arm", Kind::kArm},
+                                                 {"spear", Kind::kSpear}});
   if (!kind) return config;
   SetTime(root, "self_check_ms", config.self_check_time);
-  config.server = ReadMove(root);
+  switch (*kind) {
+    case Kind::kMove:
+      config.server = ReadMove(root);
+      break;
+    case Kind::kSuspension:
+      config.server = ReadSuspension(root);
+      break;
+    case Kind::kArm:
+      config.server = ReadTool<ArmConfig>(root);
+      break;
+    case Kind::kSpear:
+      config.server = ReadTool<SpearConfig>(root);
+      break;
+  }
   root.RefuseOthers();
   return config;
 }
@@ -121,7 +187,16 @@ ServerReading ReadServerFile(const std::string& path) {
 }
 
 Result<std::unique_ptr<Server>> Make(const Dependencies& dependencies, const ServerConfig& config) {
-  return MoveServer::Make(dependencies, std::get<MoveConfig>(config.server));
+  if (const auto* move = std::get_if<MoveConfig>(&config.server)) {
+    return MoveServer::Make(dependencies, *move);
+  }
+  if (const auto* suspension = std::get_if<SuspensionConfig>(&config.server)) {
+    return SuspensionServer::Make(dependencies, *suspension);
+  }
+  if (const auto* arm = std::get_if<ArmConfig>(&config.server)) {
+    return ToolServer<msg::ArmAction>::Make(dependencies, *arm);
+  }
+  return ToolServer<msg::SpearAction>::Make(dependencies, std::get<SpearConfig>(config.server));
 }
 
 }  // namespace musher::meilin::servers

@@ -10,12 +10,14 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/modules/meilin/servers/move_server.hpp"
+#include "musher/modules/meilin/servers/suspension_server.hpp"
+#include "musher/modules/meilin/servers/tool_server.hpp"
 
 namespace musher::meilin::servers {
 
 struct ServerConfig {
   Duration self_check_time = Milliseconds(5000);  // real time until the hardware is there
-  std::variant<MoveConfig> server;
+  std::variant<MoveConfig, SuspensionConfig, ArmConfig, SpearConfig> server;
 };
 
 struct ServerReading {
