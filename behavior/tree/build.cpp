@@ -210,7 +210,10 @@ void Building::MakeChildren(const Element& element, Node* node, NodeId id, const
   for (const Element& child : element.children) {
     Node* made = MakeNode(child, {id, around.board, around.depth + 1});
     if (made == nullptr) continue;
-    if (control != nullptr) control->children_.push_back(made);
+    if (control != nullptr) {
+      control->children_.push_back(made);
+      control->child_names_.push_back(tree_->infos_[made->id_].name);
+    }
     if (decorator != nullptr) decorator->child_ = made;
   }
 }

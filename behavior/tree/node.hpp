@@ -176,6 +176,8 @@ class Decorator : public Node {
 class Control : public Node {
  public:
   const std::vector<Node*>& children() const { return children_; }
+  // Of each child, in their order: its attribute `name`, or else the name of its class.
+  const std::vector<std::string>& child_names() const { return child_names_; }
 
  protected:
   static constexpr std::size_t kAny = static_cast<std::size_t>(-1);
@@ -194,6 +196,7 @@ class Control : public Node {
   std::size_t least_;
   std::size_t most_;
   std::vector<Node*> children_;
+  std::vector<std::string> child_names_;
 };
 
 // Leaves that are a function.
