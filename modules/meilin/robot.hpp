@@ -92,7 +92,7 @@ struct PoseFix {
 
   // A limit that is not positive: it never grows old.
   bool IsFresh(Time now, double limit_s) const {
-    return limit_s <= 0 || now - at <= std::chrono::duration<double>(limit_s);
+    return limit_s <= 0 || (now >= at && now - at <= std::chrono::duration<double>(limit_s));
   }
 };
 
