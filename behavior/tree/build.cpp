@@ -71,6 +71,7 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   writes_.clear();
   MakeContent(main, {});
   if (failed()) return nullptr;
+  tree_->trace_.Resize(tree_->nodes_.size());
   SetConstants();
   Warn();
   return failed() ? nullptr : std::move(tree_);
@@ -209,7 +210,10 @@ void Building::MakeChildren(const Element& element, Node* node, NodeId id, const
   for (const Element& child : element.children) {
     Node* made = MakeNode(child, {id, around.board, around.depth + 1});
     if (made == nullptr) continue;
-    if (control != nullptr) control->children_.push_back(made);
+    if (control != nullptr) {
+      control->children_.push_back(made);
+      control->child_names_.push_back(tree_->infos_[made->id_].name);
+    }
     if (decorator != nullptr) decorator->child_ = made;
   }
 }

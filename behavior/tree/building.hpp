@@ -65,7 +65,7 @@ class Building {
   void SetConstants();
   void Warn();  // warnings.cpp
   void WarnOfReactive(NodeId id, const std::vector<NodeId>& children);
-  void WarnOfTime(NodeId id, const std::vector<NodeId>& children);
+  void WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure);
   void WarnOfParallel(NodeId id, std::size_t children);
   void WarnOfUnset();
 
