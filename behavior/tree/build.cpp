@@ -71,6 +71,7 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   writes_.clear();
   MakeContent(main, {});
   if (failed()) return nullptr;
+  tree_->trace_.Resize(tree_->nodes_.size());
   SetConstants();
   Warn();
   return failed() ? nullptr : std::move(tree_);

@@ -13,9 +13,9 @@ void Node::FailIdle() const {
   throw std::runtime_error("its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
 }
 
-void Node::Fail(const char* what) {
+void Node::Fail(const char* what, Tick& tick) {
   // A leaf has ended by itself; a node with children has to be halted for them.
-  status_ = leaf_ ? Status::kFailure : Status::kRunning;
+  Become(leaf_ ? Status::kFailure : Status::kRunning, tick);
   throw NodeFault{this, what};
 }
 
@@ -34,7 +34,7 @@ Status Node::ExecuteSpecially(Tick& tick) {
         return Status::kSkipped;
       }
     } catch (const std::exception& error) {
-      Fail(error.what());
+      Fail(error.what(), tick);
     }
   }
   const Status status = Run(tick);
@@ -42,7 +42,7 @@ Status Node::ExecuteSpecially(Tick& tick) {
     try {
       if (conditions_ != nullptr) conditions_->AfterCompleted(status);
     } catch (const std::exception& error) {
-      Fail(error.what());
+      Fail(error.what(), tick);
     }
   }
   Become(status == Status::kSkipped ? Status::kIdle : status, tick);

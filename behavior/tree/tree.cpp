@@ -5,8 +5,8 @@
 
 namespace musher::tree {
 
-Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), history_(history) {
-  tick_.history = history == 0 ? nullptr : &history_;
+Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), trace_(history) {
+  tick_.trace = &trace_;
 }
 
 Tree::~Tree() = default;
@@ -68,10 +68,15 @@ std::vector<NodeId> Tree::Children(NodeId id) const {
   return children;
 }
 
+Duration Tree::Spent(NodeId id, Time now) const {
+  const NodeRuns& runs = trace_.node(id);
+  return status(id) == Status::kRunning ? runs.spent + (now - runs.since) : runs.spent;
+}
+
 std::string Tree::HistoryText() const {
   std::string text;
-  for (std::size_t i = 0; i < history_.size(); ++i) {
-    const Change& change = history_[i];
+  for (std::size_t i = 0; i < history().size(); ++i) {
+    const Change& change = history()[i];
     const double at_s = std::chrono::duration<double>(change.at.time_since_epoch()).count();
     text += NumberText(at_s) + " s " + Path(change.node) + ": " + std::string(Name(change.from)) +
             " -> " + std::string(Name(change.to)) + "\n";
