@@ -28,7 +28,7 @@ void AddLine(std::string& lines, const std::string& line) {
 }  // namespace
 
 std::string SecondsText(Duration time) {
-  return ToText(Value(std::chrono::duration<double>(time).count())) + " s";
+  return ToText(Value(ToSeconds(time))) + " s";
 }
 
 Table::Table() {

@@ -15,7 +15,7 @@ class Waiting : public Skill {
   Next Step(Tick& tick) override {
     const double duration_s = tick.parameters.Number("duration_s");
     if (duration_s < 0) return Next::Fail("duration_s is negative");
-    const double passed_s = std::chrono::duration<double>(tick.now).count();
+    const double passed_s = ToSeconds(tick.now);
     if (passed_s >= duration_s) return Next::Succeed("Waited");
     tick.Report(100 * passed_s / duration_s, "Waiting");
     tick.Detail("left_s", duration_s - passed_s);

@@ -1,8 +1,8 @@
 #include "musher/controller/cli/skill_goal.hpp"
 
-#include <fmt/format.h>
-
 #include <charconv>
+
+#include "musher/transport/goal_id_text.hpp"
 
 namespace musher::cli {
 namespace {
@@ -18,9 +18,7 @@ SkillOutcome SkillOutcomeOf(transport::GoalEnd end, const std::string& status) {
 }  // namespace
 
 std::string GoalIdText(const transport::GoalId& id) {
-  std::string text;
-  for (const std::uint8_t byte : id) text += fmt::format("{:02x}", byte);
-  return text;
+  return transport::GoalIdText(id);
 }
 
 std::optional<transport::GoalId> ReadGoalId(std::string_view text) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/yaw.hpp"
 
 namespace musher::line_walker {
 namespace {
@@ -19,9 +20,7 @@ std::optional<Pose> PoseOf(const msg::Odometry& odometry) {
   if (!std::isfinite(at.x) || !std::isfinite(at.y) || !(norm > 0.5 && norm < 2)) {
     return std::nullopt;
   }
-  return Pose{at.x, at.y,
-              std::atan2(2 * (turn.w * turn.z + turn.x * turn.y),
-                         norm - 2 * (turn.y * turn.y + turn.z * turn.z))};
+  return Pose{at.x, at.y, msg::YawOf(turn)};
 }
 
 double Finite(double value) {

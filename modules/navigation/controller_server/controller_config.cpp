@@ -40,20 +40,14 @@ ControllerRobot ReadControllerRobot(TableReader& reader, const std::vector<std::
 ControllerConfig ReadController(const config_toml::Table& table, config_toml::Findings& findings) {
   ControllerConfig config;
   TableReader root(table, {1, 1}, "", findings);
-  if (const auto frame = root.String("frame")) config.frame = frame->text;
+  config::SetFrame(root, config.frame);
   config::SetTopic(root, "map", config.map, true);
   config::SetTime(root, "odometry_stale_ms", config.odometry_stale);
   config::SetTime(root, "scan_stale_ms", config.scan_stale);
   config::SetTime(root, "obstacle_ms", config.obstacle_time);
   config::SetTime(root, "late_ms", config.late);
   config::SetTime(root, "self_check_ms", config.self_check_time);
-  root.Require("robot", "a table [[robot]] for each robot");
-  std::vector<std::string> names;
-  for (const config_toml::Value* value : root.Tables("robot")) {
-    TableReader reader(*value->As<config_toml::Table>(), value->at, "robot", findings);
-    config.robots.push_back(ReadControllerRobot(reader, names));
-    names.push_back(config.robots.back().name);
-  }
+  config.robots = config::ReadRobots(root, findings, ReadControllerRobot);
   root.RefuseOthers();
   return config;
 }

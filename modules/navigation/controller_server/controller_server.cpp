@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/modules/navigation/server/robot_endpoints.hpp"
 #include "musher/modules/navigation/server/thread_background.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
@@ -70,28 +71,18 @@ void ControllerServer::OpenRobot(Robot& robot) {
   const ControllerRobot& config = robot.config;
   robot.command = endpoints_.Advertise<msg::Twist>(config.command);
   robot.trajectory = endpoints_.Advertise<msg::JointTrajectory>(config.trajectory);
-  endpoints_.Subscribe<msg::Odometry>(
-      config.odometry,
-      [this, &robot](const msg::Odometry& odometry) { OnOdometry(robot, odometry); },
-      transport::kSensorDataQos);
-  if (!config.scan.empty()) {
-    endpoints_.Subscribe<msg::LaserScan>(
-        config.scan,
-        [this, &robot](const msg::LaserScan& scan) {
-          robot.drive.OnScan(ToScan(scan), msg::FromStamp(scan.header.stamp), Now());
-        },
-        transport::kSensorDataQos);
-  }
-  transport::ActionHandlers<Action> handlers;
-  handlers.accept = [this, &robot](const Action::Goal&, transport::PeerId) {
+  RobotHandlers<Action> handlers;
+  handlers.on_odometry = [this, &robot](const auto& odometry) { OnOdometry(robot, odometry); };
+  handlers.on_scan = [this, &robot](const auto& scan) {
+    robot.drive.OnScan(ToScan(scan), msg::FromStamp(scan.header.stamp), Now());
+  };
+  handlers.accept = [this, &robot] {
     if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
     return permitted_;
   };
   handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
   handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
-  transport::ActionServerOptions options;
-  options.stamp = [this] { return dependencies_.clock.Stamp(); };
-  endpoints_.ServeAction<Action>(config.action, std::move(handlers), std::move(options));
+  OpenRobotEndpoints(endpoints_, config, config.action, dependencies_.clock, std::move(handlers));
 }
 
 void ControllerServer::Warn(const Robot& robot, const std::string& kind, const std::string& what) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::navigation {
@@ -115,9 +116,7 @@ Result<Pose> ToPose(const msg::Pose& pose, const std::string& what) {
                                         ": its orientation is (0, 0, 0, 0), expected a "
                                         "quaternion of length 1");
   }
-  const double yaw_rad = std::atan2(2 * (turn.w * turn.z + turn.x * turn.y),
-                                    square - 2 * (turn.y * turn.y + turn.z * turn.z));
-  return Pose{place, yaw_rad};
+  return Pose{place, msg::YawOf(turn)};
 }
 
 Result<Pose> ToPose(const msg::PoseStamped& pose, const std::string& frame,
@@ -131,7 +130,7 @@ Result<Pose> ToPose(const msg::PoseStamped& pose, const std::string& frame,
 msg::Pose ToMessage(const Pose& pose) {
   msg::Pose message;
   message.position = {pose.at.x_m, pose.at.y_m, pose.at.z_m};
-  message.orientation = {0, 0, std::sin(pose.yaw_rad / 2), std::cos(pose.yaw_rad / 2)};
+  message.orientation = msg::FromYaw(pose.yaw_rad);
   return message;
 }
 

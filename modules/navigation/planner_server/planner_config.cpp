@@ -27,7 +27,7 @@ PlannerRobot ReadPlannerRobot(TableReader& reader, const std::vector<std::string
 PlannerConfig ReadPlanner(const config_toml::Table& table, Findings& findings) {
   PlannerConfig config;
   TableReader root(table, {1, 1}, "", findings);
-  if (const auto frame = root.String("frame")) config.frame = frame->text;
+  config::SetFrame(root, config.frame);
   config::SetTopic(root, "map", config.map);
   config::SetTopic(root, "cloud", config.cloud);
   config::SetTime(root, "limit_ms", config.limit);
@@ -40,13 +40,7 @@ PlannerConfig ReadPlanner(const config_toml::Table& table, Findings& findings) {
   config::SetNumber(root, "cloud_resolution_m", 0.01, 10, config.cloud_resolution_m);
   config::SetNumber(root, "cloud_margin_m", 0, 100, config.cloud_margin_m);
   config::SetNumber(root, "ceiling_m", 0.1, 1000, config.ceiling_m);
-  root.Require("robot", "a table [[robot]] for each robot");
-  std::vector<std::string> names;
-  for (const config_toml::Value* value : root.Tables("robot")) {
-    TableReader reader(*value->As<config_toml::Table>(), value->at, "robot", findings);
-    config.robots.push_back(ReadPlannerRobot(reader, names));
-    names.push_back(config.robots.back().name);
-  }
+  config.robots = config::ReadRobots(root, findings, ReadPlannerRobot);
   root.RefuseOthers();
   return config;
 }

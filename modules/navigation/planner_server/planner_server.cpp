@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/modules/navigation/server/robot_endpoints.hpp"
 #include "musher/modules/navigation/server/thread_background.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
@@ -90,25 +91,16 @@ Result<> PlannerServer::Open(const MakeBackground& background) {
 void PlannerServer::OpenRobot(Robot& robot) {
   const PlannerRobot& config = *robot.config;
   robot.path = endpoints_.Advertise<msg::Path>(config.path, transport::kLatchedQos);
-  endpoints_.Subscribe<msg::Odometry>(
-      config.odometry,
-      [this, &robot](const msg::Odometry& odometry) { OnOdometry(robot, odometry); },
-      transport::kSensorDataQos);
-  if (!config.scan.empty()) {
-    endpoints_.Subscribe<msg::LaserScan>(
-        config.scan, [this, &robot](const msg::LaserScan& scan) { OnScan(robot, scan); },
-        transport::kSensorDataQos);
-  }
-  transport::ActionHandlers<Action> handlers;
-  handlers.accept = [this, &robot](const Action::Goal&, transport::PeerId) {
+  RobotHandlers<Action> handlers;
+  handlers.on_odometry = [this, &robot](const auto& odometry) { OnOdometry(robot, odometry); };
+  handlers.on_scan = [this, &robot](const auto& scan) { OnScan(robot, scan); };
+  handlers.accept = [this, &robot] {
     if (!permitted_) Warn(robot, "state", "a goal is rejected: " + not_permitted_);
     return permitted_;
   };
   handlers.start = [this, &robot](const Goal& goal) { OnGoal(robot, goal); };
   handlers.cancel = [this, &robot](Goal goal) { OnCancel(robot, std::move(goal)); };
-  transport::ActionServerOptions options;
-  options.stamp = [this] { return dependencies_.clock.Stamp(); };
-  endpoints_.ServeAction<Action>(config.action, std::move(handlers), std::move(options));
+  OpenRobotEndpoints(endpoints_, config, config.action, dependencies_.clock, std::move(handlers));
 }
 
 void PlannerServer::Warn(const Robot& robot, const std::string& kind, const std::string& what) {

@@ -27,6 +27,15 @@ void SetTopic(TableReader& reader, std::string_view key, std::string& value, boo
   value = topic->text;
 }
 
+void SetFrame(TableReader& reader, std::string& value) {
+  const auto frame = reader.String("frame");
+  if (!frame) return;
+  if (frame->text.empty()) {
+    reader.Fault(frame->at, "frame", "expected the frame of the map, as in \"map\"");
+  }
+  value = frame->text;
+}
+
 void ReadRobot(TableReader& reader, const std::vector<std::string>& names, RobotTable& robot) {
   reader.Require("name", "the name of the robot, as in \"jetbot_0\"");
   if (const auto name = reader.String("name")) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
+#include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
 
 namespace musher::navigation {
@@ -31,9 +32,28 @@ void SetTime(config_toml::TableReader& reader, std::string_view key, Duration& v
 void SetTopic(config_toml::TableReader& reader, std::string_view key, std::string& value,
               bool may_be_empty = false);
 
+// The frame of the map; not empty.
+void SetFrame(config_toml::TableReader& reader, std::string& value);
+
 // The keys of `robot`; reports a name that one of `names` has.
 void ReadRobot(config_toml::TableReader& reader, const std::vector<std::string>& names,
                RobotTable& robot);
+
+// All tables [[robot]], at least one; `read` reads the one of a robot.
+template <class Robot>
+std::vector<Robot> ReadRobots(config_toml::TableReader& root, config_toml::Findings& findings,
+                              Robot (*read)(config_toml::TableReader& reader,
+                                            const std::vector<std::string>& names)) {
+  root.Require("robot", "a table [[robot]] for each robot");
+  std::vector<Robot> robots;
+  std::vector<std::string> names;
+  for (const config_toml::Value* value : root.Tables("robot")) {
+    config_toml::TableReader reader(*value->As<config_toml::Table>(), value->at, "robot", findings);
+    robots.push_back(read(reader, names));
+    names.push_back(robots.back().name);
+  }
+  return robots;
+}
 
 }  // namespace config
 }  // namespace musher::navigation

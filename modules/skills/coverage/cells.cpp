@@ -96,7 +96,9 @@ Cell WithLanes(const Growing& growing, double lane_width_m) {
   const double low = slices.front().y_m - growing.below_m;
   const double high = slices.back().y_m + growing.above_m;
   constexpr double kEnough = 0.02;  // of a lane: what remains uncovered
-  const double lanes = std::ceil((high - low) / lane_width_m - kEnough);
+  // More than two for each slice would only be the same slices again.
+  const double lanes = std::min(std::ceil((high - low) / lane_width_m - kEnough),
+                                2.0 * static_cast<double>(slices.size()));
   Cell cell;
   std::size_t last = slices.size();
   for (int i = 0; i < static_cast<int>(lanes); ++i) {

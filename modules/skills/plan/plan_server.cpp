@@ -1,10 +1,10 @@
 #include "musher/modules/skills/plan/plan_server.hpp"
 
-#include <cstdio>
 #include <set>
 #include <utility>
 
 #include "musher/modules/skills/plan/plan_check.hpp"
+#include "musher/transport/goal_id_text.hpp"
 
 namespace musher::skills {
 namespace {
@@ -12,16 +12,6 @@ namespace {
 constexpr Duration kTick = Milliseconds(50);
 constexpr Duration kAnswerTime = std::chrono::seconds(3);  // of a server, to a goal
 constexpr Duration kCancelTime = std::chrono::seconds(3);
-
-std::string GoalText(const transport::GoalId& id) {
-  std::string text;
-  char digits[3];
-  for (const std::uint8_t byte : id) {
-    std::snprintf(digits, sizeof digits, "%02x", byte);
-    text += digits;
-  }
-  return text;
-}
 
 }  // namespace
 
@@ -111,7 +101,7 @@ void PlanServer::Send(std::size_t robot) {
   const msg::RobotSkill& asked = execution_->run.present().robots[robot];
   const auto id = clients_.at(asked.robot_id)->SendGoal({asked}, kAnswerTime, EventsOf(robot));
   execution_->sent[robot] = id;
-  execution_->run.OnSent(robot, GoalText(id));
+  execution_->run.OnSent(robot, transport::GoalIdText(id));
 }
 
 transport::GoalEvents<msg::SkillExecution> PlanServer::EventsOf(std::size_t robot) {

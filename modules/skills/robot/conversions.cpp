@@ -6,6 +6,7 @@
 
 #include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
 #include "musher/messages/nav2_msgs/follow_path.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 
 namespace musher::skills {
@@ -35,9 +36,8 @@ std::optional<navigation::Pose> ToPose(const msg::Pose& pose) {
   const msg::Quaternion& q = pose.orientation;
   const double length = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
   if (!std::isfinite(length) || length < 1e-6) return std::nullopt;
-  const double x = q.x / length, y = q.y / length, z = q.z / length, w = q.w / length;
   const navigation::Pose converted{{pose.position.x, pose.position.y, pose.position.z},
-                                   std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))};
+                                   msg::YawOf(q)};
   if (!navigation::IsFinite(converted)) return std::nullopt;
   return converted;
 }
@@ -46,7 +46,7 @@ msg::PoseStamped ToMessage(const navigation::Pose& pose, const msg::Stamp& stamp
   msg::PoseStamped message;
   message.header = {stamp, kMapFrame};
   message.pose.position = {pose.at.x_m, pose.at.y_m, pose.at.z_m};
-  message.pose.orientation = {0, 0, std::sin(pose.yaw_rad / 2), std::cos(pose.yaw_rad / 2)};
+  message.pose.orientation = msg::FromYaw(pose.yaw_rad);
   return message;
 }
 

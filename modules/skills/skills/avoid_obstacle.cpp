@@ -21,10 +21,6 @@ constexpr double kKeptM = 0.05;  // between the robot and an obstacle, at least
 constexpr Duration kProgressLimit = std::chrono::seconds(30);
 constexpr std::string_view kBeginPose = "begin";  // data: x, y, yaw
 
-double SecondsOfAvoiding(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 // The speed from which it can brake within `free_m`, after the time of a step.
 double SafeSpeed(double free_m) {
   constexpr double kBrakesMPerS2 = 0.5, kReactionS = 0.2;
@@ -152,19 +148,19 @@ Next AvoidObstacle::Execute(Tick& tick) {
   robot_.SetVelocity(command);
 
   const double limit_s = tick.parameters.Number("blocked_limit");
-  if (SecondsOfAvoiding(blocked_) >= limit_s) {
+  if (skill::ToSeconds(blocked_) >= limit_s) {
     return Next::Fail(fmt::format("Blocked: no free direction for {:.1f} s", limit_s));
   }
   if (without_progress_ >= kProgressLimit) {
     return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {:.1f} m are left",
-                                  SecondsOfAvoiding(kProgressLimit), aim.left_m));
+                                  skill::ToSeconds(kProgressLimit), aim.left_m));
   }
   tick.Detail("distance_to_goal", aim.left_m);
   tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
   tick.Detail("free_ahead", free_m);
   tick.Report(10 + 85 / (1 + aim.left_m),
-              direction ? fmt::format("Moving... ({:.1f}s)", SecondsOfAvoiding(tick.elapsed))
-                        : fmt::format("Blocked ({:.1f}s)", SecondsOfAvoiding(blocked_)));
+              direction ? fmt::format("Moving... ({:.1f}s)", skill::ToSeconds(tick.elapsed))
+                        : fmt::format("Blocked ({:.1f}s)", skill::ToSeconds(blocked_)));
   return Next::Stay();
 }
 

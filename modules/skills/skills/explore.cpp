@@ -162,8 +162,8 @@ Next Explore::GoToStart(Tick& tick) {
     tick.Report(40, "Planning path to the start...");
   } else {
     travel_.AddDetails(tick);
-    tick.Report(60, fmt::format("Moving to the start... ({:.1f}s)",
-                                std::chrono::duration<double>(tick.elapsed).count()));
+    tick.Report(60,
+                fmt::format("Moving to the start... ({:.1f}s)", skill::ToSeconds(tick.elapsed)));
   }
   if (step.kind == Kind::kDone) return Next::To(executing_);
   return After(step);
@@ -190,7 +190,7 @@ Next Explore::Execute(Tick& tick) {
   if (travel_.driving()) travel_.AddDetails(tick);
   tick.Report(65 + 30 * static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size()),
               fmt::format("{} ({:.1f}s)", target_ ? "Passing an obstacle..." : "Exploring...",
-                          std::chrono::duration<double>(tick.elapsed).count()));
+                          skill::ToSeconds(tick.elapsed)));
   return Next::Stay();
 }
 

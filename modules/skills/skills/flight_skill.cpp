@@ -12,13 +12,9 @@ constexpr double kLongestControlStepS = 0.2;
 constexpr std::string_view kBlindSince = "odometry_missing_since_s";
 constexpr std::string_view kPlace = "place";
 
-double FlightSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 // Of the controller: a jump of the clock is no wind.
 double ControlStep(Duration step) {
-  return std::min(FlightSeconds(step), kLongestControlStepS);
+  return std::min(skill::ToSeconds(step), kLongestControlStepS);
 }
 
 }  // namespace
@@ -41,7 +37,7 @@ skill::Next FlightSkill::Step(skill::Tick& tick) {
 skill::Next FlightSkill::WaitForOdometry(skill::Tick& tick) {
   robot_.StopMotion();
   hold_.Reset();
-  const double now_s = FlightSeconds(tick.now);
+  const double now_s = skill::ToSeconds(tick.now);
   if (tick.data.Find(kBlindSince) == nullptr) tick.data.Set(kBlindSince, now_s);
   if (now_s - tick.data.Number(kBlindSince) >= kOdometryLimitS) {
     return skill::Next::Fail(fmt::format("No odometry of {} for 2 s", robot_.name()));

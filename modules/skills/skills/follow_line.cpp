@@ -16,10 +16,6 @@ constexpr double kMostMPerS = 1;
 constexpr double kMostRadPerS = 1;
 constexpr std::string_view kFollowed = "followed_m";
 
-double SecondsOfLine(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 // Turns to the line and along it; slower, the farther it is off.
 navigation::Velocity Steered(const Robot::Line& line, double speed_m_s) {
   constexpr double kByOffset = 1.5;   // rad/s for a metre
@@ -121,7 +117,7 @@ Next FollowLine::Search(Tick& tick) {
   constexpr double kTurnRadPerS = 0.5;
   constexpr double kToOneSideS = 2.1;    // 60 degrees
   constexpr double kToOtherSideS = 4.2;  // and back, and 60 degrees more
-  const double searched_s = SecondsOfLine(tick.elapsed);
+  const double searched_s = skill::ToSeconds(tick.elapsed);
   double turn = 0;
   if (searched_s < kToOneSideS) {
     turn = side_ * kTurnRadPerS;

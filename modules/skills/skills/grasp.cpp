@@ -14,10 +14,6 @@ constexpr std::string_view kAttaching = "attaching";
 constexpr std::string_view kAttachedAt = "attached_at_s";
 constexpr double kShownWithinS = 1.2;  // longer than Grip trusts itself
 
-double GraspSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 // Whether fresh objects say that this one is held by this robot.
 bool ShownHeld(const Robot& robot, const std::string& object) {
   return std::ranges::any_of(robot.objects(), [&](const SeenObject& seen) {
@@ -119,7 +115,7 @@ Grasp::Outcome Grasp::Execute(skill::Tick& tick) {
     case HandCall::Kind::kDone:
       grip_->Changed(request.object);
       tick.data.Remove(kAttaching);
-      tick.data.Set(kAttachedAt, GraspSeconds(tick.now));
+      tick.data.Set(kAttachedAt, skill::ToSeconds(tick.now));
       return Verify(request.object, tick);
     case HandCall::Kind::kTooFar:
     case HandCall::Kind::kLost:
@@ -133,7 +129,7 @@ Grasp::Outcome Grasp::Execute(skill::Tick& tick) {
 Grasp::Outcome Grasp::Verify(const std::string& object, skill::Tick& tick) {
   tick.Report(90, "Checking the object");
   if (!robot_.HasObjects() || ShownHeld(robot_, object)) return Outcome::Done("Object attached");
-  if (GraspSeconds(tick.now) - tick.data.Number(kAttachedAt) < kShownWithinS) {
+  if (skill::ToSeconds(tick.now) - tick.data.Number(kAttachedAt) < kShownWithinS) {
     return Outcome::Continue();
   }
   return Outcome::Retry(object + " is not in the hand");

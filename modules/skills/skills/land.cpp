@@ -15,10 +15,6 @@ constexpr double kLongestStepS = 0.2;
 constexpr std::string_view kLowest = "lowest_m";
 constexpr std::string_view kStillFor = "still_for_s";
 
-double LandSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 }  // namespace
 
 void Land::Declare(skill::Table& table) {
@@ -46,7 +42,8 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   if (lower) tick.data.Set(kLowest, height_m);
   // Only time with a command counts: neither a pause, nor a time without odometry.
   const double still_s =
-      lower ? 0 : tick.data.Number(kStillFor) + std::min(LandSeconds(tick.step), kLongestStepS);
+      lower ? 0
+            : tick.data.Number(kStillFor) + std::min(skill::ToSeconds(tick.step), kLongestStepS);
   tick.data.Set(kStillFor, still_s);
   if (still_s >= kStillS && above_m <= kGroundToleranceM) return skill::Next::Succeed("Landed");
   const navigation::Pose place = Remembered(tick);

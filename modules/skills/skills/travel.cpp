@@ -13,10 +13,6 @@ namespace {
 
 using Kind = TravelStep::Kind;
 
-double Seconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 double LengthOf(const navigation::Path& path) {
   double length = 0;
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -136,7 +132,8 @@ TravelStep Travel::Drive(Duration step) {
   if (drive_missing_ < kLostAfter) return {Kind::kPending};
   GiveUp();
   return {Kind::kLost, (robot_.HasController() ? "No odometry of " : "No controller of ") +
-                           robot_.name() + fmt::format(" for {:.1f} s", Seconds(kLostAfter))};
+                           robot_.name() +
+                           fmt::format(" for {:.1f} s", skill::ToSeconds(kLostAfter))};
 }
 
 TravelStep Travel::DriveEnd() {
@@ -177,7 +174,8 @@ double Travel::distance_to_goal_m() const {
 
 void Travel::AddDetails(skill::Tick& tick) const {
   const double left_m = distance_to_goal_m();
-  const double mean_m_s = driven_ > Duration{} ? (length_m_ - left_m) / Seconds(driven_) : 0;
+  const double mean_m_s =
+      driven_ > Duration{} ? (length_m_ - left_m) / skill::ToSeconds(driven_) : 0;
   constexpr double kUsualMPerS = 0.5;  // until it has moved
   constexpr double kMovedMPerS = 0.05;
   tick.Detail("distance_to_goal", left_m);

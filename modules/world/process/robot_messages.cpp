@@ -1,9 +1,9 @@
 #include "musher/modules/world/process/robot_messages.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
 
 namespace musher::world {
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 msg::Pose PoseOf(const Vector3d& position_m, double yaw_rad) {
   msg::Pose pose;
   pose.position = {position_m.x(), position_m.y(), position_m.z()};
-  pose.orientation = {0, 0, std::sin(yaw_rad / 2), std::cos(yaw_rad / 2)};
+  pose.orientation = msg::FromYaw(yaw_rad);
   return pose;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/yaw.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
 
 namespace musher::world {
@@ -129,9 +130,7 @@ Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message) {
 }
 
 Pose2 FromMessage(const msg::Pose& pose) {
-  const msg::Quaternion& q = pose.orientation;
-  return {{pose.position.x, pose.position.y},
-          std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))};
+  return {{pose.position.x, pose.position.y}, msg::YawOf(pose.orientation)};
 }
 
 Light FromMessage(const msg::LedState& led) {

@@ -11,6 +11,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
 #include "musher/modules/world/process/world_messages.hpp"
+#include "musher/modules/world/scene/solids.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
 #include "musher/modules/world/simulation/fleet_report.hpp"
 
@@ -61,7 +62,9 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
         std::vector<Eigen::Vector2d> points;
         for (const msg::PoseStamped& pose : path.poses) {
           const Eigen::Vector2d point(pose.pose.position.x, pose.pose.position.y);
-          if (point.allFinite()) points.push_back(point);
+          const bool drawable =
+              point.allFinite() && IsWithin(world_.scene(), {{point.x(), point.y(), 0}, 0, 0});
+          if (drawable) points.push_back(point);
         }
         world_.SetPlanned(robot, std::move(points));
       },

@@ -101,6 +101,8 @@ TEST(PlannerFile, ReportsErrorsAtTheirPlace) {
             "planner.toml:4:8: error: robot.name: another table has the robot \"a\"");
   EXPECT_EQ(PlannerError("[[robot]]\nname = \"a\"\nradius = 1\n"),
             "planner.toml:3:1: error: robot: unknown key \"radius\"; did you mean \"radius_m\"?");
+  EXPECT_EQ(PlannerError("frame = \"\"\n[[robot]]\nname = \"a\"\n"),
+            "planner.toml:1:9: error: frame: expected the frame of the map, as in \"map\"");
   EXPECT_EQ(PlannerError("[[robot]]\nname = \"a\"\nscan = \"a b\"\n"),
             "planner.toml:3:8: error: robot.scan: expected the name of a topic, as in "
             "\"jetbot_0/odom\"");

@@ -186,6 +186,9 @@ TEST(Coverage, RefusesWhatCannotBeCovered) {
   const Region room{Box(0, 0, 10, 10), {}};
   EXPECT_EQ(why_not(room, {0, 0.5}), "lane_width is 0 m; expected more than 0 m");
   EXPECT_EQ(why_not(room, {std::nan(""), 0.5}), "lane_width is nan m; expected more than 0 m");
+  for (const double narrow : {1e-6, 1e-12, 1e-300}) {
+    EXPECT_THAT(why_not(room, {narrow, 0.5}), HasSubstr("expected at most 2000")) << narrow;
+  }
   EXPECT_EQ(why_not(room, {2, -0.5}), "robot_radius is -0.5 m; expected 0 m or more");
   EXPECT_EQ(why_not(room, {2, std::nan("")}), "robot_radius is nan m; expected 0 m or more");
   EXPECT_EQ(why_not(room, {2, 5.1}),

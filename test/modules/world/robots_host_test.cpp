@@ -210,7 +210,8 @@ TEST_F(RobotsHostTest, TakesAPlannedPathForThePictureAndReportsItsRobots) {
           .value();
   network_.RunFor(Milliseconds(100));
   msg::Path path;
-  path.poses.resize(3);
+  path.poses.resize(4);
+  path.poses[3].pose.position.x = 1e15;  // the picture would have a dash for each of its pixels
   path.poses[2].pose.position.x = 2;
   path.poses[1].pose.position.x = std::numeric_limits<double>::quiet_NaN();
   ASSERT_TRUE(paths->Publish(path));
