@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/behavior/tree/build.hpp"
+#include "musher/application/load_tree.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/modules/vp_engine/nodes.hpp"
 
@@ -14,15 +14,6 @@ tree::Reading ReadProgram(const std::string& name, const std::string& text) {
   return tree::ReadTree(text, name + ".xml", [](const std::string& path) -> Result<std::string> {
     return Error{kCodeParametersInvalid, path + " is not read: a program is one file"};
   });
-}
-
-std::string ErrorLines(const std::vector<Diagnostic>& diagnostics) {
-  std::string lines;
-  for (const Diagnostic& each : diagnostics) {
-    if (each.severity != Severity::kError) continue;
-    lines += (lines.empty() ? "" : "\n") + FormatDiagnostic(each);
-  }
-  return lines;
 }
 
 }  // namespace
