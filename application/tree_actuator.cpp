@@ -81,6 +81,17 @@ class TreeActuator::Impl {
   Time Now() const { return ticks_.Now(); }
   msg::Stamp Stamp() const { return ticks_.Stamp(); }
 
+  TreeView View() {
+    return {.tree = loaded_.tree.get(),
+            .document = &loaded_.document,
+            .revision = revision_,
+            .ticking = ticking_,
+            .ticks = tick_count_,
+            .result = result_,
+            .last_fault = &last_fault_,
+            .time = &time_};
+  }
+
  private:
   struct Loaded {
     tree::Document document;
@@ -265,17 +276,6 @@ class TreeActuator::Impl {
     if (has_tree()) loaded_.tree->SetTime(now);
   }
 
-  TreeView View() {
-    return {.tree = loaded_.tree.get(),
-            .document = &loaded_.document,
-            .revision = revision_,
-            .ticking = ticking_,
-            .ticks = tick_count_,
-            .result = result_,
-            .last_fault = &last_fault_,
-            .time = &time_};
-  }
-
   // Without `at_once`: where a node has changed, a program is subscribed, and the last is long ago.
   void Report(bool at_once) {
     if (!ticks_.open() || publisher_ == nullptr) return;
@@ -341,6 +341,9 @@ const tree::Factory& TreeActuator::factory() const {
 Result<> TreeActuator::Load(tree::Document document, const Entries& entries,
                             const std::string& main) {
   return impl_->Load(std::move(document), entries, main);
+}
+TreeView TreeActuator::view() {
+  return impl_->View();
 }
 void TreeActuator::Restart() {
   impl_->Restart();

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "musher/application/groot2/groot2_server.hpp"
 #include "musher/application/load_tree.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/modules/vp_engine/nodes.hpp"
@@ -20,6 +21,7 @@ tree::Reading ReadProgram(const std::string& name, const std::string& text) {
 
 Engine::Engine(const std::string& actuator, const VpConfig& config)
     : TreeActuator(actuator, {.rate_hz = config.rate_hz}),
+      config_(config),
       robot_(config),
       programs_(config.folder, config.examples,
                 [this](const std::string& name, const std::string& text) {
@@ -36,6 +38,11 @@ void Engine::OpenTopics(transport::Endpoints& topics) {
   topics.Serve<msg::ManageProgram>(
       name() + "/manage_program",
       [this](const auto& request, auto reply) { reply(Manage(request)); });
+  if (config_.groot2_port == 0) return;
+  const Result<> served = groot2::Serve(
+      topics, {.port = config_.groot2_port, .address = config_.groot2_address},
+      [this] { return view(); }, factory());
+  if (!served) Log(served.error());  // programs run without it
 }
 
 std::string Engine::ErrorsOf(const std::string& name, const std::string& text) const {

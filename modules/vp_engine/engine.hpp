@@ -32,6 +32,7 @@ class Engine : public TreeActuator {
   Result<> StopProgram(const std::string& program);
   std::string ErrorsOf(const std::string& name, const std::string& text) const;
 
+  const VpConfig config_;
   ServiceRobot robot_;
   Programs programs_;
 };

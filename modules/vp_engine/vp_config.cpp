@@ -44,6 +44,8 @@ VpConfig Read(const Table& table, const std::string& path, Findings& findings) {
   config.folder = PathOf(root, "folder", folder, config_toml::DefaultStateDir("programs", ""));
   config.examples = PathOf(root, "examples", folder, "");
   config.rate_hz = root.Number("rate_hz", 1, 1000).value_or(config.rate_hz);
+  config.groot2_port = static_cast<int>(root.Integer("groot2_port", 0, 65'534).value_or(0));
+  if (const auto address = root.String("groot2_address")) config.groot2_address = address->text;
   if (const Table* calls = root.SubTable("services")) {
     TableReader reader(*calls, root.At("services"), "services", findings);
     ReadCall(reader, "speech", config.speech, config.speech_time);

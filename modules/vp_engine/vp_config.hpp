@@ -16,6 +16,8 @@ struct VpConfig {
   std::string folder{};    // of the programs, absolute
   std::string examples{};  // a folder of programs that are only read, absolute; empty: none
   double rate_hz = 50;
+  int groot2_port = 0;  // 0: none
+  std::string groot2_address = "127.0.0.1";
   std::string speech = "speech_text_play";
   std::string motion = "motion_result_cmd";
   std::string light = "led_execute";
