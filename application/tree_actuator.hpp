@@ -61,6 +61,7 @@
 #include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/application/tree_report.hpp"
 #include "musher/behavior/tree/tree.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
 
@@ -127,6 +128,8 @@ class TreeActuator : public MachineActuator {
   void Restart();
   // Halts the tree, which rests then. Within a tick: after it.
   void Halt();
+  // All of it, for a report or a monitor; valid in this handler.
+  TreeView view();
   // Whether it is ticked now: Active, and not stopped. Also true while it rests.
   bool ticking() const;
   // IDLE: there is none, it was halted, or it has not been ticked yet; RUNNING; or how it ended.

@@ -36,7 +36,13 @@ musher_require_found(CLI11_INCLUDE_DIR libcli11-dev)
 musher_require_found(NLOHMANN_JSON_INCLUDE_DIR nlohmann-json3-dev)
 musher_require_found(IDLC cyclonedds-tools)
 
+# For musher::groot2; without the modules it is left out where ZeroMQ is missing.
+find_path(ZMQ_INCLUDE_DIR zmq.h)
+find_library(ZMQ_LIBRARY zmq)
+
 if(MUSHER_MODULES)
+  musher_require_found(ZMQ_INCLUDE_DIR libzmq3-dev)
+  musher_require_found(ZMQ_LIBRARY libzmq3-dev)
   musher_dependency(Eigen3 libeigen3-dev)
   musher_dependency(OpenCV libopencv-dev
                     COMPONENTS core freetype imgcodecs imgproc objdetect videoio)

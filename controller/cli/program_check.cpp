@@ -70,7 +70,8 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-controller",
                                                  "musher-race",
                                                  "musher-line-walker",
-                                                 "musher-meilin-server"};
+                                                 "musher-meilin-server",
+                                                 "musher-vp-engine"};
   return programs.contains(fs::path(program).filename().string());
 }
 

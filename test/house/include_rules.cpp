@@ -60,7 +60,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
         "test/fault_injection/", "test/controller/cli/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
-      {"nlohmann/", {"controller/", "cyberdog/", "modules/", "test/"}},
+      {"nlohmann/", {"application/groot2/", "controller/", "cyberdog/", "modules/", "test/"}},
       {"zlib.h", {"controller/storage/log_files.cpp", "test/controller/"}},
       {"fmt/", {"controller/", "modules/", "navigation/", "test/"}},
       {"opencv2/", {"modules/", "test/modules/", "test/benchmark/vision/"}},
@@ -71,6 +71,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"ompl/", {"navigation/planner/smoothing.cpp", "test/benchmark/navigation/"}},
       {"octomap/", {"navigation/planner/octree_map.cpp"}},
       {"dlib/", {"navigation/controller/axis_control.cpp"}},
+      {"zmq.h", {"application/groot2/", "test/application/"}},
   };
   return table;
 }
