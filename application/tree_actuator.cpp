@@ -4,27 +4,16 @@
 #include <optional>
 #include <utility>
 
+#include "musher/application/load_tree.hpp"
 #include "musher/application/ticks.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/base/check.hpp"
-#include "musher/behavior/tree/build.hpp"
-#include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher {
 namespace {
 
 constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
-
-// The errors, a line each.
-std::string ErrorLines(const std::vector<Diagnostic>& diagnostics) {
-  std::string lines;
-  for (const Diagnostic& each : diagnostics) {
-    if (each.severity != Severity::kError) continue;
-    lines += (lines.empty() ? "" : "\n") + FormatDiagnostic(each);
-  }
-  return lines;
-}
 
 }  // namespace
 
@@ -59,10 +48,7 @@ class TreeActuator::Impl {
       return Error{kCodeParametersInvalid, "Options::file of " + owner_.name() +
                                                " is empty, and LoadTree() is not overridden"};
     }
-    tree::Reading read = tree::ReadTreeFile(options_.file);
-    if (!read.ok()) return Error{kCodeParametersInvalid, ErrorLines(read.diagnostics)};
-    LogWarnings(read.diagnostics);
-    return std::move(read.document);
+    return ReadTreeDocument(options_.file, warn_);
   }
 
   Result<> Load(tree::Document document, const Entries& entries, const std::string& main) {
@@ -135,27 +121,13 @@ class TreeActuator::Impl {
   }
 
   Result<> Build(Loaded& loaded, const tree::Factory& factory) {
-    tree::Built built =
-        tree::Build(loaded.document, factory, {.tree = loaded.main, .history = options_.history});
-    if (built.tree == nullptr) {
-      return Error{kCodeParametersInvalid, ErrorLines(built.diagnostics)};
-    }
-    LogWarnings(built.diagnostics);
-    tree::Board& board = built.tree->board();
+    auto tree = BuildTree(loaded.document, factory,
+                          {.tree = loaded.main, .history = options_.history}, warn_);
+    if (!tree) return tree.error();
+    tree::Board& board = tree.value()->board();
     if (Result<> filled = owner_.FillBlackboard(board); !filled) return filled;
-    std::string wrong;
-    for (const auto& [key, value] : loaded.entries) {
-      tree::Entry* entry = board.Find(key);
-      std::string why;
-      if (entry == nullptr) {
-        why = "no node has a port with this key";
-      } else if (const Result<> set = entry->AssignText(value); !set) {
-        why = set.error().message;
-      }
-      if (!why.empty()) wrong += (wrong.empty() ? "" : "\n") + ("entry '" + key + "': " + why);
-    }
-    if (!wrong.empty()) return Error{kCodeParametersInvalid, wrong};
-    loaded.tree = std::move(built.tree);
+    if (Result<> set = SetEntries(board, loaded.entries); !set) return set;
+    loaded.tree = std::move(tree).value();
     return Ok();
   }
 
@@ -319,15 +291,9 @@ class TreeActuator::Impl {
     static_cast<void>(publisher_->Publish(state_));  // the next change has another one
   }
 
-  void LogWarnings(const std::vector<Diagnostic>& diagnostics) const {
-    for (const Diagnostic& each : diagnostics) {
-      if (each.severity == Severity::kError) continue;
-      owner_.Log(LogLevel::kWarning, FormatDiagnostic(each));
-    }
-  }
-
   TreeActuator& owner_;
   const Options options_;
+  const Warn warn_ = [this](const std::string& line) { owner_.Log(LogLevel::kWarning, line); };
   std::unique_ptr<tree::Factory> factory_;  // outlives the tree
   Loaded loaded_;
   TreeTime time_;

@@ -69,7 +69,8 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-planner",
                                                  "musher-controller",
                                                  "musher-race",
-                                                 "musher-line-walker"};
+                                                 "musher-line-walker",
+                                                 "musher-vp-engine"};
   return programs.contains(fs::path(program).filename().string());
 }
 

@@ -1,0 +1,135 @@
+#include "musher/modules/vp_engine/engine.hpp"
+
+#include <utility>
+
+#include "musher/application/load_tree.hpp"
+#include "musher/behavior/tree/xml/tree_xml.hpp"
+#include "musher/modules/vp_engine/nodes.hpp"
+
+namespace musher::vp_engine {
+namespace {
+
+tree::Reading ReadProgram(const std::string& name, const std::string& text) {
+  // Else the errors of a program would show what is in other files.
+  return tree::ReadTree(text, name + ".xml", [](const std::string& path) -> Result<std::string> {
+    return Error{kCodeParametersInvalid, path + " is not read: a program is one file"};
+  });
+}
+
+}  // namespace
+
+Engine::Engine(const std::string& actuator, const VpConfig& config)
+    : TreeActuator(actuator, {.rate_hz = config.rate_hz}),
+      robot_(config),
+      programs_(config.folder, config.examples,
+                [this](const std::string& name, const std::string& text) {
+                  return ErrorsOf(name, text);
+                }) {}
+
+Result<> Engine::RegisterNodes(tree::Factory& factory) {
+  if (Result<> opened = programs_.Open(); !opened) return opened;
+  return AddNodes(factory, robot_);
+}
+
+void Engine::OpenTopics(transport::Endpoints& topics) {
+  robot_.Open(topics);
+  topics.Serve<msg::ManageProgram>(
+      name() + "/manage_program",
+      [this](const auto& request, auto reply) { reply(Manage(request)); });
+}
+
+std::string Engine::ErrorsOf(const std::string& name, const std::string& text) const {
+  const tree::Reading read = ReadProgram(name, text);
+  if (!read.ok()) return ErrorLines(read.diagnostics);
+  const tree::Built built = tree::Build(read.document, factory());
+  return built.tree == nullptr ? ErrorLines(built.diagnostics) : "";
+}
+
+msg::ManageProgram::Response Engine::Manage(const msg::ManageProgram::Request& request) {
+  using Op = msg::ManageProgram;
+  msg::ManageProgram::Response reply;
+  Result<> done;
+  switch (request.operation) {
+    case Op::kList:
+      for (Program& each : programs_.List()) {
+        reply.programs.push_back(
+            {std::move(each.name), std::string(Name(each.state)), std::move(each.message)});
+      }
+      break;
+    case Op::kGet: {
+      Result<std::string> text = programs_.Text(request.program);
+      if (text)
+        reply.text = std::move(text).value();
+      else
+        done = text.error();
+      break;
+    }
+    case Op::kAdd:
+      done = programs_.Add(request.program, request.text);
+      break;
+    case Op::kDelete:
+      done = programs_.Remove(request.program);
+      break;
+    case Op::kRun:
+      done = RunProgram(request);
+      break;
+    case Op::kStop:
+      done = StopProgram(request.program);
+      break;
+    default:
+      done = Error{kCodeParametersInvalid,
+                   "unknown operation " + std::to_string(request.operation) + "; expected 0 to 5"};
+  }
+  reply.success = done.ok();
+  if (!done) reply.message = done.error().message;
+  return reply;
+}
+
+Result<> Engine::RunProgram(const msg::ManageProgram::Request& request) {
+  if (!ticking()) {
+    return Error{kCodeStateInvalid, name() + " runs programs in Active only; the robot is in " +
+                                        CurrentState() +
+                                        (HeldByStop() ? ", held by the emergency stop" : "")};
+  }
+  const Result<std::string> text = programs_.Runnable(request.program);
+  if (!text) return text.error();
+  Entries entries;
+  for (const msg::ProgramSetting& each : request.settings)
+    entries.emplace_back(each.key, each.value);
+  tree::Reading read = ReadProgram(request.program, text.value());
+  if (Result<> loaded = Load(std::move(read.document), entries); !loaded) return loaded;
+  programs_.Ended(ProgramState::kStopped, "replaced by " + request.program);
+  programs_.Started(request.program);
+  Log("program " + request.program + " started");
+  return Ok();
+}
+
+Result<> Engine::StopProgram(const std::string& program) {
+  const std::string& running = programs_.running();
+  if (running.empty() || (!program.empty() && program != running)) {
+    return Error{kCodeParametersInvalid, program.empty()
+                                             ? "no program is running"
+                                             : "program '" + program + "' is not running"};
+  }
+  Halt();
+  Log("program " + running + " stopped");
+  programs_.Ended(ProgramState::kStopped, "stopped on request");
+  return Ok();
+}
+
+void Engine::AfterTick(Time /*now*/, tree::Status status) {
+  if (status == tree::Status::kIdle || status == tree::Status::kRunning) return;
+  const bool failed = status == tree::Status::kFailure;
+  std::string why = last_fault();
+  if (failed && why.empty()) why = "its tree ended with FAILURE";
+  programs_.Ended(failed ? ProgramState::kFailed : ProgramState::kSucceeded, failed ? why : "");
+}
+
+void Engine::OnPause() {
+  if (programs_.running().empty()) return;
+  Halt();  // it does not begin again at the next Active
+  programs_.Ended(ProgramState::kStopped,
+                  EmergencyStopped() ? "an emergency stop" : "the robot left Active");
+}
+
+}  // namespace musher::vp_engine

@@ -1,0 +1,39 @@
+#pragma once
+// The actuator of musher-vp-engine: runs one program at a time while the robot is Active. A program
+// is stopped when the robot leaves Active, or an emergency stop is engaged, and does not go on by
+// itself.
+//
+// Interfaces: `<actuator>/manage_program` (musher_msgs/ManageProgram), and those of TreeActuator,
+// which report the program that runs, or was the last to run. Add and delete wait for the disk.
+
+#include <string>
+
+#include "musher/application/tree_actuator.hpp"
+#include "musher/messages/musher_msgs/tree.hpp"
+#include "musher/modules/vp_engine/programs.hpp"
+#include "musher/modules/vp_engine/service_robot.hpp"
+#include "musher/modules/vp_engine/vp_config.hpp"
+
+namespace musher::vp_engine {
+
+class Engine : public TreeActuator {
+ public:
+  Engine(const std::string& actuator, const VpConfig& config);
+
+ private:
+  Result<> RegisterNodes(tree::Factory& factory) override;
+  Result<tree::Document> LoadTree() override { return tree::Document{}; }  // none yet
+  void OpenTopics(transport::Endpoints& topics) override;
+  void AfterTick(Time now, tree::Status status) override;
+  void OnPause() override;
+
+  msg::ManageProgram::Response Manage(const msg::ManageProgram::Request& request);
+  Result<> RunProgram(const msg::ManageProgram::Request& request);
+  Result<> StopProgram(const std::string& program);
+  std::string ErrorsOf(const std::string& name, const std::string& text) const;
+
+  ServiceRobot robot_;
+  Programs programs_;
+};
+
+}  // namespace musher::vp_engine

@@ -1,0 +1,37 @@
+#pragma once
+// The config of musher-vp-engine, a TOML file; every key is explained in
+// config/vp_engine/vp_engine.toml. Reading reports all errors at once, with line and column.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/time.hpp"
+
+namespace musher::vp_engine {
+
+struct VpConfig {
+  std::string folder{};    // of the programs, absolute
+  std::string examples{};  // a folder of programs that are only read, absolute; empty: none
+  double rate_hz = 50;
+  std::string speech = "speech_text_play";
+  std::string motion = "motion_result_cmd";
+  std::string light = "led_execute";
+  Duration speech_time = Milliseconds(15'000);  // until a call has failed
+  Duration motion_time = Milliseconds(70'000);
+  Duration light_time = Milliseconds(2'000);
+};
+
+struct VpReading {
+  std::optional<VpConfig> config;       // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+VpReading ReadVpFile(const std::string& path);
+// The same for a text; `path` is what diagnostics refer to, and relative paths are in its folder.
+VpReading ReadVpText(std::string_view text, const std::string& path);
+
+}  // namespace musher::vp_engine

@@ -1,0 +1,58 @@
+// The behaviour tree of docs/application.md.
+
+#include <fstream>
+
+#include "musher/application/tree_actuator.hpp"
+#include "musher/test/application/show.hpp"
+
+namespace musher::tree_tutorial_test {
+
+// [actuator]
+class Patrol : public TreeActuator {
+ public:
+  explicit Patrol(const std::string& file) : TreeActuator("show", {.rate_hz = 50, .file = file}) {}
+
+ private:
+  Result<> RegisterNodes(tree::Factory& factory) override {
+    return factory.AddAction("Step", [this](const tree::Tick&) {
+      ++steps_;
+      return tree::Status::kSuccess;
+    });
+  }
+  void OpenTopics(transport::Endpoints& topics) override {
+    publish_ = topics.PublishFunction<msg::String>("patrol/steps");
+  }
+  void AfterTick(Time, tree::Status) override { publish_({std::to_string(steps_)}); }
+
+  int steps_ = 0;
+  std::function<void(const msg::String&)> publish_;
+};
+// [actuator end]
+
+class Peeked : public Patrol {
+ public:
+  using Patrol::Patrol;
+  template <class Look>
+  auto Of(Look look) {
+    decltype(look(*this)) found{};
+    RunOnLoop([&] { found = look(*this); });
+    return found;
+  }
+  using Patrol::Now;
+  using Patrol::result;
+};
+
+TEST(TreeTutorial, RunsToItsEnd) {
+  testing::Harness harness;
+  const TempFolder folder;
+  std::ofstream(folder / "patrol.xml")
+      << "<root BTCPP_format=\"4\"><BehaviorTree ID=\"P\"><Step/></BehaviorTree></root>";
+  ActuatorRunner<Peeked> patrol(folder / "patrol.xml");
+  harness.Open(patrol);
+  ASSERT_TRUE(harness.controller().Switch("SelfCheck").done());
+  ASSERT_TRUE(harness.controller().Switch("Active").done());
+  harness.Tick(patrol, 2);
+  EXPECT_EQ(patrol.Of([](Peeked& p) { return p.result(); }), tree::Status::kSuccess);
+}
+
+}  // namespace musher::tree_tutorial_test

@@ -1,0 +1,149 @@
+// The actuator: programs that are added, run and stopped by its service, in the states of the
+// robot.
+
+#include "musher/modules/vp_engine/engine.hpp"
+#include "musher/test/application/show.hpp"
+
+namespace musher::vp_engine::engine_test {
+
+using ::testing::HasSubstr;
+using Op = msg::ManageProgram;
+
+class Peeked : public Engine {
+ public:
+  using Engine::Engine;
+  template <class Look>
+  auto Of(Look look) {
+    decltype(look(*this)) found{};
+    RunOnLoop([&] { found = look(*this); });
+    return found;
+  }
+  using Engine::Now;
+};
+
+std::string Sequence(const std::string& content) {
+  return "<root BTCPP_format=\"4\">\n<BehaviorTree ID=\"P\">\n<Sequence>\n" + content +
+         "\n</Sequence>\n</BehaviorTree>\n</root>\n";
+}
+
+class AnEngine : public ::testing::Test {
+ protected:
+  AnEngine() {
+    harness_.Open(engine_);
+    harness_.node().RunOnLoop([&] {
+      client_ = transport::MakeClient<Op>(harness_.node().node(), "show/manage_program").value();
+      audio_ = transport::MakeServer<msg::AudioTextPlay>(harness_.node().node(), "speech_text_play",
+                                                         [&](const auto& request, auto reply) {
+                                                           said_.push_back(request.text);
+                                                           if (request.text == "broken")
+                                                             reply({1, 5012});
+                                                           if (request.text == "Hello")
+                                                             reply({0, 0});
+                                                         })
+                   .value();
+    });
+  }
+  ~AnEngine() override {
+    harness_.node().RunOnLoop([&] {
+      client_.reset();
+      audio_.reset();
+    });
+  }
+  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+  void Activate() {
+    ASSERT_TRUE(Go("SelfCheck"));
+    ASSERT_TRUE(Go("Active"));
+  }
+  Op::Response Do(std::uint8_t operation, const std::string& program = "",
+                  const std::string& text = "", std::vector<msg::ProgramSetting> settings = {}) {
+    Op::Request request;
+    request.operation = operation;
+    request.program = program;
+    request.text = text;
+    request.settings = std::move(settings);
+    std::optional<Op::Response> response;
+    harness_.node().RunOnLoop([&] {
+      client_->Call(request, std::chrono::seconds(20),
+                    [&](const auto& reply) { response = reply.value(); });
+    });
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
+      harness_.node().RunOnLoop([&] { there = response.has_value(); });
+      std::this_thread::yield();
+    }
+    return *response;
+  }
+  std::string StateOf(const std::string& program) {
+    for (const msg::ProgramInfo& each : Do(Op::kList).programs) {
+      if (each.program == program)
+        return each.state + (each.message.empty() ? "" : ": " + each.message);
+    }
+    return "none";
+  }
+  void AwaitState(const std::string& program, const std::string& state) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (StateOf(program) != state) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << StateOf(program);
+      harness_.Tick(engine_, 1);
+    }
+  }
+
+  testing::Harness harness_;
+  const TempFolder folder_;
+  ActuatorRunner<Peeked> engine_{"show", VpConfig{.folder = folder_ / "programs"}};
+  std::unique_ptr<transport::Client<Op>> client_;
+  std::unique_ptr<transport::Server<msg::AudioTextPlay>> audio_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(AnEngine, AddsRunsAndStopsPrograms) {
+  Activate();
+  ASSERT_TRUE(Do(Op::kAdd, "greet", Sequence("<Say text=\"{sentence}\"/>")).success);
+  ASSERT_TRUE(Do(Op::kAdd, "wait", Sequence("<WaitSeconds seconds=\"100\"/>")).success);
+  EXPECT_THAT(Do(Op::kGet, "greet").text, HasSubstr("{sentence}"));
+  ASSERT_TRUE(Do(Op::kRun, "greet", "", {{"sentence", "Hello"}}).success);
+  AwaitState("greet", "succeeded");
+  ASSERT_TRUE(Do(Op::kRun, "greet", "", {{"sentence", "broken"}}).success);
+  AwaitState("greet", "failed: its tree ended with FAILURE");
+  ASSERT_TRUE(Do(Op::kRun, "greet").success);
+  harness_.Tick(engine_, 2);
+  EXPECT_THAT(StateOf("greet"), HasSubstr("failed: P/Sequence/Say: port 'text': the blackboard"));
+  ASSERT_TRUE(Do(Op::kRun, "wait").success);
+  EXPECT_EQ(StateOf("wait"), "running");
+  EXPECT_FALSE(Do(Op::kStop, "greet").success);
+  EXPECT_TRUE(Do(Op::kStop, "wait").success);
+  EXPECT_EQ(StateOf("wait"), "stopped: stopped on request");
+  EXPECT_FALSE(Do(Op::kStop).success);
+  ASSERT_TRUE(Do(Op::kDelete, "wait").success);
+  EXPECT_EQ(StateOf("wait"), "none");
+  EXPECT_FALSE(Do(9).success);
+}
+
+TEST_F(AnEngine, RefusesAWrongProgramWithAllItsErrors) {
+  const auto refused = Do(Op::kAdd, "bad", Sequence("<Sya text=\"a\"/>\n<Say txt=\"a\"/>"));
+  EXPECT_FALSE(refused.success);
+  EXPECT_THAT(refused.message, HasSubstr("bad.xml:4:"));
+  EXPECT_THAT(refused.message, HasSubstr("did you mean 'Say'?"));
+  EXPECT_THAT(refused.message, HasSubstr("\nbad.xml:5:"));
+  const auto other =
+      Do(Op::kAdd, "other", "<root BTCPP_format=\"4\"><include path=\"/etc/passwd\"/></root>");
+  EXPECT_THAT(other.message, HasSubstr("a program is one file"));
+  EXPECT_EQ(Do(Op::kList).programs.size(), 0U);
+}
+
+TEST_F(AnEngine, RunsProgramsInActiveOnlyAndStopsThemInEveryOtherState) {
+  ASSERT_TRUE(Do(Op::kAdd, "wait", Sequence("<WaitSeconds seconds=\"100\"/>")).success);
+  EXPECT_THAT(Do(Op::kRun, "wait").message, HasSubstr("runs programs in Active only"));
+  Activate();
+  ASSERT_TRUE(Do(Op::kRun, "wait").success);
+  harness_.Tick(engine_, 2);
+  ASSERT_TRUE(Go("Protected"));
+  EXPECT_EQ(StateOf("wait"), "stopped: the robot left Active");
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(engine_, 2);
+  EXPECT_EQ(StateOf("wait"), "stopped: the robot left Active") << "it does not go on by itself";
+  ASSERT_TRUE(Do(Op::kRun, "wait").success);
+  EXPECT_EQ(StateOf("wait"), "running");
+}
+
+}  // namespace musher::vp_engine::engine_test
