@@ -57,19 +57,24 @@ bool MayBeEnum(const Type& type, std::string_view text) {
   return number && !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0;
 }
 
+void CheckText(Setup& setup, const PortModel& port, std::string_view text) {
+  if (port.type == nullptr) return;
+  const bool may_be_enum = MayBeEnum(*port.type, text);
+  const bool whole = port.type != TypeOf<double>() && port.type != TypeOf<float>();
+  if (may_be_enum && whole) return;  // enums are whole numbers
+  Value value;
+  const Result<> read = value.SetTextAs(*port.type, text);
+  if (read) return;
+  setup.Report(port.name, may_be_enum ? Severity::kWarning : Severity::kError,
+               "port '" + port.name + "': " + read.error().message +
+                   (may_be_enum ? ", or the name of an enum that the program has" : ""));
+}
+
 void MakePorts(Setup& setup, const std::vector<ModelPort>& ports) {
   for (const ModelPort& each : ports) {
     const PortModel& port = each.port;
     const Setup::Connection connection = setup.Connect(port);
-    if (connection.text != nullptr && port.type != nullptr &&
-        !MayBeEnum(*port.type, connection.text->value)) {
-      Value value;
-      const Result<> read = value.SetTextAs(*port.type, connection.text->value);
-      if (!read) {
-        setup.Report(port.name, Severity::kError,
-                     "port '" + port.name + "': " + read.error().message);
-      }
-    }
+    if (connection.text != nullptr) CheckText(setup, port, connection.text->value);
     const bool is_missing = connection.text == nullptr && connection.entry == nullptr;
     if (is_missing && port.direction == Direction::kIn && !each.has_default) {
       setup.Report(port.name, Severity::kWarning,

@@ -54,7 +54,7 @@ class Writing {
 
   std::string Write() && {
     text_ = "<root BTCPP_format=\"4\" main_tree_to_execute=" + Quoted(tree_.name()) + ">\n";
-    waiting_.emplace_back(tree_.name(), "", 0);
+    waiting_.push_back({tree_.name(), "", 0});
     for (std::size_t i = 0; i < waiting_.size(); ++i) {
       const Part part = waiting_[i];
       if (!options_.with_ids && !written_.insert(part.id).second) continue;
@@ -88,7 +88,7 @@ class Writing {
     const std::string name = OpenElement(id, indent);
     NodeId next = id + 1;
     if (subtree) {
-      waiting_.emplace_back(info.id, tree_.Path(id), next);
+      waiting_.push_back({info.id, tree_.Path(id), next});
       next = Behind(next);
       text_ += "/>\n";
       return next;

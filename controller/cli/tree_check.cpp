@@ -44,7 +44,7 @@ ExitCode CheckTrees(const TreeCheckOptions& options, const GlobalOptions& /*glob
   }
   if (console.mode().json) {
     console.Print(CheckJson(all));
-  } else if (has_unknown) {
+  } else if (has_unknown && options.models.empty()) {
     console.Print(
         "note: <TreeNodesModel> of the file, or --models FILE, describes the nodes that only "
         "your program has");

@@ -43,8 +43,8 @@ constexpr std::array kDescriptions = {
                 "Ticks its children but the last in order. Where one fails, it ticks the last, and "
                 "fails."},
     Description{"Finally",
-                "Ticks the first child, then the second, also where the first has failed or is "
-                "halted. Has the result of the first."},
+                "Ticks the first child, then the second, also where the first fails or is halted; "
+                "the first one's result."},
     // Decorators.
     Description{"Inverter", "Exchanges SUCCESS and FAILURE."},
     Description{"ForceSuccess", "SUCCESS when its child has ended."},

@@ -25,7 +25,7 @@ TEST_F(Btcpp, SpacesAroundTheEqualsSignAndRawOperatorsAreRead) {
                     "<ScriptCondition code=\" x==1 && true \"/></Sequence>",
                 1),
             "S ");
-  EXPECT_THAT(Findings(Main("<Script  code = \" x := \" />")), HasSubstr("t.xml:3:18: error: "));
+  EXPECT_THAT(Findings(Main("<Script  code = \" x := \" />")), HasSubstr("t.xml:3:24: error: "));
 }
 TEST_F(Btcpp, OldNamesAreUnknown) {
   EXPECT_THAT(Findings(Main("<SequenceStar><AlwaysSuccess/></SequenceStar>")),
@@ -39,10 +39,9 @@ TEST_F(Btcpp, ATreeMayHaveNoName) {
 TEST_F(Btcpp, AnAssignmentMaySetAnEntryThatAPortUses) {
   const std::string xml =
       "<root BTCPP_format=\"4\" main_tree_to_execute=\"Main\"><BehaviorTree ID=\"Main\"><Sequence>"
-      "<Script code=\"word = 'hello'\"/><SubTree ID=\"Part\" heard=\"{word}\"/></Sequence>"
-      "</BehaviorTree><BehaviorTree ID=\"Part\"><ScriptCondition code=\"heard == 'hello'\"/>"
-      "</BehaviorTree></root>";
-  EXPECT_EQ(Ticks(*MakeTree(xml), 1), "S");
+      "<Script code=\"ms = 10\"/><SubTree ID=\"Part\" time_ms=\"{ms}\"/></Sequence></BehaviorTree>"
+      "<BehaviorTree ID=\"Part\"><Sleep msec=\"{time_ms}\"/></BehaviorTree></root>";
+  EXPECT_EQ(Ticks(*MakeTree(xml), 2), "RS");
 }
 TEST_F(Btcpp, ConditionsBeforeTheStartAreEvaluatedInTheirOrder) {
   const std::string all = "_skipIf=\"x == 1\" _successIf=\"x &lt;= 2\" _failureIf=\"x == 3\"";
@@ -50,7 +49,8 @@ TEST_F(Btcpp, ConditionsBeforeTheStartAreEvaluatedInTheirOrder) {
        std::vector<std::pair<double, std::string>>{{1, "S "}, {2, "S "}, {3, "F "}, {4, "S a^ "}}) {
     tree = MakeTree(Main(Leaf("a", "S", all)), factory);
     ASSERT_TRUE(tree->board().Set("x", x));
-    EXPECT_EQ(Ticks(*tree, 1) + " " + Take(), letter) << x;
+    const std::string letters = Ticks(*tree, 1);
+    EXPECT_EQ(letters + " " + Take(), letter) << x;
   }
 }
 TEST_F(Btcpp, ScriptsAfterTheEndRunAlsoWhereAConditionDecides) {

@@ -85,8 +85,11 @@ TEST(Placeholders, HaveThePortsOfTheirModel) {
   const std::string model =
       "<Action ID=\"Walk\"><input_port name=\"goal_m\" type=\"double\"/>"
       "<output_port name=\"way\"/></Action>";
-  EXPECT_EQ(Checked(Document(model, "<Walk goal_m=\"far\" way=\"3\"/>")),
-            "t.xml:6:25: error: port 'way' is written; expected an entry, such as \"{way}\"\n");
+  EXPECT_EQ(
+      Checked(Document(model, "<Walk goal_m=\"far\" way=\"3\"/>")),
+      "t.xml:6:15: warning: port 'goal_m': 'far' is not valid: expected number, or the name of "
+      "an enum that the program has\n"
+      "t.xml:6:25: error: port 'way' is written; expected an entry, such as \"{way}\"\n");
   EXPECT_THAT(Checked(Document(model, "<Walk goal_m=\"1,5\" spead=\"3\"/>")),
               HasSubstr("t.xml:6:15: error: port 'goal_m': '1,5' is not valid: expected number"));
   EXPECT_THAT(

@@ -74,7 +74,9 @@ TEST_F(TreeFileCommand, ReportsEveryErrorWithItsPlace) {
               AllOf(HasSubstr(bad + ":3:14: error: port 'msec': 'soon' is not valid"),
                     HasSubstr(bad + ":4:1: error: there is no node 'Sequense'; did you mean "
                                     "'Sequence'?"),
-                    HasSubstr(patrol_ + ": ok: tree Patrol"), HasSubstr("--models FILE")));
+                    HasSubstr(patrol_ + ": ok: tree Patrol"), Not(HasSubstr("--models"))));
+  EXPECT_THAT(RunProgram({"tree", "check", patrol_}).out,
+              AllOf(HasSubstr("there is no node 'BatteryOk'"), HasSubstr("--models FILE")));
   const Ran json = RunProgram({"--json", "tree", "check", bad});
   EXPECT_EQ(json.exit, 2);
   EXPECT_EQ(Json(json.out)["valid"], false);
