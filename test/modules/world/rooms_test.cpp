@@ -112,6 +112,7 @@ World RunInRooms() {
   EXPECT_EQ(world.UseHand(3, {HandAction::kAttach, "cup", 2, {}}).message, "Object attached");
   EXPECT_EQ(world.UseHand(3, {HandAction::kPlace, "", 0, {7.3, 8.0, 0.4}}).message,
             "Object placed");
+  DriveAlong(world, 3, {{7.2, 6.2}, {9.8, 5.6}});
   DriveFor(world, 2, {{0, 0, 0.5}, 0}, Seconds(2.2));
   DriveAlong(world, 2, {{1.4, 5.6}, {4.3, 6.8}, {5.8, 6.8}, {8.6, 7.0}});
   world.SetPlanned(1, {{3.8, 7.8}, {3.9, 6.9}, {4.4, 6.8}, {5.5, 6.8}, {6.2, 5.8}});
