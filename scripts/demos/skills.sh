@@ -104,13 +104,13 @@ fly() {
 }
 
 plan() {
-  step "A plan for two robots: the humanoid takes the cup and puts it down elsewhere, while the flyer flies"
+  step "A plan for three robots: the humanoid takes the cup from the table and puts it down elsewhere"
   say "\$ musher skill plan config/skills/tidy_table.toml"
   result=$(musher skill plan "$scratch/config/skills/tidy_table.toml" --json 2> /dev/null)
   code=$?
   expect "skill plan: exit code" 0 "$code"
   expect "the plan" "completed: All timesteps completed." "$(answer '"\(.outcome): \(.message)"')"
-  expect "its skills" "nav_2d take_off grasp hover place land" "$(answer '[.skills[].skill] | join(" ")')"
+  expect "its skills" "nav_2d detect grasp take_off place land" "$(answer '[.skills[].skill] | join(" ")')"
   expect "the humanoid holds" null "$(robots '.robots[] | select(.name == "h1_0") | .holds')"
 }
 
