@@ -178,6 +178,7 @@ void ControllerProcess::OnRecord(const action::Record& record) {
   progress.switch_number = record.switch_number.value();
   progress.code = record.code;
   progress.message = record.message;
+  progress.event = NameOf(record.event);
   progress_.Send(progress);
   log_.Write(record.message, record.code);
   if (controller_) service_manager_.Update(controller_->shell().machine());

@@ -29,10 +29,11 @@ struct Progress {
   std::uint64_t switch_number = 0;
   std::int32_t code = 0;
   std::string message;
+  std::string event{};  // the event name of a record (lifecycle/event_name.hpp), else empty
 
   template <class Self>
   static auto Fields(Self& m) {
-    return std::tie(m.wall_ns, m.kind, m.actuator, m.switch_number, m.code, m.message);
+    return std::tie(m.wall_ns, m.kind, m.actuator, m.switch_number, m.code, m.message, m.event);
   }
   friend bool operator==(const Progress&, const Progress&) = default;
 };

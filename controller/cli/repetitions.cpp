@@ -5,6 +5,8 @@
 #include <cctype>
 #include <string_view>
 
+#include "musher/lifecycle/event_name.hpp"
+
 namespace musher::cli {
 namespace {
 
@@ -35,6 +37,16 @@ std::string WithoutChangingNumbers(const std::string& message) {
     }
   }
   return text;
+}
+
+// What makes two lines of an actuator the same: the event, and where it can have several reasons,
+// its code and the sentence.
+std::string KeyOf(const Progress& progress) {
+  for (const EventName counted : {EventName::kProcessStarted, EventName::kRestartScheduled}) {
+    if (progress.event == NameOf(counted)) return progress.event;
+  }
+  return progress.event + " " + std::to_string(progress.code) + " " +
+         WithoutChangingNumbers(progress.message);
 }
 
 bool IsPowerOfTen(int number) {
@@ -91,8 +103,8 @@ std::vector<Progress> Repetitions::NewLines(const Progress& progress) {
   Loop& loop = loops_[progress.actuator];
   if (progress.wall_ns - loop.last_ns > kForgetAfterNs) loop = {};
   loop.last_ns = progress.wall_ns;
-  const std::string said = WithoutChangingNumbers(progress.message);
-  const bool restart = progress.message.find(": restarting in ") != std::string::npos;
+  const std::string said = KeyOf(progress);
+  const bool restart = progress.event == NameOf(EventName::kRestartScheduled);
   if (loop.restarted && loop.said.contains(said)) {
     if (!restart) return {};
     ++loop.times;

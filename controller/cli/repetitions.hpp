@@ -15,14 +15,14 @@ namespace musher::cli {
 
 class Repetitions {
  public:
-  // The lines to print now, oldest first: none if the actuator was restarted and an earlier line is
-  // equal except for a process number, a time or a count. To be called with every line, in order.
+  // The lines to print now, oldest first: none if the actuator was restarted and an earlier line has
+  // the same event and reason; process numbers, times and counts may differ. To be called with every line, in order.
   std::vector<Progress> Take(const Progress& progress);
 
  private:
   struct Loop {
     std::int64_t last_ns = 0;    // time of its last line, since 1970
-    std::set<std::string> said;  // lines printed, without the numbers that change
+    std::set<std::string> said;  // of the lines printed: event and reason
     bool restarted = false;      // from then on repeated lines are only counted
     int times = 0;               // restarts without any new line
   };

@@ -1,8 +1,8 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
-# Sourced by scripts/demo: two ground robots and a flyer in simulated rooms. They are given goals, report
-# progress, carry things and can be cancelled. People and a target cross their ways; what stands in a way
-# and is not in the map is seen by the scan.
+# Sourced by scripts/demo: two ground robots, a humanoid and a flyer in simulated rooms. They are given goals
+# and a plan, report progress, carry things and can be cancelled. People and a target cross their ways; what
+# stands in a way and is not in the map is seen by the scan.
 
 journal=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/logs
@@ -50,15 +50,15 @@ await_message() {
 }
 
 boot() {
-  step "Two ground robots and a flyer boot in simulated rooms"
+  step "Two ground robots, a humanoid and a flyer boot in simulated rooms"
   sed -i "s/^seed = 1$/seed = 1\nspeed = $speed.0\nlockstep = true/" "$scratch/config/scenes/rooms.toml"
   say "\$ musher up --detach config/skills.toml"
   musher_up "$scratch/config/skills.toml" > "$scratch/up.log" 2>&1
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
-  expect "actuators in Active" 7 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect "actuators in Active" 8 "$(status '[.actuators[] | select(.state == "Active")] | length')"
   shown musher skill list --json
-  expect "robots that offer skills" "cf2x_0 jetbot_0 jetbot_1" "$(answer '.actuators | keys | join(" ")')"
+  expect "robots that offer skills" "cf2x_0 h1_0 jetbot_0 jetbot_1" "$(answer '.actuators | keys | join(" ")')"
 }
 
 explore() {
@@ -103,6 +103,17 @@ fly() {
   expect_end land completed "Landed"
 }
 
+plan() {
+  step "A plan for three robots: the humanoid takes the cup from the table and puts it down elsewhere"
+  say "\$ musher skill plan config/skills/tidy_table.toml"
+  result=$(musher skill plan "$scratch/config/skills/tidy_table.toml" --json 2> /dev/null)
+  code=$?
+  expect "skill plan: exit code" 0 "$code"
+  expect "the plan" "completed: All timesteps completed." "$(answer '"\(.outcome): \(.message)"')"
+  expect "its skills" "nav_2d detect grasp take_off place land" "$(answer '[.skills[].skill] | join(" ")')"
+  expect "the humanoid holds" null "$(robots '.robots[] | select(.name == "h1_0") | .holds')"
+}
+
 refuse() {
   step "Goals that cannot be reached, and a second one beside the first, are refused with the reason"
   run jetbot_0 nav_2d "goal_pos=[11,8]"
@@ -116,6 +127,11 @@ refuse() {
   run jetbot_0 nav_2d "goal_pos=[7,6]"
   expect "a second goal: exit code" 1 "$code"
   expect "the reason" "nav_2d is running already" "$(answer .message)"
+  run jetbot_0 follow_line
+  expect "another skill that moves it" "refused: follow_line needs the base, which nav_2d is using" \
+    "$(answer '"\(.outcome): \(.message | split(";")[0])"')"
+  run jetbot_0 detect target_prim=box_red
+  expect "one that does not" completed "$(answer .outcome)"
 }
 
 cancel() {
@@ -182,6 +198,7 @@ run_demo() {
     explore
     carry
     fly
+    plan
     refuse
     cancel
     lose_planner

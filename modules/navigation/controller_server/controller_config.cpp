@@ -42,6 +42,8 @@ ControllerConfig ReadController(const config_toml::Table& table, config_toml::Fi
   TableReader root(table, {1, 1}, "", findings);
   config::SetFrame(root, config.frame);
   config::SetTopic(root, "map", config.map, true);
+  config::SetTopic(root, "cloud", config.cloud, true);
+  config::SetNumber(root, "cloud_resolution_m", 0.01, 10, config.cloud_resolution_m);
   config::SetTime(root, "odometry_stale_ms", config.odometry_stale);
   config::SetTime(root, "scan_stale_ms", config.scan_stale);
   config::SetTime(root, "obstacle_ms", config.obstacle_time);

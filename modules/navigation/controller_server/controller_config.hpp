@@ -27,7 +27,9 @@ struct ControllerRobot : RobotTable {
 
 struct ControllerConfig {
   std::string frame = "map";
-  std::string map = "map";                      // empty: none
+  std::string map = "map";                // of robots on the ground; empty: none
+  std::string cloud = "map_point_cloud";  // of flyers; empty: none
+  double cloud_resolution_m = 0.1;
   Duration odometry_stale = Milliseconds(400);  // older odometry ends a drive
   Duration scan_stale = Milliseconds(1000);
   Duration obstacle_time = Milliseconds(2000);  // with an obstacle in the way

@@ -9,6 +9,7 @@
 #include "musher/modules/navigation/server/robot_endpoints.hpp"
 #include "musher/modules/navigation/server/thread_background.hpp"
 #include "musher/navigation/navigation_fault.hpp"
+#include "musher/navigation/planner/octree_map.hpp"
 
 namespace musher::navigation {
 namespace {
@@ -25,6 +26,19 @@ Result<std::shared_ptr<const Clearance>> ClearanceOf(const msg::OccupancyGrid& m
   auto cells = FromOccupancyGrid(grid.value(), {});
   if (!cells) return cells.error();
   if (auto checked = CheckCellMap(cells.value()); !checked) return checked.error();
+  return std::make_shared<const Clearance>(std::move(cells).value());
+}
+
+Result<std::shared_ptr<const Clearance>> ClearanceOf(const msg::PointCloud2& cloud,
+                                                     const ControllerConfig& config) {
+  constexpr double kAroundM = 1;  // of free space around the points
+  auto points = ToPoints(cloud, config.frame);
+  if (!points) return points.error();
+  auto tree = OctreeMap::Make(config.cloud_resolution_m);
+  if (!tree) return tree.error();
+  tree.value().Block(points.value());
+  auto cells = tree.value().Cells({true, kAroundM});
+  if (!cells) return cells.error();
   return std::make_shared<const Clearance>(std::move(cells).value());
 }
 
@@ -57,14 +71,34 @@ Result<> ControllerServer::Open() {
     robots_.push_back(std::make_unique<Robot>(config, config_));
     OpenRobot(*robots_.back());
   }
-  if (!config_.map.empty()) {
-    endpoints_.Subscribe<msg::OccupancyGrid>(
-        config_.map, [this](msg::OccupancyGrid&& map) { OnMap(std::move(map)); },
-        transport::kLatchedQos);
-  }
+  SubscribeMaps();
   auto& loop = dependencies_.node.loop();
   quiet_ticks_ = loop.Every(kQuietPeriod, [this, &loop] { warnings_.Tick(loop.Now()); });
   return endpoints_.opened();
+}
+
+void ControllerServer::SubscribeMaps() {
+  const auto any = [this](bool flies) {
+    return std::ranges::any_of(robots_,
+                               [&](const auto& robot) { return robot->config.flies == flies; });
+  };
+  if (!config_.map.empty() && any(false)) {
+    endpoints_.Subscribe<msg::OccupancyGrid>(
+        config_.map,
+        [this](msg::OccupancyGrid&& map) {
+          const auto grid = std::make_shared<const msg::OccupancyGrid>(std::move(map));
+          OnMap(false, [this, grid] { return ClearanceOf(*grid, config_.frame); });
+        },
+        transport::kLatchedQos);
+  }
+  if (config_.cloud.empty() || !any(true)) return;
+  endpoints_.Subscribe<msg::PointCloud2>(
+      config_.cloud,
+      [this](msg::PointCloud2&& map) {
+        const auto cloud = std::make_shared<const msg::PointCloud2>(std::move(map));
+        OnMap(true, [this, cloud] { return ClearanceOf(*cloud, config_); });
+      },
+      transport::kLatchedQos);
 }
 
 void ControllerServer::OpenRobot(Robot& robot) {
@@ -90,18 +124,16 @@ void ControllerServer::Warn(const Robot& robot, const std::string& kind, const s
                 dependencies_.node.loop().Now());
 }
 
-void ControllerServer::OnMap(msg::OccupancyGrid&& map) {
-  const auto grid = std::make_shared<const msg::OccupancyGrid>(std::move(map));
-  background_->Do([this, grid, frame = config_.frame] {
-    const auto made =
-        std::make_shared<Result<std::shared_ptr<const Clearance>>>(ClearanceOf(*grid, frame));
-    return [this, made] {
+void ControllerServer::OnMap(bool flies, MakeClearance make) {
+  background_->Do([this, flies, make = std::move(make)] {
+    const auto made = std::make_shared<Result<std::shared_ptr<const Clearance>>>(make());
+    return [this, flies, made] {
       if (!*made) {
         return warnings_.Log("map", "a map is not used: " + made->error().message,
                              dependencies_.node.loop().Now());
       }
       for (const auto& robot : robots_) {
-        if (!robot->config.flies) robot->drive.SetMap(made->value());
+        if (robot->config.flies == flies) robot->drive.SetMap(made->value());
       }
     };
   });

@@ -62,7 +62,10 @@ class ControllerServer {
   Result<> Open();
   void OpenRobot(Robot& robot);
   std::string MissingOf(const Robot& robot) const;
-  void OnMap(msg::OccupancyGrid&& map);
+  void SubscribeMaps();
+  // `make` runs on the background; its map is that of the flyers, or of the robots on the ground.
+  using MakeClearance = std::function<Result<std::shared_ptr<const Clearance>>()>;
+  void OnMap(bool flies, MakeClearance make);
   void OnOdometry(Robot& robot, const msg::Odometry& odometry);
   void OnGoal(Robot& robot, const Goal& goal);
   void OnCancel(Robot& robot, Goal goal);

@@ -100,6 +100,8 @@ class Fleet {
   void Carry(const Scene& scene);
   void Record(std::size_t robot, Duration now);
   Eigen::Vector3d HandOf(const Scene& scene, std::size_t robot) const;
+  std::optional<std::string> Between(const Scene& scene, std::size_t robot,
+                                     const Eigen::Vector3d& to_m) const;
   void Settle(const Scene& scene, std::size_t object);
   std::vector<Solid> Supports(const Scene& scene, std::size_t without_object) const;
 

@@ -41,6 +41,29 @@ Vector3d Fleet::HandOf(const Scene& scene, std::size_t robot) const {
   return body.position_m() + hand;
 }
 
+// What is higher than the hand and crosses the straight way from the middle of the robot to its
+// hand, and from there to a place: an arm reaches over low things, and not through a wall.
+std::optional<std::string> Fleet::Between(const Scene& scene, std::size_t robot,
+                                          const Vector3d& to_m) const {
+  constexpr double kStepM = 0.02;  // a wall is thicker
+  const Vector3d hand_m = HandOf(scene, robot);
+  const Vector3d body_m = robots_[robot].body.position_m();
+  std::vector<Vector3d> way = {{body_m.x(), body_m.y(), hand_m.z()}, hand_m, to_m};
+  for (const Solid& solid : SolidsOf(scene)) {
+    if (TopOf(solid) < hand_m.z()) continue;
+    for (std::size_t i = 1; i < way.size(); ++i) {
+      const Vector3d along = way[i] - way[i - 1];
+      const int steps = static_cast<int>(std::ceil(along.norm() / kStepM));
+      for (int k = 0; k <= steps; ++k) {
+        const Vector3d at = way[i - 1] + along * (steps == 0 ? 0 : double(k) / steps);
+        const bool inside = DistanceTo(solid, at.head<2>()) < 0 && at.z() > BottomOf(solid);
+        if (inside && at.z() < TopOf(solid)) return solid.what;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 // What an object can stand on, or stand in.
 std::vector<Solid> Fleet::Supports(const Scene& scene, std::size_t without_object) const {
   std::vector<Solid> solids = SolidsOf(scene);
@@ -90,6 +113,9 @@ HandReply Fleet::UseHand(const Scene& scene, std::size_t robot, const HandReques
     return Refused("Too far: " + MetresText(distance_m) + "m > " + MetresText(limit_m) + "m" +
                        (limit_m < threshold_m ? " (the reach of the hand)" : ""),
                    distance_m);
+  }
+  if (const auto wall = Between(scene, robot, objects_[*object].middle_m)) {
+    return Refused(*wall + " is between the hand and " + scene.objects[*object].name, distance_m);
   }
   if (request.action == HandAction::kAttach) return Attach(scene, robot, *object, distance_m);
   return {true, "Within grasp distance", distance_m};
@@ -159,6 +185,9 @@ HandReply Fleet::Place(const Scene& scene, std::size_t robot, std::size_t index,
     if (Overlaps(solid, raised)) {
       return Refused("the target is in " + solid.what, distance_m);
     }
+  }
+  if (const auto wall = Between(scene, robot, there.middle_m)) {
+    return Refused(*wall + " is between the hand and the target", distance_m);
   }
   there.held_by.reset();
   objects_[index] = there;

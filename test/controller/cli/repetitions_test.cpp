@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "musher/lifecycle/event_name.hpp"
+
 namespace musher::cli::repetitions_test {
 
 using ::testing::ElementsAre;
@@ -11,8 +13,10 @@ using ::testing::IsEmpty;
 class RepeatedLines : public ::testing::Test {
  protected:
   std::vector<std::string> Say(const std::string& message, const std::string& actuator = "legs",
-                               const std::string& kind = "process") {
+                               const std::string& kind = "process",
+                               EventName event = EventName::kNone) {
     Progress progress;
+    progress.event = NameOf(event);
     progress.wall_ns = now_ns_;
     progress.kind = kind;
     progress.actuator = actuator;
@@ -25,12 +29,19 @@ class RepeatedLines : public ::testing::Test {
   std::vector<std::string> Crash(int restart) {
     std::vector<std::string> lines;
     const std::string n = std::to_string(restart);
-    for (const std::string& message :
-         {"legs started (pid 40" + n + ")", std::string("legs is degraded: crashed: exit code 1"),
-          "legs: restarting in " + n + "00 ms (" + n + " of 5)"}) {
-      for (const std::string& line : Say(message)) lines.push_back(line);
+    const std::vector<std::pair<EventName, std::string>> said{
+        {EventName::kProcessStarted, "legs started (pid 40" + n + ")"},
+        {EventName::kActuatorCrashed, "legs is degraded: crashed: exit code 1"},
+        {EventName::kRestartScheduled, "legs: restarting in " + n + "00 ms (" + n + " of 5)"}};
+    for (const auto& [event, message] : said) {
+      for (const std::string& line : Say(message, "legs", "process", event)) lines.push_back(line);
     }
     return lines;
+  }
+
+  std::vector<std::string> Started(int pid) {
+    return Say("legs started (pid " + std::to_string(pid) + ")", "legs", "process",
+               EventName::kProcessStarted);
   }
 
   std::int64_t now_ns_ = 1'000'000'000'000;
@@ -42,10 +53,10 @@ TEST_F(RepeatedLines, OfARepeatedlyCrashingActuatorAreCountedUntilAnotherLine) {
               ElementsAre("legs started (pid 401)", "legs is degraded: crashed: exit code 1",
                           "legs: restarting in 100 ms (1 of 5)"));
   for (const int restart : {2, 3, 4, 5}) EXPECT_THAT(Crash(restart), IsEmpty());
-  EXPECT_THAT(Say("legs started (pid 406)"), IsEmpty());
+  EXPECT_THAT(Started(406), IsEmpty());
   EXPECT_THAT(Say("legs is degraded: given up after 5 restarts"),
               ElementsAre("legs: repeated 4 times", "legs is degraded: given up after 5 restarts"));
-  EXPECT_THAT(Say("legs started (pid 407)"), ElementsAre("legs started (pid 407)")) << "by hand";
+  EXPECT_THAT(Started(407), ElementsAre("legs started (pid 407)")) << "by hand";
 }
 
 TEST_F(RepeatedLines, OfAnotherEndOrAnotherActuatorArePrinted) {
@@ -54,6 +65,17 @@ TEST_F(RepeatedLines, OfAnotherEndOrAnotherActuatorArePrinted) {
               ElementsAre("arm is degraded: crashed: exit code 1"));
   EXPECT_THAT(Say("legs is degraded: crashed: exit code 3"),
               ElementsAre("legs is degraded: crashed: exit code 3"));
+}
+
+TEST_F(RepeatedLines, AreKnownByTheirEventAndNotByTheirSentence) {
+  Crash(1);
+  const auto say = [this](EventName event, const std::string& message) {
+    return Say(message, "legs", "process", event);
+  };
+  EXPECT_THAT(say(EventName::kProcessStarted, "legs runs again as 402"), IsEmpty());
+  EXPECT_THAT(say(EventName::kActuatorHung, "legs is degraded: crashed: exit code 1"),
+              ElementsAre("legs is degraded: crashed: exit code 1"))
+      << "another event with the same words";
 }
 
 TEST_F(RepeatedLines, WithoutARestartArePrintedEachTime) {

@@ -70,8 +70,8 @@ cf2x_0 = { skil = "take_off", when = 2026-01-01 }
                                     "\"step\"?"),
                           HasSubstr("plan.toml:3:12: error: step 1.jetbot_0: expected a table"),
                           HasSubstr("plan.toml:4:1: error: step 1: \"jetbot 1\" is not the name"),
-                          HasSubstr("plan.toml:5:1: error: step 1.cf2x_0: missing key \"skill\""),
-                          HasSubstr("plan.toml:5:39: error: step 1.cf2x_0.when: expected a text"),
+                          HasSubstr("plan.toml:5:1: error: step 1.cf2x_0: the key \"skill\" is"),
+                          HasSubstr("plan.toml:5:38: error: step 1.cf2x_0.when: expected a text"),
                           HasSubstr("plan.toml:6:1: error: step 2: has no robots")));
   EXPECT_THAT(Lines(ReadPlanText("", "plan.toml").diagnostics),
               ElementsAre(HasSubstr("[[step]], once for each step of the plan")));

@@ -2,6 +2,7 @@
 
 #include "musher/modules/navigation/controller_server/controller_server.hpp"
 
+#include <cstring>
 #include <limits>
 
 #include "musher/test/modules/navigation/navigation_rig.hpp"
@@ -307,6 +308,59 @@ TEST_F(FlyerTest, IsRefusedAPathThatBeginsFarAboveIt) {
   const std::size_t drive = Follow(PathOf({At(1, 2, 0, 4), At(3, 2, 0, 4)}));
   ASSERT_TRUE(AwaitEnd(drive));
   EXPECT_EQ(CodeOf(drive), 103);
+}
+
+class ControllerOfAFlyer : public testing::NavigationRig {
+ protected:
+  ControllerOfAFlyer() : NavigationRig({"jetbot_0", {{1, 2, 1}, 0}, false}) {
+    controller_config_.robots[0].flies = true;
+    controller_config_.cloud_resolution_m = 0.2;
+  }
+  // The walls of the rooms up to a height of 2 m.
+  msg::PointCloud2 Cloud() const {
+    const CellMap& map = walls_.map();
+    std::vector<float> values;
+    for (std::size_t i = 0; i < map.count(); ++i) {
+      if (map.blocked[i] == 0) continue;
+      const Point corner = map.CentreOf(map.CellAt(i));
+      for (int k = 0; k < 40; ++k) {
+        const double x_m = corner.x_m + (k % 2 == 0 ? -0.1 : 0.1);
+        const double y_m = corner.y_m + (k / 2 % 2 == 0 ? -0.1 : 0.1);
+        for (const double value : {x_m, y_m, 0.1 + 0.2 * (k / 4)}) values.push_back(float(value));
+      }
+    }
+    msg::PointCloud2 cloud;
+    cloud.height = 1;
+    cloud.point_step = 12;
+    cloud.width = static_cast<std::uint32_t>(values.size() / 3);
+    cloud.row_step = cloud.width * 12;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      cloud.fields.push_back({std::string(1, char('x' + i)), 4 * i, msg::PointField::kFloat32, 1});
+    }
+    cloud.data.resize(cloud.row_step);
+    std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
+    return cloud;
+  }
+  // The time of a drive.
+  double SecondsTo(double from_x_m, double to_x_m, double yaw_rad) {
+    const Time begin = network_.now();
+    const std::size_t drive =
+        Follow(PathOf({At(from_x_m, 2, yaw_rad, 1), At(to_x_m, 2, yaw_rad, 1)}));
+    EXPECT_TRUE(AwaitEnd(drive));
+    EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
+    return std::chrono::duration<double>(network_.now() - begin).count();
+  }
+};
+
+TEST_F(ControllerOfAFlyer, IsNotSlowedDownByWallsOfItsMap) {
+  StartServers();
+  const double seen_only_s = SecondsTo(1, 6.5, 0);
+  const auto cloud = Must(transport::MakePublisher<msg::PointCloud2>(*peers_, "map_point_cloud",
+                                                                     transport::kLatchedQos));
+  EXPECT_TRUE(cloud->Publish(Cloud()));
+  Run(1000);
+  const double known_s = SecondsTo(robot_.pose().at.x_m, 1, 0);
+  EXPECT_LT(known_s, seen_only_s - 0.3);
 }
 
 }  // namespace musher::navigation::controller_server_test

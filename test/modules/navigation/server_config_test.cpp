@@ -41,7 +41,7 @@ TEST(PlannerFile, ThatIsShippedHasTheDefaults) {
   EXPECT_EQ(file.cloud_resolution_m, defaults.cloud_resolution_m);
   EXPECT_EQ(file.cloud_margin_m, defaults.cloud_margin_m);
   EXPECT_EQ(file.ceiling_m, 2.4) << "of the rooms";
-  ASSERT_EQ(file.robots.size(), 3U);
+  ASSERT_EQ(file.robots.size(), 4U);
   const auto same = ReadPlannerText("[[robot]]\nname = \"jetbot_0\"\n", "short.toml");
   ASSERT_TRUE(same.config);
   const PlannerRobot &full = file.robots[0], &brief = same.config->robots[0];
@@ -65,12 +65,14 @@ TEST(ControllerFile, ThatIsShippedHasTheDefaults) {
   const ControllerConfig defaults;
   EXPECT_EQ(file.frame, defaults.frame);
   EXPECT_EQ(file.map, defaults.map);
+  EXPECT_EQ(file.cloud, defaults.cloud);
+  EXPECT_EQ(file.cloud_resolution_m, defaults.cloud_resolution_m);
   EXPECT_EQ(file.odometry_stale, defaults.odometry_stale);
   EXPECT_EQ(file.scan_stale, defaults.scan_stale);
   EXPECT_EQ(file.obstacle_time, defaults.obstacle_time);
   EXPECT_EQ(file.late, defaults.late);
   EXPECT_EQ(file.self_check_time, defaults.self_check_time);
-  ASSERT_EQ(file.robots.size(), 3U);
+  ASSERT_EQ(file.robots.size(), 4U);
   const auto same = ReadControllerText("[[robot]]\nname = \"jetbot_0\"\n", "short.toml");
   ASSERT_TRUE(same.config);
   const ControllerRobot &full = file.robots[0], &brief = same.config->robots[0];

@@ -100,7 +100,7 @@ TEST(DispatcherConfig, MayBeEmptyAndReportsAllErrors) {
 }
 
 TEST(DispatcherConfig, OfTheExampleIsValid) {
-  for (const std::string robot : {"jetbot_0", "jetbot_1", "cf2x_0"}) {
+  for (const std::string robot : {"jetbot_0", "jetbot_1", "h1_0", "cf2x_0"}) {
     const auto reading = ReadSkillsFile(SourceDir() + "/config/skills/" + robot + ".toml");
     EXPECT_THAT(Lines(reading.diagnostics), IsEmpty());
     ASSERT_TRUE(reading.config);

@@ -214,6 +214,28 @@ TEST(Hand, PlacesAnObjectWhereItIsFreeAndWithinReach) {
   EXPECT_FALSE(world.fleet().robots()[0].holds);
 }
 
+TEST(Hand, DoesNotReachThroughAWallButOverALowThing) {
+  Scene scene = WithBoxes();
+  scene.boxes = {{"wall", {0.6, 0}, {0.05, 1}, 0, 2}};
+  World world(scene);
+  for (const HandAction action : {HandAction::kCheckDistance, HandAction::kAttach}) {
+    const HandReply through = world.UseHand(0, {action, "box_red", 2, {}});
+    EXPECT_FALSE(through.success);
+    EXPECT_EQ(through.message, "box \"wall\" is between the hand and box_red");
+    EXPECT_NEAR(through.distance_m, std::hypot(0.45, 0.325), 1e-9);
+  }
+  scene.boxes = {{"wall", {0.28, 0}, {0.03, 1}, 0, 2}};
+  EXPECT_FALSE(World(scene).UseHand(0, {HandAction::kAttach, "box_red", 2, {}}).success)
+      << "the wall is between the robot and its hand";
+  scene.boxes = {{"step", {0.6, 0}, {0.05, 1}, 0, 0.3}};
+  EXPECT_TRUE(World(scene).UseHand(0, {HandAction::kAttach, "box_red", 2, {}}).success);
+  scene.boxes = {{"wall", {0.6, -0.7}, {0.05, 0.4}, 0, 2}};
+  World beside(scene);
+  ASSERT_TRUE(beside.UseHand(0, {HandAction::kAttach, "box_red", 2, {}}).success);
+  EXPECT_EQ(beside.UseHand(0, {HandAction::kPlace, "", 0, {0.9, -0.6, 0}}).message,
+            "box \"wall\" is between the hand and the target");
+}
+
 TEST(Hand, HoldsOneObjectAndAnObjectHasOneHolder) {
   Scene scene = WithBoxes();
   scene.robots[1].start_m = {1.6, 0, 0};

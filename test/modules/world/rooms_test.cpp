@@ -99,7 +99,8 @@ void DriveAlong(World& world, std::size_t robot, const std::vector<Vector2d>& po
   }
 }
 
-// A robot fetches a box and puts it on the table, a flyer crosses the lab, another one collides.
+// A robot fetches a box and puts it on the table, a humanoid moves the cup on it, a flyer crosses
+// the lab, another one collides.
 World RunInRooms() {
   World world(Rooms());
   DriveAlong(world, 0, {{4.0, 2.0}, {5.6, 2.0}, {9.0, 1.3}, {10.2, 1.0}});
@@ -107,6 +108,11 @@ World RunInRooms() {
   DriveAlong(world, 0, {{9.4, 1.6}, {8.4, 2.6}, {8.0, 4.0}, {8.0, 5.0}, {7.9, 7.2}});
   const HandReply placed = world.UseHand(0, {HandAction::kPlace, "box_red", 0, {7.8, 7.9, 0.4}});
   EXPECT_EQ(placed.message, "Object placed");
+  DriveAlong(world, 3, {{9.9, 5.6}, {7.2, 6.4}, {7.2, 7.0}});
+  EXPECT_EQ(world.UseHand(3, {HandAction::kAttach, "cup", 2, {}}).message, "Object attached");
+  EXPECT_EQ(world.UseHand(3, {HandAction::kPlace, "", 0, {7.3, 8.0, 0.4}}).message,
+            "Object placed");
+  DriveAlong(world, 3, {{7.2, 6.2}, {9.8, 5.6}});
   DriveFor(world, 2, {{0, 0, 0.5}, 0}, Seconds(2.2));
   DriveAlong(world, 2, {{1.4, 5.6}, {4.3, 6.8}, {5.8, 6.8}, {8.6, 7.0}});
   world.SetPlanned(1, {{3.8, 7.8}, {3.9, 6.9}, {4.4, 6.8}, {5.5, 6.8}, {6.2, 5.8}});
@@ -124,6 +130,7 @@ TEST(Rooms, CanBeDrivenAndFlownThroughAndObjectsCanBeFetched) {
   EXPECT_EQ(fleet.robots()[2].collisions, 0);
   EXPECT_TRUE(fleet.robots()[2].body.airborne());
   EXPECT_TRUE(fleet.objects()[0].middle_m.isApprox(Vector3d(7.8, 7.9, 0.49), 1e-6));
+  EXPECT_TRUE(fleet.objects()[2].middle_m.isApprox(Vector3d(7.3, 8.0, 0.45), 1e-6));
 }
 
 // How many pixels of the left part of a picture, the map, have about that colour.
