@@ -1,35 +1,23 @@
 #include "musher/application/fsm_actuator.hpp"
 
-#include <exception>
 #include <functional>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "musher/application/behavior_report.hpp"
+#include "musher/application/ticks.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher {
-namespace {
-
-constexpr int kMostLogged = 20;  // changes, faults and unhandled commands in a second
-
-// What the endpoints provide, and keep as long as they exist.
-struct Wire {
-  transport::EventLoop* loop = nullptr;
-  transport::Clock* clock = nullptr;
-  transport::LoopHandlePtr ticks;
-  std::function<void(const msg::String&)> publish_state;
-};
-
-}  // namespace
 
 class FsmActuator::Impl : public fsm::Listener {
  public:
-  Impl(FsmActuator& owner, Options options) : owner_(owner), options_(std::move(options)) {
+  Impl(FsmActuator& owner, Options options)
+      : owner_(owner), options_(std::move(options)), log_(owner) {
     MUSHER_CHECK(options_.rate_hz > 0);
     if (options_.machine.name == fsm::Machine::Options{}.name) {
       options_.machine.name = owner.name();
@@ -78,14 +66,8 @@ class FsmActuator::Impl : public fsm::Listener {
     return *machine_;
   }
   bool ticking() const { return ticking_; }
-  Time Now() const {
-    const auto wire = wire_.lock();
-    return wire ? wire->clock->Now() : Time{};
-  }
-  msg::Stamp Stamp() const {
-    const auto wire = wire_.lock();
-    return wire ? wire->clock->Stamp() : msg::Stamp{};
-  }
+  Time Now() const { return ticks_.Now(); }
+  msg::Stamp Stamp() const { return ticks_.Stamp(); }
 
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
     std::string line = std::string(machine.Name(change.from)) + " -> " +
@@ -93,16 +75,16 @@ class FsmActuator::Impl : public fsm::Listener {
                        std::string(fsm::Name(change.cause));
     if (change.command != fsm::kNoEvent) line += " by " + std::string(machine.Name(change.command));
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
-    Log(change.at, LogLevel::kInfo, line);
+    log_(change.at, LogLevel::kInfo, line);
     if (!in_tick_) PublishSoon();
   }
   void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
-    Log(machine.time(), LogLevel::kWarning,
-        "command " + std::string(machine.Name(command)) + " is not handled in " +
-            std::string(machine.Name(state)));
+    log_(machine.time(), LogLevel::kWarning,
+         "command " + std::string(machine.Name(command)) + " is not handled in " +
+             std::string(machine.Name(state)));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
-    Log(fault.at, LogLevel::kError, "fault: " + machine.Describe(fault));
+    log_(fault.at, LogLevel::kError, "fault: " + machine.Describe(fault));
   }
 
  private:
@@ -116,13 +98,9 @@ class FsmActuator::Impl : public fsm::Listener {
     }
     for (const std::string& warning : machine_->warnings()) owner_.Log(LogLevel::kWarning, warning);
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
-      const auto wire = std::make_shared<Wire>();
-      wire->loop = &topics.node().loop();
-      wire->clock = &topics.clock();
-      wire->publish_state = topics.PublishFunction<msg::String>(owner_.name() + "/behavior_state",
-                                                                transport::kLatchedQos);
-      topics.Keep(wire);
-      wire_ = wire;
+      ticks_.Open(topics);
+      publish_state_ = topics.PublishFunction<msg::String>(owner_.name() + "/behavior_state",
+                                                           transport::kLatchedQos);
       topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",
                                      [this](const auto& request, auto reply) {
                                        auto report = ReportBehavior(*machine_, ticking_, request);
@@ -163,11 +141,7 @@ class FsmActuator::Impl : public fsm::Listener {
     // The first time received from /clock may have any value.
     if (Now() == Time{}) machine_->Pause();
     ticking_ = true;
-    if (const auto wire = wire_.lock()) {
-      const std::chrono::duration<double> period(1 / options_.rate_hz);
-      wire->ticks =
-          wire->clock->Every(std::chrono::duration_cast<Duration>(period), [this] { Tick(); });
-    }
+    ticks_.Start(options_.rate_hz, [this] { Tick(); });
     return Ok();
   }
 
@@ -198,22 +172,11 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   void PauseMachine() {
-    if (const auto wire = wire_.lock()) wire->ticks.reset();
+    ticks_.Stop();
     ticking_ = false;
     if (machine_) machine_->Pause();
   }
 
-  // Calls a hook; nullopt, or the text of its exception.
-  std::optional<std::string> Thrown(const char* name, const std::function<void()>& hook) {
-    try {
-      hook();
-      return std::nullopt;
-    } catch (const std::exception& thrown) {
-      return std::string(name) + ": " + thrown.what();
-    } catch (...) {
-      return std::string(name) + ": threw something that is not a std::exception";
-    }
-  }
   void Guard(const char* name, const std::function<void()>& hook) {
     if (const auto thrown = Thrown(name, hook)) owner_.Log(LogLevel::kError, "fault: " + *thrown);
   }
@@ -224,7 +187,7 @@ class FsmActuator::Impl : public fsm::Listener {
     const bool news = thrown && *thrown != last;
     last = thrown.value_or("");
     if (!thrown) return true;
-    if (news) Log(machine_->time(), LogLevel::kError, "fault: " + *thrown);
+    if (news) log_(machine_->time(), LogLevel::kError, "fault: " + *thrown);
     if (GoSafe()) return false;
     Pause();
     owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
@@ -244,44 +207,28 @@ class FsmActuator::Impl : public fsm::Listener {
 
   // Publishes once the state has been entered: a machine in it has a state only then.
   void PublishSoon() {
-    const auto wire = wire_.lock();
-    if (!wire) return;
-    wire->loop->Post([this, still = wire_] {
-      if (still.lock()) Publish();
-    });
+    ticks_.Post([this] { Publish(); });
   }
   void Publish() {
-    const auto wire = wire_.lock();
-    if (!wire) return;
+    if (!ticks_.open()) return;
     std::string path = machine_->Path();
     if (published_ == path) return;
-    wire->publish_state({path});
+    publish_state_({path});
     published_ = std::move(path);
-  }
-
-  // Rate-limited, so that a machine that changes in every tick does not fill the disk.
-  void Log(Duration at, LogLevel level, const std::string& line) {
-    if (at < logging_since_ || at - logging_since_ >= std::chrono::seconds(1)) {
-      logging_since_ = at;
-      logged_ = 0;
-    }
-    if (++logged_ <= kMostLogged) owner_.Log(level, line);
-    if (logged_ == kMostLogged)
-      owner_.Log(level, "further messages within this second are suppressed");
   }
 
   FsmActuator& owner_;
   Options options_;
   std::unique_ptr<fsm::Machine> machine_;
-  std::weak_ptr<Wire> wire_;
+  Ticks ticks_;
+  std::function<void(const msg::String&)> publish_state_;  // while the ticks are open
   bool open_ = false;  // SetUp is done; before, the machine belongs to the worker
   bool ticking_ = false;
   bool in_tick_ = false;
   std::string before_fault_;  // the exception of BeforeTick() in the last tick
   std::string after_fault_;
   std::optional<std::string> published_;
-  Duration logging_since_{};
-  int logged_ = 0;
+  LimitedLog log_;
 };
 
 FsmActuator::FsmActuator(const std::string& actuator_name, Options options)

@@ -1,7 +1,6 @@
 #include "musher/application/skill_actuator.hpp"
 
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <map>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "musher/application/skill_report.hpp"
+#include "musher/application/ticks.hpp"
 #include "musher/base/check.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -17,13 +17,6 @@ namespace musher {
 namespace {
 
 using Goal = transport::ServerGoal<msg::SkillExecution>;
-
-// What the endpoints provide, and keep as long as they exist.
-struct SkillWire {
-  transport::Clock* clock = nullptr;
-  transport::LoopHandlePtr steps;
-  std::function<void(const msg::SkillFeedback&)> publish;
-};
 
 // 32 hexadecimal digits.
 std::string HexText(const transport::GoalId& id) {
@@ -88,10 +81,7 @@ class SkillActuator::Impl {
     return *manager_;
   }
   bool stepping() const { return stepping_; }
-  Time Now() const {
-    const auto wire = wire_.lock();
-    return wire ? wire->clock->Now() : Time{};
-  }
+  Time Now() const { return ticks_.Now(); }
 
  private:
   struct Open {
@@ -116,15 +106,12 @@ class SkillActuator::Impl {
     published_.clear();
     manager_ = std::make_unique<skill::Manager>(registry.All());
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
-      const auto wire = std::make_shared<SkillWire>();
-      wire->clock = &topics.clock();
-      topics.Keep(wire);
-      wire_ = wire;
+      ticks_.Open(topics);
       transport::ActionHandlers<msg::SkillExecution> handlers;
       handlers.start = [this](const Goal& goal) { Start(goal); };
       handlers.cancel = [this](const Goal& goal) { Cancel(goal); };
       topics.ServeAction<msg::SkillExecution>(options_.action, std::move(handlers));
-      OpenReports(topics, *wire);
+      OpenReports(topics);
       owner_.OpenTopics(topics);
     });
     owner_.RunOnLoop([&] { open_ = opened.ok(); });
@@ -132,8 +119,8 @@ class SkillActuator::Impl {
   }
 
   // Topics `skill_feedback` and `skills`, and the service `<actuator>/get_skill`.
-  void OpenReports(transport::Endpoints& topics, SkillWire& wire) {
-    wire.publish = topics.PublishFunction<msg::SkillFeedback>("skill_feedback");
+  void OpenReports(transport::Endpoints& topics) {
+    publish_ = topics.PublishFunction<msg::SkillFeedback>("skill_feedback");
     const std::string action =
         "/" + transport::ResolveName(owner_.machine_config().name_space, options_.action);
     topics.PublishFunction<msg::SkillOffers>(
@@ -151,16 +138,12 @@ class SkillActuator::Impl {
       return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
     }
     if (std::exchange(stepping_, true)) return Ok();
-    if (const auto wire = wire_.lock()) {
-      const std::chrono::duration<double> period(1 / options_.rate_hz);
-      wire->steps =
-          wire->clock->Every(std::chrono::duration_cast<Duration>(period), [this] { Step(); });
-    }
+    ticks_.Start(options_.rate_hz, [this] { Step(); });
     return Ok();
   }
 
   void StopStepping() {
-    if (const auto wire = wire_.lock()) wire->steps.reset();
+    ticks_.Stop();
     stepping_ = false;
   }
 
@@ -241,8 +224,7 @@ class SkillActuator::Impl {
 
   // The feedback of each run that has changed.
   void PublishChanges() {
-    const auto wire = wire_.lock();
-    if (!wire) return;
+    if (!ticks_.open()) return;
     for (const skill::Run* run : manager_->Runs()) {
       Published& last = published_[run->name()];
       msg::SkillFeedback feedback = ReportRun(owner_.name(), *run, last.goal_id);
@@ -251,8 +233,8 @@ class SkillActuator::Impl {
       if (last.ended) last.goal_id = feedback.goal_id = "";
       last.feedback = feedback;
       last.ended = run->ended();
-      feedback.header.stamp = wire->clock->Stamp();
-      wire->publish(feedback);
+      feedback.header.stamp = ticks_.Stamp();
+      publish_(feedback);
     }
   }
 
@@ -293,24 +275,13 @@ class SkillActuator::Impl {
     }
   }
 
-  // The text of an exception of a hook.
-  static std::optional<std::string> Thrown(const char* name, const std::function<void()>& hook) {
-    try {
-      hook();
-      return std::nullopt;
-    } catch (const std::exception& thrown) {
-      return std::string(name) + ": " + thrown.what();
-    } catch (...) {
-      return std::string(name) + ": threw something that is not a std::exception";
-    }
-  }
-
   SkillActuator& owner_;
   const Options options_;
   std::unique_ptr<skill::Manager> manager_;
-  std::weak_ptr<SkillWire> wire_;
-  std::map<std::string, Open> goals_;           // by skill
-  std::map<std::string, Published> published_;  // by skill
+  Ticks ticks_;
+  std::function<void(const msg::SkillFeedback&)> publish_;  // while the ticks are open
+  std::map<std::string, Open> goals_;                       // by skill
+  std::map<std::string, Published> published_;              // by skill
   bool open_ = false;  // SetUp is done; before, the skills belong to the worker
   bool stepping_ = false;
 };

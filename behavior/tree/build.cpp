@@ -71,6 +71,7 @@ std::unique_ptr<Tree> Building::Make(const Document::Tree& main, std::size_t his
   writes_.clear();
   MakeContent(main, {});
   if (failed()) return nullptr;
+  tree_->trace_.Resize(tree_->nodes_.size());
   SetConstants();
   Warn();
   return failed() ? nullptr : std::move(tree_);
@@ -120,7 +121,7 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
   }
   const Factory::Registered* registered = factory_.Find(id);
   if (registered == nullptr) {
-    UnknownNode(element, at, id);
+    UnknownNode(at, id);
     for (const Element& child : element.children) MakeNode(child, around);
     return nullptr;
   }
@@ -132,7 +133,7 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
   return MakeRegistered(element, id, *registered, around);
 }
 
-void Building::UnknownNode(const Element& element, Place place, std::string_view id) {
+void Building::UnknownNode(Place place, std::string_view id) {
   if (document_.Find(id) != nullptr) {
     Report(place, Severity::kError,
            Quoted(id) + " is a tree; write <SubTree ID=\"" + std::string(id) + "\"/>");
@@ -148,7 +149,6 @@ void Building::UnknownNode(const Element& element, Place place, std::string_view
          "there is no node " + Quoted(id) + Guess(id, names) +
              (modelled ? "; <TreeNodesModel> describes it, but the program does not register it"
                        : ""));
-  static_cast<void>(element);
 }
 
 NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind kind,
@@ -210,7 +210,10 @@ void Building::MakeChildren(const Element& element, Node* node, NodeId id, const
   for (const Element& child : element.children) {
     Node* made = MakeNode(child, {id, around.board, around.depth + 1});
     if (made == nullptr) continue;
-    if (control != nullptr) control->children_.push_back(made);
+    if (control != nullptr) {
+      control->children_.push_back(made);
+      control->child_names_.push_back(tree_->infos_[made->id_].name);
+    }
     if (decorator != nullptr) decorator->child_ = made;
   }
 }

@@ -58,14 +58,14 @@ class Building {
   std::uint32_t MakeBoard(const Element& element, std::string_view id, std::uint32_t outer);
   void SetConditions(const Element& element, Node& node, Board& board);
   void CheckAttributes(const Element& element, const Setup& setup);
-  void UnknownNode(const Element& element, Place place, std::string_view id);
+  void UnknownNode(Place place, std::string_view id);
   void Unify(Entry& entry, const Attribute& attribute, const PortModel& model);
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);
   void SetConstants();
   void Warn();  // warnings.cpp
   void WarnOfReactive(NodeId id, const std::vector<NodeId>& children);
-  void WarnOfTime(NodeId id, const std::vector<NodeId>& children);
+  void WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure);
   void WarnOfParallel(NodeId id, std::size_t children);
   void WarnOfUnset();
 

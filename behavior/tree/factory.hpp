@@ -41,6 +41,7 @@ class Factory {
     NodeKind kind = NodeKind::kAction;
     bool takes_time = false;  // may return RUNNING by itself
     Make make;
+    bool placeholder = false;  // of a model: whether it takes time is unknown
   };
 
   Factory();
@@ -97,6 +98,7 @@ class Factory {
 };
 
 // The nodes of BehaviorTree.CPP 4.
+void AddCleanups(Factory& factory);
 void AddControls(Factory& factory);
 void AddDecorators(Factory& factory);
 void AddLeaves(Factory& factory);

@@ -13,9 +13,9 @@ void Node::FailIdle() const {
   throw std::runtime_error("its tick returned IDLE; expected SUCCESS, FAILURE, RUNNING or SKIPPED");
 }
 
-void Node::Fail(const char* what) {
+void Node::Fail(const char* what, Tick& tick) {
   // A leaf has ended by itself; a node with children has to be halted for them.
-  status_ = leaf_ ? Status::kFailure : Status::kRunning;
+  Become(leaf_ ? Status::kFailure : Status::kRunning, tick);
   throw NodeFault{this, what};
 }
 
@@ -34,7 +34,7 @@ Status Node::ExecuteSpecially(Tick& tick) {
         return Status::kSkipped;
       }
     } catch (const std::exception& error) {
-      Fail(error.what());
+      Fail(error.what(), tick);
     }
   }
   const Status status = Run(tick);
@@ -42,11 +42,18 @@ Status Node::ExecuteSpecially(Tick& tick) {
     try {
       if (conditions_ != nullptr) conditions_->AfterCompleted(status);
     } catch (const std::exception& error) {
-      Fail(error.what());
+      Fail(error.what(), tick);
     }
   }
   Become(status == Status::kSkipped ? Status::kIdle : status, tick);
   return status;
+}
+
+// The first one is reported; the others are halted all the same.
+void Node::NoteFault(const char* what, Tick& tick) const {
+  if (!tick.fault.empty()) return;
+  tick.fault = what;
+  tick.faulty = id_;
 }
 
 void Node::Halt(Tick& tick) {
@@ -55,9 +62,9 @@ void Node::Halt(Tick& tick) {
     OnHalt(tick);
     if (conditions_ != nullptr) conditions_->AfterHalt();
   } catch (const std::exception& error) {
-    if (tick.fault.empty()) tick.fault = error.what();
+    NoteFault(error.what(), tick);
   } catch (...) {
-    if (tick.fault.empty()) tick.fault = "an unknown exception";
+    NoteFault("an unknown exception", tick);
   }
 }
 

@@ -24,29 +24,18 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
-#include "musher/behavior/recent.hpp"
 #include "musher/behavior/tree/status.hpp"
+#include "musher/behavior/tree/trace.hpp"
 
 namespace musher::tree {
-
-using NodeId = std::uint32_t;  // in the order of the XML, 0 is the root
-
-// A change of a node's status. A reset after SUCCESS or FAILURE is not recorded.
-struct Change {
-  Time at{};
-  NodeId node = 0;
-  Status from = Status::kIdle;
-  Status to = Status::kIdle;  // IDLE: halted
-
-  friend bool operator==(const Change&, const Change&) = default;
-};
 
 // One tick of the tree.
 struct Tick {
   Time now;
+  NodeId faulty = 0;    // the node of `fault`
   bool woken = false;   // a node wants to be ticked again at once
   std::string fault{};  // of a node that threw while it was halted
-  Recent<Change>* history = nullptr;
+  Trace* trace = nullptr;
 };
 
 struct Conditions;  // conditions.hpp
@@ -97,23 +86,24 @@ class Node {
       if (status == Status::kIdle) FailIdle();
       return status;
     } catch (const NodeFault&) {
-      status_ = Status::kRunning;  // so that a halt reaches the nodes below
+      Become(Status::kRunning, tick);  // so that a halt reaches the nodes below
       throw;
     } catch (const std::exception& error) {
-      Fail(error.what());
+      Fail(error.what(), tick);
     } catch (...) {
-      Fail("an unknown exception");
+      Fail("an unknown exception", tick);
     }
   }
   void Become(Status status, Tick& tick) {
     if (status_ == status) return;
-    if (tick.history != nullptr) tick.history->Add({tick.now, id_, status_, status});
+    if (tick.trace != nullptr) tick.trace->Add({tick.now, id_, status_, status});
     status_ = status;
   }
   [[noreturn]] void FailIdle() const;
-  [[noreturn]] void Fail(const char* what);
+  [[noreturn]] void Fail(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
   void Halt(Tick& tick);
+  void NoteFault(const char* what, Tick& tick) const;
 
   Status status_ = Status::kIdle;
   bool special_ = false;
@@ -176,6 +166,8 @@ class Decorator : public Node {
 class Control : public Node {
  public:
   const std::vector<Node*>& children() const { return children_; }
+  // Of each child, in their order: its attribute `name`, or else the name of its class.
+  const std::vector<std::string>& child_names() const { return child_names_; }
 
  protected:
   static constexpr std::size_t kAny = static_cast<std::size_t>(-1);
@@ -194,6 +186,7 @@ class Control : public Node {
   std::size_t least_;
   std::size_t most_;
   std::vector<Node*> children_;
+  std::vector<std::string> child_names_;
 };
 
 // Leaves that are a function.

@@ -28,7 +28,8 @@ struct PortModel {
   Direction direction = Direction::kIn;
   const Type* type = nullptr;  // null: any
   bool required = false;
-  std::string doc;  // for people
+  std::string doc;          // for people
+  std::string otherwise{};  // the default value as a text; empty: there is none
 };
 
 class Building;
@@ -51,8 +52,9 @@ class Setup {
   requires(!std::convertible_to<T, std::string_view>) InPort<T> Input(std::string_view name,
                                                                       T otherwise,
                                                                       std::string_view doc = "") {
-    return MakeInput<T>({std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc)},
-                        std::move(otherwise));
+    return MakeInput<T>(
+        {std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc), Shown(otherwise)},
+        std::move(otherwise));
   }
   // A port that may be missing: its Find() is null then.
   template <class T>
@@ -94,6 +96,13 @@ class Setup {
   const std::vector<PortModel>& ports() const { return ports_; }
 
  private:
+  template <class T>
+  static std::string Shown(const T& value) {
+    if constexpr (!HasText<T> && !Numeric<T>) return "";
+    Value shown;
+    shown.Set(value);
+    return shown.Shown();
+  }
   template <class T>
   InPort<T> MakeInput(PortModel model, std::optional<T> otherwise) {
     const std::string name = model.name;

@@ -5,8 +5,8 @@
 
 namespace musher::tree {
 
-Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), history_(history) {
-  tick_.history = history == 0 ? nullptr : &history_;
+Tree::Tree(std::string name, std::size_t history) : name_(std::move(name)), trace_(history) {
+  tick_.trace = &trace_;
 }
 
 Tree::~Tree() = default;
@@ -19,8 +19,9 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   try {
     const Status status = root.Execute(tick_);
     if (IsCompleted(status)) root.Reset(tick_);
-    if (!tick_.fault.empty()) return Error{kCodeFailed, tick_.fault};
-    return status;
+    if (tick_.fault.empty()) return status;
+    root.Reset(tick_);  // a node threw while it was halted
+    return HaltFault();
   } catch (const NodeFault& fault) {
     const std::string what = Path(fault.node->id()) + ": " + fault.what;
     root.Reset(tick_);
@@ -42,7 +43,11 @@ Result<> Tree::Halt(Time now) {
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
   if (tick_.fault.empty()) return Ok();
-  return Error{kCodeFailed, tick_.fault};
+  return HaltFault();
+}
+
+Error Tree::HaltFault() const {
+  return {kCodeFailed, Path(tick_.faulty) + ": " + tick_.fault};
 }
 
 std::string Tree::Path(NodeId id) const {
@@ -68,10 +73,15 @@ std::vector<NodeId> Tree::Children(NodeId id) const {
   return children;
 }
 
+Duration Tree::Spent(NodeId id, Time now) const {
+  const NodeRuns& runs = trace_.node(id);
+  return status(id) == Status::kRunning ? runs.spent + (now - runs.since) : runs.spent;
+}
+
 std::string Tree::HistoryText() const {
   std::string text;
-  for (std::size_t i = 0; i < history_.size(); ++i) {
-    const Change& change = history_[i];
+  for (std::size_t i = 0; i < history().size(); ++i) {
+    const Change& change = history()[i];
     const double at_s = std::chrono::duration<double>(change.at.time_since_epoch()).count();
     text += NumberText(at_s) + " s " + Path(change.node) + ": " + std::string(Name(change.from)) +
             " -> " + std::string(Name(change.to)) + "\n";

@@ -22,7 +22,6 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
-#include "musher/behavior/recent.hpp"
 #include "musher/behavior/tree/board.hpp"
 #include "musher/behavior/tree/document.hpp"
 #include "musher/behavior/tree/factory.hpp"
@@ -57,8 +56,10 @@ class Tree {
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
   // AsyncSequence), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
-  // Halts every running node once. An error names what one of them has thrown.
+  // Halts every running node once. An error has the path of one that threw, and what.
   Result<> Halt(Time now);
+  // The clock has jumped back: further ticks may be before the last. Nothing may be running.
+  void SetTime(Time now) { tick_.now = now; }
 
   const std::string& name() const { return name_; }
   std::size_t size() const { return nodes_.size(); }
@@ -69,7 +70,12 @@ class Tree {
   std::string Path(NodeId id) const;
   std::optional<NodeId> Find(std::string_view path) const;
   std::vector<NodeId> Children(NodeId id) const;
-  const Recent<Change>& history() const { return history_; }
+  const Recent<Change>& history() const { return trace_.history(); }
+  // How many changes there were, also those that the history has forgotten.
+  std::uint64_t changes() const { return trace_.changes(); }
+  const NodeRuns& runs(NodeId id) const { return trace_.node(id); }
+  // How long a node was RUNNING up to `now`.
+  Duration Spent(NodeId id, Time now) const;
   // "12.5 s Main/approach/Move: RUNNING -> SUCCESS", a line for each change.
   std::string HistoryText() const;
 
@@ -81,12 +87,13 @@ class Tree {
  private:
   friend class Building;
   Tree(std::string name, std::size_t history);
+  Error HaltFault() const;
 
   std::string name_;
   std::vector<std::unique_ptr<Board>> boards_;
   std::vector<std::unique_ptr<Node>> nodes_;  // by id
   std::vector<NodeInfo> infos_;
-  Recent<Change> history_;
+  Trace trace_;
   Tick tick_;
 };
 

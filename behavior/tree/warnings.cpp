@@ -23,15 +23,19 @@ void Building::Warn() {
   // A node takes time if it or one below may return RUNNING: children have higher ids.
   std::vector<NodeInfo>& infos = tree_->infos_;
   std::vector<std::vector<NodeId>> children(infos.size());
+  std::vector<char> unsure(infos.size(), 0);
   for (NodeId id = static_cast<NodeId>(infos.size()); id-- > 0;) {
     const NodeId parent = infos[id].parent;
+    const Factory::Registered* registered = factory_.Find(infos[id].id);
+    if (registered != nullptr && registered->placeholder) unsure[id] = 1;
     if (parent == kNoNode) continue;
+    if (unsure[id] != 0) unsure[parent] = 1;
     if (infos[id].takes_time) infos[parent].takes_time = true;
     children[parent].insert(children[parent].begin(), id);
   }
   for (NodeId id = 0; id < infos.size(); ++id) {
     WarnOfReactive(id, children[id]);
-    WarnOfTime(id, children[id]);
+    WarnOfTime(id, children[id], unsure[id] != 0);
     WarnOfParallel(id, children[id].size());
   }
   WarnOfUnset();
@@ -50,10 +54,10 @@ void Building::WarnOfReactive(NodeId id, const std::vector<NodeId>& children) {
   }
 }
 
-void Building::WarnOfTime(NodeId id, const std::vector<NodeId>& children) {
+void Building::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool unsure) {
   const NodeInfo& info = tree_->infos_[id];
   const Element& element = *elements_[id];
-  const bool at_once = children.size() == 1 && !tree_->infos_[children[0]].takes_time;
+  const bool at_once = children.size() == 1 && !tree_->infos_[children[0]].takes_time && !unsure;
   if (info.id == "Timeout") {
     if (FixedNumber(element, "msec") == 0.0) {
       Report(info.place, Severity::kWarning, "msec=\"0\" is no limit");

@@ -1,9 +1,11 @@
-// musher behavior NAME [--watch] [--send COMMAND]: the state machine of a running application.
+// musher behavior NAME [--watch] [--send COMMAND]: the state machine of a running application, or
+// with --tree its behaviour tree.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "musher/controller/cli/behavior_request.hpp"
+#include "musher/controller/cli/behavior_tree.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -18,7 +20,9 @@ struct BehaviorOptions {
   std::string name;
   std::uint32_t history = 10;  // changes
   bool watch = false;
-  std::string send;  // a command; empty: only show the state machine
+  std::string send;      // a command; empty: only show the state machine
+  bool tree = false;     // the behaviour tree instead
+  bool entries = false;  // of its blackboards, too
 };
 
 using Report = msg::GetBehavior::Response;
@@ -132,6 +136,10 @@ std::optional<Failure> Send(Link& link, const GlobalOptions& global,
 ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
+  if (options.tree) {
+    return ShowTree(*link.value(), global,
+                    {options.name, options.history, options.entries, options.watch}, console);
+  }
   const auto answer = QueryBehavior(*link.value(), global, options.name,
                                     {"", options.watch ? kAllChanges : options.history});
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
@@ -157,7 +165,7 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
 
 void AddBehavior(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("behavior", "Show the state machine of an application", Behavior);
+      grammar.Add("behavior", "Show the state machine or tree of an application", Behavior);
   grammar
       .Offer(app.add_option("NAME", options.name, "The application's actuator"),
              Names::kApplications)
@@ -167,10 +175,14 @@ void AddBehavior(Grammar& grammar) {
       ->check(CLI::Range(0U, 1000U).description(""))
       ->type_name("N");
   app.add_flag("-w,--watch", options.watch, "Show every change as it happens");
+  auto* tree = app.add_flag("-t,--tree", options.tree,
+                            "Show its behaviour tree; --watch redraws it on a terminal");
+  app.add_flag("--entries", options.entries, "Also show the blackboards of the tree")->needs(tree);
   grammar
       .Offer(app.add_option("--send", options.send,
                             "Send it this command, which it must have registered"),
              Names::kCommands)
+      ->excludes(tree)
       ->check([](const std::string& word) { return word.empty() ? "needs a command" : ""; })
       ->type_name("COMMAND");
 }

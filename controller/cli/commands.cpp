@@ -9,6 +9,7 @@ void AddCommands(Grammar& grammar) {
   AddCheck(grammar);
   AddGraph(grammar);
   AddSimulate(grammar);
+  AddTree(grammar);
   grammar.Group("Start and stop");
   AddUp(grammar);
   AddDown(grammar);

@@ -10,6 +10,7 @@ class Grammar;
 void AddCheck(Grammar& grammar);
 void AddGraph(Grammar& grammar);
 void AddSimulate(Grammar& grammar);
+void AddTree(Grammar& grammar);
 void AddUp(Grammar& grammar);
 void AddDown(Grammar& grammar);
 void AddPowerOff(Grammar& grammar);

@@ -1,6 +1,6 @@
 // musher complete WORD...: prints the completions of the last word, one per line, with its meaning
-// after a tab; ":files", ":folders" and ":configs" (.toml) make the shell complete file names. The
-// scripts of `musher completion` call it. It answers soon and reports no errors.
+// after a tab; ":files", ":folders", ":configs" (.toml) and ":trees" (.xml) make the shell complete
+// file names. The scripts of `musher completion` call it. It answers soon and reports no errors.
 
 #include <algorithm>
 #include <filesystem>
@@ -18,6 +18,7 @@
 #include "musher/lifecycle/state.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
+#include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -52,22 +53,40 @@ Words Of(const MachineConfig& config, Names names) {
   return words;
 }
 
-// The actuators that offer a state machine.
-Words Applications(Link& link, const std::string& name_space, const Words& actuators) {
-  using Client = transport::Client<msg::GetBehavior>;
-  std::vector<std::unique_ptr<Client>> clients;
-  clients.reserve(actuators.size());
+template <msg::Service S>
+std::unique_ptr<transport::Client<S>> ClientOf(Link& link, const std::string& name) {
+  auto client = transport::MakeClient<S>(link.node(), name);
+  return client ? std::move(client).value() : nullptr;
+}
+
+// The actuators that offer a state machine or a tree, as `names` says.
+Words Applications(Link& link, const std::string& name_space, const Words& actuators, Names names) {
+  struct Clients {
+    std::unique_ptr<transport::Client<msg::GetBehavior>> behavior;
+    std::unique_ptr<transport::Client<msg::GetTree>> tree;
+
+    bool Ready() const {
+      return (behavior != nullptr && behavior->Ready()) || (tree != nullptr && tree->Ready());
+    }
+  };
+  std::vector<Clients> all;
+  all.reserve(actuators.size());
   for (const std::string& name : actuators) {
-    auto client = transport::MakeClient<msg::GetBehavior>(
-        link.node(), transport::ResolveName(name_space, name + "/get_behavior"));
-    clients.push_back(client ? std::move(client).value() : nullptr);
+    const std::string full = transport::ResolveName(name_space, name);
+    Clients one;
+    if (names != Names::kTrees) {
+      one.behavior = ClientOf<msg::GetBehavior>(link, full + "/get_behavior");
+    }
+    if (names != Names::kStateMachines) {
+      one.tree = ClientOf<msg::GetTree>(link, full + "/get_tree");
+    }
+    all.push_back(std::move(one));
   }
-  const auto ready = [](const auto& client) { return client != nullptr && client->Ready(); };
-  link.RunUntil([&] { return std::all_of(clients.begin(), clients.end(), ready); },
-                kFindApplications);
+  const auto ready = [](const Clients& one) { return one.Ready(); };
+  link.RunUntil([&] { return std::all_of(all.begin(), all.end(), ready); }, kFindApplications);
   Words applications;
   for (std::size_t i = 0; i < actuators.size(); ++i) {
-    if (ready(clients[i])) applications.push_back(actuators[i]);
+    if (all[i].Ready()) applications.push_back(actuators[i]);
   }
   return applications;
 }
@@ -98,6 +117,10 @@ Words RunningHere(const std::string& name_space) {
   return NameLock::HeldBelow(NameLock::NameOf(domain.value(), name_space, ""));
 }
 
+bool IsApplication(Names names) {
+  return names == Names::kApplications || names == Names::kStateMachines || names == Names::kTrees;
+}
+
 // The names of the running machine; none if it is not discovered in time.
 Words OfMachine(const GlobalOptions& global, Names names) {
   const auto opened = Link::Open(global);
@@ -113,7 +136,7 @@ Words OfMachine(const GlobalOptions& global, Names names) {
     for (const auto& actuator : link.status()->actuators) actuators.push_back(actuator.name);
   }
   if (names == Names::kActuators) return actuators;
-  if (names == Names::kApplications) return Applications(link, global.name_space, actuators);
+  if (IsApplication(names)) return Applications(link, global.name_space, actuators, names);
   if (!link.status()) return {};
   if (names == Names::kCapabilities) return Capabilities(link);
   const msg::MachineStatus& status = *link.status();
@@ -170,6 +193,13 @@ ExitCode Complete(const CompleteOptions& options, const GlobalOptions& global, C
       break;
     case Names::kConfigs:
       console.Print(":configs");
+      break;
+    case Names::kDrawings:
+      console.Print(":configs");
+      console.Print(":trees");
+      break;
+    case Names::kTreeFiles:
+      console.Print(":trees");
       break;
     case Names::kFiles:
       console.Print(":files");

@@ -1,10 +1,11 @@
-// musher graph FILE: draws the states or the actuators of a config, the state machine of an
-// application, or a skill.
+// musher graph FILE: draws the states or the actuators of a config, the state machine or behaviour
+// tree of an application, a skill, or the behaviour tree of a file.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
+#include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/controller/cli/behavior_request.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
@@ -12,16 +13,19 @@
 #include "musher/controller/cli/render/graph.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/svg.hpp"
+#include "musher/controller/cli/render/tree.hpp"
 #include "musher/controller/cli/skill_choice.hpp"
 #include "musher/controller/cli/skill_offers.hpp"
 #include "musher/controller/cli/skill_request.hpp"
+#include "musher/controller/cli/tree_file.hpp"
 
 namespace musher::cli {
 namespace {
 
 struct GraphOptions {
-  std::string file;           // empty: draw `behavior` or `skill`
+  std::string file;           // empty: draw `behavior`, `tree` or `skill`
   std::string behavior;       // the application whose state machine is drawn
+  std::string tree;           // the application whose behaviour tree is drawn, or a file
   std::string skill;          // the skill that is drawn
   std::string actuator;       // of `skill`; empty: the only one that offers it
   std::string what = "flow";  // or "actuators"
@@ -66,6 +70,40 @@ Drawing DrawBehavior(const std::string& name, const std::string& format,
   return svg ? OrFailure(RenderSvg(graph)) : Drawing(std::move(graph));
 }
 
+Drawing DrawTree(const std::string& name, const std::string& format,
+                 const msg::GetTree::Response& report) {
+  if (format == "mermaid") return TreeMermaid(report);
+  const std::string dot = TreeDot(name, report);
+  return format == "svg" ? OrFailure(RenderSvg(dot)) : Drawing(dot);
+}
+
+Drawing DrawRunningTree(const std::string& name, const std::string& format,
+                        const GlobalOptions& global) {
+  const auto link = Link::Open(global);
+  if (!link) return Failure{ExitCode::kUsage, link.error()};
+  const auto answer = QueryTree(*link.value(), global, name, {"", 0, false});
+  if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
+  return DrawTree(name, format, std::get<msg::GetTree::Response>(answer));
+}
+
+bool IsTreeFile(const std::string& file) {
+  return std::filesystem::path(file).extension() == ".xml";
+}
+
+Drawing DrawTreeFile(const std::string& file, const std::string& format, Console& console) {
+  const tree::Reading reading = tree::ReadTreeFile(file);
+  for (const Diagnostic& each : reading.diagnostics) console.Note(FormatDiagnostic(each));
+  if (!reading.ok()) {
+    return Failure{ExitCode::kUsage, {kCodeParametersInvalid, file + " is not a valid tree"}};
+  }
+  const auto nodes = NodesOf(reading.document, "");
+  if (!nodes)
+    return Failure{ExitCode::kUsage, {nodes.error().code, file + ": " + nodes.error().message}};
+  msg::GetTree::Response report;
+  for (const FileNode& one : nodes.value()) report.nodes.push_back(one.node);
+  return DrawTree(std::filesystem::path(file).stem(), format, report);
+}
+
 Drawing DrawSkill(const GraphOptions& options, const std::string& format,
                   const GlobalOptions& global) {
   const auto link = Link::Open(global);
@@ -92,10 +130,15 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
     drawn = DrawBehavior(options.behavior, format, global);
   } else if (!options.skill.empty()) {
     drawn = DrawSkill(options, format, global);
+  } else if (IsTreeFile(options.tree.empty() ? options.file : options.tree)) {
+    drawn = DrawTreeFile(options.tree.empty() ? options.file : options.tree, format, console);
+  } else if (!options.tree.empty()) {
+    drawn = DrawRunningTree(options.tree, format, global);
   } else if (options.file.empty()) {
-    drawn = Failure{ExitCode::kUsage,
-                    {kCodeParametersInvalid,
-                     "FILE, --behavior NAME or --skill NAME is required; see musher graph --help"}};
+    drawn =
+        Failure{ExitCode::kUsage,
+                {kCodeParametersInvalid,
+                 "FILE, --behavior, --tree or --skill NAME is required; see musher graph --help"}};
   } else {
     const auto config = LoadConfig(options.file, console);
     if (!config) return ExitCode::kUsage;
@@ -121,10 +164,12 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
 
 void AddGraph(Grammar& grammar) {
   auto [app, options] =
-      grammar.Add("graph", "Draw a config, an application's state machine or a skill", Graph);
-  auto* file =
-      grammar.Offer(app.add_option("FILE", options.file, "State config (TOML)"), Names::kConfigs)
-          ->type_name("");
+      grammar.Add("graph", "Draw a config, a state machine, a tree or a skill", Graph);
+  auto* file = grammar
+                   .Offer(app.add_option("FILE", options.file,
+                                         "State config (TOML), or behaviour trees (XML)"),
+                          Names::kDrawings)
+                   ->type_name("");
   auto* what = grammar.OneOf(app.add_option("--what", options.what,
                                             "flow: the transitions between states (default);\n"
                                             "actuators: their stages and start order"),
@@ -133,10 +178,19 @@ void AddGraph(Grammar& grammar) {
                        .Offer(app.add_option("--behavior", options.behavior,
                                              "Instead of a config: the state machine of this\n"
                                              "running application, with its current state marked"),
-                              Names::kApplications)
+                              Names::kStateMachines)
                        ->excludes(file)
                        ->excludes(what)
                        ->type_name("NAME");
+  auto* tree = grammar
+                   .Offer(app.add_option("--tree", options.tree,
+                                         "Instead of a config: the behaviour tree of this\n"
+                                         "running application, with status and times"),
+                          Names::kTrees)
+                   ->excludes(file)
+                   ->excludes(what)
+                   ->excludes(behavior)
+                   ->type_name("NAME");
   auto* skill = grammar
                     .Offer(app.add_option("--skill", options.skill,
                                           "Instead of a config: this skill of the running\n"
@@ -145,6 +199,7 @@ void AddGraph(Grammar& grammar) {
                     ->excludes(file)
                     ->excludes(what)
                     ->excludes(behavior)
+                    ->excludes(tree)
                     ->type_name("NAME");
   grammar
       .Offer(

@@ -69,7 +69,8 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-planner",
                                                  "musher-controller",
                                                  "musher-race",
-                                                 "musher-line-walker"};
+                                                 "musher-line-walker",
+                                                 "musher-meilin-server"};
   return programs.contains(fs::path(program).filename().string());
 }
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "musher/controller/cli/behavior_request.hpp"
+#include "musher/controller/cli/application_request.hpp"
 
 namespace musher::cli {
 namespace {

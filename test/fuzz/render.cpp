@@ -6,6 +6,7 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/skill.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/render/tree.hpp"
 #include "musher/controller/cli/why.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 
@@ -32,7 +33,7 @@ std::optional<M> Take(std::span<const std::byte> bytes) {
 }
 
 void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
-  switch (kind % 8) {
+  switch (kind % 9) {
     case 0:
       if (const auto status = Take<msg::MachineStatus>(bytes)) {
         RequireJson(StatusJson(*status));
@@ -87,6 +88,15 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
         RequirePrintable(SkillFeedbackLine(*feedback, 0, false));
         RequirePrintable(SkillReportLine(report));
         RequirePrintable(SkillProgressText(feedback->skill, report, 0, false));
+      }
+      return;
+    case 7:
+      if (const auto report = Take<msg::GetTree::Response>(bytes)) {
+        RequireJson(TreeJson("a", *report));
+        RequirePrintable(TreeText("a", *report, false));
+        RequirePrintable(TreeLines(*report, 0, false));
+        RequirePrintable(TreeDot("a", *report));
+        RequirePrintable(TreeMermaid(*report));
       }
       return;
     default:

@@ -93,7 +93,7 @@ std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   if (allowed == MayInclude().end()) return {};
   const std::string folder = header.substr(0, header.find('/'));
   // The command line is a program on top of everything; the rest of controller/ is not.
-  const bool on_top = folder == "simulation" || folder == "cyberdog";
+  const bool on_top = folder == "simulation" || folder == "cyberdog" || folder == "behavior";
   if (on_top && file.In("controller/cli/")) return {};
   if (!allowed->second.contains(folder)) return file.Folder() + " may not include " + folder;
   const bool pure = file.In("lifecycle/") || file.In("behavior/");

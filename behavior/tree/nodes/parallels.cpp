@@ -109,7 +109,9 @@ class Switch : public Control {
         enums_(setup.enums()),
         variable_(setup.OptionalInput<std::string>("variable", "what is compared")) {
     for (std::size_t i = 1; i <= cases; ++i) {
-      cases_.push_back(setup.OptionalInput<std::string>("case_" + std::to_string(i)));
+      const std::string number = std::to_string(i);
+      cases_.push_back(setup.OptionalInput<std::string>("case_" + number,
+                                                        "the value that selects child " + number));
     }
   }
 

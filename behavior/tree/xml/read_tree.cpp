@@ -19,9 +19,9 @@ class Reader {
  public:
   explicit Reader(const ReadText& read) : read_(read) {}
 
-  Reading Run(std::string_view text, const std::string& file) && {
+  Reading Run(std::string_view text, const std::string& file, bool needs_tree) && {
     ReadOne(text, file, true);
-    CheckTrees();
+    if (needs_tree) CheckTrees();
     return {std::move(document_), std::move(found_)};
   }
 
@@ -184,19 +184,27 @@ class Reader {
   std::size_t next_place_ = 0;
 };
 
-}  // namespace
-
-Reading ReadTree(std::string_view text, const std::string& file, const ReadText& read) {
-  return Reader(read).Run(text, file);
-}
-
-Reading ReadTreeFile(const std::string& path) {
+Reading ReadFile(const std::string& path, bool needs_tree) {
   const ReadText read = [](const std::string& file) {
     return config_toml::ReadTextFile(file, kMostBytes);
   };
   const Result<std::string> text = read(path);
-  if (text) return ReadTree(text.value(), path, read);
+  if (text) return Reader(read).Run(text.value(), path, needs_tree);
   return {{}, {{path, 0, 0, Severity::kError, text.error().message}}};
+}
+
+}  // namespace
+
+Reading ReadTree(std::string_view text, const std::string& file, const ReadText& read) {
+  return Reader(read).Run(text, file, true);
+}
+
+Reading ReadTreeFile(const std::string& path) {
+  return ReadFile(path, true);
+}
+
+Reading ReadModelsFile(const std::string& path) {
+  return ReadFile(path, false);
 }
 
 }  // namespace musher::tree

@@ -35,5 +35,7 @@ using ReadText = std::function<Result<std::string>(const std::string& path)>;
 
 Reading ReadTree(std::string_view text, const std::string& file, const ReadText& read = {});
 Reading ReadTreeFile(const std::string& path);
+// A file that may have models of nodes only.
+Reading ReadModelsFile(const std::string& path);
 
 }  // namespace musher::tree

@@ -19,6 +19,9 @@ _musher() {
       :configs)
         _musher_files -f -X '!*.toml' -- "$current"
         _musher_files -d -S / -- "$current" ;;
+      :trees)
+        _musher_files -f -X '!*.xml' -- "$current"
+        _musher_files -d -S / -- "$current" ;;
       :files) _musher_files -f -- "$current" ;;
       :folders) _musher_files -d -S / -- "$current" ;;
       *) COMPREPLY+=("${line%%$'\t'*}") ;;

@@ -8,6 +8,8 @@ function __musher_complete
         switch $line
             case ':configs'
                 __fish_complete_suffix .toml
+            case ':trees'
+                __fish_complete_suffix .xml
             case ':files'
                 __fish_complete_path (commandline -ct)
             case ':folders'

@@ -125,7 +125,7 @@ class Grammar::Walk {
     GlobalOptions& global = grammar_.global_;
     const auto offered = grammar_.offers_.find(option);
     const Names names = offered == grammar_.offers_.end() ? Names::kNone : offered->second;
-    if (names == Names::kConfigs) config_ = word;
+    if (names == Names::kConfigs || names == Names::kDrawings) config_ = word;
     if (names == Names::kApplications) application_ = word;
     if (names == Names::kSkills) skill_ = word;
     const std::string name = LongName(option);

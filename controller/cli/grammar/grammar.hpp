@@ -23,13 +23,17 @@ enum class Names {
   kNone,
   kStates,
   kActuators,
-  kApplications,
-  kCommands,  // of the application on the command line
+  kApplications,   // state machines and trees
+  kStateMachines,  // applications
+  kTrees,          // applications
+  kCommands,       // of the application on the command line
   kCapabilities,
   kSkills,
   kSkillKeys,       // "altitude=", of the skill on the command line
   kSkillActuators,  // those that offer skills
   kConfigs,         // .toml files and folders
+  kDrawings,        // .toml and .xml files and folders
+  kTreeFiles,       // .xml files and folders
   kFiles,
   kFolders
 };

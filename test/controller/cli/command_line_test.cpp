@@ -169,9 +169,9 @@ TEST(CommandLine, GroupsTheCommandsByWhatTheyAreFor) {
   const auto parsed = Parse({"--help"});
   const std::string& help = std::get<ParseEnd>(parsed).out;
   std::size_t at = 0;
-  for (const char* line : {"\nPrepare a config:\n  check ", "\nStart and stop:\n  up ", "\n  down ",
-                           "\nOperate the machine:\n  status ", "\n  set ", "\n  estop ",
-                           "\n  skill ", "\nInspect the past:\n  history ",
+  for (const char* line : {"\nPrepare a config:\n  check ", "\n  tree ", "\nStart and stop:\n  up ",
+                           "\n  down ", "\nOperate the machine:\n  status ", "\n  set ",
+                           "\n  estop ", "\n  skill ", "\nInspect the past:\n  history ",
                            "\nInstall and upgrade:\n  keys ", "\n  ota ", "\n  completion "}) {
     const std::size_t found = help.find(line, at);
     ASSERT_NE(found, std::string::npos) << line << " in " << help;

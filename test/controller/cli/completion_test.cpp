@@ -52,7 +52,8 @@ std::string BashOffers(const std::string& words) {
   const TempFolder folder;
   return Shell("bash", folder,
                std::string(kBashCompletion) + "\ncd " + folder.path() + "\nPATH=" + BinDir() +
-                   ":$PATH\ntouch robot.toml 'my robot.toml' other.txt\nCOMP_WORDS=(" + words +
+                   ":$PATH\ntouch robot.toml 'my robot.toml' other.txt t.xml\nCOMP_WORDS=(" +
+                   words +
                    ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_musher musher\n"
                    "printf '%s|' \"${COMPREPLY[@]}\"\n");
 }
@@ -106,6 +107,9 @@ TEST_F(Completion, OffersTheNamesOfTheConfigOnTheLine) {
 TEST_F(Completion, LetsTheShellCompleteFiles) {
   EXPECT_THAT(Offered({"check", ""}), ElementsAre(":configs"));
   EXPECT_THAT(Offered({"check", "a.toml", ""}), ElementsAre(":configs"));
+  EXPECT_THAT(Offered({"graph", ""}), ElementsAre(":configs", ":trees"));
+  EXPECT_THAT(Offered({"tree", "check", "a.xml", ""}), ElementsAre(":trees"));
+  EXPECT_THAT(Offered({"tree", "check", "--models", ""}), ElementsAre(":trees"));
   EXPECT_THAT(Offered({"ota", "install", ""}), ElementsAre(":folders"));
   EXPECT_THAT(Offered({"history", "--journal", ""}), ElementsAre(":files"));
   EXPECT_THAT(Offered({"up", "a.toml", ""}), IsEmpty());
@@ -134,6 +138,7 @@ TEST(CompletionScripts, CompleteInBash) {
   EXPECT_EQ(BashOffers("musher st"), "status |");
   EXPECT_EQ(BashOffers("musher --namespace of_no_machine set Pro"), "Protected |");
   EXPECT_EQ(BashOffers("musher check ''"), R"(my\ robot.toml |robot.toml |)");
+  EXPECT_EQ(BashOffers("musher tree show ''"), "t.xml |");
   EXPECT_EQ(BashOffers("musher history --lim"), "--limit |");
   EXPECT_EQ(BashOffers("musher keys a"), "add |");
   EXPECT_EQ(BashOffers("musher status --transport l"), "local |lan |");

@@ -1,0 +1,405 @@
+#include "musher/application/tree_actuator.hpp"
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "musher/application/ticks.hpp"
+#include "musher/application/tree_report.hpp"
+#include "musher/base/check.hpp"
+#include "musher/behavior/tree/build.hpp"
+#include "musher/behavior/tree/xml/tree_xml.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher {
+namespace {
+
+constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
+
+// The errors, a line each.
+std::string ErrorLines(const std::vector<Diagnostic>& diagnostics) {
+  std::string lines;
+  for (const Diagnostic& each : diagnostics) {
+    if (each.severity != Severity::kError) continue;
+    lines += (lines.empty() ? "" : "\n") + FormatDiagnostic(each);
+  }
+  return lines;
+}
+
+}  // namespace
+
+class TreeActuator::Impl {
+ public:
+  Impl(TreeActuator& owner, Options options)
+      : owner_(owner), options_(std::move(options)), log_(owner) {
+    MUSHER_CHECK(options_.rate_hz > 0);
+  }
+
+  Result<> Run(const State& state) {
+    if (state == kSetUp) return SetUp();
+    if (state == kSelfCheck) return owner_.SelfCheck();
+    Result<> result;
+    owner_.RunOnLoop([&] {
+      if (state == kActive) {
+        result = Continue();
+        if (!result) Pause();  // an incomplete start is not left running
+      } else {
+        Pause();
+      }
+    });
+    return result;
+  }
+
+  void StopAtOnce() {
+    if (open_) Pause();
+  }
+
+  Result<tree::Document> ReadFile() const {
+    if (options_.file.empty()) {
+      return Error{kCodeParametersInvalid, "Options::file of " + owner_.name() +
+                                               " is empty, and LoadTree() is not overridden"};
+    }
+    tree::Reading read = tree::ReadTreeFile(options_.file);
+    if (!read.ok()) return Error{kCodeParametersInvalid, ErrorLines(read.diagnostics)};
+    LogWarnings(read.diagnostics);
+    return std::move(read.document);
+  }
+
+  Result<> Load(tree::Document document, const Entries& entries, const std::string& main) {
+    if (in_tree_) {
+      return Error{kCodeStateInvalid, "a node can not replace the tree that it belongs to"};
+    }
+    Loaded loaded{std::move(document), entries, main, nullptr};
+    if (Result<> built = Build(loaded, *factory_); !built) return built;
+    HaltTree();
+    Use(std::move(loaded));
+    Report(true);
+    return Ok();
+  }
+
+  void Restart() { Stop(false); }
+  void Halt() { Stop(true); }
+
+  bool has_tree() const { return loaded_.tree != nullptr; }
+  tree::Tree& tree() {
+    MUSHER_CHECK(has_tree(), owner_.name(), "has no tree");
+    return *loaded_.tree;
+  }
+  const tree::Factory& factory() const {
+    MUSHER_CHECK(factory_ != nullptr);
+    return *factory_;
+  }
+  bool ticking() const { return ticking_; }
+  tree::Status result() const { return result_; }
+  const std::string& last_fault() const { return last_fault_; }
+  Time Now() const { return ticks_.Now(); }
+  msg::Stamp Stamp() const { return ticks_.Stamp(); }
+
+ private:
+  struct Loaded {
+    tree::Document document;
+    Entries entries;
+    std::string main;
+    std::unique_ptr<tree::Tree> tree;  // null: none
+  };
+
+  Result<> SetUp() {
+    owner_.RunOnLoop([this] { open_ = false; });
+    auto factory = std::make_unique<tree::Factory>();
+    if (Result<> registered = owner_.RegisterNodes(*factory); !registered) return registered;
+    Result<tree::Document> document = owner_.LoadTree();
+    if (!document) return document.error();
+    Loaded loaded{std::move(document).value(), {}, options_.tree, nullptr};
+    if (!loaded.document.trees.empty()) {
+      if (Result<> built = Build(loaded, *factory); !built) return built;
+    }
+    owner_.RunOnLoop([&] {
+      HaltTree();
+      Use(std::move(loaded));
+      factory_ = std::move(factory);
+    });
+    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
+      ticks_.Open(topics);
+      publisher_ = nullptr;
+      publisher_ =
+          topics.Advertise<msg::TreeState>(owner_.name() + "/tree_state", transport::kLatchedQos,
+                                           {.on_match_changed = [this] { Report(true); }});
+      topics.Serve<msg::GetTree>(
+          owner_.name() + "/get_tree",
+          [this](const auto& request, auto reply) { reply(ReportTree(View(), request)); });
+      Report(true);
+      owner_.OpenTopics(topics);
+    });
+    owner_.RunOnLoop([&] { open_ = opened.ok(); });
+    return opened;
+  }
+
+  Result<> Build(Loaded& loaded, const tree::Factory& factory) {
+    tree::Built built =
+        tree::Build(loaded.document, factory, {.tree = loaded.main, .history = options_.history});
+    if (built.tree == nullptr) {
+      return Error{kCodeParametersInvalid, ErrorLines(built.diagnostics)};
+    }
+    LogWarnings(built.diagnostics);
+    tree::Board& board = built.tree->board();
+    if (Result<> filled = owner_.FillBlackboard(board); !filled) return filled;
+    std::string wrong;
+    for (const auto& [key, value] : loaded.entries) {
+      tree::Entry* entry = board.Find(key);
+      std::string why;
+      if (entry == nullptr) {
+        why = "no node has a port with this key";
+      } else if (const Result<> set = entry->AssignText(value); !set) {
+        why = set.error().message;
+      }
+      if (!why.empty()) wrong += (wrong.empty() ? "" : "\n") + ("entry '" + key + "': " + why);
+    }
+    if (!wrong.empty()) return Error{kCodeParametersInvalid, wrong};
+    loaded.tree = std::move(built.tree);
+    return Ok();
+  }
+
+  void Use(Loaded loaded) {
+    loaded_ = std::move(loaded);
+    ++revision_;
+    result_ = tree::Status::kIdle;
+    resting_ = loaded_.tree == nullptr;
+    last_fault_.clear();
+    time_ = {};
+    reported_changes_ = 0;
+  }
+
+  Result<> Continue() {
+    if (owner_.EmergencyStopped()) {
+      return Error{kCodeStateInvalid, "an emergency stop was engaged meanwhile"};
+    }
+    if (ticking_) return Ok();
+    if (options_.resume == Resume::kNewBlackboard && has_tree()) {
+      Loaded fresh{loaded_.document, loaded_.entries, loaded_.main, nullptr};
+      if (Result<> built = Build(fresh, *factory_); !built) return built;
+      Use(std::move(fresh));
+    }
+    if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
+      return Error{kCodeFailed, *thrown};
+    }
+    ticking_ = true;
+    ticks_.Start(options_.rate_hz, [this] { Tick(); });
+    Report(true);
+    return Ok();
+  }
+
+  void Pause() {
+    ticks_.Stop();
+    ticking_ = false;
+    HaltTree();
+    time_.Pause();
+    if (const auto thrown = Thrown("OnPause", [&] { owner_.OnPause(); })) {
+      owner_.Log(LogLevel::kError, "fault: " + *thrown);
+    }
+    Report(true);
+  }
+
+  // Within a tick, the nodes above the present one would go on with halted children: later then.
+  void Stop(bool rests) {
+    if (in_tree_) {
+      after_tick_ = [this, rests] { Stop(rests); };
+      return;
+    }
+    HaltTree();
+    result_ = tree::Status::kIdle;
+    resting_ = rests || !has_tree();
+    if (!rests) last_fault_.clear();
+    Report(true);
+  }
+
+  // A result of the tree stays.
+  void HaltTree() {
+    if (!has_tree()) return;
+    in_tree_ = true;
+    const Result<> halted = loaded_.tree->Halt(time_.last());
+    in_tree_ = false;
+    if (!halted) Fault(halted.error().message);
+    if (result_ == tree::Status::kRunning) result_ = tree::Status::kIdle;
+  }
+
+  void Tick() {
+    const Time now = Now();
+    if (now < time_.last()) JumpBack(now);
+    time_.Continue(now);
+    tree::Status status = tree::Status::kIdle;
+    if (const auto thrown = Thrown("BeforeTick", [&] { owner_.BeforeTick(now); })) {
+      status = Fail(*thrown);
+    } else if (ticking_ && !resting_) {
+      status = TickTree(now);
+    }
+    if (!ticking_) return;
+    if (const auto thrown = Thrown("AfterTick", [&] { owner_.AfterTick(now, status); })) {
+      Fail(*thrown);
+    } else if (!IsFailing(status)) {
+      logged_fault_.clear();
+    }
+    Report(false);
+  }
+
+  bool IsFailing(tree::Status status) const {
+    return status == tree::Status::kFailure && !last_fault_.empty();
+  }
+
+  tree::Status TickTree(Time now) {
+    in_tree_ = true;
+    const Result<tree::Status> ticked = loaded_.tree->TickOnce(now);
+    in_tree_ = false;
+    ++tick_count_;
+    if (!ticked) return AfterTree(Fail(ticked.error().message));
+    result_ = ticked.value();
+    if (result_ != tree::Status::kRunning) Ended();
+    return AfterTree(result_);
+  }
+
+  // What a node has requested meanwhile.
+  tree::Status AfterTree(tree::Status status) {
+    if (const auto work = std::exchange(after_tick_, nullptr)) work();
+    return status;
+  }
+
+  void Ended() {
+    if (options_.restart_after_end) return;
+    resting_ = true;
+    owner_.Log("tree " + loaded_.tree->name() + " ended with " + std::string(tree::Name(result_)));
+    Report(true);
+  }
+
+  // An end with FAILURE: of a tick or a hook around it.
+  tree::Status Fail(const std::string& what) {
+    Fault(what);
+    HaltTree();
+    if (!has_tree()) return tree::Status::kFailure;
+    result_ = tree::Status::kFailure;
+    if (!options_.restart_after_end) resting_ = true;
+    Report(!options_.restart_after_end);
+    return result_;
+  }
+
+  // Logged once as long as it is the same.
+  void Fault(const std::string& what) {
+    last_fault_ = what;
+    if (std::exchange(logged_fault_, what) == what) return;
+    log_(time_.last().time_since_epoch(), LogLevel::kError, "fault: " + what);
+  }
+
+  void JumpBack(Time now) {
+    owner_.Log(LogLevel::kWarning, "the clock has jumped back: the tree begins at its root");
+    HaltTree();
+    if (has_tree()) loaded_.tree->SetTime(now);
+  }
+
+  TreeView View() {
+    return {.tree = loaded_.tree.get(),
+            .document = &loaded_.document,
+            .revision = revision_,
+            .ticking = ticking_,
+            .ticks = tick_count_,
+            .result = result_,
+            .last_fault = &last_fault_,
+            .time = &time_};
+  }
+
+  // Without `at_once`: where a node has changed, a program is subscribed, and the last is long ago.
+  void Report(bool at_once) {
+    if (!ticks_.open() || publisher_ == nullptr) return;
+    const std::uint64_t changes = has_tree() ? loaded_.tree->changes() : 0;
+    if (!at_once && changes == reported_changes_) return;
+    const Time now = ticks_.LoopNow();
+    if (!at_once && (now - reported_at_ < kShortestReport || publisher_->MatchedReaders() == 0)) {
+      return;
+    }
+    reported_at_ = now;
+    reported_changes_ = changes;
+    ReportState(View(), state_);
+    static_cast<void>(publisher_->Publish(state_));  // the next change has another one
+  }
+
+  void LogWarnings(const std::vector<Diagnostic>& diagnostics) const {
+    for (const Diagnostic& each : diagnostics) {
+      if (each.severity == Severity::kError) continue;
+      owner_.Log(LogLevel::kWarning, FormatDiagnostic(each));
+    }
+  }
+
+  TreeActuator& owner_;
+  const Options options_;
+  std::unique_ptr<tree::Factory> factory_;  // outlives the tree
+  Loaded loaded_;
+  TreeTime time_;
+  Ticks ticks_;
+  transport::Publisher<msg::TreeState>* publisher_ = nullptr;  // while the ticks are open
+  msg::TreeState state_;
+  Time reported_at_{};
+  std::uint64_t reported_changes_ = 0;
+  std::uint32_t revision_ = 0;
+  std::uint64_t tick_count_ = 0;
+  tree::Status result_ = tree::Status::kIdle;
+  std::string last_fault_;
+  std::string logged_fault_;
+  std::function<void()> after_tick_;
+  bool open_ = false;  // SetUp is done; before, the tree belongs to the worker
+  bool ticking_ = false;
+  bool resting_ = false;
+  bool in_tree_ = false;  // the code of a node runs
+  LimitedLog log_;
+};
+
+TreeActuator::TreeActuator(const std::string& actuator_name, Options options)
+    : MachineActuator(actuator_name), impl_(std::make_unique<Impl>(*this, std::move(options))) {
+  RegisterStateCallback([this](const State& state) { return impl_->Run(state); });
+}
+
+TreeActuator::~TreeActuator() {
+  MUSHER_CHECK(!started(), name(),
+               "is destroyed while it is started, and the members that its hooks use are already "
+               "destroyed; use Run(), Wait() or musher::ActuatorRunner");
+}
+
+Result<tree::Document> TreeActuator::LoadTree() {
+  return impl_->ReadFile();
+}
+bool TreeActuator::has_tree() const {
+  return impl_->has_tree();
+}
+tree::Tree& TreeActuator::tree() {
+  return impl_->tree();
+}
+const tree::Factory& TreeActuator::factory() const {
+  return impl_->factory();
+}
+Result<> TreeActuator::Load(tree::Document document, const Entries& entries,
+                            const std::string& main) {
+  return impl_->Load(std::move(document), entries, main);
+}
+void TreeActuator::Restart() {
+  impl_->Restart();
+}
+void TreeActuator::Halt() {
+  impl_->Halt();
+}
+bool TreeActuator::ticking() const {
+  return impl_->ticking();
+}
+tree::Status TreeActuator::result() const {
+  return impl_->result();
+}
+const std::string& TreeActuator::last_fault() const {
+  return impl_->last_fault();
+}
+Time TreeActuator::Now() const {
+  return impl_->Now();
+}
+msg::Stamp TreeActuator::Stamp() const {
+  return impl_->Stamp();
+}
+
+void TreeActuator::OnEmergencyStop() {
+  impl_->StopAtOnce();
+}
+
+}  // namespace musher

@@ -1,0 +1,131 @@
+#include "musher/behavior/tree/models.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "musher/behavior/tree/model_types.hpp"
+
+namespace musher::tree {
+namespace {
+
+constexpr std::array kKinds = {NodeKind::kAction, NodeKind::kCondition, NodeKind::kDecorator,
+                               NodeKind::kControl};
+
+std::vector<std::string> NamesOf(const Factory& factory, NodeKind kind) {
+  std::vector<std::string> names = factory.Names();
+  std::erase_if(names, [&](const std::string& name) { return factory.Find(name)->kind != kind; });
+  return names;
+}
+
+std::string Escaped(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+    }
+  }
+  return escaped;
+}
+
+std::string_view ElementOf(Direction direction) {
+  switch (direction) {
+    case Direction::kOut:
+      return "output_port";
+    case Direction::kInOut:
+      return "inout_port";
+    default:
+      return "input_port";
+  }
+}
+
+std::string PortXml(const PortModel& port) {
+  const std::string_view element = ElementOf(port.direction);
+  const std::string type = TypeNameOf(port);
+  std::string text = "      <" + std::string(element) + " name=\"" + Escaped(port.name) + "\"";
+  if (!type.empty()) text += " type=\"" + Escaped(type) + "\"";
+  if (!port.otherwise.empty()) text += " default=\"" + Escaped(port.otherwise) + "\"";
+  if (port.doc.empty()) return text + "/>\n";
+  return text + ">" + Escaped(port.doc) + "</" + std::string(element) + ">\n";
+}
+
+std::string NodeXml(const Factory& factory, const std::string& name, NodeKind kind) {
+  const std::string element(Name(kind));
+  std::string inside;
+  for (const PortModel& port : factory.PortsOf(name)) inside += PortXml(port);
+  const std::string_view does = DescriptionOf(name);
+  if (!does.empty()) {
+    inside += "      <MetadataFields>\n        <Metadata description=\"" + Escaped(does) +
+              "\"/>\n      </MetadataFields>\n";
+  }
+  const std::string begin = "    <" + element + " ID=\"" + Escaped(name) + "\"";
+  return inside.empty() ? begin + "/>\n" : begin + ">\n" + inside + "    </" + element + ">\n";
+}
+
+// A cell of a table.
+std::string Cell(std::string_view text) {
+  std::string cell;
+  for (const char c : text) cell += c == '|' ? std::string("\\|") : std::string(1, c);
+  return cell;
+}
+
+std::string PortRow(const PortModel& port) {
+  std::string direction = "in";
+  if (port.direction == Direction::kOut) direction = "out";
+  if (port.direction == Direction::kInOut) direction = "in and out";
+  const std::string type = port.direction == Direction::kText ? "fixed text"
+                           : port.type == nullptr             ? "any"
+                                                              : std::string(port.type->name);
+  std::string otherwise = "–";
+  if (port.required) otherwise = "has to be set";
+  if (!port.otherwise.empty()) otherwise = "`" + port.otherwise + "`";
+  return "| `" + port.name + "` | " + direction + " | " + Cell(type) + " | " + otherwise + " | " +
+         Cell(port.doc) + " |\n";
+}
+
+}  // namespace
+
+std::string ModelsXml(const Factory& factory) {
+  std::string text = "<root BTCPP_format=\"4\">\n  <TreeNodesModel>\n";
+  for (const NodeKind kind : kKinds) {
+    for (const std::string& name : NamesOf(factory, kind)) text += NodeXml(factory, name, kind);
+  }
+  return text + "  </TreeNodesModel>\n</root>\n";
+}
+
+std::string ModelsMarkdown(const Factory& factory) {
+  constexpr std::array<std::string_view, 4> kTitles = {"Actions", "Conditions", "Decorators",
+                                                       "Controls"};
+  std::string text;
+  for (std::size_t i = 0; i < kKinds.size(); ++i) {
+    const std::vector<std::string> names = NamesOf(factory, kKinds[i]);
+    if (names.empty()) continue;
+    text += "## " + std::string(kTitles[i]) + "\n\n";
+    for (const std::string& name : names) {
+      text += "### `" + name + "`\n\n";
+      const std::string_view does = DescriptionOf(name);
+      if (!does.empty()) text += std::string(does) + "\n\n";
+      const std::vector<PortModel> ports = factory.PortsOf(name);
+      if (ports.empty()) continue;
+      text += "| port | direction | type | default | meaning |\n|---|---|---|---|---|\n";
+      for (const PortModel& port : ports) text += PortRow(port);
+      text += "\n";
+    }
+  }
+  if (!text.empty()) text.pop_back();
+  return text;
+}
+
+}  // namespace musher::tree

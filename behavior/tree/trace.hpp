@@ -1,0 +1,65 @@
+#pragma once
+// What happened in a tree: its last changes, and for each node how often it was started and how
+// long it was RUNNING. Only a change costs anything; a tick without one records nothing. Allocates
+// its places once.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/behavior/recent.hpp"
+#include "musher/behavior/tree/status.hpp"
+
+namespace musher::tree {
+
+using NodeId = std::uint32_t;  // in the order of the XML, 0 is the root
+
+// A change of a node's status. A reset after SUCCESS or FAILURE is not recorded.
+struct Change {
+  Time at{};
+  NodeId node = 0;
+  Status from = Status::kIdle;
+  Status to = Status::kIdle;  // IDLE: halted
+
+  friend bool operator==(const Change&, const Change&) = default;
+};
+
+// Of one node, since the tree was built.
+struct NodeRuns {
+  std::uint32_t starts = 0;
+  Duration spent{};             // in RUNNING, without the present time
+  Time since{};                 // of the last RUNNING
+  Status last = Status::kIdle;  // the last change; IDLE: never ticked, or halted
+};
+
+class Trace {
+ public:
+  explicit Trace(std::size_t history) : history_(history) {}
+
+  void Resize(std::size_t nodes) { nodes_.assign(nodes, {}); }
+  void Add(const Change& change) {
+    ++changes_;
+    history_.Add(change);
+    NodeRuns& node = nodes_[change.node];
+    if (change.from == Status::kRunning) {
+      node.spent += change.at - node.since;
+    } else if (change.to != Status::kIdle) {
+      ++node.starts;
+    }
+    if (change.to == Status::kRunning) node.since = change.at;
+    node.last = change.to;
+  }
+
+  // How many there were, also those that the history has forgotten.
+  std::uint64_t changes() const { return changes_; }
+  const Recent<Change>& history() const { return history_; }
+  const NodeRuns& node(NodeId id) const { return nodes_.at(id); }
+
+ private:
+  std::uint64_t changes_ = 0;
+  Recent<Change> history_;
+  std::vector<NodeRuns> nodes_;
+};
+
+}  // namespace musher::tree

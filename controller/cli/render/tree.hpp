@@ -1,0 +1,35 @@
+#pragma once
+// A behaviour tree for people and as JSON: of a running application, and of a file. Keys of JSON
+// are a contract, as in json.hpp.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/messages/musher_msgs/tree.hpp"
+
+namespace musher::cli {
+
+// "IDLE", "RUNNING", ...; of another number "?".
+std::string_view TreeStatusName(std::uint8_t status);
+
+// The nodes with their status, the faults, the changes and the entries that the report has.
+std::string TreeText(const std::string& name, const msg::GetTree::Response& report, bool colour);
+// The changes, one line each.
+std::string TreeLines(const msg::GetTree::Response& report, std::int64_t wall_ns, bool colour);
+std::string TreeJson(const std::string& name, const msg::GetTree::Response& report);
+
+// Graphviz and Mermaid; nodes that have run show the time in RUNNING and how often they started.
+std::string TreeDot(const std::string& name, const msg::GetTree::Response& report);
+std::string TreeMermaid(const msg::GetTree::Response& report);
+
+// A node of a file.
+struct FileNode {
+  msg::TreeNode node;
+  std::string attributes;  // `msec="5" _skipIf="x"`
+};
+std::string FileTreeText(const std::vector<FileNode>& nodes, bool colour);
+std::string FileTreeJson(const std::vector<FileNode>& nodes);
+
+}  // namespace musher::cli

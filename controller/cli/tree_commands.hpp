@@ -1,0 +1,14 @@
+#pragma once
+// The subcommands of `musher tree`; tree.cpp adds all of them.
+
+namespace CLI {
+class App;
+}
+
+namespace musher::cli {
+
+class Grammar;
+
+void AddTreeCheck(Grammar& grammar, CLI::App& family);
+
+}  // namespace musher::cli

@@ -1,0 +1,30 @@
+#pragma once
+// A file with behaviour trees, without the program that runs it: the nodes that only the program
+// has come from <TreeNodesModel> of the file, or of files of models.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/behavior/tree/build.hpp"
+#include "musher/controller/cli/render/tree.hpp"
+
+namespace musher::cli {
+
+struct TreeFile {
+  tree::Document document;
+  std::vector<Diagnostic> diagnostics;
+  std::unique_ptr<tree::Tree> tree;       // null: there are errors
+  std::vector<std::string> placeholders;  // nodes of models that its trees use
+  bool has_unknown = false;               // a node that neither Musher nor a model has
+};
+
+TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models);
+
+// The nodes of a tree with those of its subtrees, or of each tree one after the other where none
+// is the main one. An error: there is no tree `name`, or the subtrees are recursive or too large.
+Result<std::vector<FileNode>> NodesOf(const tree::Document& document, const std::string& name);
+
+}  // namespace musher::cli

@@ -1,0 +1,191 @@
+#pragma once
+// The goals of one action server, as handles of robot.hpp. A goal that is begun while an earlier one
+// of this channel is being cancelled is sent after its end, or after kCancelTime.
+//
+// Times here are real. Threads: the loop's.
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/modules/meilin/robot.hpp"
+#include "musher/transport/action.hpp"
+
+namespace musher::meilin {
+
+// What a handle shows; it outlives the channel.
+struct GoalRecord {
+  GoalState state = GoalState::kWaiting;
+  std::string message;
+  std::string feedback;
+  int final_state = 0;
+  bool cancel = false;     // it is to be cancelled
+  bool cancelling = false;  // a request is under way
+  transport::GoalId id{};
+};
+
+class AnyChannel {
+ public:
+  virtual ~AnyChannel() = default;
+  virtual void Tend() = 0;
+  virtual void CancelOne(const std::shared_ptr<GoalRecord>& record) = 0;
+  virtual void CancelAll() = 0;
+  virtual std::size_t open_goals() const = 0;
+  virtual bool Ready() const = 0;
+};
+
+class GoalHandle final : public Goal {
+ public:
+  GoalHandle(std::shared_ptr<GoalRecord> record, std::weak_ptr<AnyChannel> channel)
+      : record_(std::move(record)), channel_(std::move(channel)) {}
+
+  GoalState state() const override { return record_->state; }
+  const std::string& message() const override { return record_->message; }
+  int final_state() const override { return record_->final_state; }
+  const std::string& feedback() const override { return record_->feedback; }
+  void Cancel() override {
+    if (HasEnded(record_->state)) return;
+    if (const auto channel = channel_.lock()) channel->CancelOne(record_);
+  }
+
+ private:
+  const std::shared_ptr<GoalRecord> record_;
+  const std::weak_ptr<AnyChannel> channel_;
+};
+
+template <class Result>
+int FinalStateOf(const Result& result) {
+  if constexpr (requires { result.final_state; }) {
+    return result.final_state;
+  } else {
+    return 0;
+  }
+}
+
+template <msg::Action A>
+class GoalChannel final : public AnyChannel,
+                          public std::enable_shared_from_this<GoalChannel<A>> {
+ public:
+  static constexpr Duration kCancelTime = std::chrono::seconds(1);
+  using ToText = std::function<std::string(const typename A::Feedback&)>;
+
+  // The client may be null: it could not be opened. It must outlive the use of the channel.
+  GoalChannel(transport::ActionClient<A>* client, Duration server_time, ToText to_text)
+      : client_(client), server_time_(server_time), to_text_(std::move(to_text)) {}
+
+  GoalPtr Begin(const typename A::Goal& goal) {
+    auto record = std::make_shared<GoalRecord>();
+    waiting_.push_back({record, goal, std::chrono::steady_clock::now()});
+    Tend();
+    return std::make_unique<GoalHandle>(record, this->weak_from_this());
+  }
+
+  void Tend() override {
+    std::erase_if(open_, [](const auto& record) { return HasEnded(record->state); });
+    for (const auto& record : open_) {
+      if (record->state == GoalState::kWaiting && Ready()) record->state = GoalState::kSent;
+      if (record->cancel) SendCancel(record);
+    }
+    while (!waiting_.empty() && MaySend(waiting_.front().since)) {
+      const Waiting next = std::move(waiting_.front());
+      waiting_.pop_front();
+      if (next.record->state == GoalState::kWaiting) Send(next.record, next.goal);
+    }
+  }
+
+  void CancelOne(const std::shared_ptr<GoalRecord>& record) override {
+    record->cancel = true;
+    for (const Waiting& each : waiting_) {
+      if (each.record == record) record->state = GoalState::kCancelled;
+    }
+    SendCancel(record);
+  }
+
+  void CancelAll() override {
+    for (const Waiting& each : waiting_) each.record->state = GoalState::kCancelled;
+    for (const auto& record : open_) CancelOne(record);
+    if (Ready()) client_->CancelAll(kCancelTime, [](const auto& /*reply*/) {});
+  }
+
+  std::size_t open_goals() const override {
+    const auto open = [](const auto& record) { return !HasEnded(record->state); };
+    return static_cast<std::size_t>(std::ranges::count_if(open_, open)) + waiting_.size();
+  }
+  bool Ready() const override { return client_ != nullptr && client_->Ready(); }
+
+ private:
+  struct Waiting {
+    std::shared_ptr<GoalRecord> record;
+    typename A::Goal goal;
+    std::chrono::steady_clock::time_point since;
+  };
+
+  bool MaySend(std::chrono::steady_clock::time_point since) const {
+    const auto cancelling = [](const auto& record) {
+      return record->cancel && !HasEnded(record->state);
+    };
+    return std::ranges::none_of(open_, cancelling) ||
+           std::chrono::steady_clock::now() - since > kCancelTime;
+  }
+
+  void Send(const std::shared_ptr<GoalRecord>& record, const typename A::Goal& goal) {
+    if (client_ == nullptr) {
+      record->state = GoalState::kUnavailable;
+      return;
+    }
+    record->state = Ready() ? GoalState::kSent : GoalState::kWaiting;
+    transport::GoalEvents<A> events;
+    const std::weak_ptr<GoalChannel> weak = this->weak_from_this();
+    events.on_accepted = [record, weak] {
+      record->state = GoalState::kAccepted;
+      const auto channel = weak.lock();
+      if (record->cancel && channel) channel->SendCancel(record);
+    };
+    events.on_feedback = [record, to_text = to_text_](const typename A::Feedback& feedback) {
+      record->feedback = to_text(feedback);
+    };
+    events.on_end = [record](const transport::GoalOutcome<A>& outcome) { End(*record, outcome); };
+    record->id = client_->SendGoal(goal, server_time_, std::move(events));
+    open_.push_back(record);
+  }
+
+  static void End(GoalRecord& record, const transport::GoalOutcome<A>& outcome) {
+    using transport::GoalEnd;
+    record.message = outcome.reason.empty() ? outcome.result.message : outcome.reason;
+    record.final_state = FinalStateOf(outcome.result);
+    const bool had_server = record.state != GoalState::kWaiting;
+    switch (outcome.end) {
+      case GoalEnd::kSucceeded:
+        // A server that succeeds with success = false has failed.
+        record.state = outcome.result.success ? GoalState::kSucceeded : GoalState::kFailed;
+        break;
+      case GoalEnd::kAborted: record.state = GoalState::kFailed; break;
+      case GoalEnd::kCanceled: record.state = GoalState::kCancelled; break;
+      case GoalEnd::kRejected: record.state = GoalState::kRejected; break;
+      case GoalEnd::kLost:
+        record.state = had_server ? GoalState::kLost : GoalState::kUnavailable;
+        break;
+    }
+  }
+
+  // A goal that is not accepted yet is cancelled once it is: its server does not know it before.
+  void SendCancel(const std::shared_ptr<GoalRecord>& record) {
+    if (record->state != GoalState::kAccepted || record->cancelling) return;
+    record->cancelling = true;
+    client_->Cancel(record->id, kCancelTime,
+                    [record](const auto& /*reply*/) { record->cancelling = false; });
+  }
+
+  transport::ActionClient<A>* const client_;
+  const Duration server_time_;
+  const ToText to_text_;
+  std::vector<std::shared_ptr<GoalRecord>> open_;
+  std::deque<Waiting> waiting_;
+};
+
+}  // namespace musher::meilin

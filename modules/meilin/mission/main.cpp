@@ -1,0 +1,49 @@
+// musher-meilin: a match of the competition robot. See README.md in modules/meilin.
+
+#include <string_view>
+
+#include "musher/actuator/program/module_main.hpp"
+#include "musher/modules/meilin/mission/meilin_actuator.hpp"
+#include "musher/modules/meilin/mission/tree_tool.hpp"
+
+namespace {
+
+using musher::meilin::MatchConfig;
+using musher::meilin::MatchReading;
+using musher::meilin::MissionReading;
+
+int Run(const musher::program::Options& options) {
+  const MissionReading reading = musher::meilin::ReadMissionFile(options.file);
+  musher::program::PrintErrors(reading.diagnostics);
+  if (!reading.config) return musher::program::kUsageError;
+  MatchConfig match;
+  if (!reading.config->match_config.empty()) {
+    const MatchReading read = musher::meilin::ReadMatchFile(reading.config->match_config);
+    for (const std::string& error : read.errors) {
+      musher::program::PrintErrors(
+          {{reading.config->match_config, 0, 0, musher::Severity::kError, "CONFIG_ERROR: " + error}});
+    }
+    if (!read.config) return musher::program::kUsageError;
+    match = *read.config;
+  }
+  musher::meilin::MeilinActuator actuator(options.actuator, *reading.config, match);
+  return musher::program::RunToEnd(actuator, options.state_config);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string_view command = argc > 1 ? argv[1] : "";
+  if (command == "models") return musher::meilin::PrintModels(argc - 1, argv + 1);
+  if (command == "check" && argc == 3 && musher::meilin::ChecksFile(argv[2])) {
+    return musher::meilin::CheckFile(argv[2]);
+  }
+  return musher::program::Main(
+      argc, argv,
+      {"musher-meilin", "A match of the competition robot, as the actuator meilin.",
+       "`musher-meilin check TREE.xml` reports the errors of a tree, of a match config or of a "
+       "plan,\n"
+       "`musher-meilin models` prints the nodes for an editor.\n\n"
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
+      Run);
+}

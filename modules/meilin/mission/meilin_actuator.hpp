@@ -1,0 +1,70 @@
+#pragma once
+// The actuator `meilin`: a match as a behaviour tree. It ticks the tree while the robot is Active
+// (application/tree_actuator.hpp), and halts it, with every goal, in every other state and at an
+// emergency stop.
+//
+// Interfaces, relative to the machine's namespace; names in mission.toml:
+//   mf_action_seq       in   std_msgs/Float32MultiArray, latched: a plan
+//   get_action_seq      client of r2_interfaces/GetActionSeq, twice a second while there is nothing
+//                       to do, with plan_service = true
+//   planning/segments   in   std_msgs/String, latched: a plan of the old form, JSON
+//   transformed/pose, r1_ready, arm_runtime_state   in
+//   meilin/command      in   std_msgs/String: "RESET"
+//   meilin/state, meilin/last_error, meilin/plan_id   out  std_msgs/String, latched, at each change
+//   move_to_pose, suspension_control, arm_action, spear_action   clients of the actions
+//
+// Threads: the loop's, see TreeActuator.
+
+#include <functional>
+#include <string>
+
+#include "musher/application/tree_actuator.hpp"
+#include "musher/messages/r2_interfaces/get_action_seq.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/meilin/mission/mission.hpp"
+#include "musher/modules/meilin/mission/mission_config.hpp"
+#include "musher/modules/meilin/mission/ros_robot.hpp"
+
+namespace musher::meilin {
+
+class MeilinActuator final : public TreeActuator {
+ public:
+  MeilinActuator(const std::string& name, MissionConfig config, MatchConfig match);
+
+ private:
+  // A topic that is published when its text changes.
+  struct Status {
+    std::function<void(const msg::String&)> publish;
+    std::string last;
+    bool sent = false;
+    void Set(const std::string& text);
+  };
+
+  Result<> RegisterNodes(tree::Factory& factory) override;
+  Result<> FillBlackboard(tree::Board& board) override { return mission_.Fill(board); }
+  void OpenTopics(transport::Endpoints& topics) override;
+  Result<> SelfCheck() override;
+  void BeforeTick(Time now) override;
+  void AfterTick(Time now, tree::Status status) override;
+  void OnPause() override;
+  void OnResume() override;
+
+  void OnPlan(const msg::Float32MultiArray& plan);
+  void OnSegments(const std::string& text);
+  void OnCommand(const std::string& command);
+  void RequestPlan(Time now);
+  void Follow();
+  void Publish();
+
+  const MissionConfig config_;
+  RosRobot robot_;
+  Mission mission_;
+  transport::Client<msg::GetActionSeq>* plans_ = nullptr;
+  Time asked_{};
+  bool asking_ = false;
+  Status state_;
+  Status error_;
+  Status plan_id_;
+};
+
+}  // namespace musher::meilin

@@ -1,0 +1,41 @@
+#pragma once
+// The config of musher-meilin: names, the field, limits. A TOML file; config/meilin/mission.toml
+// explains every key. The keys are the parameters of the competition's system, with their units.
+//
+// Reading reports all errors at once, with line and column. Pure; any thread.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/modules/meilin/nodes/settings.hpp"
+
+namespace musher::meilin {
+
+struct MissionConfig {
+  std::string file;
+  double tick_frequency_hz = 100;
+  std::uint16_t groot2_port = 0;  // 0: Groot2 cannot connect
+  std::string tree_file;          // absolute
+  std::string match_config;       // absolute; empty: none
+  std::string segment_topic = "planning/segments";
+  std::string action_topic = "mf_action_seq";
+  std::string buffer_service = "get_action_seq";
+  bool plan_service = false;  // plans are requested from it, too
+  std::string pose_topic = "transformed/pose";
+  double self_check_s = 5;  // real time, for servers to be found
+  Settings settings;
+};
+
+struct MissionReading {
+  std::optional<MissionConfig> config;
+  std::vector<Diagnostic> diagnostics;
+};
+
+MissionReading ReadMissionText(std::string_view text, const std::string& path);
+MissionReading ReadMissionFile(const std::string& path);
+
+}  // namespace musher::meilin

@@ -1,0 +1,59 @@
+#pragma once
+// A robot behind ROS 2 topics and actions, as the nodes use it (../robot.hpp).
+//
+//   no topics ── Open() ──→ open ── its endpoints are dropped ──→ no topics
+//
+// Without topics each goal is unavailable and there is no pose: a tree may be declared and tested
+// under injected faults. A goal waits kServerTime (real time) for a server and its reply. While an
+// earlier goal of this robot at the same server is being cancelled, the next one waits for its end.
+//
+// Units and frames: those of robot.hpp. Poses in another frame than map, or that are not finite, are
+// ignored. Threads: the loop's.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/modules/meilin/robot.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::meilin {
+
+class RosRobot final : public Robot {
+ public:
+  static constexpr Duration kServerTime = std::chrono::seconds(3);
+
+  explicit RosRobot(std::string pose_topic) : pose_topic_(std::move(pose_topic)) {}
+
+  // Opens its topics, for as long as these endpoints exist. `warn`: what nodes want to be logged.
+  void Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn);
+  // Before each tick: goals that wait are sent, cancellations that were lost are repeated.
+  void Tend();
+  // Cancels every goal, also those that a process before this one has left behind.
+  void CancelAll();
+  // Goals that have not ended.
+  std::size_t open_goals() const;
+  // What cannot be reached: "no server of arm_action". Empty: nothing is missing.
+  std::string Missing() const;
+
+  GoalPtr MoveToPose(const std::string& server, const MoveGoal& goal) override;
+  GoalPtr ControlSuspension(const std::string& server, const SuspensionGoal& goal) override;
+  GoalPtr MoveArm(const std::string& server, const ArmGoal& goal) override;
+  GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) override;
+  std::optional<PoseFix> pose() const override { return pose_; }
+  const Signal& r1_ready() const override { return r1_ready_; }
+  const Signal& arm_idle() const override { return arm_idle_; }
+  void Warn(const std::string& text) override;
+
+ private:
+  struct Wire;
+
+  const std::string pose_topic_;
+  std::function<void(const std::string&)> warn_;
+  std::weak_ptr<Wire> wire_;
+  std::optional<PoseFix> pose_;
+  Signal r1_ready_;
+  Signal arm_idle_;
+};
+
+}  // namespace musher::meilin
