@@ -12,15 +12,16 @@ using Eigen::Rotation2Dd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPlateM = 0.295;    // of the underside that can rest on a platform
-constexpr int kPlateParts = 4;       // of a quarter of it along each side
-constexpr int kHullParts = 6;        // of a side of the hull
-constexpr double kLegM = 0.01;       // half the width of a wheel's leg
-constexpr double kRollMm = 25;       // a wheel rolls over such an edge
-constexpr double kGrazeMm = 3;       // the hull slides over such an edge
-constexpr double kHangMm = 2;        // a wheel that is so far over the ground hangs
-constexpr double kCreepMps = 0.1;    // while a wheel hangs
-constexpr double kMostTiltMm = 100;  // between opposite wheels
+constexpr double kPlateM = 0.295;     // of the underside that can rest on a platform
+constexpr int kPlateParts = 4;        // of a quarter of it along each side
+constexpr int kHullParts = 6;         // of a side of the hull
+constexpr double kLegM = 0.01;        // half the width of a wheel's leg
+constexpr double kRollMm = 25;        // a wheel rolls over such an edge
+constexpr double kGrazeMm = 3;        // the hull slides over such an edge
+constexpr double kHangMm = 2;         // a wheel that is so far over the ground hangs
+constexpr double kCreepMps = 0.1;     // while a wheel hangs
+constexpr double kMostTiltMm = 100;   // between opposite wheels
+constexpr double kBumpApartM = 0.05;  // after so far it can bump again
 constexpr double kSwitchSpotM = 0.02;
 constexpr double kSwitchMm = 60;
 constexpr double kRangerM = 0.285;  // of one that looks down, from the centre
@@ -103,7 +104,8 @@ std::optional<std::string> LiftBody::PutDown(const FieldSpec& field, const Vecto
   wheels_mm_.fill(spec_.rest_mm);
   targets_mm_ = wheels_mm_;
   fall_.clear();
-  waits_ = touching_ = false;
+  waits_ = false;
+  touched_m_.reset();
   Support(field);
   return std::nullopt;
 }
@@ -133,8 +135,8 @@ std::optional<std::string> LiftBody::Step(const LiftPlace& place, const Stuck& s
   const std::optional<Block> block = Move(place, seconds);
   waits_ = block && block->waits;
   const bool bumps = block && !block->waits;
-  const bool bumped = bumps && !touching_;
-  touching_ = bumps;
+  const bool bumped = bumps && (!touched_m_ || (position_m_ - *touched_m_).norm() > kBumpApartM);
+  if (bumps) touched_m_ = position_m_;
   Support(place.field);
   if (auto fall = JudgeFall()) return fall;
   if (!bumped) return std::nullopt;

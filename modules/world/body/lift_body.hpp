@@ -107,7 +107,7 @@ class LiftBody {
   WheelHeights targets_mm_{};
   WheelHeights corners_mm_{};  // of the underside at each wheel, over the field's ground
   bool waits_ = false;
-  bool touching_ = false;
+  std::optional<Eigen::Vector2d> touched_m_;  // where it touched something last
   std::string fall_;
   int bumps_ = 0;
   int falls_ = 0;

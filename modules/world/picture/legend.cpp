@@ -6,6 +6,7 @@
 #include <string>
 
 #include "musher/modules/world/paint/palette.hpp"
+#include "musher/modules/world/picture/field_view.hpp"
 #include "musher/modules/world/picture/fleet_view.hpp"
 #include "musher/modules/world/picture/strip_chart.hpp"
 
@@ -30,6 +31,7 @@ class Legend {
       : world_(world), track_(world.track()), at_(corner), canvas_(canvas) {}
 
   void Draw() {
+    at_ = DrawFieldLegend(world_, at_, canvas_);
     if (!world_.scene().robots.empty()) at_ = DrawFleetLegend(world_, at_, canvas_);
     if (world_.scene().has_body) {
       Way();

@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "musher/modules/world/paint/palette.hpp"
+#include "musher/modules/world/picture/field_view.hpp"
 #include "musher/modules/world/picture/legend.hpp"
 #include "musher/modules/world/picture/strip_chart.hpp"
 #include "musher/modules/world/picture/top_view.hpp"
@@ -48,6 +49,11 @@ std::string Facts(const World& world) {
   if (world.scene().has_body) {
     std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
                   ClockText(now_s).c_str(), WalkedM(world.track()), world.battery().percent());
+  } else if (world.field()) {
+    const LiftBody& robot = world.field()->robot();
+    std::snprintf(facts, sizeof(facts), "%s of world time    side %s    %d bumps    %d falls",
+                  ClockText(now_s).c_str(), world.field()->spec().side.c_str(), robot.bumps(),
+                  robot.falls());
   } else {
     std::snprintf(facts, sizeof(facts), "%s of world time    %zu robots", ClockText(now_s).c_str(),
                   world.scene().robots.size());
@@ -68,6 +74,8 @@ Result<> DrawAll(const World& world, const std::string& path) {
     DrawStripChart(world.track(), chart, {kRight, height - 24}, canvas);
   } else if (!world.scene().robots.empty()) {
     DrawBatteryChart(world, chart, {kRight, height - 24}, canvas);
+  } else {
+    DrawHeightChart(world, chart, {kRight, height - 24}, canvas);
   }
   return canvas.Save(path);
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "musher/modules/world/paint/palette.hpp"
+#include "musher/modules/world/picture/field_view.hpp"
 #include "musher/modules/world/picture/fleet_view.hpp"
 #include "musher/modules/world/picture/marks.hpp"
 #include "musher/modules/world/sensors/sensing.hpp"
@@ -76,6 +77,7 @@ class TopView {
     }
     for (const Board& board : scene_.boards) DrawBoard(board);
     const ToPixel to_pixel = [this](const Vector2d& point_m) { return At(point_m); };
+    DrawField(world_, to_pixel, scale_, canvas_);
     DrawFleetWays(world_, to_pixel, canvas_);
     if (scene_.has_body) DrawOwnBody();
     for (std::size_t i = 0; i < scene_.guests.size(); ++i) DrawGuest(i);

@@ -226,8 +226,10 @@ void WorldHost::SetSpeed(double factor) {
 
 // "lifted", "motor 3", "camera front".
 void WorldHost::SetFault(const std::string& text) {
-  if (std::find(std::begin(kSensorFaults), std::end(kSensorFaults), text) !=
-      std::end(kSensorFaults)) {
+  const auto is_of = [&](const auto& faults) {
+    return std::find(std::begin(faults), std::end(faults), text) != std::end(faults);
+  };
+  if (is_of(kSensorFaults) || (world_.field() && is_of(kFieldFaults))) {
     world_.Silence(text);
     return Log("fault: " + text);
   }

@@ -249,30 +249,14 @@ struct Scene {
   std::vector<Sampled> sampled;  // choices first
 };
 
-// The fault of a sensor: it is silent; or of a part of the robot on a field. "none" ends these,
-// too.
-inline constexpr std::string_view kSensorFaults[] = {"camera front",
-                                                     "camera left",
-                                                     "camera right",
-                                                     "lidar",
-                                                     "ultrasonic",
-                                                     "tof",
-                                                     "tof_left_head",
-                                                     "tof_right_head",
-                                                     "tof_left_rear",
-                                                     "tof_right_rear",
-                                                     "gps",
-                                                     "uwb",
-                                                     "arm silent",
-                                                     "arm stuck",
-                                                     "spear silent",
-                                                     "spear stuck",
-                                                     "suspension silent",
-                                                     "suspension stuck",
-                                                     "distances lost",
-                                                     "pose silent",
-                                                     "base stuck",
-                                                     "r1 silent"};
+// The fault of a sensor: it is silent. "none" ends these, too.
+inline constexpr std::string_view kSensorFaults[] = {
+    "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
+    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps",        "uwb"};
+// Of the hardware on a field: FIELD.md has what each does.
+inline constexpr std::string_view kFieldFaults[] = {
+    "arm silent",       "arm stuck",      "spear silent", "spear stuck", "suspension silent",
+    "suspension stuck", "distances lost", "pose silent",  "base stuck",  "r1 silent"};
 
 inline constexpr double kLeastSpeed = 0.01;
 inline constexpr double kMostSpeed = 100;

@@ -70,6 +70,7 @@ class Reader {
     scene_.humanoid = ReadHumanoid(root, folder, findings_);
     ReadViews(root, folder, findings_, scene_);
     ReadSensors(root, findings_, scene_.sensors);
+    has_field_ = root.Has("field");
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
     ReadReferee(root, choices, findings_, scene_);
@@ -217,6 +218,9 @@ class Reader {
     std::vector<std::pair<std::string_view, std::string_view>> names;
     for (const FaultKind& fault : Faults()) names.emplace_back(fault.name, fault.name);
     for (const std::string_view fault : kSensorFaults) names.emplace_back(fault, fault);
+    if (has_field_) {
+      for (const std::string_view fault : kFieldFaults) names.emplace_back(fault, fault);
+    }
     const std::string name(reader.Choice("fault", names).value_or("none"));
     const auto motor = reader.Integer("motor", 0, kMotors - 1);
     const FaultKind* fault = FindFault(name);
@@ -247,6 +251,7 @@ class Reader {
   const SceneRun& run_;
   Findings& findings_;
   Scene scene_;
+  bool has_field_ = false;
   std::vector<PlacedPose> placed_;
 };
 

@@ -75,7 +75,7 @@ class Field {
   std::optional<std::string> CommandSpear(double command, Duration now);
   std::optional<std::string> PutDown(const Eigen::Vector2d& at_m, double yaw_rad, Duration now);
 
-  // One step of the world that ends at `now`; `faults` as in kSensorFaults. Returns lines for the
+  // One step of the world that ends at `now`; `faults` as in kFieldFaults. Returns lines for the
   // log.
   std::vector<std::string> Step(const std::set<std::string>& faults, Duration now, Duration dt);
 
