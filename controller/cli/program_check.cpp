@@ -66,6 +66,7 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-world",
                                                  "musher-skills",
                                                  "musher-plan-dispatcher",
+                                                 "musher-meilin-planner",
                                                  "musher-planner",
                                                  "musher-controller",
                                                  "musher-race",

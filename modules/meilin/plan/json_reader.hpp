@@ -1,8 +1,8 @@
 #pragma once
 // Reads objects of a JSON text and names the place of each error, as in "segments[2].max_speed".
-// Only sources include it, because nlohmann's header is large.
+// A source that reads values also includes nlohmann/json.hpp.
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
