@@ -69,6 +69,7 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-planner",
                                                  "musher-controller",
                                                  "musher-race",
+                                                 "musher-meilin",
                                                  "musher-line-walker"};
   return programs.contains(fs::path(program).filename().string());
 }

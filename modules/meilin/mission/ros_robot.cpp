@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "musher/messages/action_of_motion_interfaces/move_to_pose.hpp"
-#include "musher/messages/geometry_msgs/pose.hpp"
+#include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/r2_interfaces/arm_action.hpp"
 #include "musher/messages/r2_interfaces/spear_action.hpp"
 #include "musher/messages/r2_interfaces/suspension_control.hpp"
-#include "musher/messages/std_msgs/bool.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/meilin/mission/goal_channel.hpp"
 #include "musher/modules/meilin/nodes/goal_watch.hpp"
 
