@@ -1,0 +1,66 @@
+#pragma once
+// Finds the plans of a field whose boxes (KFS) are known. A plan starts in row 0, moves forward,
+// left or right, visits no cell twice, and ends in row 5. It takes up to four boxes of kind KFS2
+// from the cells beside its way; it drives over no cell with a fake box, or with a KFS2 that it has
+// not taken. Boxes of kind KFS1 are the partner's; those on its way are counted.
+//
+// The search is exact: it visits every plan, always in the same order. Each plan passes
+// ReadActionSequence(). Pure: no clock, no thread. Costs are seconds.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "musher/modules/meilin/field/costs.hpp"
+#include "musher/modules/meilin/plan/action_sequence.hpp"
+
+namespace musher::meilin {
+
+enum class Box : int { kEmpty = 0, kKfs1 = 1, kKfs2 = 2, kFake = 3 };
+
+struct BoxMap {
+  Side side = Side::kBlue;
+  // Omni: moves keep yaw 0. One-way: moves keep the yaw of the last fetch. A fetch has the yaw of
+  // its direction in both.
+  bool omni = false;
+  std::array<std::array<Box, kCols>, kRows> boxes{};  // row 0 first
+
+  Box At(Cell cell) const;
+  friend bool operator==(const BoxMap&, const BoxMap&) = default;
+};
+
+struct Route {
+  std::vector<PlanStep> steps;
+  double cost_s = 0;
+  int kfs2_count = 0;     // fetched
+  int kfs1_affected = 0;  // on the way
+};
+
+inline constexpr int kMostFetched = 4;
+
+struct RouteBucket {
+  std::uint64_t total = 0;    // plans with so many KFS2
+  std::vector<Route> routes;  // the best of them, by cost, then by KFS1, then by steps
+};
+// The index is the number of KFS2.
+using Routes = std::array<RouteBucket, kMostFetched + 1>;
+
+struct RouteRules {
+  PlanRules plan;  // but for the side, which the map has
+  StepCosts costs;
+  std::size_t most_routes = 10;  // of each bucket
+  // Cells and fetches that the search visits; only maps full of KFS2 have more.
+  std::uint64_t most_visits = 2'000'000;
+};
+
+struct RouteReport {
+  Routes routes;
+  bool complete = true;  // false: the search ended at most_visits
+};
+
+RouteReport FindRoutes(const BoxMap& map, const RouteRules& rules = {});
+
+// The plan that a team sends: the best with 2 KFS2, or 3, or 4, 1 and 0. Null: there is none.
+const Route* BestRoute(const Routes& routes);
+
+}  // namespace musher::meilin
