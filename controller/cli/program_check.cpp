@@ -70,7 +70,8 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-controller",
                                                  "musher-race",
                                                  "musher-meilin",
-                                                 "musher-line-walker"};
+                                                 "musher-line-walker",
+                                                 "musher-meilin-server"};
   return programs.contains(fs::path(program).filename().string());
 }
 

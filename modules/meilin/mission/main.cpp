@@ -20,8 +20,8 @@ int Run(const musher::program::Options& options) {
   if (!reading.config->match_config.empty()) {
     const MatchReading read = musher::meilin::ReadMatchFile(reading.config->match_config);
     for (const std::string& error : read.errors) {
-      musher::program::PrintErrors(
-          {{reading.config->match_config, 0, 0, musher::Severity::kError, "CONFIG_ERROR: " + error}});
+      musher::program::PrintErrors({{reading.config->match_config, 0, 0, musher::Severity::kError,
+                                     "CONFIG_ERROR: " + error}});
     }
     if (!read.config) return musher::program::kUsageError;
     match = *read.config;

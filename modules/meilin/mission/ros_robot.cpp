@@ -79,8 +79,7 @@ struct RosRobot::Wire {
   }
 };
 
-void RosRobot::Open(transport::Endpoints& endpoints,
-                    std::function<void(const std::string&)> warn) {
+void RosRobot::Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn) {
   warn_ = std::move(warn);
   pose_.reset();
   r1_ready_ = arm_idle_ = {};
@@ -95,10 +94,10 @@ void RosRobot::Open(transport::Endpoints& endpoints,
   endpoints.Subscribe<msg::PoseStamped>(pose_topic_, [this, &clock](const msg::PoseStamped& pose) {
     if (const auto fix = FixOf(pose, clock.Now())) pose_ = fix;
   });
-  endpoints.Subscribe<msg::Bool>(
-      "r1_ready", [this](const msg::Bool& ready) { Count(r1_ready_, ready.data); });
-  endpoints.Subscribe<msg::Bool>(
-      "arm_runtime_state", [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
+  endpoints.Subscribe<msg::Bool>("r1_ready",
+                                 [this](const msg::Bool& ready) { Count(r1_ready_, ready.data); });
+  endpoints.Subscribe<msg::Bool>("arm_runtime_state",
+                                 [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
 }
 
 void RosRobot::Tend() {

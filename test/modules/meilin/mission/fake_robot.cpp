@@ -37,8 +37,10 @@ std::string FakeGoal::Text() const {
     case Kind::kSuspension:
       return fmt::format("suspension {} {} {:g}", kModes.at(suspension.mode), suspension.direction,
                          suspension.height_mm);
-    case Kind::kArm: return fmt::format("arm {}", arm.command);
-    case Kind::kSpear: return fmt::format("spear {}", spear.command);
+    case Kind::kArm:
+      return fmt::format("arm {}", arm.command);
+    case Kind::kSpear:
+      return fmt::format("spear {}", spear.command);
   }
   return "";
 }
@@ -46,8 +48,8 @@ std::string FakeGoal::Text() const {
 GoalPtr FakeRobot::Begin(FakeGoal goal) {
   goal.begun = now_;
   goal.outcome = decide(goal);
-  const bool at_once = goal.outcome.end == GoalState::kUnavailable ||
-                       goal.outcome.end == GoalState::kRejected;
+  const bool at_once =
+      goal.outcome.end == GoalState::kUnavailable || goal.outcome.end == GoalState::kRejected;
   if (at_once) goal.outcome.after = Duration{};
   goals.push_back(std::make_shared<FakeGoal>(std::move(goal)));
   if (at_once) End(*goals.back());

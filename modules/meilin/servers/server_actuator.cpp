@@ -1,0 +1,94 @@
+#include "musher/modules/meilin/servers/server_actuator.hpp"
+
+#include <utility>
+
+#include "musher/actuator/program/await.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::meilin::servers {
+
+ServerActuator::ServerActuator(const std::string& actuator_name, ServerConfig config,
+                               MakeServer make)
+    : MachineActuator(actuator_name), config_(std::move(config)), make_(std::move(make)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
+
+ServerActuator::~ServerActuator() {
+  if (!node_) return;
+  node_->RunOnLoop([this] {
+    signal_watch_.reset();
+    server_.reset();
+    clock_.reset();
+  });
+}
+
+void ServerActuator::Permit(bool permitted, const std::string& why) {
+  permitted_ = permitted;
+  if (server_) server_->Permit(permitted, why);
+}
+
+void ServerActuator::OnEmergencyStop() {
+  Permit(false, "an emergency stop holds it");
+}
+
+Result<> ServerActuator::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  Result<> entered;
+  RunOnLoop([&] { entered = Enter(state); });
+  return entered;
+}
+
+Result<> ServerActuator::Enter(const State& state) {
+  if (state != kActive) {
+    Permit(false, "it is in " + state);
+    return Ok();
+  }
+  if (EmergencyStopped()) {
+    return Error{MakeCode(ModuleCode::kApp, KeyCode::kStateInvalid),
+                 "an emergency stop was engaged meanwhile"};
+  }
+  Permit(true, "");
+  return Ok();
+}
+
+Result<> ServerActuator::SetUp() {
+  node_ = node();
+  if (!node_) return Ok();  // a fault-injection test: there is no hardware
+  Result<> made;
+  RunOnLoop([&] {
+    if (!server_) made = Open();
+  });
+  return made;
+}
+
+Result<> ServerActuator::Open() {
+  auto clock = transport::Clock::Of(machine_config().clock, node_->node(), [this] {
+    if (server_) server_->OnTimeJump();
+  });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  const Dependencies dependencies{
+      node_->node(), *clock_, machine_config().name_space,
+      [this](LogLevel level, const std::string& line) { Log(level, line); }};
+  auto server = make_ ? make_(dependencies) : Make(dependencies, config_);
+  if (!server) return server.error();
+  server_ = std::move(server).value();
+  signal_watch_ = signals_.Watch(node_->loop(), [this] { server_.reset(); });
+  return Ok();
+}
+
+Result<> ServerActuator::SelfCheck() {
+  RunOnLoop([this] { Permit(false, "it is in SelfCheck"); });
+  if (!node_) return Ok();
+  return program::AwaitOnLoop(
+      *node_, config_.self_check_time,
+      [this]() -> Result<> {
+        const std::string missing = server_ ? server_->Missing() : "the process ends";
+        if (missing.empty()) return Ok();
+        return Error{MakeCode(ModuleCode::kApp, KeyCode::kSelfCheckFailed), missing};
+      },
+      [this] { return StopRequested(); });
+}
+
+}  // namespace musher::meilin::servers

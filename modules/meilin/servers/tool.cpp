@@ -1,0 +1,81 @@
+#include "musher/modules/meilin/servers/tool.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "musher/modules/meilin/servers/seconds.hpp"
+
+namespace musher::meilin::servers {
+
+const ToolKind& ArmKind() {
+  static const ToolKind kind{"Arm",
+                             {{"IDLE", 0, 0},
+                              {"GRASP", 3, 2},
+                              {"STORE_TO_BODY", 2, 3},
+                              {"STORE_ON_ARM", 1.5, 3},
+                              {"GET_BODY", 2, 1},
+                              {"PLACE_MID", 3, 4},
+                              {"PLACE_HIGH", 3, 4}}};
+  return kind;
+}
+
+const ToolKind& SpearKind() {
+  static const ToolKind kind{"Spear",
+                             {{"IDLE", 0, 0},
+                              {"PREPARE", 2, 1},
+                              {"GRASP", 3, 2},
+                              {"DOCK_EXTEND", 2, 5},
+                              {"DOCK_RELEASE", 2, 6}}};
+  return kind;
+}
+
+void Tool::OnReport(double done) {
+  done_ = done == 1;
+  if (!running_) return;
+  if (!done_) armed_ = true;
+  if (done_ && armed_) fresh_done_ = true;
+}
+
+void Tool::Begin(std::uint8_t command, double limit_s, Time now) {
+  command_ = command;
+  running_ = true;
+  well_ = false;
+  armed_ = !done_;
+  fresh_done_ = false;
+  state_ = kind_.commands.at(command).state;
+  begun_ = now;
+  limit_ = LimitOf(limit_s, time_limit_);
+}
+
+void Tool::Stop() {
+  if (!running_) return;
+  running_ = false;
+  state_ = kToolError;
+}
+
+std::optional<Tool::End> Tool::Update(Time now) {
+  if (!running_) return std::nullopt;
+  if (command_ == 0 || fresh_done_) {
+    running_ = false;
+    well_ = true;
+    state_ = kToolDone;
+    return End{true, fmt::format("{} command {} done", kind_.name, command_)};
+  }
+  if (now - begun_ < limit_) return std::nullopt;
+  Stop();
+  return End{false, "Timeout"};
+}
+
+double Tool::ElapsedSeconds(Time now) const {
+  return std::max(0.0, Seconds(now - begun_));
+}
+
+double Tool::Progress(Time now) const {
+  if (state_ == kToolDone) return 1;
+  const double expected_s = kind_.commands.at(command_).expected_s;
+  constexpr double kAlmost = 0.99;  // it is not done before the hardware says so
+  return expected_s > 0 ? std::min(ElapsedSeconds(now) / expected_s, kAlmost) : 0;
+}
+
+}  // namespace musher::meilin::servers
