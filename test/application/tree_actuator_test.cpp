@@ -1,0 +1,268 @@
+// A behaviour tree as an actuator: when it is ticked, halted and reported, and what its exceptions
+// lead to.
+
+#include "musher/messages/musher_msgs/heartbeats.hpp"
+#include "musher/messages/musher_msgs/tree.hpp"
+#include "musher/test/application/tree_course.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::tree_actuator_test {
+
+using ::testing::Contains;
+using testing::Course;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using tree::Status;
+
+class ATreeActuator : public ::testing::Test {
+ protected:
+  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+  void Begin(ActuatorRunner<Course>& course) {
+    harness_.Open(course);
+    ASSERT_TRUE(Go("SelfCheck"));
+    ASSERT_TRUE(Go("Active"));
+  }
+  void Await(const std::function<bool()>& there) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    for (bool done = false; !done;) {
+      harness_.node().RunOnLoop([&] { done = there(); });
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+      std::this_thread::yield();
+    }
+  }
+  // The reply of get_tree.
+  msg::GetTree::Response Get(const msg::GetTree::Request& request) {
+    std::unique_ptr<transport::Client<msg::GetTree>> client;
+    std::optional<msg::GetTree::Response> reply;
+    harness_.node().RunOnLoop([&] {
+      client = transport::MakeClient<msg::GetTree>(harness_.node().node(), "show/get_tree").value();
+      client->Call(request, std::chrono::seconds(20), [&](const auto& r) { reply = r.value(); });
+    });
+    Await([&] { return reply.has_value(); });
+    harness_.node().RunOnLoop([&] { client.reset(); });
+    return *reply;
+  }
+
+  testing::Harness harness_;
+};
+
+TEST_F(ATreeActuator, TicksItsTreeAtItsRateOfTheWorldsTimeWhileItIsActiveAndThenRests) {
+  ActuatorRunner<Course> course({.rate_hz = 50});
+  harness_.Open(course);
+  harness_.Tick(course, 3);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre()) << "not before";
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  harness_.Tick(course, 6);
+  EXPECT_THAT(course.TakeTicks(), ElementsAre(Status::kRunning, Status::kRunning, Status::kRunning,
+                                              Status::kSuccess, Status::kIdle, Status::kIdle));
+  EXPECT_EQ(course.Result(), Status::kSuccess);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("resumes", "first starts", "second starts"));
+  course.RunOnLoop([&] { course.Restart(); });
+  harness_.Tick(course, 1);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first starts"));
+}
+
+TEST_F(ATreeActuator, BeginsAgainAtOnceWithThatOption) {
+  ActuatorRunner<Course> course({.rate_hz = 50, .restart_after_end = true});
+  Begin(course);
+  harness_.Tick(course, 5);
+  EXPECT_THAT(course.TakeLog(),
+              ElementsAre("resumes", "first starts", "second starts", "first starts"));
+}
+
+TEST_F(ATreeActuator, IsHaltedOnceInEveryOtherStateAndBeginsAtItsRootWithItsBlackboard) {
+  ActuatorRunner<Course> course;
+  Begin(course);
+  course.RunOnLoop([&] { EXPECT_TRUE(course.tree().board().Set("ticks", 50)); });
+  for (const std::string state : {"Protected", "DeActive", "LowPower", "OTA"}) {
+    harness_.Tick(course, 2);
+    course.TakeLog();
+    ASSERT_TRUE(Go(state)) << state;
+    EXPECT_THAT(course.TakeLog(), ElementsAre("first halted", "pauses")) << state;
+    course.TakeTicks();
+    harness_.Advance(course, std::chrono::hours(1));
+    EXPECT_THAT(course.TakeTicks(), ElementsAre()) << state;
+    ASSERT_TRUE(Go("Active"));
+    harness_.Tick(course, 1);
+    EXPECT_THAT(course.TakeLog(), ElementsAre("resumes", "first starts")) << state;
+    EXPECT_EQ(course.Of([](Course& c) { return c.tree().board().Get<int>("ticks").value(); }), 50);
+  }
+  EXPECT_LT(Get({}).state.time_s, 1) << "without the hours of the pauses";
+}
+
+TEST_F(ATreeActuator, HasANewBlackboardAtEachActiveWithThatOption) {
+  ActuatorRunner<Course> course({.rate_hz = 50, .resume = TreeActuator::Resume::kNewBlackboard});
+  Begin(course);
+  course.RunOnLoop([&] { EXPECT_TRUE(course.tree().board().Set("ticks", 50)); });
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_EQ(course.Of([](Course& c) { return c.tree().board().Get<int>("ticks").value(); }), 3);
+}
+
+TEST_F(ATreeActuator, RestsAfterItsEndAlsoOverAPause) {
+  ActuatorRunner<Course> course;
+  Begin(course);
+  harness_.Tick(course, 5);
+  ASSERT_TRUE(Go("LowPower"));
+  ASSERT_TRUE(Go("Active"));
+  course.TakeLog();
+  harness_.Tick(course, 3);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  EXPECT_EQ(course.Result(), Status::kSuccess);
+}
+
+TEST_F(ATreeActuator, IsHaltedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease) {
+  ActuatorRunner<Course> course;
+  Begin(course);
+  harness_.Tick(course, 2);
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
+  harness_.node().RunOnLoop([&] {
+    button = transport::MakePublisher<msg::EmergencyStop>(
+                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 .value();
+    static_cast<void>(button->Publish({7, true, "a test", ""}));
+  });
+  Await([&] { return !course.Of([](Course& c) { return c.ticking(); }); });
+  EXPECT_THAT(course.TakeLog(), ElementsAre("resumes", "first starts", "first halted", "pauses"));
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre());
+  harness_.node().RunOnLoop([&] { button.reset(); });
+}
+
+TEST_F(ATreeActuator, EndsWithFailureWhenANodeOrAHookThrowsAndGoesOnAfterRestart) {
+  for (const std::string at : {"second starts", "before", "after"}) {
+    testing::Harness harness;
+    ActuatorRunner<Course> course;
+    course.data().throws[at] = "the leg is stuck";
+    harness.Open(course);
+    ASSERT_TRUE(harness.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness.controller().Switch("Active").done());
+    harness.Tick(course, 4);
+    EXPECT_EQ(course.Result(), Status::kFailure) << at;
+    EXPECT_THAT(course.Of([](Course& c) { return c.last_fault(); }),
+                HasSubstr(at == "second starts" ? "Course/Sequence/second: the leg is stuck"
+                                                : "the leg is stuck"));
+    EXPECT_THAT(course.TakeTicks(),
+                at == "after" ? Contains(Status::kRunning) : Contains(Status::kFailure));
+    course.RunOnLoop([&] {
+      course.data().throws.clear();
+      course.Restart();
+    });
+    harness.Tick(course, 4);
+    EXPECT_EQ(course.Result(), Status::kSuccess) << at;
+    EXPECT_EQ(course.Of([](Course& c) { return c.last_fault(); }), "");
+  }
+}
+
+TEST_F(ATreeActuator, LoadsAnotherTreeWhileItRunsAndHaltsTheOldOneFirst) {
+  ActuatorRunner<Course> course;
+  Begin(course);
+  harness_.Tick(course, 2);
+  const std::string other = R"(<root BTCPP_format="4"><BehaviorTree ID="Other">
+    <Walk name="third" ticks="{steps}"/></BehaviorTree></root>)";
+  course.TakeLog();
+  const auto revision = Get({}).state.revision;
+  ASSERT_TRUE(course.LoadText(other, {{"steps", "4"}}));
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first halted"));
+  course.TakeTicks();
+  harness_.Tick(course, 4);
+  EXPECT_THAT(course.TakeTicks(),
+              ElementsAre(Status::kRunning, Status::kRunning, Status::kRunning, Status::kSuccess));
+  EXPECT_THAT(course.TakeLog(), ElementsAre("third starts"));
+  EXPECT_GT(Get({}).state.revision, revision);
+}
+
+TEST_F(ATreeActuator, KeepsItsTreeWhereAnotherOneIsWrong) {
+  ActuatorRunner<Course> course;
+  Begin(course);
+  harness_.Tick(course, 2);
+  const auto wrong = course.LoadText(
+      "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\"><Sequence>\n<Wlak/>\n<Walk tics=\"1\"/>\n"
+      "</Sequence></BehaviorTree></root>");
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message, HasSubstr("new.xml:2:"));
+  EXPECT_THAT(wrong.error().message, HasSubstr("\nnew.xml:3:")) << "all of them";
+  const auto entry = course.LoadText(testing::kCourse, {{"ticks", "some"}, {"tick", "1"}});
+  ASSERT_FALSE(entry);
+  EXPECT_THAT(entry.error().message, HasSubstr("entry 'ticks': "));
+  EXPECT_THAT(entry.error().message, HasSubstr("entry 'tick': no node has a port with this key"));
+  harness_.Tick(course, 2);
+  EXPECT_EQ(course.Result(), Status::kSuccess);
+}
+
+TEST_F(ATreeActuator, DoesWhatANodeRequestsAfterTheTick) {
+  ActuatorRunner<Course> course;
+  course.data().does["second starts"] = [&] {
+    EXPECT_FALSE(course.Load(tree::ReadTree(testing::kCourse, "x.xml").document))
+        << "not within the tick";
+    course.Restart();
+  };
+  Begin(course);
+  harness_.Tick(course, 4);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("resumes", "first starts", "second starts",
+                                            "second halted", "first starts"));
+  course.RunOnLoop([&] { course.Halt(); });
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first halted"));
+}
+
+TEST_F(ATreeActuator, ServesItsTreeAndPublishesItsState) {
+  std::vector<msg::TreeState> states;
+  std::unique_ptr<transport::Subscription> topic;
+  harness_.node().RunOnLoop([&] {
+    topic = transport::MakeSubscription<msg::TreeState>(
+                harness_.node().node(), "show/tree_state",
+                [&](const msg::TreeState& state, const auto&) { states.push_back(state); },
+                transport::kLatchedQos)
+                .value();
+  });
+  ActuatorRunner<Course> course;
+  Begin(course);
+  Await([&] { return !states.empty() && states.back().ticking; });
+  harness_.Tick(course, 5);
+  Await([&] { return states.back().status[0] == msg::TreeState::kSuccess; });
+  EXPECT_EQ(states.back().tree, "Course");
+  EXPECT_EQ(states.back().status.size(), 3U);
+  msg::GetTree::Request request;
+  request.format = "xml";
+  request.history = 100;
+  request.entries = true;
+  const auto report = Get(request);
+  EXPECT_EQ(report.error, "");
+  ASSERT_EQ(report.nodes.size(), 3U);
+  EXPECT_EQ(report.nodes[1].name, "first");
+  EXPECT_EQ(report.nodes[1].type, "Walk");
+  EXPECT_EQ(report.nodes[1].parent, 0);
+  EXPECT_EQ(report.nodes[1].line, 4U);
+  EXPECT_EQ(report.nodes[1].runs, 1U);
+  EXPECT_NEAR(report.nodes[1].spent_s, 0.04, 1e-9);
+  ASSERT_EQ(report.entries.size(), 1U);
+  EXPECT_EQ(report.entries[0].key, "ticks");
+  EXPECT_EQ(report.entries[0].value, "3");
+  EXPECT_EQ(report.history.size(), 6U);
+  EXPECT_THAT(report.graph, HasSubstr("<Walk name=\"first\" ticks=\"{ticks}\"/>"));
+  EXPECT_EQ(tree::ReadTree(report.graph, "g.xml").document.trees.size(), 1U);
+  ASSERT_TRUE(Go("LowPower"));
+  Await([&] { return !states.back().ticking; });
+  harness_.node().RunOnLoop([&] { topic.reset(); });
+}
+
+TEST_F(ATreeActuator, FailsItsSetUpWithEveryErrorOfItsTree) {
+  ActuatorRunner<Course> course;
+  course.text =
+      "<root BTCPP_format=\"4\"><BehaviorTree ID=\"A\"><Sequence>\n<Wlak/>\n<Walk tics=\"1\"/>\n"
+      "</Sequence></BehaviorTree></root>";
+  ASSERT_TRUE(course.Init(harness_.path()).ok());
+  const musher::Result<> started = course.Start();
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message, HasSubstr("course.xml:2:"));
+  EXPECT_THAT(started.error().message, HasSubstr("course.xml:3:"));
+  ActuatorRunner<Course> none;
+  none.text = "";
+  ASSERT_TRUE(none.Init(harness_.path()).ok());
+  EXPECT_THAT(none.Start().error().message, HasSubstr("LoadTree() is not overridden"));
+}
+
+}  // namespace musher::tree_actuator_test
