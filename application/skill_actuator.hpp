@@ -21,8 +21,8 @@
 //   SelfCheck      SelfCheck() is called
 //   Active         are started by goals, and stepped; paused ones continue
 //   DeActive, Protected, LowPower, and states of the config
-//                  are paused: their time stands still, a goal stays open (or, with
-//                  Options::cancels_when_paused, cancelled at once)
+//                  are paused: their time stands still, a goal stays open, and feedback says
+//                  "paused: …" (or, with Options::cancels_when_paused, cancelled at once)
 //   OTA, Error, TearDown, an emergency stop
 //                  are cancelled at once
 // clang-format on
@@ -34,12 +34,13 @@
 //   skill_feedback         musher_msgs/SkillFeedback, at each change of a run, with or without goal
 //   <actuator>/get_skill   service musher_msgs/GetSkill: a run's feedback, history, errors, picture
 //
-// Several skills may run at once, each at most once. A goal has one skill with its parameters as
+// Several skills may run at once, each at most once, unless they use the same part of the robot
+// (skill::Table::Uses()). A goal has one skill with its parameters as
 // texts ("[10, 20, 0]"); see skill::Parse(). One that cannot be started is aborted at once, with
-// the reason in its result: an unknown skill, one that runs, invalid parameters, a robot that is
-// not Active. Feedback is "processing: Planning the path (15%)", at each change. A goal succeeds
-// only when its skill has completed; cancelling the goal cancels the skill; a skill that is
-// cancelled by anything else aborts its goal.
+// the reason in its result: an unknown skill, one that runs, one whose parts of the robot are in
+// use, invalid parameters, a robot that is not Active. Feedback is "processing: Planning the path
+// (15%)", at each change. A goal succeeds only when its skill has completed; cancelling the goal
+// cancels the skill; a skill that is cancelled by anything else aborts its goal.
 //
 // In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
 // clock: skills are registered and cancelled, and not stepped.

@@ -56,7 +56,7 @@ msg::SkillFeedback ReportRun(const std::string& actuator, const skill::Run& run,
   report.status = static_cast<std::uint8_t>(feedback.status);
   report.state = feedback.state;
   report.progress = static_cast<std::uint8_t>(feedback.progress);
-  report.message = feedback.message;
+  report.message = skill::MessageText(feedback);
   for (const skill::Values::Named& detail : feedback.details) {
     report.details.push_back({detail.name, skill::ToText(detail.value)});
   }

@@ -43,6 +43,9 @@ class Composite : public Skill {
     if (order_ == Order::kFirstToFinish) table.To(stopping_, kSucceeded, "the others have ended");
     table.To(stopping_, kFailed, "the others have ended");
     table.MonotoneProgress();
+    for (const auto& run : runs_) {
+      for (const std::string& part : run->table().parts()) table.Uses(part);
+    }
     table.Limit({.run = kNoLimit, .cancel = kNoLimit, .retries = 0});
     for (std::size_t i = 0; i < parts_.size(); ++i) Offer(i, table);
   }
@@ -120,7 +123,20 @@ class Composite : public Skill {
     }
     std::ranges::sort(names);
     const auto twice = std::ranges::adjacent_find(names);
-    if (twice != names.end()) table.Refuse(*twice + " would run twice at once");
+    if (twice != names.end()) return table.Refuse(*twice + " would run twice at once");
+    RefuseSharedParts(table);
+  }
+
+  // Of skills that run at the same time.
+  void RefuseSharedParts(Table& table) const {
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      for (std::size_t k = i + 1; k < runs_.size(); ++k) {
+        const std::string* part = SharedPart(runs_[i]->table(), runs_[k]->table());
+        if (part == nullptr) continue;
+        table.Refuse(runs_[i]->name() + " and " + runs_[k]->name() + " would use the " + *part +
+                     " at the same time");
+      }
+    }
   }
 
   // The parameters of a part that are not given.

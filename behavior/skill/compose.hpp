@@ -28,8 +28,8 @@
 namespace musher::skill {
 
 // The factory of such a skill, for Registry::Add(), which reports its errors: an unknown skill,
-// with the nearest name; none at all; one that would run twice at once. `registry` is used now
-// only.
+// with the nearest name; none at all; one that would run twice at once, and two at once that use
+// the same part of the robot. `registry` is used now only.
 Factory Compose(Order order, const Registry& registry, const std::vector<Part>& parts);
 
 }  // namespace musher::skill

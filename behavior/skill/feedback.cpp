@@ -10,8 +10,13 @@ std::string_view Name(Status status) {
   return kNames[static_cast<std::size_t>(status)];
 }
 
+std::string MessageText(const Feedback& feedback) {
+  if (!feedback.paused) return feedback.message;
+  return feedback.message.empty() ? "paused" : "paused: " + feedback.message;
+}
+
 std::string ToText(const Feedback& feedback) {
-  return std::string(Name(feedback.status)) + ": " + feedback.message + " (" +
+  return std::string(Name(feedback.status)) + ": " + MessageText(feedback) + " (" +
          std::to_string(feedback.progress) + "%)";
 }
 

@@ -83,7 +83,7 @@ Result<> Manager::Allowed(std::string_view skill) const {
                std::string(skill) + ": skills are not started, cancelled or reset within a step"};
 }
 
-// None of its skills runs.
+// None of its skills runs, and no running skill uses a part of the robot that it needs.
 Result<> Manager::Free(const Run& run) const {
   const std::vector<std::string> wanted = NamesIn(run);
   for (const auto& other : runs_) {
@@ -94,6 +94,10 @@ Result<> Manager::Free(const Run& run) const {
       if (name != other->name()) message += ", as a part of " + other->name();
       if (name != run.name()) message += "; " + run.name() + " needs it";
       return Error{kBusy, message};
+    }
+    if (const std::string* part = SharedPart(run.table(), other->table())) {
+      return Error{kBusy, run.name() + " needs the " + *part + ", which " + other->name() +
+                              " is using; cancel " + other->name() + " first or wait for its end"};
     }
   }
   return Ok();

@@ -1,6 +1,6 @@
 #pragma once
 // Runs the skills of one robot: several at once, but each at most once, also as a part of another
-// one.
+// one, and none together with a skill that uses the same part of the robot (Table::Uses()).
 //
 //   skill::Manager manager(registry.All());
 //   const Result<> started = manager.Start("take_off", {{"altitude", 2.0}});
@@ -37,7 +37,8 @@ class Manager {
   Manager& operator=(const Manager&) = delete;
 
   // A new run. Fails, and changes nothing, for an unknown name, with the nearest; for a skill that
-  // runs, on its own or as a part of another one, with its name; and for invalid parameters.
+  // runs, on its own or as a part of another one, with its name; for one that needs a part of the
+  // robot which a running skill uses, with both names; and for invalid parameters.
   Result<> Start(std::string_view skill, const Values& parameters = {});
   // The same with parameters as texts, by their declared kinds.
   Result<> StartWithTexts(std::string_view skill,

@@ -71,6 +71,7 @@ Result<> Run::Begin(const Values& parameters) {
 
 void Run::Step(Duration step) {
   if (!running() || in_step_) return;
+  feedback_.paused = false;
   if (std::exchange(paused_, false)) {
     if (const auto thrown = Thrown("OnResume", [&] { skill_->OnResume(); })) {
       return FailByFault(*thrown);
@@ -216,6 +217,7 @@ void Run::End(Status status, Cause cause, std::string message) {
   }
   if (status == Status::kFailed) Note(message);
   feedback_.status = status;
+  feedback_.paused = false;
   feedback_.message = message;
   if (status == Status::kCompleted) feedback_.progress = 100;
   const StateId end = status == Status::kCompleted ? kSucceeded
@@ -231,6 +233,7 @@ void Run::Note(const std::string& what) {
 void Run::Pause() {
   fresh_ = true;
   if (!running() || in_step_ || std::exchange(paused_, true)) return;
+  feedback_.paused = true;
   if (const auto thrown = Thrown("OnPause", [&] { skill_->OnPause(); })) FailByFault(*thrown);
   ShowState();  // a skill inside may have failed
 }

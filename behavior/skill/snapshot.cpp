@@ -126,6 +126,7 @@ class Restoring {
                             : run_.state_ == kFailed    ? Status::kFailed
                             : run_.state_ == kCancelled ? Status::kCancelled
                                                         : Status::kProcessing;
+    run_.feedback_.paused = saved_.paused && run_.running();
   }
 
   void RestoreValues() {

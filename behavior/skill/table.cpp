@@ -60,6 +60,11 @@ void Table::To(StateId from, StateId to, const std::string& when) {
   }
 }
 
+void Table::Uses(const std::string& part) {
+  if (const auto fault = NameFault("part", part)) errors_.push_back(*fault);
+  if (std::ranges::find(parts_, part) == parts_.end()) parts_.push_back(part);
+}
+
 void Table::Takes(const std::string& name, const Value& otherwise, const std::string& meaning) {
   AddParameter({name, KindOf(otherwise), otherwise, meaning});
 }
@@ -202,6 +207,11 @@ Result<Values> Table::Parse(const std::vector<std::pair<std::string, std::string
   }
   if (!errors.empty()) return Error{kCodeParametersInvalid, errors};
   return Complete(values);
+}
+
+const std::string* SharedPart(const Table& one, const Table& other) {
+  const auto found = std::ranges::find_first_of(one.parts(), other.parts());
+  return found == one.parts().end() ? nullptr : &*found;
 }
 
 std::string ToText(const Table::Parameter& parameter) {

@@ -74,6 +74,9 @@ class Table {
   // The reported progress never falls in a run: a lower one leaves it unchanged.
   void MonotoneProgress() { monotone_ = true; }
   void Limit(const Limits& limits) { limits_ = limits; }
+  // A part of the robot that the skill needs for itself: "base", "arm". No two skills that use the
+  // same part run at the same time.
+  void Uses(const std::string& part);
 
   // A parameter with a default, or one that has to be given. `meaning` has the unit: "m above the
   // ground".
@@ -96,6 +99,7 @@ class Table {
   const fsm::Chart& chart() const { return chart_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const Limits& limits() const { return limits_; }
+  const std::vector<std::string>& parts() const { return parts_; }  // of the robot
   bool monotone() const { return monotone_; }
   // Errors of the declarations themselves: a name that occurs twice, ...
   const std::vector<std::string>& errors() const { return errors_; }
@@ -128,9 +132,13 @@ class Table {
   std::vector<Duration> state_limits_;  // by state
   std::vector<Parameter> parameters_;
   Limits limits_;
+  std::vector<std::string> parts_;
   bool monotone_ = false;
   std::vector<std::string> errors_;
 };
+
+// The first part of the robot that both skills use; nullptr: none.
+const std::string* SharedPart(const Table& one, const Table& other);
 
 // "altitude: a number, default 1 (m above the ground)", "name: a text, required".
 std::string ToText(const Table::Parameter& parameter);

@@ -121,7 +121,7 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
   }
   const Factory::Registered* registered = factory_.Find(id);
   if (registered == nullptr) {
-    UnknownNode(element, at, id);
+    UnknownNode(at, id);
     for (const Element& child : element.children) MakeNode(child, around);
     return nullptr;
   }
@@ -133,7 +133,7 @@ Node* Building::MakeNode(const Element& element, const Around& around) {
   return MakeRegistered(element, id, *registered, around);
 }
 
-void Building::UnknownNode(const Element& element, Place place, std::string_view id) {
+void Building::UnknownNode(Place place, std::string_view id) {
   if (document_.Find(id) != nullptr) {
     Report(place, Severity::kError,
            Quoted(id) + " is a tree; write <SubTree ID=\"" + std::string(id) + "\"/>");
@@ -149,7 +149,6 @@ void Building::UnknownNode(const Element& element, Place place, std::string_view
          "there is no node " + Quoted(id) + Guess(id, names) +
              (modelled ? "; <TreeNodesModel> describes it, but the program does not register it"
                        : ""));
-  static_cast<void>(element);
 }
 
 NodeId Building::Reserve(const Element& element, std::string_view id, NodeKind kind,

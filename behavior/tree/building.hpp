@@ -58,7 +58,7 @@ class Building {
   std::uint32_t MakeBoard(const Element& element, std::string_view id, std::uint32_t outer);
   void SetConditions(const Element& element, Node& node, Board& board);
   void CheckAttributes(const Element& element, const Setup& setup);
-  void UnknownNode(const Element& element, Place place, std::string_view id);
+  void UnknownNode(Place place, std::string_view id);
   void Unify(Entry& entry, const Attribute& attribute, const PortModel& model);
   NodeId Reserve(const Element& element, std::string_view id, NodeKind kind, const Around& around);
   Node* Keep(NodeId id, std::unique_ptr<Node> node);

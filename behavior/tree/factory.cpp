@@ -67,6 +67,7 @@ std::string_view Name(NodeKind kind) {
 }
 
 Factory::Factory() {
+  AddCleanups(*this);
   AddControls(*this);
   AddDecorators(*this);
   AddLeaves(*this);

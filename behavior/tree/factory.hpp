@@ -98,6 +98,7 @@ class Factory {
 };
 
 // The nodes of BehaviorTree.CPP 4.
+void AddCleanups(Factory& factory);
 void AddControls(Factory& factory);
 void AddDecorators(Factory& factory);
 void AddLeaves(Factory& factory);

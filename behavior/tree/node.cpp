@@ -49,15 +49,22 @@ Status Node::ExecuteSpecially(Tick& tick) {
   return status;
 }
 
+// The first one is reported; the others are halted all the same.
+void Node::NoteFault(const char* what, Tick& tick) const {
+  if (!tick.fault.empty()) return;
+  tick.fault = what;
+  tick.faulty = id_;
+}
+
 void Node::Halt(Tick& tick) {
   Become(Status::kIdle, tick);
   try {
     OnHalt(tick);
     if (conditions_ != nullptr) conditions_->AfterHalt();
   } catch (const std::exception& error) {
-    if (tick.fault.empty()) tick.fault = error.what();
+    NoteFault(error.what(), tick);
   } catch (...) {
-    if (tick.fault.empty()) tick.fault = "an unknown exception";
+    NoteFault("an unknown exception", tick);
   }
 }
 

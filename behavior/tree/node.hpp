@@ -32,6 +32,7 @@ namespace musher::tree {
 // One tick of the tree.
 struct Tick {
   Time now;
+  NodeId faulty = 0;    // the node of `fault`
   bool woken = false;   // a node wants to be ticked again at once
   std::string fault{};  // of a node that threw while it was halted
   Trace* trace = nullptr;
@@ -102,6 +103,7 @@ class Node {
   [[noreturn]] void Fail(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
   void Halt(Tick& tick);
+  void NoteFault(const char* what, Tick& tick) const;
 
   Status status_ = Status::kIdle;
   bool special_ = false;

@@ -19,8 +19,9 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   try {
     const Status status = root.Execute(tick_);
     if (IsCompleted(status)) root.Reset(tick_);
-    if (!tick_.fault.empty()) return Error{kCodeFailed, tick_.fault};
-    return status;
+    if (tick_.fault.empty()) return status;
+    root.Reset(tick_);  // a node threw while it was halted
+    return HaltFault();
   } catch (const NodeFault& fault) {
     const std::string what = Path(fault.node->id()) + ": " + fault.what;
     root.Reset(tick_);
@@ -42,7 +43,11 @@ Result<> Tree::Halt(Time now) {
   tick_.fault.clear();
   nodes_.front()->Reset(tick_);
   if (tick_.fault.empty()) return Ok();
-  return Error{kCodeFailed, tick_.fault};
+  return HaltFault();
+}
+
+Error Tree::HaltFault() const {
+  return {kCodeFailed, Path(tick_.faulty) + ": " + tick_.fault};
 }
 
 std::string Tree::Path(NodeId id) const {

@@ -56,7 +56,7 @@ class Tree {
   // One tick, and a further one as long as a node has asked for it (Repeat, RetryUntilSuccessful,
   // AsyncSequence), at most kMostTicksAtOnce.
   Result<Status> TickOnce(Time now);
-  // Halts every running node once. An error names what one of them has thrown.
+  // Halts every running node once. An error has the path of one that threw, and what.
   Result<> Halt(Time now);
   // The clock has jumped back: further ticks may be before the last. Nothing may be running.
   void SetTime(Time now) { tick_.now = now; }
@@ -87,6 +87,7 @@ class Tree {
  private:
   friend class Building;
   Tree(std::string name, std::size_t history);
+  Error HaltFault() const;
 
   std::string name_;
   std::vector<std::unique_ptr<Board>> boards_;

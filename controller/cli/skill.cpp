@@ -72,6 +72,7 @@ void AddSkill(Grammar& grammar) {
   CLI::App& family = grammar.AddFamily("skill", "List, run, cancel and watch the robot's skills");
   AddSkillList(grammar, family);
   AddSkillRun(grammar, family);
+  AddSkillPlan(grammar, family);
   AddSkillCancel(grammar, family);
   AddSkillWatch(grammar, family);
 }

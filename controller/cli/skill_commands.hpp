@@ -9,6 +9,7 @@ namespace musher::cli {
 
 void AddSkillList(Grammar& grammar, CLI::App& family);
 void AddSkillRun(Grammar& grammar, CLI::App& family);
+void AddSkillPlan(Grammar& grammar, CLI::App& family);
 void AddSkillCancel(Grammar& grammar, CLI::App& family);
 void AddSkillWatch(Grammar& grammar, CLI::App& family);
 

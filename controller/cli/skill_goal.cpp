@@ -34,13 +34,16 @@ std::optional<transport::GoalId> ReadGoalId(std::string_view text) {
   return id;
 }
 
+std::optional<SkillOutcome> UnansweredOutcome(transport::GoalEnd end, bool accepted) {
+  if (end == transport::GoalEnd::kRejected) return SkillOutcome::kRefused;
+  if (end != transport::GoalEnd::kLost) return std::nullopt;
+  return accepted ? SkillOutcome::kLost : SkillOutcome::kNoAnswer;
+}
+
 void FillSkillEnd(const transport::GoalOutcome<msg::SkillExecution>& of, bool accepted,
                   SkillEnd& end) {
-  if (of.end == transport::GoalEnd::kRejected || of.end == transport::GoalEnd::kLost) {
-    const bool rejected = of.end == transport::GoalEnd::kRejected;
-    end.outcome = rejected   ? SkillOutcome::kRefused
-                  : accepted ? SkillOutcome::kLost
-                             : SkillOutcome::kNoAnswer;
+  if (const auto unanswered = UnansweredOutcome(of.end, accepted)) {
+    end.outcome = *unanswered;
     end.message = of.reason;
     return;
   }
@@ -49,6 +52,31 @@ void FillSkillEnd(const transport::GoalOutcome<msg::SkillExecution>& of, bool ac
   if (!report.status.empty()) end.progress = report.progress;
   end.outcome = of.end == transport::GoalEnd::kSucceeded ? SkillOutcome::kCompleted
                                                          : SkillOutcomeOf(of.end, report.status);
+}
+
+std::string EndAfterTimeout(const SkillEnd& end) {
+  const std::string text =
+      fmt::format("{} after {:.1f} s", SkillOutcomeName(end.outcome), end.duration_s.value_or(0));
+  const bool says_more = end.outcome != SkillOutcome::kCancelled && !end.message.empty();
+  return says_more ? text + ": " + end.message : text;
+}
+
+ExitCode ExitCodeOf(SkillOutcome outcome, bool interrupted) {
+  switch (outcome) {
+    case SkillOutcome::kCompleted:
+      return ExitCode::kDone;
+    case SkillOutcome::kCancelled:
+      return interrupted ? ExitCode::kInterrupted : ExitCode::kNotDone;
+    case SkillOutcome::kLost:
+      return ExitCode::kUnknownEnd;
+    case SkillOutcome::kNoAnswer:
+    case SkillOutcome::kTimeout:
+      return ExitCode::kNoAnswer;
+    case SkillOutcome::kRunning:
+      return ExitCode::kInterrupted;
+    default:
+      return ExitCode::kNotDone;
+  }
 }
 
 }  // namespace musher::cli

@@ -2,9 +2,9 @@
 // its end.
 
 #include <CLI/CLI.hpp>
-#include <optional>
 
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/goal_run.hpp"
 #include "musher/controller/cli/render/skill.hpp"
 #include "musher/controller/cli/skill_commands.hpp"
 #include "musher/controller/cli/skill_goal.hpp"
@@ -13,12 +13,6 @@
 
 namespace musher::cli {
 namespace {
-
-using SkillGoalOutcome = transport::GoalOutcome<msg::SkillExecution>;
-
-constexpr Duration kStartTime = std::chrono::seconds(5);    // for the reply to the request
-constexpr Duration kCancelTime = std::chrono::seconds(10);  // for the end after a timeout
-constexpr Duration kLostAfter = std::chrono::seconds(3);
 
 struct SkillRunOptions {
   std::string name;
@@ -29,128 +23,52 @@ struct SkillRunOptions {
 class SkillRun {
  public:
   SkillRun(Link& link, const GlobalOptions& global, const OfferedSkill& skill, Console& console)
-      : link_(link),
-        global_(global),
+      : global_(global),
         skill_(skill),
-        console_(console),
-        progress_(link.loop(), skill.offer.skill, console) {}
+        progress_(link.loop(), skill.offer.skill, console),
+        goal_(link, global, console, {skill.offer.skill, skill.actuator},
+              [this] { progress_.Clear(); }) {}
 
   Result<> Begin(const std::vector<msg::SkillParameter>& parameters) {
-    auto client = transport::MakeActionClient<msg::SkillExecution>(
-        link_.node(), transport::ResolveName(global_.name_space, skill_.action), {kLostAfter, {}});
-    if (!client) return client.error();
-    client_ = std::move(client).value();
-    transport::GoalEvents<msg::SkillExecution> events;
-    events.on_accepted = [this] {
-      accepted_ = true;
-      if (cancels_) RequestCancel();
-    };
-    events.on_feedback = [this](const msg::SkillExecution::Feedback& feedback) {
-      report_ = ReadSkillReport(feedback.status);
-      progress_.Show(report_);
-    };
-    events.on_end = [this](const SkillGoalOutcome& outcome) { end_ = outcome; };
+    if (const auto opened = goal_.Open(skill_.action); !opened) return opened;
     msg::SkillExecution::Goal goal;
     goal.skill_request.robot_id = skill_.actuator;
     goal.skill_request.skill_list.resize(1);
     goal.skill_request.skill_list[0].skill = skill_.offer.skill;
     goal.skill_request.skill_list[0].params = parameters;
-    id_ = client_->SendGoal(goal, kStartTime, std::move(events));
+    goal_.Send(goal, [this](const msg::SkillExecution::Feedback& feedback) {
+      report_ = ReadSkillReport(feedback.status);
+      progress_.Show(report_);
+    });
     return Ok();
   }
 
-  // Until the end of the goal; until Ctrl-C has come twice; or until a timeout is over, and the
-  // time for the cancellation that follows it.
   SkillEnd Wait() {
-    std::optional<Time> deadline;
-    if (global_.timeout) deadline = link_.loop().Now() + *global_.timeout;
-    while (!end_) {
-      const Duration left =
-          deadline ? *deadline - link_.loop().Now() : Duration(std::chrono::hours(24));
-      link_.RunUntil([this] { return end_.has_value(); }, left);
-      if (end_) break;
-      const bool over = deadline && link_.loop().Now() >= *deadline;
-      if (link_.TakeInterrupt()) {
-        if (std::exchange(interrupted_, true)) break;
-        Cancel("cancelling " + skill_.offer.skill + "; Ctrl-C again returns without waiting");
-      } else if (over && std::exchange(timed_out_, true)) {
-        break;
-      } else if (over) {
-        Cancel("");
-        deadline = link_.loop().Now() + kCancelTime;
-      }
-    }
-    progress_.Clear();
-    return End();
-  }
-
-  ExitCode ExitOf(SkillOutcome outcome) const {
-    switch (outcome) {
-      case SkillOutcome::kCompleted:
-        return ExitCode::kDone;
-      case SkillOutcome::kCancelled:
-        return interrupted_ ? ExitCode::kInterrupted : ExitCode::kNotDone;
-      case SkillOutcome::kLost:
-        return ExitCode::kUnknownEnd;
-      case SkillOutcome::kNoAnswer:
-      case SkillOutcome::kTimeout:
-        return ExitCode::kNoAnswer;
-      case SkillOutcome::kRunning:
-        return ExitCode::kInterrupted;
-      default:
-        return ExitCode::kNotDone;
-    }
-  }
-
- private:
-  void Cancel(const std::string& news) {
-    progress_.Clear();
-    if (!news.empty()) console_.PrintError(news);
-    cancels_ = true;
-    if (accepted_) RequestCancel();
-  }
-  void RequestCancel() {
-    client_->Cancel(id_, kCancelTime, [this](const Result<msg::CancelGoal::Response>& reply) {
-      const bool refused = reply && reply.value().return_code == msg::CancelGoal::kErrorRejected;
-      if (reply && !refused) return;
-      progress_.Clear();
-      console_.PrintError(
-          skill_.actuator +
-          (refused ? " refuses the cancellation of " : " does not answer to the cancellation of ") +
-          skill_.offer.skill);
-    });
-  }
-
-  SkillEnd End() const {
+    goal_.Wait();
     SkillEnd end{skill_.offer.skill,     skill_.actuator,
                  SkillOutcome::kRunning, "",
                  report_.progress,       std::chrono::duration<double>(progress_.elapsed()).count(),
-                 GoalIdText(id_)};
-    if (end_) {
-      FillSkillEnd(*end_, accepted_, end);
+                 GoalIdText(goal_.id())};
+    if (goal_.end()) {
+      FillSkillEnd(*goal_.end(), goal_.accepted(), end);
     } else {
       end.message = "`musher skill cancel " + end.skill + "` cancels it";
     }
-    if (!timed_out_ || end.outcome == SkillOutcome::kCompleted) return end;
-    end.message = (end_ ? SkillEndText(end) : "it goes on, " + end.message);
+    if (!goal_.timed_out() || end.outcome == SkillOutcome::kCompleted) return end;
+    end.message = goal_.end() ? EndAfterTimeout(end) : "it goes on, " + end.message;
     end.outcome = SkillOutcome::kTimeout;
     end.duration_s = std::chrono::duration<double>(*global_.timeout).count();
     return end;
   }
 
-  Link& link_;
+  bool interrupted() const { return goal_.interrupted(); }
+
+ private:
   const GlobalOptions& global_;
   const OfferedSkill& skill_;
-  Console& console_;
   SkillProgress progress_;
-  transport::GoalId id_{};
   SkillReport report_;
-  bool accepted_ = false;
-  bool cancels_ = false;
-  bool interrupted_ = false;
-  bool timed_out_ = false;
-  std::optional<SkillGoalOutcome> end_;
-  std::unique_ptr<transport::ActionClient<msg::SkillExecution>> client_;  // last: uses all above
+  GoalRun<msg::SkillExecution> goal_;  // last: its callbacks use all above
 };
 
 ExitCode RunSkill(const SkillRunOptions& options, const GlobalOptions& global, Console& console) {
@@ -172,7 +90,7 @@ ExitCode RunSkill(const SkillRunOptions& options, const GlobalOptions& global, C
   } else if (!console.mode().json) {
     console.Print(SkillEndText(end));
   }
-  return run.ExitOf(end.outcome);
+  return ExitCodeOf(end.outcome, run.interrupted());
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ class Heat : public skill::Skill {
   explicit Heat(Kettle& kettle) : kettle_(kettle) {}
 
   void Declare(skill::Table& table) override {
+    table.Does("Heats the water");
     table.Takes("temperature", 95.0, "degrees Celsius, 30 to 100");
     const auto heating = table.State("HEATING", std::chrono::seconds(30));
     table.To(heating, skill::kSucceeded, "the water has the temperature");

@@ -66,6 +66,12 @@ class Drive {
   virtual skill::Future<bool> end() const = 0;
 };
 
+// Parts of a robot, for skill::Table::Uses(). Skills that only read, for example what the robot
+// detects, use none.
+inline constexpr const char* kBase = "base";  // what moves the robot
+inline constexpr const char* kArm = "arm";    // with the hand
+inline constexpr const char* kCamera = "camera";
+
 class Robot {
  public:
   virtual ~Robot() = default;

@@ -1,10 +1,11 @@
 #pragma once
 // The actuator of a robot's skills. See README.md in this folder.
 //
-//   Active                                     goals start skills, which are stepped 10 times a
-//   second DeActive, Protected, LowPower, own states  skills are paused, the robot stands OTA,
-//   Error, TearDown, an emergency stop, the end of the process
-//                                              skills are cancelled, the robot stands
+// clang-format off
+//   Active                                            goals start skills, stepped 10 times a second
+//   DeActive, Protected, LowPower, own states         skills are paused, the robot stands
+//   OTA, Error, TearDown, an emergency stop, SIGTERM  skills are cancelled, the robot stands
+// clang-format on
 //
 // SelfCheck fails without odometry. What else cannot be reached makes it degraded. It also cancels
 // the drives that a crashed process has left to the controller.

@@ -9,6 +9,7 @@ namespace musher::navigation {
 namespace {
 
 constexpr std::uint32_t kNotLabelled = 0xffffffff;
+constexpr std::size_t kCellsBetweenStops = 1024;
 
 struct Neighbour {
   Cell by;
@@ -56,23 +57,30 @@ struct Open {
 
 }  // namespace
 
-CellSearch::CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m)
+CellSearch::CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m,
+                       const std::function<bool()>& stop)
     : clearance_(std::move(clearance)),
       map_(clearance_->map()),
       radius_m_(radius_m),
       region_(map_.count()),
       roomy_(map_.count()) {
+  complete_ = FindOpenCells(stop) && LabelRegions(stop);
+}
+
+// False: stopped.
+bool CellSearch::FindOpenCells(const std::function<bool()>& stop) {
   // Half-way between two neighbours the corner of a cell is nearer than at both ends.
   const double half_step_m = map_.resolution_m * (map_.flat() ? M_SQRT1_2 : std::sqrt(0.75));
-  const double roomy_m = std::hypot(radius_m, half_step_m);
+  const double roomy_m = std::hypot(radius_m_, half_step_m);
   for (std::size_t i = 0; i < map_.count(); ++i) {
+    if (i % kCellsBetweenStops == 0 && stop && stop()) return false;
     // From centre to centre; the blocked cell itself is nearer by half a cell to half its diagonal.
     const double near_m = clearance_->OfCell(i);
     roomy_[i] = near_m - half_step_m >= roomy_m;
-    const bool open = roomy_[i] || clearance_->Fits(map_.CentreOf(map_.CellAt(i)), radius_m);
+    const bool open = roomy_[i] || clearance_->Fits(map_.CentreOf(map_.CellAt(i)), radius_m_);
     region_[i] = open ? kNotLabelled : 0;
   }
-  LabelRegions();
+  return true;
 }
 
 bool CellSearch::Passes(std::size_t from, std::size_t to) const {
@@ -81,10 +89,12 @@ bool CellSearch::Passes(std::size_t from, std::size_t to) const {
                                radius_m_);
 }
 
-void CellSearch::LabelRegions() {
+// False: stopped.
+bool CellSearch::LabelRegions(const std::function<bool()>& stop) {
   const auto neighbours = Neighbours(map_.flat());
   sizes_ = {0};
   std::vector<std::uint32_t> to_visit;
+  std::size_t visited = 0;
   for (std::size_t first = 0; first < region_.size(); ++first) {
     if (region_[first] != kNotLabelled) continue;
     const auto label = static_cast<std::uint32_t>(sizes_.size());
@@ -92,6 +102,7 @@ void CellSearch::LabelRegions() {
     region_[first] = label;
     to_visit.push_back(static_cast<std::uint32_t>(first));
     while (!to_visit.empty()) {
+      if (++visited % kCellsBetweenStops == 0 && stop && stop()) return false;
       const Cell cell = map_.CellAt(to_visit.back());
       to_visit.pop_back();
       ++sizes_.back();
@@ -105,6 +116,7 @@ void CellSearch::LabelRegions() {
       }
     }
   }
+  return true;
 }
 
 double CellSearch::SizeOf(std::uint32_t region) const {

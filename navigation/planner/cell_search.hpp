@@ -17,7 +17,12 @@ namespace musher::navigation {
 class CellSearch {
  public:
   // A body of this radius moves between the centres of neighbouring cells where it fits all along.
-  CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m);
+  // `stop`: called every thousand cells; true ends the computation.
+  CellSearch(std::shared_ptr<const Clearance> clearance, double radius_m,
+             const std::function<bool()>& stop = {});
+
+  // False: it was stopped, and must not be used.
+  bool complete() const { return complete_; }
 
   bool IsOpen(const Cell& cell) const { return map_.Has(cell) && region_[map_.IndexOf(cell)] != 0; }
 
@@ -42,7 +47,8 @@ class CellSearch {
                             const std::function<bool()>& stop) const;
 
  private:
-  void LabelRegions();
+  bool FindOpenCells(const std::function<bool()>& stop);
+  bool LabelRegions(const std::function<bool()>& stop);
   bool Passes(std::size_t from, std::size_t to) const;
 
   std::shared_ptr<const Clearance> clearance_;
@@ -51,6 +57,7 @@ class CellSearch {
   std::vector<std::uint32_t> region_;  // 0: not open
   std::vector<bool> roomy_;            // the way to each neighbour that is roomy as well fits
   std::vector<std::size_t> sizes_;     // of each region, in cells
+  bool complete_ = false;
 };
 
 }  // namespace musher::navigation

@@ -57,19 +57,27 @@ double Outside(double coordinate, int cell) {
 
 }  // namespace
 
-Clearance::Clearance(CellMap map) : map_(std::move(map)), distance_m_(map_.count()) {
+Clearance::Clearance(CellMap map, const std::function<bool()>& stop)
+    : map_(std::move(map)), distance_m_(map_.count()) {
+  ComputeDistances(stop);
+}
+
+void Clearance::ComputeDistances(const std::function<bool()>& stop) {
   for (std::size_t i = 0; i < map_.count(); ++i) distance_m_[i] = map_.blocked[i] ? 0 : kNone;
   LineOfCells line(std::max({map_.size_x, map_.size_y, map_.size_z}));
   const std::size_t row = map_.size_x, layer = row * map_.size_y;
   for (std::size_t begin = 0; begin < map_.count(); begin += row) {
+    if (stop && stop()) return;
     line.Transform(&distance_m_[begin], map_.size_x, 1);
   }
   for (int z = 0; z < map_.size_z; ++z) {
+    if (stop && stop()) return;
     for (std::size_t x = 0; x < row; ++x) {
       line.Transform(&distance_m_[z * layer + x], map_.size_y, row);
     }
   }
   for (std::size_t column = 0; column < layer && !map_.flat(); ++column) {
+    if (column % row == 0 && stop && stop()) return;
     line.Transform(&distance_m_[column], map_.size_z, layer);
   }
   for (float& distance : distance_m_) {
@@ -77,6 +85,7 @@ Clearance::Clearance(CellMap map) : map_(std::move(map)), distance_m_(map_.count
                    ? std::numeric_limits<float>::infinity()
                    : static_cast<float>(std::sqrt(double{distance}) * map_.resolution_m);
   }
+  complete_ = true;
 }
 
 double Clearance::ToNearestCell(const Point& in_cells, double limit_cells) const {

@@ -4,6 +4,7 @@
 // after the other); a place where they leave a doubt is compared with the blocked cells around it.
 // Metres. Immutable once made; any thread.
 
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -13,8 +14,12 @@ namespace musher::navigation {
 
 class Clearance {
  public:
-  // The map must have passed CheckCellMap().
-  explicit Clearance(CellMap map);
+  // The map must have passed CheckCellMap(). `stop`: called for each row of cells; true ends the
+  // computation.
+  explicit Clearance(CellMap map, const std::function<bool()>& stop = {});
+
+  // False: it was stopped, and must not be used.
+  bool complete() const { return complete_; }
 
   const CellMap& map() const { return map_; }
 
@@ -34,9 +39,11 @@ class Clearance {
 
  private:
   double ToNearestCell(const Point& in_cells, double limit_cells) const;
+  void ComputeDistances(const std::function<bool()>& stop);
 
   CellMap map_;
   std::vector<float> distance_m_;
+  bool complete_ = false;
 };
 
 // The points that the map does not explain: those farther than `within_m` from its blocked cells.

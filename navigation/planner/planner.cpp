@@ -60,19 +60,26 @@ struct Planner::Ends {
   std::optional<Connection> comfortable;
 };
 
-Planner::Planner(CellMap map, const PlannerRules& rules)
-    : rules_(rules),
-      clearance_(std::make_shared<Clearance>(std::move(map))),
-      search_(std::make_shared<CellSearch>(clearance_, rules.radius_m)),
-      comfortable_(rules.comfort_m > 0
-                       ? std::make_shared<CellSearch>(clearance_, rules.radius_m + rules.comfort_m)
-                       : nullptr) {}
+Planner::Planner(CellMap map, const PlannerRules& rules, const std::function<bool()>& stop)
+    : rules_(rules), clearance_(std::make_shared<Clearance>(std::move(map), stop)) {
+  if (!clearance_->complete()) return;
+  search_ = std::make_shared<CellSearch>(clearance_, rules.radius_m, stop);
+  if (rules.comfort_m <= 0 || !search_->complete()) return;
+  comfortable_ = std::make_shared<CellSearch>(clearance_, rules.radius_m + rules.comfort_m, stop);
+}
 
-Result<Planner> Planner::Make(CellMap map, const PlannerRules& rules) {
+bool Planner::complete() const {
+  return search_ && search_->complete() && (!comfortable_ || comfortable_->complete());
+}
+
+Result<Planner> Planner::Make(CellMap map, const PlannerRules& rules,
+                              const std::function<bool()>& stop) {
   auto checked = CheckCellMap(map);
   if (checked.ok()) checked = CheckRules(rules);
   if (!checked.ok()) return checked.error();
-  return Planner(std::move(map), rules);
+  Planner planner(std::move(map), rules, stop);
+  if (planner.complete()) return planner;
+  return MakeError(Fault::kTimeLimit, "the distances of the map reached their time limit");
 }
 
 Result<> Planner::CheckEnds(const Pose& start, const Pose& goal) const {

@@ -38,7 +38,9 @@ struct Plan {
 
 class Planner {
  public:
-  static Result<Planner> Make(CellMap map, const PlannerRules& rules);
+  // `stop`: asked now and then; true ends the computation with Fault::kTimeLimit.
+  static Result<Planner> Make(CellMap map, const PlannerRules& rules,
+                              const std::function<bool()>& stop = {});
 
   // `stop`: asked now and then during the search; true ends it with Fault::kTimeLimit.
   Result<Plan> Find(const Pose& start, const Pose& goal,
@@ -49,7 +51,8 @@ class Planner {
  private:
   struct Ends;
 
-  Planner(CellMap map, const PlannerRules& rules);
+  Planner(CellMap map, const PlannerRules& rules, const std::function<bool()>& stop);
+  bool complete() const;  // the computation was not stopped
   Result<> CheckEnds(const Pose& start, const Pose& goal) const;
   Result<Ends> Connect(const Point& start, const Point& goal) const;
   std::vector<Point> Shortened(const std::vector<Cell>& cells, const Point& start,

@@ -323,6 +323,7 @@ TEST_F(ASkillActuator, PausesItsSkillsInLowPowerAndContinuesThem) {
     EXPECT_EQ(tasks.Of([](Tasks& t) { return t.pauses; }), pauses + 1) << state;
     harness_.Advance(tasks, std::chrono::hours(1));
     EXPECT_EQ(tasks.StateOf("wait"), "WAITING") << state;
+    Await([&] { return sent->feedback.back().starts_with("processing: paused"); });
     ASSERT_TRUE(Go("Active"));
   }
   harness_.Tick(tasks, 8);

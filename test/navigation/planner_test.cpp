@@ -175,6 +175,23 @@ TEST(Planner, StopsWhenItsTimeIsUp) {
   EXPECT_TRUE(Is(plan.error(), Fault::kTimeLimit));
 }
 
+TEST(Planner, StopsWhileItComputesTheDistancesOfAMap) {
+  CellMap map;
+  map.resolution_m = 0.1;
+  map.size_x = map.size_y = 300;
+  map.blocked.resize(90'000);
+  int asked = 0;
+  ASSERT_TRUE(Planner::Make(map, {}, [&] { return ++asked < 0; }).ok());
+  ASSERT_GT(asked, 300) << "at least once for each row";
+  for (const int until : {1, 2, 300, asked / 2, asked}) {
+    int count = 0;
+    const auto stopped = Planner::Make(map, {}, [&] { return ++count == until; });
+    ASSERT_FALSE(stopped.ok()) << until;
+    EXPECT_TRUE(Is(stopped.error(), Fault::kTimeLimit));
+    EXPECT_EQ(count, until) << "it ends at once";
+  }
+}
+
 TEST(Planner, RefusesAMapThatIsNone) {
   EXPECT_TRUE(Is(Planner::Make({}, {}).error(), Fault::kMap));
   CellMap wrong = Wall();

@@ -126,9 +126,10 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
             r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due, r.set_again,
-            r.fault ? r.fault->code : 0, r.tolerated.has_value(), r.command, r.health, r.restarts,
-            r.restart_at, r.healthy_at, r.given_up, r.restart_requested, r.termination, r.suspended,
-            r.outbid_at, r.blocked, r.free_by, r.elsewhere);
+            r.fault ? r.fault->code : 0, r.fault ? r.fault->event : EventName::kNone,
+            r.tolerated.has_value(), r.command, r.health, r.restarts, r.restart_at, r.healthy_at,
+            r.given_up, r.restart_requested, r.termination, r.suspended, r.outbid_at, r.blocked,
+            r.free_by, r.elsewhere);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 

@@ -39,6 +39,12 @@ constexpr std::array kDescriptions = {
     Description{"WhileDoElse",
                 "Ticks the first child in each tick, then the second where it succeeds, else the "
                 "third. Halts the other one."},
+    Description{"TryCatch",
+                "Ticks its children but the last in order. Where one fails, it ticks the last, and "
+                "fails."},
+    Description{"Finally",
+                "Ticks the first child, then the second, also where the first has failed or is "
+                "halted. Has the result of the first."},
     // Decorators.
     Description{"Inverter", "Exchanges SUCCESS and FAILURE."},
     Description{"ForceSuccess", "SUCCESS when its child has ended."},

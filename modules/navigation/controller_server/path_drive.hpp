@@ -11,9 +11,8 @@
 //
 // - Points of a scan that the map has are left out, as long as the way fits the map: they do not
 //   slow the body down. Those that are on its way stop it.
-// - The velocity is in the frame of the body. A differential body gets none aside; what it is
-// beside
-//   its way turns it.
+// - The velocity is in the frame of the body. A differential body gets none aside: its distance
+//   from the way turns it.
 // - Where the body is now: the last odometry, with its velocity since then.
 // - Without odometry or a scan (if the robot has one) for their times the drive ends.
 //

@@ -166,7 +166,7 @@ PathReply FindPath(const Planner& planner, const PathRequest& request, const Pla
   }
   CellMap now = map;
   BlockPoints(seen, now);
-  auto blocked = Planner::Make(std::move(now), RulesOf(robot));
+  auto blocked = Planner::Make(std::move(now), RulesOf(robot), stop);
   if (!blocked) return {std::move(plan), PathCode::kNone, false};
   auto around = blocked.value().Find(request.start, request.goal, stop);
   const bool leads_around = around.ok();

@@ -1,6 +1,6 @@
 #pragma once
-// What the files of planner_server and controller_server have in common: a table a robot, and the
-// topics of the map. Metres, seconds.
+// What the files of planner_server and controller_server have in common: a table [[robot]] for each
+// robot, and how their keys are read. Metres, seconds.
 
 #include <optional>
 #include <string>

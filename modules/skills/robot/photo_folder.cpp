@@ -1,6 +1,7 @@
 #include "musher/modules/skills/robot/photo_folder.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -59,7 +60,10 @@ Result<std::string> PhotoPath(const std::string& folder, const std::string& name
   }
   const fs::path root = fs::path(folder).lexically_normal();
   const fs::path path = (root / name).lexically_normal();  // an absolute name replaces the root
-  if (path.extension() != ".png") return Refused(name, "expected a name that ends with .png");
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".png") return Refused(name, "expected a name that ends with .png");
   const std::string outside = "is outside of the photo folder " + root.string();
   if (!IsInside(root, path)) return Refused(name, outside);
   std::error_code error;

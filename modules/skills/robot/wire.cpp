@@ -1,5 +1,6 @@
 #include "musher/modules/skills/robot/wire.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/base/toml/names.hpp"
@@ -8,7 +9,8 @@
 namespace musher::skills {
 namespace {
 
-constexpr std::size_t kMostTracked = 16;  // topics that skills have named
+// Topics that skills have named; of more, the one that was not asked for longest is dropped.
+constexpr std::size_t kMostTracked = 16;
 
 }  // namespace
 
@@ -88,7 +90,11 @@ RosRobot::Missing RosRobot::Wire::Look() const {
 const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
   auto found = tracked.find(topic);
   if (found == tracked.end()) {
-    if (!config_toml::IsTopic(topic) || tracked.size() >= kMostTracked) return nullptr;
+    if (!config_toml::IsTopic(topic)) return nullptr;
+    if (tracked.size() >= kMostTracked) {
+      tracked.erase(std::ranges::min_element(tracked, {},
+                                             [](const auto& named) { return named.second.asked; }));
+    }
     found = tracked.emplace(topic, Tracked{}).first;
     Tracked& made = found->second;
     auto subscription = transport::MakeSubscription<msg::Odometry>(
@@ -98,6 +104,7 @@ const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
         });
     if (subscription) made.subscription = std::move(subscription).value();
   }
+  found->second.asked = Now();
   return found->second.pose.At(Now());
 }
 

@@ -41,6 +41,7 @@ struct RosRobot::Wire {
   };
   struct Tracked {
     RecentValue<navigation::Pose> pose;
+    Time asked{};  // when a skill has last asked for it
     std::unique_ptr<transport::Subscription> subscription;
   };
 

@@ -20,7 +20,6 @@ constexpr double kLookedM = 2;
 constexpr double kKeptM = 0.05;  // between the robot and an obstacle, at least
 constexpr Duration kProgressLimit = std::chrono::seconds(30);
 constexpr std::string_view kBeginPose = "begin";  // data: x, y, yaw
-constexpr std::string_view kArrived = "arrived";
 
 double SecondsOfAvoiding(Duration time) {
   return std::chrono::duration<double>(time).count();
@@ -48,6 +47,7 @@ void AvoidObstacle::Declare(skill::Table& table) {
   table.To(stopping_, skill::kCancelled, "the robot stands");
   table.MonotoneProgress();
   table.Does("Goes to a place or in a direction, clear of what the scan sees");
+  table.Uses(kBase);
   table.Takes("goal_pos", skill::Numbers{}, "m, x y in the map; empty: by heading");
   table.Takes("heading", 0.0, "rad to the left of where the robot looks");
   table.Takes("distance", 3.0, "m in that direction");
@@ -82,7 +82,7 @@ std::optional<std::string> AvoidObstacle::Missing() const {
 }
 
 Next AvoidObstacle::Step(Tick& tick) {
-  if (tick.state == stopping_) return Stop(tick);
+  if (tick.state == stopping_) return Stop(tick, "Reached goal");
   if (const auto why = WhyRefused(tick.parameters)) return Next::Fail(*why);
   return tick.state == initializing_ ? Initialize(tick) : Execute(tick);
 }
@@ -129,10 +129,7 @@ Next AvoidObstacle::Execute(Tick& tick) {
   blind_ = {};
   const navigation::Pose pose = *robot_.pose();
   const Aim aim = AimOf(tick, pose);
-  if (aim.left_m <= 0) {
-    tick.data.Set(kArrived, true);
-    return Next::To(stopping_);
-  }
+  if (aim.left_m <= 0) return Complete(tick);
   constexpr double kNearerM = 0.1;
   const bool nearer = !nearest_m_ || aim.left_m < *nearest_m_ - kNearerM;
   if (nearer) nearest_m_ = aim.left_m;
@@ -174,26 +171,6 @@ Next AvoidObstacle::Execute(Tick& tick) {
 Next AvoidObstacle::OnLimit(Tick& tick) {
   if (tick.state == initializing_) return Next::Fail(Missing().value_or("No scan"));
   return Next::Fail(fmt::format("Timeout: {:.1f} m are left", nearest_m_.value_or(0)));
-}
-
-Next AvoidObstacle::Stop(Tick& tick) {
-  if (!travel_.Stop(tick.step)) return Next::Stay();
-  if (tick.cancelling || !tick.data.Get(kArrived, false)) return Next::Cancelled();
-  return Next::Succeed("Reached goal");
-}
-
-Next AvoidObstacle::Cancel(Tick& tick) {
-  travel_.GiveUp();
-  tick.Report(0, "Stopping");
-  return tick.state == stopping_ ? Next::Stay() : Next::To(stopping_);
-}
-
-void AvoidObstacle::OnEnd(const skill::Ended& /*ended*/) {
-  travel_.End();
-}
-
-void AvoidObstacle::OnPause() {
-  robot_.StopMotion();
 }
 
 }  // namespace musher::skills

@@ -20,21 +20,17 @@
 #include <string>
 #include <vector>
 
-#include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/skills/travel.hpp"
+#include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
 
-class AvoidObstacle : public skill::Skill {
+class AvoidObstacle : public TravelSkill {
  public:
-  explicit AvoidObstacle(Robot& robot) : robot_(robot), travel_(robot) {}
+  using TravelSkill::TravelSkill;
 
   void Declare(skill::Table& table) override;
   skill::Next Step(skill::Tick& tick) override;
-  skill::Next Cancel(skill::Tick& tick) override;
   skill::Next OnLimit(skill::Tick& tick) override;
-  void OnEnd(const skill::Ended& ended) override;
-  void OnPause() override;
 
  private:
   struct Aim {
@@ -46,13 +42,10 @@ class AvoidObstacle : public skill::Skill {
   std::optional<std::string> Missing() const;
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
-  skill::Next Stop(skill::Tick& tick);
   Aim AimOf(const skill::Tick& tick, const navigation::Pose& pose) const;
   // Points around the robot, in the frame of the body.
   std::vector<navigation::Point> Around(const navigation::Pose& pose) const;
 
-  Robot& robot_;
-  Travel travel_;  // stops the robot
   double direction_rad_ = 0;
   Duration blind_{};
   Duration blocked_{};
@@ -60,7 +53,6 @@ class AvoidObstacle : public skill::Skill {
   std::optional<double> nearest_m_;  // to the goal, so far
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
-  skill::StateId stopping_ = skill::kIdle;
 };
 
 }  // namespace musher::skills

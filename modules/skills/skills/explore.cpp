@@ -75,6 +75,7 @@ void Explore::Declare(skill::Table& table) {
   table.Limit({.run = skill::kNoLimit, .retries = kAttempts});
   table.MonotoneProgress();
   table.Does("Goes over an area in lanes, past holes and obstacles");
+  table.Uses(kBase);
   table.Needs("boundary", skill::Kind::kText, "corners, m in the map: [[0, 0], [9, 0], [9, 9]]");
   table.Takes("holes", std::string(), "lists of corners, m in the map: [[[3, 3], [4, 3], [4, 4]]]");
   table.Takes("lane_width", 2.0, "m, from lane to lane");
@@ -84,9 +85,7 @@ void Explore::Declare(skill::Table& table) {
 }
 
 Next Explore::Step(Tick& tick) {
-  if (tick.state == stopping_) {
-    return travel_.Stop(tick.step) ? Next::Cancelled() : Next::Stay();
-  }
+  if (tick.state == stopping_) return Stop(tick);
   if (path_.empty()) {
     const Result<> made = MakePath(tick);
     if (!made) return Next::Fail(made.error().message);
@@ -282,12 +281,6 @@ Next Explore::Finish(const Tick& tick) const {
   return Next::Succeed(message + ")");
 }
 
-Next Explore::Cancel(Tick& tick) {
-  travel_.GiveUp();
-  tick.Report(0, "Stopping");
-  return Next::To(stopping_);
-}
-
 Next Explore::OnLimit(Tick& tick) {
   if (tick.state == initializing_) {
     const TravelStep step = travel_.Reach();
@@ -297,15 +290,6 @@ Next Explore::OnLimit(Tick& tick) {
   if (tick.state == to_start_) return Next::Fail("Navigate timeout: the start was not reached");
   const double done = static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size());
   return Next::Fail(fmt::format("Timeout: {:.0f} % of the path were explored", 100 * done));
-}
-
-void Explore::OnEnd(const skill::Ended& /*ended*/) {
-  travel_.End();
-}
-
-void Explore::OnPause() {
-  travel_.GiveUp();
-  robot_.StopMotion();
 }
 
 }  // namespace musher::skills

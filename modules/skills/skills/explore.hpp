@@ -22,22 +22,18 @@
 
 #include <string>
 
-#include "musher/behavior/skill/skill.hpp"
 #include "musher/modules/skills/coverage/coverage.hpp"
-#include "musher/modules/skills/skills/travel.hpp"
+#include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
 
-class Explore : public skill::Skill {
+class Explore : public TravelSkill {
  public:
-  explicit Explore(Robot& robot) : robot_(robot), travel_(robot) {}
+  using TravelSkill::TravelSkill;
 
   void Declare(skill::Table& table) override;
   skill::Next Step(skill::Tick& tick) override;
-  skill::Next Cancel(skill::Tick& tick) override;
   skill::Next OnLimit(skill::Tick& tick) override;
-  void OnEnd(const skill::Ended& ended) override;
-  void OnPause() override;
 
  private:
   skill::Next Initialize(skill::Tick& tick);
@@ -56,15 +52,12 @@ class Explore : public skill::Skill {
   void SkipTo(skill::Tick& tick, std::size_t index);
   skill::Next Finish(const skill::Tick& tick) const;
 
-  Robot& robot_;
-  Travel travel_;
   coverage::Plan plan_;
   navigation::Path path_;              // empty: not computed yet
   std::optional<std::size_t> target_;  // of Approach()
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId to_start_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
-  skill::StateId stopping_ = skill::kIdle;
 };
 
 }  // namespace musher::skills

@@ -15,7 +15,6 @@ using skill::Tick;
 constexpr double kMostMPerS = 1;
 constexpr double kMostRadPerS = 1;
 constexpr std::string_view kFollowed = "followed_m";
-constexpr std::string_view kDistanceDone = "done";
 
 double SecondsOfLine(Duration time) {
   return std::chrono::duration<double>(time).count();
@@ -53,6 +52,7 @@ void FollowLine::Declare(skill::Table& table) {
   table.Limit({.run = skill::kNoLimit});
   table.MonotoneProgress();
   table.Does("Drives along the line that the robot sees");
+  table.Uses(kBase);
   table.Takes("speed", 0.3, "m/s, at most 1.0");
   table.Takes("distance", 0.0, "m, 0: until it is cancelled");
 }
@@ -71,7 +71,9 @@ std::optional<std::string> FollowLine::WhyRefused(const skill::Values& parameter
 }
 
 Next FollowLine::Step(Tick& tick) {
-  if (tick.state == stopping_) return Stop(tick);
+  if (tick.state == stopping_) {
+    return Stop(tick, fmt::format("Followed the line for {:.1f} m", tick.data.Number(kFollowed)));
+  }
   if (const auto why = WhyRefused(tick.parameters)) return Next::Fail(*why);
   if (tick.state == searching_) return Search(tick);
   if (tick.state == executing_) return Execute(tick);
@@ -92,10 +94,7 @@ double FollowLine::Followed(Tick& tick) {
 Next FollowLine::Execute(Tick& tick) {
   const double followed_m = Followed(tick);
   const double distance_m = tick.parameters.Number("distance");
-  if (distance_m > 0 && followed_m >= distance_m) {
-    tick.data.Set(kDistanceDone, true);
-    return Next::To(stopping_);
-  }
+  if (distance_m > 0 && followed_m >= distance_m) return Complete(tick);
   blind_ = robot_.pose() ? Duration{} : blind_ + tick.step;
   if (blind_ >= kLostAfter) return Next::Fail("No odometry of " + robot_.name());
   const auto line = robot_.line();
@@ -140,25 +139,9 @@ Next FollowLine::OnLimit(Tick& tick) {
   return Next::Fail("No line in sight of " + robot_.name());
 }
 
-Next FollowLine::Stop(Tick& tick) {
-  if (!travel_.Stop(tick.step)) return Next::Stay();
-  if (tick.cancelling || !tick.data.Get(kDistanceDone, false)) return Next::Cancelled();
-  return Next::Succeed(fmt::format("Followed the line for {:.1f} m", tick.data.Number(kFollowed)));
-}
-
-Next FollowLine::Cancel(Tick& tick) {
-  travel_.GiveUp();
-  tick.Report(0, "Stopping");
-  return tick.state == stopping_ ? Next::Stay() : Next::To(stopping_);
-}
-
-void FollowLine::OnEnd(const skill::Ended& /*ended*/) {
-  travel_.End();
-}
-
 void FollowLine::OnPause() {
   last_.reset();
-  robot_.StopMotion();
+  TravelSkill::OnPause();
 }
 
 }  // namespace musher::skills

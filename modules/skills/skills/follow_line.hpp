@@ -6,9 +6,8 @@
 //
 //   INITIALIZING   the line and the odometry are there within 2.0 s
 //   EXECUTING      steers to the line, and along it
-//   SEARCHING      8 s: the line is lost; the robot stands, and turns to where the line was, then
-//   to
-//                  the other side, 60 degrees each; a line that is not found is a failure
+//   SEARCHING      8 s: the line is lost; the robot stands, and turns 60 degrees to where the
+//                  line was, then to the other side; a line that is not found is a failure
 //   STOPPING       at the end: until the robot stands
 //
 // It fails 3 s after the last odometry; until then it stands. Details: offset (m, left positive),
@@ -17,39 +16,32 @@
 #include <optional>
 #include <string>
 
-#include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/skills/travel.hpp"
+#include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
 
-class FollowLine : public skill::Skill {
+class FollowLine : public TravelSkill {
  public:
-  explicit FollowLine(Robot& robot) : robot_(robot), travel_(robot) {}
+  using TravelSkill::TravelSkill;
 
   void Declare(skill::Table& table) override;
   skill::Next Step(skill::Tick& tick) override;
-  skill::Next Cancel(skill::Tick& tick) override;
   skill::Next OnLimit(skill::Tick& tick) override;
-  void OnEnd(const skill::Ended& ended) override;
   void OnPause() override;
 
  private:
   std::optional<std::string> WhyRefused(const skill::Values& parameters) const;
   skill::Next Execute(skill::Tick& tick);
   skill::Next Search(skill::Tick& tick);
-  skill::Next Stop(skill::Tick& tick);
   // The way since the last step, kept in the data of the run.
   double Followed(skill::Tick& tick);
 
-  Robot& robot_;
-  Travel travel_;  // stops the robot
   std::optional<navigation::Point> last_;
   double side_ = 1;  // where the line was seen last: 1 left, -1 right
   Duration blind_{};
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
   skill::StateId searching_ = skill::kIdle;
-  skill::StateId stopping_ = skill::kIdle;
 };
 
 }  // namespace musher::skills

@@ -36,9 +36,7 @@ void GoalSkill::Declare(skill::Table& table) {
 }
 
 Next GoalSkill::Step(Tick& tick) {
-  if (tick.state == stopping_) {
-    return travel_.Stop(tick.step) ? Next::Cancelled() : Next::Stay();
-  }
+  if (tick.state == stopping_) return Stop(tick);
   if (!taken_) {
     const Result<> taken = Take(tick);
     if (!taken) return Next::Fail(taken.error().message);
@@ -98,12 +96,6 @@ Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
   return Next::Stay();
 }
 
-Next GoalSkill::Cancel(Tick& tick) {
-  travel_.GiveUp();
-  tick.Report(0, "Stopping");
-  return Next::To(stopping_);
-}
-
 Next GoalSkill::OnLimit(Tick& tick) {
   if (tick.state == initializing_) {
     const TravelStep step = travel_.Reach();
@@ -112,15 +104,6 @@ Next GoalSkill::OnLimit(Tick& tick) {
   }
   if (tick.state == planning_) return Next::Fail(Prefix(tick) + "Planning timeout");
   return Next::Fail(Prefix(tick) + "Navigate timeout");
-}
-
-void GoalSkill::OnEnd(const skill::Ended& /*ended*/) {
-  travel_.End();
-}
-
-void GoalSkill::OnPause() {
-  travel_.GiveUp();
-  robot_.StopMotion();
 }
 
 }  // namespace musher::skills

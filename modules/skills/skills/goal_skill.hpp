@@ -13,21 +13,17 @@
 #include <optional>
 #include <string>
 
-#include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/skills/travel.hpp"
+#include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
 
-class GoalSkill : public skill::Skill {
+class GoalSkill : public TravelSkill {
  public:
-  explicit GoalSkill(Robot& robot) : robot_(robot), travel_(robot) {}
+  using TravelSkill::TravelSkill;
 
   void Declare(skill::Table& table) final;
   skill::Next Step(skill::Tick& tick) final;
-  skill::Next Cancel(skill::Tick& tick) final;
   skill::Next OnLimit(skill::Tick& tick) final;
-  void OnEnd(const skill::Ended& ended) final;
-  void OnPause() final;
 
  protected:
   virtual void Describe(skill::Table& table) = 0;
@@ -52,14 +48,11 @@ class GoalSkill : public skill::Skill {
   skill::Next Execute(skill::Tick& tick);
   skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
 
-  Robot& robot_;
-  Travel travel_;
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId planning_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
-  skill::StateId stopping_ = skill::kIdle;
 };
 
 }  // namespace musher::skills

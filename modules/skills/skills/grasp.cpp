@@ -29,6 +29,8 @@ bool ShownHeld(const Robot& robot, const std::string& object) {
 
 void Grasp::Describe(skill::Table& table) {
   table.Does("Comes close to an object and takes it");
+  table.Uses(kBase);
+  table.Uses(kArm);
   DeclareGrasping(table);
   table.Takes("approach", 0.5, "m that the robot drives at most towards the object");
   static_cast<void>(table.SetLimit("PREPARING", std::chrono::seconds(20)));

@@ -20,6 +20,7 @@ double HoverSeconds(Duration time) {
 
 void Hover::Declare(skill::Table& table) {
   table.Does("Goes to an altitude and holds its place there for a time");
+  table.Uses(kBase);
   table.Takes("altitude", 2.0, "m above the zero of the map (absolute); 0: where it is");
   table.Takes("duration", 5.0, "seconds, 0 or more");
   table.Takes("ceiling", 10.0, "m above the zero of the map; no altitude is higher");

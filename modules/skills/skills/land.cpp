@@ -23,6 +23,7 @@ double LandSeconds(Duration time) {
 
 void Land::Declare(skill::Table& table) {
   table.Does("Descends to the ground");
+  table.Uses(kBase);
   table.Takes("ground_height", 0.0, "m above the zero of the map (absolute)");
   initializing_ = table.State("INITIALIZING");
   executing_ = table.State("EXECUTING", std::chrono::seconds(30));

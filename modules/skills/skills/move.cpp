@@ -19,6 +19,7 @@ std::int64_t DoneOf(const skill::Tick& tick) {
 
 void Move::Describe(skill::Table& table) {
   table.Does("Goes from way-point to way-point of a path, in a loop");
+  table.Uses(kBase);
   table.Needs("path", skill::Kind::kText, "way-points, m in the map: [[0, 0], [4, 0], [4, 3]]");
   table.Takes("loops", std::int64_t{0}, "times, 0: until it is cancelled");
   table.Limit({.run = skill::kNoLimit, .retries = kAttempts});

@@ -31,6 +31,7 @@ Result<double> YawOf(const skill::Numbers& quaternion, const std::string& name) 
 
 void NavigateTo::Describe(skill::Table& table) {
   table.Does("Travels to a place and looks in a direction there");
+  table.Uses(kBase);
   table.Needs("goal_pos", skill::Kind::kNumbers,
               for_ == For::kGround ? "m, x y in the map" : "m, x y z in the map");
   table.Takes("goal_quat_wxyz", skill::Numbers{1, 0, 0, 0}, "the direction at the goal");

@@ -10,6 +10,7 @@ namespace musher::skills {
 
 void ObjectDetection::Declare(skill::Table& table) {
   table.Does("Finds the objects of a class in the view of a camera");
+  table.Uses(kCamera);
   table.Takes("camera_name", "default", "a camera of the robot; default: its first one");
   table.Takes("target_class", "car", "the category or the name of an object; empty: all");
   table.Takes("radius", 2.0, "m from the robot that it sees; 0: any distance");

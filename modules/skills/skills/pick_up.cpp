@@ -4,6 +4,7 @@ namespace musher::skills {
 
 void PickUp::Declare(skill::Table& table) {
   table.Does("Takes an object within reach");
+  table.Uses(kArm);
   DeclareGrasping(table);
   initializing_ = table.State("INITIALIZING");
   checking_ = table.State("CHECKING", std::chrono::seconds(3));

@@ -12,6 +12,7 @@ constexpr double kMostProgress = 95;
 
 void TakeOff::Declare(skill::Table& table) {
   table.Does("Climbs to an altitude and hovers there");
+  table.Uses(kBase);
   table.Takes("altitude", 1.0, "m above the zero of the map (absolute)");
   table.Takes("ceiling", 10.0, "m above the zero of the map; no altitude is higher");
   initializing_ = table.State("INITIALIZING");

@@ -31,6 +31,7 @@ std::optional<std::string> PictureFault(const Picture& picture) {
 
 void TakePhoto::Declare(skill::Table& table) {
   table.Does("Saves the next picture of a camera as a PNG file");
+  table.Uses(kCamera);
   table.Takes("camera_type", "sensor.camera.rgb",
               "a camera of the robot; sensor.camera.rgb and default: its first one");
   table.Needs("save_path", skill::Kind::kText, "the file, which ends in .png");

@@ -15,7 +15,6 @@ using Kind = TravelStep::Kind;
 
 constexpr double kToleranceM = 0.3;
 constexpr Duration kUnseen = std::chrono::seconds(1);
-constexpr std::string_view kTracked = "tracked";  // data: the duration is over
 
 double SecondsOf(Duration time) {
   return std::chrono::duration<double>(time).count();
@@ -37,6 +36,7 @@ void Track::Declare(skill::Table& table) {
   table.Limit({.run = skill::kNoLimit});
   table.MonotoneProgress();
   table.Does("Follows a target and keeps a distance from it");
+  table.Uses(kBase);
   table.Takes("target_topic", std::string("/target_0/odom"), "nav_msgs/Odometry of the target");
   table.Takes("track_period", std::int64_t{10}, "poses of the target from plan to plan");
   table.Takes("distance", 1.5, "m, kept from the target");
@@ -59,7 +59,9 @@ std::optional<std::string> Track::WhyRefused(const skill::Values& parameters) co
 }
 
 Next Track::Step(Tick& tick) {
-  if (tick.state == stopping_) return Stop(tick);
+  if (tick.state == stopping_) {
+    return Stop(tick, fmt::format("Tracked for {:.1f} s", tick.parameters.Number("duration")));
+  }
   if (const auto why = WhyRefused(tick.parameters)) return Next::Fail(*why);
   return tick.state == initializing_ ? Initialize(tick) : Execute(tick);
 }
@@ -79,11 +81,7 @@ Next Track::OnLimit(Tick& tick) {
 
 Next Track::Execute(Tick& tick) {
   const double duration_s = tick.parameters.Number("duration");
-  if (duration_s > 0 && SecondsOf(tick.elapsed) >= duration_s) {
-    tick.data.Set(kTracked, true);
-    travel_.GiveUp();
-    return Next::To(stopping_);
-  }
+  if (duration_s > 0 && SecondsOf(tick.elapsed) >= duration_s) return Complete(tick);
   const std::string topic = tick.parameters.Text("target_topic");
   const auto seen = robot_.PoseOf(topic);
   unseen_ = seen ? Duration{} : unseen_ + tick.step;
@@ -180,27 +178,6 @@ void Track::Report(Tick& tick) const {
   tick.Report(10 + 85 * share, message);
   tick.Detail("target_distance", apart_m);
   if (travel_.driving()) travel_.AddDetails(tick);
-}
-
-Next Track::Stop(Tick& tick) {
-  if (!travel_.Stop(tick.step)) return Next::Stay();
-  if (tick.cancelling || !tick.data.Get(kTracked, false)) return Next::Cancelled();
-  return Next::Succeed(fmt::format("Tracked for {:.1f} s", tick.parameters.Number("duration")));
-}
-
-Next Track::Cancel(Tick& tick) {
-  travel_.GiveUp();
-  tick.Report(0, "Stopping");
-  return tick.state == stopping_ ? Next::Stay() : Next::To(stopping_);
-}
-
-void Track::OnEnd(const skill::Ended& /*ended*/) {
-  travel_.End();
-}
-
-void Track::OnPause() {
-  travel_.GiveUp();
-  robot_.StopMotion();
 }
 
 }  // namespace musher::skills

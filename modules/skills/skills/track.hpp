@@ -21,27 +21,22 @@
 #include <optional>
 #include <string>
 
-#include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/skills/travel.hpp"
+#include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
 
-class Track : public skill::Skill {
+class Track : public TravelSkill {
  public:
-  explicit Track(Robot& robot) : robot_(robot), travel_(robot) {}
+  using TravelSkill::TravelSkill;
 
   void Declare(skill::Table& table) override;
   skill::Next Step(skill::Tick& tick) override;
-  skill::Next Cancel(skill::Tick& tick) override;
   skill::Next OnLimit(skill::Tick& tick) override;
-  void OnEnd(const skill::Ended& ended) override;
-  void OnPause() override;
 
  private:
   std::optional<std::string> WhyRefused(const skill::Values& parameters) const;
   skill::Next Initialize(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
-  skill::Next Stop(skill::Tick& tick);
   // Where the robot has to be for this target; nullopt: it may stay.
   std::optional<navigation::Pose> GoalFor(const navigation::Pose& target, double distance_m) const;
   double DistanceTo(const navigation::Pose& target) const;
@@ -51,8 +46,6 @@ class Track : public skill::Skill {
   void Note(const TravelStep& step);
   void Report(skill::Tick& tick) const;
 
-  Robot& robot_;
-  Travel travel_;
   std::optional<navigation::Pose> target_;  // as it was seen last
   std::optional<navigation::Pose> goal_;    // that is planned, or that the drive has
   std::int64_t poses_ = 0;                  // since the last plan
@@ -61,7 +54,6 @@ class Track : public skill::Skill {
   std::string trouble_;     // why there is no way
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
-  skill::StateId stopping_ = skill::kIdle;
 };
 
 }  // namespace musher::skills

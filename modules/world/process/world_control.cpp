@@ -30,7 +30,8 @@ const char* const kWorldCommands =
     "  show|hide NAME      a ball with that name appears, or disappears\n"
     "  draw                writes the picture, prints its path\n"
     "  referee [--json]    prints the referee's report of this run\n"
-    "  robots [--json]     prints pose, battery, load and collisions of each robot";
+    "  robots [--json]     prints pose, battery, load and collisions of each robot\n"
+    "  field               prints pose, wheels, boxes and events on a field, as JSON";
 
 namespace {
 
@@ -108,6 +109,7 @@ std::optional<WorldCommand> ReadWords(const Words& words) {
   const bool json = words.size() == 2 && words[1] == "--json";
   if (what == "referee" && (json || words.size() == 1)) return RefereeNow{json};
   if (what == "robots" && (json || words.size() == 1)) return RobotsNow{json};
+  if (what == "field" && (json || words.size() == 1)) return FieldNow{};
   if (what == "say" && words.size() > 1) {
     Speech speech{words[1]};
     for (std::size_t i = 2; i < words.size(); ++i) speech.text += " " + words[i];
@@ -172,6 +174,7 @@ class CommandSender {
   Result<std::string> operator()(const RobotsNow& command) {
     return Call<msg::Trigger>(command.json ? "robots_json" : "robots", {});
   }
+  Result<std::string> operator()(const FieldNow&) { return Call<msg::Trigger>("field", {}); }
 
  private:
   static msg::PoseStamped ToPoseStamped(const Pose2& at) {

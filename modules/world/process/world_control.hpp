@@ -34,6 +34,7 @@ struct RefereeNow {
 struct RobotsNow {
   bool json = false;  // else text
 };
+struct FieldNow {};  // as JSON
 struct ChargeRobot {
   std::string robot;
   double percent = 0;
@@ -44,7 +45,7 @@ struct CarryRobot {
 };
 using WorldCommand =
     std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Show, Pause,
-                 DrawNow, RefereeNow, RobotsNow, ChargeRobot, CarryRobot>;
+                 DrawNow, RefereeNow, RobotsNow, FieldNow, ChargeRobot, CarryRobot>;
 
 // Help text: one line for each command.
 extern const char* const kWorldCommands;

@@ -67,6 +67,7 @@ void WorldHost::Publish() {
   touch_ = endpoints_.Advertise<msg::Int32>("world/touch");
   show_ = std::make_unique<WorldShow>(endpoints_, world_, options_.log);
   robots_ = std::make_unique<WorldRobots>(endpoints_, world_, options_.log);
+  field_ = std::make_unique<WorldField>(endpoints_, world_, options_.log);
 }
 
 Result<> WorldHost::MakeCameras() {
@@ -188,6 +189,7 @@ void WorldHost::OnStep() {
   static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));  // the next one follows soon
   if (world_.scene().has_body) PublishBody();
   robots_->OnStep();
+  field_->OnStep();
   show_->OnStep();
   cameras_->OnStep(world_);
   for (const int touch : outputs.touches) Touch(touch);

@@ -10,6 +10,7 @@
 //   world/referee, referee_json, the same      world/show, hide: a ball by its name
 //   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
 //   <robot>/odom, cmd_vel, scan and so on: see world_robots.hpp
+//   of a competition field: see world_field.hpp
 //   musher/machine_status  of the controller, for the picture
 //
 // Invalid input is refused with a line in the log, and nothing moves.
@@ -28,6 +29,7 @@
 #include "musher/modules/world/process/followers.hpp"
 #include "musher/modules/world/process/pacer.hpp"
 #include "musher/modules/world/process/world_cameras.hpp"
+#include "musher/modules/world/process/world_field.hpp"
 #include "musher/modules/world/process/world_robots.hpp"
 #include "musher/modules/world/process/world_sensors.hpp"
 #include "musher/modules/world/process/world_show.hpp"
@@ -98,6 +100,7 @@ class WorldHost {
   std::unique_ptr<WorldCameras> cameras_;
   std::unique_ptr<WorldShow> show_;
   std::unique_ptr<WorldRobots> robots_;
+  std::unique_ptr<WorldField> field_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
   transport::Endpoints endpoints_;                              // last: its callbacks use the rest
 };

@@ -16,6 +16,7 @@
 #include "musher/modules/world/scene/camera_specs.hpp"
 #include "musher/modules/world/scene/color.hpp"
 #include "musher/modules/world/scene/course_specs.hpp"
+#include "musher/modules/world/scene/field_specs.hpp"
 #include "musher/modules/world/scene/guest_specs.hpp"
 #include "musher/modules/world/scene/humanoid_specs.hpp"
 #include "musher/modules/world/scene/robot_specs.hpp"
@@ -242,15 +243,36 @@ struct Scene {
   std::vector<RobotSpec> robots;
   std::vector<ObjectSpec> objects;
   std::vector<MoverSpec> movers;
+  std::optional<FieldSpec> field;
   std::vector<Zone> zones;
   RefereeSpec referee;
   std::vector<Sampled> sampled;  // choices first
 };
 
-// The fault of a sensor: it is silent. "none" ends these, too.
-inline constexpr std::string_view kSensorFaults[] = {
-    "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
-    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps",        "uwb"};
+// The fault of a sensor: it is silent; or of a part of the robot on a field. "none" ends these,
+// too.
+inline constexpr std::string_view kSensorFaults[] = {"camera front",
+                                                     "camera left",
+                                                     "camera right",
+                                                     "lidar",
+                                                     "ultrasonic",
+                                                     "tof",
+                                                     "tof_left_head",
+                                                     "tof_right_head",
+                                                     "tof_left_rear",
+                                                     "tof_right_rear",
+                                                     "gps",
+                                                     "uwb",
+                                                     "arm silent",
+                                                     "arm stuck",
+                                                     "spear silent",
+                                                     "spear stuck",
+                                                     "suspension silent",
+                                                     "suspension stuck",
+                                                     "distances lost",
+                                                     "pose silent",
+                                                     "base stuck",
+                                                     "r1 silent"};
 
 inline constexpr double kLeastSpeed = 0.01;
 inline constexpr double kMostSpeed = 100;

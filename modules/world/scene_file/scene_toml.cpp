@@ -15,6 +15,7 @@
 #include "musher/modules/world/scene/place.hpp"
 #include "musher/modules/world/scene/variation.hpp"
 #include "musher/modules/world/scene_file/scene_course.hpp"
+#include "musher/modules/world/scene_file/scene_field.hpp"
 #include "musher/modules/world/scene_file/scene_humanoid.hpp"
 #include "musher/modules/world/scene_file/scene_keys.hpp"
 #include "musher/modules/world/scene_file/scene_robots.hpp"
@@ -74,6 +75,7 @@ class Reader {
     ReadReferee(root, choices, findings_, scene_);
     const Variation by = ReadVariation(root, findings_);
     ReadRobots(root, findings_, scene_);
+    ReadField(root, choices, findings_, scene_);
     ReadGuests(root, findings_, scene_);
     root.RefuseOthers();
     if (!findings_.HasErrors()) CheckPoses();

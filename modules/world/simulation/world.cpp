@@ -26,6 +26,7 @@ World::World(Scene scene)
       referee_(*scene_, Seen()),
       hide_at_(scene_->balls.size()) {
   if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
+  if (scene_->field) field_.emplace(*scene_->field);
   Record();
 }
 
@@ -43,6 +44,10 @@ StepOutputs World::Step() {
   guests_.Step(*scene_, robot, now_, kStep);
   std::vector<std::string> log = fleet_.Step(*scene_, BodySolid(), now_, kStep);
   std::move(log.begin(), log.end(), std::back_inserter(outputs.log));
+  if (field_) {
+    log = field_->Step(silent_, now_, kStep);
+    std::move(log.begin(), log.end(), std::back_inserter(outputs.log));
+  }
   if (track_.IsDue(now_)) Record();
   return outputs;
 }
@@ -97,6 +102,7 @@ void World::Plug(bool in) {
 }
 
 std::optional<std::string> World::PutDown(const Pose2& at) {
+  if (field_) return field_->PutDown(at.position_m, at.yaw_rad, now_);
   if (!at.position_m.allFinite() || !std::isfinite(at.yaw_rad)) {
     return "a place that is not a number is refused";
   }

@@ -14,6 +14,7 @@
 #include "musher/modules/world/body/body.hpp"
 #include "musher/modules/world/body/humanoid.hpp"
 #include "musher/modules/world/scene/scene.hpp"
+#include "musher/modules/world/simulation/field.hpp"
 #include "musher/modules/world/simulation/fleet.hpp"
 #include "musher/modules/world/simulation/guests.hpp"
 #include "musher/modules/world/simulation/referee.hpp"
@@ -78,6 +79,20 @@ class World {
   }
   std::optional<std::size_t> FindRobot(const std::string& name) const;
 
+  // Of a scene with a field.
+  std::optional<std::string> DriveLift(const Eigen::Vector3d& velocity) {
+    return field_->Drive(velocity, now_);
+  }
+  std::optional<std::string> Lift(const WheelHeights& heights_mm) {
+    return field_->Lift(heights_mm);
+  }
+  std::optional<std::string> CommandArm(double command) {
+    return field_->CommandArm(command, now_);
+  }
+  std::optional<std::string> CommandSpear(double command) {
+    return field_->CommandSpear(command, now_);
+  }
+
   Duration now() const { return now_; }
   // As it is now; valid until the next step or change.
   const Scene& scene() const { return *scene_; }
@@ -87,6 +102,7 @@ class World {
   Gaze gaze() const { return humanoid_ ? humanoid_->gaze() : Gaze{}; }
   const std::vector<Guest>& guests() const { return guests_.all(); }
   const Fleet& fleet() const { return fleet_; }
+  const std::optional<Field>& field() const { return field_; }
   // The body as the other robots meet it; nothing if there is none.
   std::vector<Solid> BodySolid() const;
   // The frame of camera `index` in the place's.
@@ -112,6 +128,7 @@ class World {
   std::optional<Humanoid> humanoid_;
   Guests guests_;
   Fleet fleet_;
+  std::optional<Field> field_;
   Referee referee_;
   Supply supply_;
   std::size_t next_event_ = 0;

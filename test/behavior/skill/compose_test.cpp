@@ -186,6 +186,21 @@ TEST_F(AComposition, HoldsItsSkillsForItself) {
   EXPECT_EQ(manager_->Start("all").error().message, "b is running already; all needs it");
 }
 
+TEST_F(AComposition, UsesThePartsOfTheRobotThatItsSkillsUse) {
+  scripts_[0].uses = {"base"};
+  scripts_[1].uses = {"base"};
+  scripts_[2].uses = {"camera"};
+  EXPECT_EQ(ErrorOf(Order::kParallel, {{"a"}, {"b"}}),
+            "all: a and b would use the base at the same time");
+  EXPECT_EQ(ErrorOf(Order::kFirstToFinish, {{"a"}, {"b"}}),
+            "all: a and b would use the base at the same time");
+  Start(Order::kInOrder, {{"a"}, {"c"}});
+  const Result<> beside = manager_->Start("b");
+  ASSERT_FALSE(beside.ok());
+  EXPECT_EQ(beside.error().message,
+            "b needs the base, which all is using; cancel all first or wait for its end");
+}
+
 TEST_F(AComposition, IsRefusedWithWhatIsWrongWithIt) {
   EXPECT_EQ(ErrorOf(Order::kParallel, {{"a"}, {"a"}}), "all: a would run twice at once");
   EXPECT_THAT(ErrorOf(Order::kInOrder, {}), HasSubstr("all: has no skills"));

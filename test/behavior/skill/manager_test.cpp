@@ -58,6 +58,29 @@ TEST_F(AManager, RefusesASkillThatRunsWithItsNameAndLeavesItRunning) {
   EXPECT_TRUE(manager_->Find("walk")->running());
 }
 
+TEST_F(AManager, RefusesASkillThatNeedsAPartOfTheRobotInUseUntilItIsFree) {
+  walk_.uses = {"base"};
+  look_.uses = {"camera", "base"};
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(1);
+  const Result<> second = manager_->Start("look");
+  EXPECT_EQ(ErrorOf(second),
+            "look needs the base, which walk is using; cancel walk first or wait for its end");
+  EXPECT_EQ(second.error().code, RobotCode(KeyCode::kTargetBusy));
+  EXPECT_EQ(StateOf("walk"), "INITIALIZING") << "it goes on";
+  ASSERT_TRUE(manager_->Cancel("walk", "a person"));
+  EXPECT_FALSE(manager_->Start("look")) << "it may still brake";
+  Steps(1);
+  EXPECT_TRUE(manager_->Start("look"));
+}
+
+TEST_F(AManager, RunsSkillsThatUseOtherPartsOfTheRobotAtOnce) {
+  walk_.uses = {"base"};
+  look_.uses = {"camera"};
+  ASSERT_TRUE(manager_->Start("walk"));
+  EXPECT_TRUE(manager_->Start("look"));
+}
+
 TEST_F(AManager, StartsAnEndedSkillAgainFromTheBeginning) {
   walk_.step = InExecuting([](Tick&) { return Next::Fail("no path"); });
   ASSERT_TRUE(manager_->Start("walk"));

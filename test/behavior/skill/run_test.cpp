@@ -292,6 +292,22 @@ TEST_F(ARun, PassesAPauseToTheSkillOnce) {
   EXPECT_EQ(Shown(), "FAILED failed: OnPause: no brake (0%)");
 }
 
+TEST_F(ARun, ReportsThatItIsPaused) {
+  script_.step = InExecuting([](Tick& tick) {
+    tick.Report(30, "Moving");
+    return Next::Stay();
+  });
+  Begun();
+  Steps(2);
+  run_->Pause();
+  EXPECT_EQ(ToText(run_->feedback()), "processing: paused: Moving (30%)");
+  Steps(1);
+  EXPECT_EQ(ToText(run_->feedback()), "processing: Moving (30%)");
+  run_->Pause();
+  run_->CancelNow("a person");
+  EXPECT_EQ(ToText(run_->feedback()), "cancelled: Cancelled: a person (30%)");
+}
+
 TEST_F(ARun, MovesProgressIntoItsRange) {
   const std::vector<std::pair<double, int>> reported{{-5, 0},     {41.9, 41},         {100, 99},
                                                      {1e300, 99}, {std::nan(""), 99}, {7, 7}};

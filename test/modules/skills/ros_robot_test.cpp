@@ -326,6 +326,18 @@ TEST_F(ARosRobot, SeesObstaclesObjectsTheLineAndWhatItTracks) {
   EXPECT_FALSE(robot_.PoseOf("/target_0/odom"));
 }
 
+TEST_F(ARosRobot, TracksATopicAlsoAfterManyOthers) {
+  for (int i = 1; i <= 20; ++i) {
+    EXPECT_FALSE(robot_.PoseOf("/target_" + std::to_string(i) + "/odom"));
+    Run(1);
+  }
+  EXPECT_FALSE(robot_.PoseOf("/target_0/odom"));  // subscribes
+  Run(500);
+  EXPECT_TRUE(peers_->target->Publish({}));
+  Run(50);
+  EXPECT_TRUE(robot_.PoseOf("/target_0/odom"));
+}
+
 TEST_F(ARosRobot, SubscribesToACameraWhileAPictureIsWanted) {
   EXPECT_EQ(peers_->camera->MatchedReaders(), 0);
   const auto picture = robot_.TakePicture("front");
