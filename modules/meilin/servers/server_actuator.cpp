@@ -79,7 +79,6 @@ Result<> ServerActuator::Open() {
 }
 
 Result<> ServerActuator::SelfCheck() {
-  RunOnLoop([this] { Permit(false, "it is in SelfCheck"); });
   if (!node_) return Ok();
   return program::AwaitOnLoop(
       *node_, config_.self_check_time,

@@ -1,7 +1,7 @@
 #pragma once
 // The actuator of one of the four servers.
 //
-//   SelfCheck    waits until the hardware is there, for the time of the config
+//   SelfCheck    waits until the hardware is there, for the time of the config; goals go on
 //   Active       goals are accepted
 //   all others   the hardware stops, the present goal is aborted with the reason, new ones are
 //                rejected

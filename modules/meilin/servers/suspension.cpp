@@ -340,8 +340,10 @@ bool Suspension::TickDownFront() {
   if (!moving_) {
     const auto below = Distance(kDownAhead);
     const bool over = AllReached() && BothSwitches(true, false);
-    if (!For(2, over && (step_mm_ > 0 || below))) return false;
-    if (step_mm_ == 0) high_mm_ = *below > kHighDropMm ? settings_.high_mm : settings_.low_mm;
+    // Of an unknown height, until the mean has no reading of the time before the edge.
+    const bool known = step_mm_ > 0;
+    if (!For(known ? 2 : 8, over && (known || below))) return false;
+    if (!known) high_mm_ = *below > kHighDropMm ? settings_.high_mm : settings_.low_mm;
     moving_ = true;
     SetFront(high_mm_ + 30);
   }

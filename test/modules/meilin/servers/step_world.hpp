@@ -86,12 +86,9 @@ class StepWorld {
     const double below = std::max(Ground(edge_m), Ground(x_m_));
     return std::max(Ground(At(front)) + Wheel(front), below);
   }
-  bool Hangs(bool front) const {
-    return Underside(front) - Wheel(front) > Ground(At(front)) + 5;
-  }
+  bool Hangs(bool front) const { return Underside(front) - Wheel(front) > Ground(At(front)) + 5; }
   bool SwitchOn(bool front) const {
-    const double surface =
-        std::max(Ground(At(front) - 0.02), Ground(At(front) + 0.02));
+    const double surface = std::max(Ground(At(front) - 0.02), Ground(At(front) + 0.02));
     return Underside(front) - surface <= 60;
   }
   bool Blocked(double next_m) const {

@@ -13,9 +13,9 @@
 
 namespace musher::meilin::servers::suspension_test {
 
-using testing::StepWorld;
 using ::testing::Each;
 using ::testing::ElementsAre;
+using testing::StepWorld;
 using State = SuspensionState;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -24,15 +24,15 @@ constexpr Duration kTick = Milliseconds(10);
 const std::vector<ClimbDirection> kDirections = {ClimbDirection::kForward, ClimbDirection::kLeft,
                                                  ClimbDirection::kRight, ClimbDirection::kBackward};
 
-struct Run {
+struct ClimbRun {
   std::optional<Suspension::End> end;
   std::vector<int> states;  // in their order
   double seconds = 0;
 };
 
 // Climbs in a world until the end, or until `state` is entered.
-Run Climb(Suspension& core, StepWorld& world, Time& now, State until = State::kIdle) {
-  Run run;
+ClimbRun Climb(Suspension& core, StepWorld& world, Time& now, State until = State::kIdle) {
+  ClimbRun run;
   const Time begin = now;
   for (int i = 0; i < 6000 && !run.end; ++i) {
     const int state = static_cast<int>(core.state());
@@ -88,7 +88,7 @@ TEST_F(SuspensionTest, ClimbsUpInEachDirectionByItsStates) {
       StepWorld world(step_mm, direction);
       world.Report(core_, now_);
       ASSERT_EQ(core_.Begin({SuspensionMode::kClimbUp, direction, step_mm, 30}, now_), "");
-      const Run run = Climb(core_, world, now_);
+      const ClimbRun run = Climb(core_, world, now_);
       ASSERT_TRUE(run.end) << step_mm << " " << static_cast<int>(direction);
       EXPECT_TRUE(run.end->success);
       EXPECT_EQ(run.end->message, "Sequence complete");
@@ -106,7 +106,7 @@ TEST_F(SuspensionTest, ClimbsDownInEachDirectionByItsStates) {
       StepWorld world(-step_mm, direction);
       world.Report(core_, now_);
       ASSERT_EQ(core_.Begin({SuspensionMode::kClimbDown, direction, step_mm, 30}, now_), "");
-      const Run run = Climb(core_, world, now_);
+      const ClimbRun run = Climb(core_, world, now_);
       ASSERT_TRUE(run.end) << step_mm << " " << static_cast<int>(direction);
       EXPECT_EQ(run.end->message, "Sequence complete");
       EXPECT_THAT(run.states, ElementsAre(20, 21, 22, 23));
@@ -127,15 +127,15 @@ TEST_F(SuspensionTest, MeasuresAStepOfUnknownHeight) {
     // The step is seen from nearby.
     for (int i = 0; i < 150; ++i) world.Step(std::nullopt);
     double highest = 0;
-    Run run;
+    ClimbRun run;
     while (!run.end && core_.ElapsedSeconds(now_) < 30) {
       now_ += kTick;
       world.Step(core_.targets());
       world.Report(core_, now_);
       run.end = core_.Update(now_);
       if (core_.targets()) {
-        highest = std::max(highest, *std::max_element(core_.targets()->begin(),
-                                                      core_.targets()->end()));
+        highest =
+            std::max(highest, *std::max_element(core_.targets()->begin(), core_.targets()->end()));
       }
     }
     ASSERT_TRUE(run.end) << step_mm;

@@ -1,0 +1,169 @@
+// arm_action and spear_action on a simulated network with a simulated hardware, in virtual time.
+
+#include "musher/modules/meilin/servers/tool_server.hpp"
+
+#include <limits>
+
+#include "musher/test/modules/meilin/servers/server_rig.hpp"
+
+namespace musher::meilin::servers::tool_server_test {
+
+using testing::ArrayOf;
+using ::testing::ElementsAre;
+using transport::GoalEnd;
+
+template <msg::Action A>
+class ToolRig : public testing::ServerRig<A> {
+ protected:
+  ToolRig(const std::string& action, const std::string& command, const std::string& report) {
+    this->action_ = action;
+    command_in_ = this->Must(transport::MakeSubscription<msg::Float32MultiArray>(
+        *this->peer_, command, [this](const msg::Float32MultiArray& message, const auto&) {
+          commands_.push_back(message.data);
+          left_ms_ = 1000;
+          done_ = false;
+        }));
+    report_out_ =
+        this->Must(transport::MakePublisher<msg::Float32MultiArray>(*this->peer_, report));
+    hardware_ = this->peer_->loop().Every(Milliseconds(10), [this] {
+      left_ms_ -= 10;
+      if (left_ms_ == 0 && !silent_) done_ = true;
+      EXPECT_TRUE(report_out_->Publish(ArrayOf({done_ ? 1.0F : 0.0F, 0, 0, 0, 0, 0, 0, 0, 0})));
+    });
+  }
+
+  std::vector<std::vector<float>> commands_;
+  int left_ms_ = 0;
+  bool done_ = true;  // of something before
+  bool silent_ = false;
+  std::unique_ptr<transport::Subscription> command_in_;
+  std::unique_ptr<transport::Publisher<msg::Float32MultiArray>> report_out_;
+  transport::LoopHandlePtr hardware_;
+};
+
+class ArmServerTest : public ToolRig<msg::ArmAction> {
+ protected:
+  ArmServerTest() : ToolRig("arm_action", "t0x0103_", "r0x0203") {
+    state_in_ = Must(transport::MakeSubscription<msg::Bool>(
+        *peer_, "arm_runtime_state",
+        [this](const msg::Bool& message, const auto&) {
+          well_ = message.data;
+          ++states_;
+        },
+        transport::kLatchedQos));
+  }
+  static constexpr const char* kFile = "server = \"arm\"\n";
+  std::optional<bool> well_;
+  int states_ = 0;
+  std::unique_ptr<transport::Subscription> state_in_;
+};
+
+class SpearServerTest : public ToolRig<msg::SpearAction> {
+ protected:
+  SpearServerTest() : ToolRig("spear_action", "t0x0104_", "r0x0204") {}
+};
+
+TEST_F(ArmServerTest, CarriesOutACommand) {
+  Start(kFile);
+  const std::size_t goal = Send({1, true, 0});
+  ExpectEnd(goal, GoalEnd::kSucceeded, "Arm command 1 done");
+  EXPECT_THAT(commands_, ElementsAre(std::vector<float>{1, 0, 0, 0}));
+  EXPECT_EQ(ends_[goal]->result.final_state, 10);
+  EXPECT_NEAR(ends_[goal]->result.elapsed_sec, 1, 0.1);
+  EXPECT_EQ(feedback_.at(5).current_state, 2);
+  EXPECT_EQ(feedback_.at(5).message, "GRASP");
+  EXPECT_GT(feedback_.at(20).progress, feedback_.at(10).progress);
+}
+
+TEST_F(ArmServerTest, PublishesWhetherItIsIdleAndWell) {
+  Start(kFile);
+  EXPECT_EQ(well_, true);
+  const std::size_t goal = Send({1, false, 0});
+  Run(500);
+  EXPECT_EQ(well_, false);
+  Await(goal);
+  Run(50);
+  EXPECT_EQ(well_, true);
+  silent_ = true;
+  Await(Send({1, true, 1.5}));
+  Run(50);
+  EXPECT_EQ(well_, false) << "the command has failed";
+  const int states = states_;
+  Run(1000);
+  EXPECT_NEAR(states_ - states, 5, 1) << "for clients that wait for the next one";
+}
+
+TEST_F(ArmServerTest, EndsAtItsLimitAndStopsTheArm) {
+  silent_ = true;
+  Start(kFile);
+  const std::size_t goal = Send({5, true, 2});
+  ExpectEnd(goal, GoalEnd::kAborted, "Timeout");
+  Run(50);
+  EXPECT_EQ(ends_[goal]->result.final_state, -1);
+  EXPECT_THAT(commands_,
+              ElementsAre(std::vector<float>{5, 0, 0, 0}, std::vector<float>{0, 0, 0, 0}));
+}
+
+TEST_F(ArmServerTest, RejectsUnknownCommands) {
+  Start(kFile);
+  ExpectRejected({7, true, 0}, "command 7 is not one of 0 to 6");
+  ExpectRejected({1, true, std::numeric_limits<float>::infinity()},
+                 "timeout_sec is not a finite number");
+  EXPECT_TRUE(commands_.empty());
+}
+
+TEST_F(ArmServerTest, StopsTheArmWhenAGoalIsCancelled) {
+  Start(kFile);
+  const std::size_t goal = Send({1, true, 0});
+  Run(300);
+  Cancel(goal);
+  ExpectEnd(goal, GoalEnd::kCanceled, "Cancelled");
+  Run(50);
+  EXPECT_EQ(commands_.back(), (std::vector<float>{0, 0, 0, 0}));
+}
+
+TEST_F(ArmServerTest, StopsTheArmOutsideOfActive) {
+  Start(kFile);
+  const std::size_t goal = Send({1, true, 0});
+  Run(300);
+  ExpectRejected({2, true, 0}, "another goal runs");
+  Await(goal);
+  const std::size_t second = Send({2, true, 0});
+  Run(300);
+  server_->Permit(false, "it is in LowPower");
+  ExpectEnd(second, GoalEnd::kAborted, "Aborted: it is in LowPower");
+  Run(50);
+  EXPECT_EQ(commands_.back(), (std::vector<float>{0, 0, 0, 0}));
+  ExpectRejected({2, true, 0}, "it is in LowPower");
+}
+
+TEST_F(ArmServerTest, NamesASilentHardware) {
+  hardware_.reset();
+  report_out_.reset();
+  Start(kFile);
+  EXPECT_EQ(server_->Missing(), "no publisher of r0x0203");
+}
+
+TEST_F(SpearServerTest, CarriesOutEachCommand) {
+  Start("server = \"spear\"\n");
+  EXPECT_EQ(server_->Missing(), "");
+  const std::vector<int> states = {0, 1, 2, 5, 6};
+  for (int command = 1; command <= 4; ++command) {
+    feedback_.clear();
+    ExpectEnd(Send({static_cast<std::uint8_t>(command), 0}), GoalEnd::kSucceeded,
+              "Spear command " + std::to_string(command) + " done");
+    EXPECT_EQ(commands_.back(), (std::vector<float>{float(command), 0, 0, 0}));
+    EXPECT_EQ(feedback_.at(3).current_state, states[command]);
+  }
+  ExpectRejected({5, 0}, "command 5 is not one of 0 to 4");
+}
+
+TEST_F(SpearServerTest, HasALimitOfFiveSeconds) {
+  silent_ = true;
+  Start("server = \"spear\"\n");
+  const std::size_t goal = Send({1, 0});
+  ExpectEnd(goal, GoalEnd::kAborted, "Timeout");
+  EXPECT_NEAR(ends_[goal]->result.elapsed_sec, 5, 0.1);
+}
+
+}  // namespace musher::meilin::servers::tool_server_test
