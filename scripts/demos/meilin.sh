@@ -82,9 +82,24 @@ start = [0, 2]
 move = [0, 1]
 [[step]]
 move = [1, 1]
+[[step]]
+fetch = [2, 1]
+[[step]]
+move = [1, 1]
+[[step]]
+move = [2, 1]
+[[step]]
+move = [3, 1]
+[[step]]
+move = [4, 1]
+[[step]]
+move = [5, 1]
 END
   send_plan "$scratch/recover.toml"
   expect "the plan: exit code" 0 "$code"
+  await_mission '.state == "MISSION_SUCCESS" or .state == "MISSION_FAILED"' 150
+  expect "the match" "MISSION_SUCCESS: " "$(mission '"\(.state): \(.last_error)"')"
+  expect "placed mid and high" "1 1" "$(field '"\(.placed_mid) \(.placed_high)"')"
 }
 
 end() {
@@ -110,14 +125,14 @@ END
 }
 
 run_demo() {
-  boot blue
-  ((failures == 0)) && play blue
-  end blue
+  local side
+  for side in blue red; do
+    boot $side
+    ((failures == 0)) && play $side
+    end $side
+  done
+  ((failures == 0)) || return
   boot red
-  ((failures == 0)) && play red
-  if ((failures == 0)); then
-    shown musher-meilin tell reset
-    lose_arm
-  fi
-  [[ $keep == yes ]] || end red
+  lose_arm
+  [[ $keep == yes ]] || end red-recovered
 }
