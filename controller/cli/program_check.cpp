@@ -70,6 +70,7 @@ bool SupportsCheck(const std::string& program) {
                                                  "musher-planner",
                                                  "musher-controller",
                                                  "musher-race",
+                                                 "musher-meilin",
                                                  "musher-line-walker",
                                                  "musher-meilin-server",
                                                  "musher-vp-engine"};

@@ -75,7 +75,7 @@ class Goal {
   virtual ~Goal() = default;
   virtual GoalState state() const = 0;
   virtual const std::string& message() const = 0;
-  virtual int final_state() const = 0;             // of the suspension and the arm; else 0
+  virtual int final_state() const = 0;              // of the suspension and the arm; else 0
   virtual const std::string& feedback() const = 0;  // the last one, for people; "": none yet
   // Idempotent, and without effect on one that has ended. The end comes later.
   virtual void Cancel() = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// The goals of one action server, as handles of robot.hpp. A goal that is begun while an earlier one
-// of this channel is being cancelled is sent after its end, or after kCancelTime.
+// The goals of one action server, as handles of robot.hpp. A goal that is begun while an earlier
+// one of this channel is being cancelled is sent after its end, or after kCancelTime.
 //
 // Times here are real. Threads: the loop's.
 
@@ -24,7 +24,7 @@ struct GoalRecord {
   std::string message;
   std::string feedback;
   int final_state = 0;
-  bool cancel = false;     // it is to be cancelled
+  bool cancel = false;      // it is to be cancelled
   bool cancelling = false;  // a request is under way
   transport::GoalId id{};
 };
@@ -68,8 +68,7 @@ int FinalStateOf(const Result& result) {
 }
 
 template <msg::Action A>
-class GoalChannel final : public AnyChannel,
-                          public std::enable_shared_from_this<GoalChannel<A>> {
+class GoalChannel final : public AnyChannel, public std::enable_shared_from_this<GoalChannel<A>> {
  public:
   static constexpr Duration kCancelTime = std::chrono::seconds(1);
   using ToText = std::function<std::string(const typename A::Feedback&)>;
@@ -164,9 +163,15 @@ class GoalChannel final : public AnyChannel,
         // A server that succeeds with success = false has failed.
         record.state = outcome.result.success ? GoalState::kSucceeded : GoalState::kFailed;
         break;
-      case GoalEnd::kAborted: record.state = GoalState::kFailed; break;
-      case GoalEnd::kCanceled: record.state = GoalState::kCancelled; break;
-      case GoalEnd::kRejected: record.state = GoalState::kRejected; break;
+      case GoalEnd::kAborted:
+        record.state = GoalState::kFailed;
+        break;
+      case GoalEnd::kCanceled:
+        record.state = GoalState::kCancelled;
+        break;
+      case GoalEnd::kRejected:
+        record.state = GoalState::kRejected;
+        break;
       case GoalEnd::kLost:
         record.state = had_server ? GoalState::kLost : GoalState::kUnavailable;
         break;

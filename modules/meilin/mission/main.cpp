@@ -4,7 +4,9 @@
 
 #include "musher/actuator/program/module_main.hpp"
 #include "musher/modules/meilin/mission/meilin_actuator.hpp"
+#include "musher/modules/meilin/mission/tell_tool.hpp"
 #include "musher/modules/meilin/mission/tree_tool.hpp"
+#include "musher/modules/meilin/plan/tool.hpp"
 
 namespace {
 
@@ -20,8 +22,8 @@ int Run(const musher::program::Options& options) {
   if (!reading.config->match_config.empty()) {
     const MatchReading read = musher::meilin::ReadMatchFile(reading.config->match_config);
     for (const std::string& error : read.errors) {
-      musher::program::PrintErrors(
-          {{reading.config->match_config, 0, 0, musher::Severity::kError, "CONFIG_ERROR: " + error}});
+      musher::program::PrintErrors({{reading.config->match_config, 0, 0, musher::Severity::kError,
+                                     "CONFIG_ERROR: " + error}});
     }
     if (!read.config) return musher::program::kUsageError;
     match = *read.config;
@@ -35,15 +37,19 @@ int Run(const musher::program::Options& options) {
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "models") return musher::meilin::PrintModels(argc - 1, argv + 1);
+  if (command == "tell") return musher::meilin::Tell(argc - 1, argv + 1);
   if (command == "check" && argc == 3 && musher::meilin::ChecksFile(argv[2])) {
     return musher::meilin::CheckFile(argv[2]);
+  }
+  if (musher::meilin::IsPlanTool(command)) {
+    return musher::meilin::RunPlanTool(argc - 1, argv + 1);
   }
   return musher::program::Main(
       argc, argv,
       {"musher-meilin", "A match of the competition robot, as the actuator meilin.",
-       "`musher-meilin check TREE.xml` reports the errors of a tree, of a match config or of a "
-       "plan,\n"
-       "`musher-meilin models` prints the nodes for an editor.\n\n"
+       "`musher-meilin check FILE` reports the errors of a tree, a match config or a plan,\n"
+       "`musher-meilin plan FILE` prints a plan, `musher-meilin tell plan FILE` gives a running\n"
+       "match one, and `musher-meilin models` prints the nodes for an editor; see their --help.\n\n"
        "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);
 }

@@ -5,6 +5,7 @@
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
+#include "musher/modules/meilin/plan/segments_json.hpp"
 
 namespace musher::meilin {
 namespace {
@@ -47,8 +48,8 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
       config_.segment_topic, [this](const msg::String& text) { OnSegments(text.data); }, latched);
   topics.Subscribe<msg::String>("meilin/command",
                                 [this](const msg::String& text) { OnCommand(text.data); });
-  plans_ = config_.plan_service ? topics.OpenClient<msg::GetActionSeq>(config_.buffer_service)
-                                : nullptr;
+  plans_ =
+      config_.plan_service ? topics.OpenClient<msg::GetActionSeq>(config_.buffer_service) : nullptr;
   asking_ = false;
   Publish();
 }
@@ -98,13 +99,20 @@ void MeilinActuator::OnPlan(const msg::Float32MultiArray& plan) {
 }
 
 void MeilinActuator::OnSegments(const std::string& text) {
-  static_cast<void>(text);
-  mission_.RefusePlan("plans of planning/segments are not supported");
-  Publish();
+  SegmentsReading reading = ReadSegmentsJson(text);
+  for (const std::string& warning : reading.warnings) Log(LogLevel::kWarning, warning);
+  if (reading.ok()) {
+    mission_.OfferSegments(std::move(reading.segments), std::move(reading.plan_id));
+  } else {
+    mission_.RefusePlan(reading.message());
+    Log(LogLevel::kWarning, "plan refused: " + reading.message());
+  }
+  Follow();
 }
 
 void MeilinActuator::OnCommand(const std::string& command) {
-  if (command == "RESET") Restart();  // halts what runs, before the blackboard is that of a new match
+  if (command == "RESET")
+    Restart();  // halts what runs, before the blackboard is that of a new match
   const Result<> done = mission_.Command(command);
   Log(done ? LogLevel::kInfo : LogLevel::kWarning,
       done ? command : "command refused: " + done.error().message);
@@ -122,10 +130,11 @@ void MeilinActuator::RequestPlan(Time now) {
   if (now >= asked_ && now - asked_ < kAskEvery) return;
   asked_ = now;
   asking_ = true;
-  plans_->Call({}, std::chrono::seconds(2), [this](const Result<msg::GetActionSeq::Response>& reply) {
-    asking_ = false;
-    if (reply && reply.value().has_data) OnPlan(reply.value().data);
-  });
+  plans_->Call({}, std::chrono::seconds(2),
+               [this](const Result<msg::GetActionSeq::Response>& reply) {
+                 asking_ = false;
+                 if (reply && reply.value().has_data) OnPlan(reply.value().data);
+               });
 }
 
 void MeilinActuator::Publish() {

@@ -49,6 +49,7 @@ void Mission::BeforeTick(Time now) {
 void Mission::AfterTick(Status status, const std::string& fault) {
   if (status == Status::kIdle || status == Status::kRunning) return;
   ended_ = true;
+  if (status == Status::kSuccess) board_->last_error.Set("");
   if (status == Status::kFailure && state() != kMissionSuccess) {
     Fail(fault.empty() ? "the tree has failed" : fault);
   }
@@ -112,9 +113,8 @@ bool Mission::OfferPlan(const msg::Float32MultiArray& plan, Time now) {
   return true;
 }
 
-bool Mission::OfferSegments(std::vector<Segment> segments, std::string plan_id) {
+void Mission::OfferSegments(std::vector<Segment> segments, std::string plan_id) {
   Accept(std::move(segments), std::move(plan_id));
-  return true;
 }
 
 void Mission::RefusePlan(const std::string& why) {

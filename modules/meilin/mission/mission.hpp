@@ -1,6 +1,7 @@
 #pragma once
-// What a match does with plans and with the end of its tree. The actuator (meilin_actuator.hpp) gives
-// it messages and ticks; it decides what is on the blackboard, and when the tree begins again.
+// What a match does with plans and with the end of its tree. The actuator (meilin_actuator.hpp)
+// gives it messages and ticks; it decides what is on the blackboard, and when the tree begins
+// again.
 //
 //   a plan                    checked as a whole. Refused: PLAN_REJECTED and last_error; what runs
 //                             goes on. Accepted: it replaces the queue, the action that runs ends
@@ -10,8 +11,8 @@
 //   a pause                   the segment that was halted is the next one again, but after a halt
 //                             during a climb the mission has failed
 //
-// A plan is checked from the end of the segment that runs; else from the live pose where it is fresh
-// and inside the grid, else from the initial cell.
+// A plan is checked from the end of the segment that runs; else from the live pose where it is
+// fresh and inside the grid, else from the initial cell.
 //
 // Units: those of robot.hpp. Pure: no clock, no process. Threads: one at a time, like the tree.
 
@@ -45,7 +46,8 @@ class Mission {
 
   // False: refused, last_error() says why.
   bool OfferPlan(const msg::Float32MultiArray& plan, Time now);
-  bool OfferSegments(std::vector<Segment> segments, std::string plan_id);
+  // An old plan, that is already checked.
+  void OfferSegments(std::vector<Segment> segments, std::string plan_id);
   void RefusePlan(const std::string& why);
   // Fails where there is no such command.
   Result<> Command(const std::string& command);

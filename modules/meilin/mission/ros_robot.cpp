@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "musher/messages/action_of_motion_interfaces/move_to_pose.hpp"
-#include "musher/messages/geometry_msgs/pose.hpp"
+#include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/r2_interfaces/arm_action.hpp"
 #include "musher/messages/r2_interfaces/spear_action.hpp"
 #include "musher/messages/r2_interfaces/suspension_control.hpp"
-#include "musher/messages/std_msgs/bool.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/meilin/mission/goal_channel.hpp"
 #include "musher/modules/meilin/nodes/goal_watch.hpp"
 
@@ -79,8 +79,7 @@ struct RosRobot::Wire {
   }
 };
 
-void RosRobot::Open(transport::Endpoints& endpoints,
-                    std::function<void(const std::string&)> warn) {
+void RosRobot::Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn) {
   warn_ = std::move(warn);
   pose_.reset();
   r1_ready_ = arm_idle_ = {};
@@ -95,10 +94,10 @@ void RosRobot::Open(transport::Endpoints& endpoints,
   endpoints.Subscribe<msg::PoseStamped>(pose_topic_, [this, &clock](const msg::PoseStamped& pose) {
     if (const auto fix = FixOf(pose, clock.Now())) pose_ = fix;
   });
-  endpoints.Subscribe<msg::Bool>(
-      "r1_ready", [this](const msg::Bool& ready) { Count(r1_ready_, ready.data); });
-  endpoints.Subscribe<msg::Bool>(
-      "arm_runtime_state", [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
+  endpoints.Subscribe<msg::Bool>("r1_ready",
+                                 [this](const msg::Bool& ready) { Count(r1_ready_, ready.data); });
+  endpoints.Subscribe<msg::Bool>("arm_runtime_state",
+                                 [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
 }
 
 void RosRobot::Tend() {

@@ -7,8 +7,8 @@
 // under injected faults. A goal waits kServerTime (real time) for a server and its reply. While an
 // earlier goal of this robot at the same server is being cancelled, the next one waits for its end.
 //
-// Units and frames: those of robot.hpp. Poses in another frame than map, or that are not finite, are
-// ignored. Threads: the loop's.
+// Units and frames: those of robot.hpp. Poses in another frame than map, or that are not finite,
+// are ignored. Threads: the loop's.
 
 #include <functional>
 #include <memory>

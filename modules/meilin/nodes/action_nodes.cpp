@@ -66,8 +66,7 @@ MoveToPose::MoveToPose(tree::Setup& setup, Robot& robot)
 
 SuspensionControl::SuspensionControl(tree::Setup& setup, Robot& robot)
     : GoalNode(setup, robot, "SuspensionControl", 30, kSuspensionServer),
-      mode_(setup.Input<std::uint8_t>("mode", std::uint8_t{0},
-                                      "0 auto, 1 up, 2 down, 3 direct")),
+      mode_(setup.Input<std::uint8_t>("mode", std::uint8_t{0}, "0 auto, 1 up, 2 down, 3 direct")),
       direction_(setup.Input<std::uint8_t>("direction", std::uint8_t{0},
                                            "0 forward, 1 left, 2 right, 3 backward")),
       height_mm_(setup.Input<double>("height", 0.0, "of the step, or of the wheels; mm")),
@@ -87,8 +86,9 @@ void SuspensionControl::Report(const std::string& message, int final_state) {
 
 ArmAction::ArmAction(tree::Setup& setup, Robot& robot)
     : GoalNode(setup, robot, "ArmAction", 30, kArmServer),
-      command_(setup.Input<std::uint8_t>("command", "0 idle, 1 grasp, 2 store to body, 3 store on "
-                                                    "arm, 4 get body, 5 place mid, 6 place high")),
+      command_(setup.Input<std::uint8_t>("command",
+                                         "0 idle, 1 grasp, 2 store to body, 3 store on "
+                                         "arm, 4 get body, 5 place mid, 6 place high")),
       wait_result_(setup.Input<bool>("wait_result", true, "false: done when it is accepted")),
       message_(setup.Output<std::string>("message", "of the server, or the failure")) {}
 

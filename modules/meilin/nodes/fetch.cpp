@@ -49,8 +49,8 @@ Status Fetch::OnStart(const tree::Tick& tick) {
   const Pose2 grasp = settings_.grid.GraspPose(here, box, to_yaw_rad_);
   board_.is_cell_center.Set(false);  // from now on, also if it fails
   align_.Begin(robot_.MoveToPose(kMoveServer, {grasp.x_m, grasp.y_m, grasp.yaw_rad}),
-               {"grasp_align", MoveClientName(kMoveServer), kMoveServer},
-               settings_.align_timeout_s, tick.now);
+               {"grasp_align", MoveClientName(kMoveServer), kMoveServer}, settings_.align_timeout_s,
+               tick.now);
   if (lifts) {
     const SuspensionGoal lift{static_cast<std::uint8_t>(SuspensionMode::kDirect), 0, height_mm,
                               settings_.suspension_timeout_s};

@@ -1,6 +1,6 @@
 #pragma once
-// <Fetch kfs_row="" kfs_col="" height_diff="" target_yaw="" message="{}"/>: the robot goes near to a
-// box on a cell beside its own, lifts its wheels to the height of that cell, and takes the box.
+// <Fetch kfs_row="" kfs_col="" height_diff="" target_yaw="" message="{}"/>: the robot goes near to
+// a box on a cell beside its own, lifts its wheels to the height of that cell, and takes the box.
 //
 //   start ─→ reach ──────────────────────────→ grasp ─→ done
 //            to the grasp pose, and the wheels   the arm

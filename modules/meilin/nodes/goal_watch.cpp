@@ -10,15 +10,24 @@ using tree::Status;
 
 std::string_view Name(GoalState state) {
   switch (state) {
-    case GoalState::kWaiting: return "waiting";
-    case GoalState::kSent: return "sent";
-    case GoalState::kAccepted: return "accepted";
-    case GoalState::kSucceeded: return "succeeded";
-    case GoalState::kFailed: return "failed";
-    case GoalState::kCancelled: return "cancelled";
-    case GoalState::kRejected: return "rejected";
-    case GoalState::kLost: return "lost";
-    case GoalState::kUnavailable: return "unavailable";
+    case GoalState::kWaiting:
+      return "waiting";
+    case GoalState::kSent:
+      return "sent";
+    case GoalState::kAccepted:
+      return "accepted";
+    case GoalState::kSucceeded:
+      return "succeeded";
+    case GoalState::kFailed:
+      return "failed";
+    case GoalState::kCancelled:
+      return "cancelled";
+    case GoalState::kRejected:
+      return "rejected";
+    case GoalState::kLost:
+      return "lost";
+    case GoalState::kUnavailable:
+      return "unavailable";
   }
   return "";
 }
@@ -47,7 +56,8 @@ Status GoalWatch::Look(Time now) {
   }
   const std::chrono::duration<double> spent = now - begun_;
   if (limit_s_ > 0 && spent.count() > limit_s_) {
-    failure_ = fmt::format("{} timed out ({:g} s; the goal is {})", names_.what, limit_s_, Name(state));
+    failure_ =
+        fmt::format("{} timed out ({:g} s; the goal is {})", names_.what, limit_s_, Name(state));
     goal_->Cancel();
     return status_ = Status::kFailure;
   }
@@ -58,11 +68,16 @@ std::string GoalWatch::FailureText() const {
   const std::string& message = goal_->message();
   const std::string because = message.empty() ? "" : ": " + message;
   switch (goal_->state()) {
-    case GoalState::kUnavailable: return names_.client + " action server not available" + because;
-    case GoalState::kRejected: return "Goal rejected by " + names_.server + because;
-    case GoalState::kLost: return names_.what + " lost its server " + names_.server + because;
-    case GoalState::kCancelled: return names_.what + " was cancelled by " + names_.server + because;
-    default: return message.empty() ? names_.what + " failed" : message;
+    case GoalState::kUnavailable:
+      return names_.client + " action server not available" + because;
+    case GoalState::kRejected:
+      return "Goal rejected by " + names_.server + because;
+    case GoalState::kLost:
+      return names_.what + " lost its server " + names_.server + because;
+    case GoalState::kCancelled:
+      return names_.what + " was cancelled by " + names_.server + because;
+    default:
+      return message.empty() ? names_.what + " failed" : message;
   }
 }
 

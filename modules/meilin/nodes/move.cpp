@@ -102,14 +102,15 @@ std::string Move::PlanClimb() {
   const double turned_rad = YawOf(*way) - plan_.to_yaw_rad;
   const Direction direction = NearestDirection(NormalizeYaw(turned_rad));
   if (YawDistance(turned_rad, YawOf(direction)) > settings_.yaw_tolerance_rad) {
-    return fmt::format("Move climb direction is invalid: target_yaw {:.2f} rad is across the way "
-                       "{}; expected a right angle within {:.2f} rad",
-                       plan_.to_yaw_rad, DirectionText(*way), settings_.yaw_tolerance_rad);
+    return fmt::format(
+        "Move climb direction is invalid: target_yaw {:.2f} rad is across the way "
+        "{}; expected a right angle within {:.2f} rad",
+        plan_.to_yaw_rad, DirectionText(*way), settings_.yaw_tolerance_rad);
   }
   const SuspensionMode mode = difference_mm > 0 ? SuspensionMode::kUp : SuspensionMode::kDown;
-  plan_.climb = SuspensionGoal{static_cast<std::uint8_t>(mode),
-                               static_cast<std::uint8_t>(CodeOf(direction)),
-                               std::abs(difference_mm), settings_.suspension_timeout_s};
+  plan_.climb =
+      SuspensionGoal{static_cast<std::uint8_t>(mode), static_cast<std::uint8_t>(CodeOf(direction)),
+                     std::abs(difference_mm), settings_.suspension_timeout_s};
   return "";
 }
 

@@ -34,9 +34,9 @@ Status WaitArmIdle::Look(Time now) {
     return Status::kSuccess;
   }
   if (!IsOver(now, begun_, timeout_s_.Get())) return Status::kRunning;
-  const std::string why = fmt::format("WaitArmIdle timed out ({:g} s; {})", timeout_s_.Get(),
-                                      robot_.arm_idle().value ? "the arm is not idle"
-                                                              : "no message of the arm came");
+  const std::string why =
+      fmt::format("WaitArmIdle timed out ({:g} s; {})", timeout_s_.Get(),
+                  robot_.arm_idle().value ? "the arm is not idle" : "no message of the arm came");
   board_.Fail(why);
   message_.Set(why);
   return Status::kFailure;

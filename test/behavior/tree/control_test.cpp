@@ -203,4 +203,25 @@ TEST_F(Control, AnActionMustNotRun) {
               testing::HasSubstr("an action must not return RUNNING"));
 }
 
+// Ticks the child whose name is in `which`.
+class ByName : public tree::Control {
+ public:
+  explicit ByName(Setup& setup) : which_(setup.Input<std::string>("which")) {}
+
+ private:
+  Status OnTick(Tick& tick) override {
+    for (std::size_t i = 0; i < children().size(); ++i) {
+      if (child_names()[i] == which_.Get()) return children()[i]->Execute(tick);
+    }
+    return Status::kFailure;
+  }
+  InPort<std::string> which_;
+};
+
+TEST_F(Control, KnowsTheNamesOfItsChildren) {
+  ASSERT_TRUE(factory.Add<ByName>("ByName"));
+  EXPECT_EQ(Run(In("ByName which=\"b\"", A("S") + B("S")), 1), "S: b^ ");
+  EXPECT_EQ(Run(In("ByName which=\"AlwaysSuccess\"", A("S") + "<AlwaysSuccess/>"), 1), "S: ");
+}
+
 }  // namespace musher::tree::control_test

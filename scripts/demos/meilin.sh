@@ -1,0 +1,143 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
+# Sourced by scripts/demo: the competition robot plays its match on a simulated field, once for each side. Then
+# the arm's server is killed during a match, and a new plan goes on.
+
+journal=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/journal.sqlite
+logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
+speed=2  # factor of the world's time. On a busy computer time waits for the robot, and is slower
+
+mission() {
+  musher-meilin tell state --json 2> /dev/null | jq -r "$1"
+}
+field() {
+  musher-world tell field | jq -r "$1"
+}
+# await_mission FILTER SECONDS: waits until the filter holds for the state of the match.
+await_mission() {
+  local end=$((SECONDS + $2))
+  while ((SECONDS < end)); do
+    [[ $(mission "$1") == true ]] && return
+    sleep 0.5
+  done
+}
+send_plan() {
+  shown musher-meilin tell plan "$1"
+  say "$result"
+}
+
+# boot SIDE
+boot() {
+  step "The $1 robot boots on its field"
+  cp "$root/config/scenes/meilin.toml" "$scratch/config/scenes/meilin.toml"
+  sed -i "s/^seed = 1$/seed = 1\nspeed = $speed.0\nlockstep = true/; s/^side = \"blue\" .*/side = \"$1\"/" \
+    "$scratch/config/scenes/meilin.toml"
+  sed -i "s/simulated_[a-z]*[.]json/simulated_$1.json/" "$scratch/config/meilin/mission.toml"
+  say "\$ musher up --detach config/meilin.toml"
+  musher_up "$scratch/config/meilin.toml" > "$scratch/up.log" 2>&1
+  expect "exit code of up" 0 $?
+  expect "actuators in Active" 6 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+}
+
+# play SIDE
+play() {
+  step "The $1 robot takes the spear, docks it, and fetches three boxes over platforms of four heights"
+  await_mission '.state == "WAITING_MF_ACTION_SEQ"' 90
+  expect "after the dock" WAITING_MF_ACTION_SEQ "$(mission .state)"
+  send_plan "$scratch/config/meilin/plan_$1.toml"
+  expect "the plan: exit code" 0 "$code"
+  await_mission '.state == "MISSION_SUCCESS" or .state == "MISSION_FAILED"' 150
+  expect "the match" "MISSION_SUCCESS: " "$(mission '"\(.state): \(.last_error)"')"
+  expect "boxes taken" 3 "$(field '[.events[] | select(.what == "taken")] | length')"
+  expect "climbs up and down" "3 2" "$(field '[.events[].what] | "\(map(select(. == "up")) | length) \(
+    map(select(. == "down")) | length)"')"
+  expect "placed mid and high" "1 1" "$(field '"\(.placed_mid) \(.placed_high)"')"
+  expect "bumps and falls" "0 0" "$(field '"\(.bumps) \(.falls)"')"
+  musher graph --tree meilin -o "$pictures/meilin-tree-$1.svg" > /dev/null 2>&1
+  expect "the tree with its times: exit code" 0 $?
+  musher behavior meilin --tree | head -n 40
+}
+
+lose_arm() {
+  step "The arm's server is killed: the match fails with the reason, the robot stands, a new plan goes on"
+  local process
+  await_mission '.state == "WAITING_MF_ACTION_SEQ"' 90
+  send_plan "$scratch/config/meilin/plan_red.toml"
+  for _ in {1..200}; do
+    [[ $(field .arm.busy) == true ]] && break
+    sleep 0.1
+  done
+  process=$(status .actuators.arm.pid)
+  say "\$ kill -KILL $process  # arm"
+  kill -KILL "$process"
+  await_mission '.state == "MISSION_FAILED"' 60
+  expect "the match" MISSION_FAILED "$(mission .state)"
+  expect "the reason names" "ArmAction" "$(mission '.last_error[:9]')"
+  say "$(mission .last_error)"
+  await ".actuators.arm | .pid > 0 and .pid != $process and .state == \"Active\""
+  cat > "$scratch/recover.toml" << 'END'
+side = "red"
+start = [0, 2]
+[[step]]
+move = [0, 1]
+[[step]]
+move = [1, 1]
+[[step]]
+fetch = [2, 1]
+[[step]]
+move = [1, 1]
+[[step]]
+move = [2, 1]
+[[step]]
+fetch = [2, 2]
+[[step]]
+move = [2, 1]
+yaw_deg = 0
+[[step]]
+move = [3, 1]
+[[step]]
+move = [4, 1]
+[[step]]
+move = [5, 1]
+END
+  send_plan "$scratch/recover.toml"
+  expect "the plan: exit code" 0 "$code"
+  await_mission '.state == "MISSION_SUCCESS" or .state == "MISSION_FAILED"' 150
+  expect "the match" "MISSION_SUCCESS: " "$(mission '"\(.state): \(.last_error)"')"
+  expect "placed mid and high" "1 1" "$(field '"\(.placed_mid) \(.placed_high)"')"
+}
+
+end() {
+  step "Power-off, and a picture of the way"
+  shown musher-world tell draw
+  [[ -s $result ]] && cp "$result" "$pictures/meilin-$1.png"
+  shown musher down
+  expect "exit code" 0 "$code"
+  await_end
+}
+
+explain_keeping() {
+  cat << END
+
+${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
+
+  export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
+  musher-meilin tell state
+  musher behavior meilin --tree --watch
+  musher-world tell field
+  musher down && rm -r $scratch
+END
+}
+
+run_demo() {
+  local side
+  for side in blue red; do
+    boot $side
+    ((failures == 0)) && play $side
+    end $side
+  done
+  ((failures == 0)) || return
+  boot red
+  lose_arm
+  [[ $keep == yes ]] || end red-recovered
+}

@@ -1,0 +1,146 @@
+// The nodes around Move and Fetch, each in a small tree.
+
+#include "musher/test/modules/meilin/mission/match.hpp"
+
+namespace musher::meilin::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::StartsWith;
+using tree::Status;
+
+struct MeilinNode : ::testing::Test {
+  Match& Play(const std::string& xml, double seconds = 5) {
+    Make(xml).Run(seconds);
+    return *match;
+  }
+  Match& Make(const std::string& xml) {
+    match = std::make_unique<Match>(Match::FromText{xml});
+    return *match;
+  }
+  void EndAll(Outcome outcome) {
+    match->robot.decide = [outcome](const FakeGoal&) { return outcome; };
+  }
+  std::unique_ptr<Match> match;
+};
+
+TEST_F(MeilinNode, AlignAndMoveToPoseSendTheSameGoal) {
+  Play(
+      "<Sequence><Align target_x=\"1\" target_y=\"2\" target_yaw=\"0\"/>"
+      "<MoveToPose target_x=\"1\" target_y=\"2\" target_yaw=\"0\" frame_id=\"map\"/></Sequence>");
+  EXPECT_THAT(match->robot.Texts(), ElementsAre("move 1.00 2.00 0", "move 1.00 2.00 0"));
+  EXPECT_EQ(match->last, Status::kSuccess);
+}
+TEST_F(MeilinNode, ArmActionThatDoesNotWaitLeavesItsGoal) {
+  Make("<ArmAction command=\"2\" wait_result=\"false\"/>");
+  EndAll({GoalState::kAccepted});
+  match->Run(5);
+  EXPECT_EQ(match->last, Status::kSuccess);
+  EXPECT_EQ(match->robot.Running(), 1U);
+}
+TEST_F(MeilinNode, SuspensionControlReportsItsEnd) {
+  Make("<SuspensionControl mode=\"3\" height=\"30\" message=\"{m}\" final_state=\"{s}\"/>");
+  EndAll({GoalState::kSucceeded, "Direct height set"});
+  match->Run(5);
+  EXPECT_EQ(match->tree->board().Get<std::string>("m").value(), "Direct height set");
+  EXPECT_EQ(match->tree->board().Get<int>("s").value(), 7);
+}
+TEST_F(MeilinNode, SpearActionTimesOutAndCancels) {
+  Make("<SpearAction command=\"3\" timeout_sec=\"2\"/>");
+  EndAll({GoalState::kAccepted});
+  match->Run(5);
+  EXPECT_THAT(match->mission.last_error(), StartsWith("SpearAction timed out"));
+  EXPECT_EQ(match->robot.Running(), 0U);
+}
+TEST_F(MeilinNode, AHaltCancelsTheGoal) {
+  Make("<SpearAction command=\"3\"/>");
+  EndAll({GoalState::kAccepted});
+  match->Tick();
+  ASSERT_TRUE(match->tree->Halt(match->robot.Now()));
+  EXPECT_TRUE(match->robot.goals.front()->cancelled);
+}
+TEST_F(MeilinNode, WaitForR1SignalNeedsARisingEdge) {
+  Make("<WaitForR1Signal timeout_sec=\"1\"/>");
+  FakeRobot::Raise(match->robot.r1, true);  // before the node has started
+  match->RunFor(0.5);
+  EXPECT_EQ(match->last, Status::kRunning);
+  FakeRobot::Raise(match->robot.r1, true);
+  match->Tick();
+  EXPECT_EQ(match->last, Status::kRunning);
+  FakeRobot::Raise(match->robot.r1, false);
+  FakeRobot::Raise(match->robot.r1, true);
+  match->Tick();
+  EXPECT_EQ(match->last, Status::kSuccess);
+}
+TEST_F(MeilinNode, WaitForR1SignalHasALimit) {
+  Play("<WaitForR1Signal timeout_sec=\"1\"/>");
+  EXPECT_EQ(match->last, Status::kFailure);
+  EXPECT_THAT(match->mission.last_error(), StartsWith("WaitForR1Signal timed out"));
+}
+TEST_F(MeilinNode, WaitArmIdle) {
+  Play("<WaitArmIdle timeout_sec=\"1\"/>");
+  EXPECT_THAT(match->mission.last_error(), StartsWith("WaitArmIdle timed out"));
+  Make("<WaitArmIdle timeout_sec=\"1\"/>");
+  match->Tick();
+  FakeRobot::Raise(match->robot.arm, true);
+  match->Tick();
+  EXPECT_EQ(match->last, Status::kSuccess);
+}
+TEST_F(MeilinNode, WaitSecondsWaits) {
+  Make("<WaitSeconds seconds=\"0.5\"/>");
+  match->RunFor(0.4);
+  EXPECT_EQ(match->last, Status::kRunning);
+  match->RunFor(0.2);
+  EXPECT_TRUE(match->rests);
+}
+TEST_F(MeilinNode, RetrySegmentTriesSoOften) {
+  Make("<RetrySegment num_attempts=\"3\"><SpearAction command=\"1\"/></RetrySegment>");
+  EndAll({GoalState::kFailed, "broken"});
+  match->Run(5);
+  EXPECT_EQ(match->robot.goals.size(), 3U);
+  EXPECT_EQ(match->last, Status::kFailure);
+  EXPECT_EQ(match->board->retry_count.Get(), 3);
+}
+TEST_F(MeilinNode, SwitchSegmentTypeTakesTheChildOfThatName) {
+  const auto ticked = [this](const std::string& type) {
+    Play("<SwitchSegmentType segment_type=\"" + type +
+         "\"><SpearAction name=\"a\" command=\"1\"/><SpearAction name=\"b\" command=\"2\"/>"
+         "<SpearAction name=\"default\" command=\"4\"/></SwitchSegmentType>");
+    return match->robot.Texts();
+  };
+  EXPECT_THAT(ticked("b"), ElementsAre("spear 2"));
+  EXPECT_THAT(ticked("a"), ElementsAre("spear 1"));
+  EXPECT_THAT(ticked("c"), ElementsAre("spear 4"));
+  Play("<SwitchSegmentType segment_type=\"c\"><SpearAction command=\"1\"/></SwitchSegmentType>");
+  EXPECT_EQ(match->last, Status::kFailure);
+}
+TEST_F(MeilinNode, ConditionsLookAtTexts) {
+  const auto is = [this](const std::string& xml) { return Play(xml).last == Status::kSuccess; };
+  EXPECT_TRUE(is("<IsStringEmpty value=\"\"/>"));
+  EXPECT_FALSE(is("<IsStringEmpty value=\"a\"/>"));
+  EXPECT_TRUE(is("<IsStringNonEmpty value=\"a\"/>"));
+  EXPECT_TRUE(is("<IsSegmentType segment_type=\"move\" expected_type=\"move\"/>"));
+  EXPECT_FALSE(is("<IsSegmentType segment_type=\"move\" expected_type=\"fetch\"/>"));
+}
+TEST_F(MeilinNode, PopNextMeilinSegmentWithoutAQueueSaysSo) {
+  Make("<PopNextMeilinSegment queue=\"{nothing}\"/>");
+  match->Tick();
+  EXPECT_EQ(match->last, Status::kRunning);
+  EXPECT_EQ(match->mission.last_error(), "Missing meilin segment_queue");
+  EXPECT_EQ(match->mission.state(), "WAITING_MF_ACTION_SEQ");
+}
+TEST_F(MeilinNode, PopNextSegmentHasTheFieldsOfOldPlans) {
+  Make("<PopNextSegment queue=\"{segment_queue}\" target_x=\"{x}\" arm_command=\"{a}\"/>");
+  Segment segment;
+  segment.segment_type = "ALIGN";
+  segment.target_x = 1.5;
+  segment.arm_command = 7;
+  match->mission.OfferSegments({segment}, "old");
+  match->Tick();
+  EXPECT_EQ(match->tree->board().Get<double>("x").value(), 1.5);
+  EXPECT_EQ(match->tree->board().Get<int>("a").value(), 7);
+  EXPECT_EQ(match->board->segment_type.Get(), "ALIGN");
+}
+
+}  // namespace
+}  // namespace musher::meilin::testing
