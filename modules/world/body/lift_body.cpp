@@ -138,7 +138,7 @@ std::optional<std::string> LiftBody::Step(const LiftPlace& place, const Stuck& s
   const bool bumped = bumps && (!touched_m_ || (position_m_ - *touched_m_).norm() > kBumpApartM);
   if (bumps) touched_m_ = position_m_;
   Support(place.field);
-  if (auto fall = JudgeFall()) return fall;
+  if (auto fall = CheckFall()) return fall;
   if (!bumped) return std::nullopt;
   ++bumps_;
   return "the robot bumped into " + block->what;
@@ -250,7 +250,7 @@ std::optional<LiftBody::Block> LiftBody::Move(const LiftPlace& place, double sec
   return found;
 }
 
-std::optional<std::string> LiftBody::JudgeFall() {
+std::optional<std::string> LiftBody::CheckFall() {
   const auto& z = corners_mm_;
   const double ahead = (z[0] + z[1] - z[2] - z[3]) / 2;
   const double aside = (z[0] + z[2] - z[1] - z[3]) / 2;

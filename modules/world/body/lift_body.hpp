@@ -95,7 +95,7 @@ class LiftBody {
   bool MoveWheels(const FieldSpec& field, double seconds);
   std::optional<Block> Blocked(const LiftPlace& place, const Pose& at) const;
   std::optional<Block> Move(const LiftPlace& place, double seconds);
-  std::optional<std::string> JudgeFall();
+  std::optional<std::string> CheckFall();
 
   LiftSpec spec_;
   Eigen::Vector2d position_m_;

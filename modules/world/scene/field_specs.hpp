@@ -22,7 +22,7 @@ struct FieldCell {
   friend bool operator==(const FieldCell&, const FieldCell&) = default;
 };
 
-// A box on a platform. A fake one can be taken as the others; that is for a referee to judge.
+// A box on a platform. A fake one can be taken as the others, and is counted as they are.
 enum class KfsKind : std::uint8_t { kKfs1, kKfs2, kFake };
 const char* NameOf(KfsKind kind);  // "KFS1", "KFS2", "fake"
 
