@@ -23,6 +23,8 @@ foreach(folder base lifecycle wire behavior messages transport actuator applicat
           PATTERN "step/saving.hpp" EXCLUDE
           PATTERN "step/step_part.hpp" EXCLUDE
           PATTERN "machine_actuator_impl.hpp" EXCLUDE
+          PATTERN "application/ticks.hpp" EXCLUDE
+          PATTERN "application/load_tree.hpp" EXCLUDE
           PATTERN "tree/building.hpp" EXCLUDE
           PATTERN "tree/xml/places.hpp" EXCLUDE
           PATTERN "base/toml" EXCLUDE

@@ -1,6 +1,6 @@
 #pragma once
 // Serves a tree to Groot2 on TCP, by ZeroMQ: requests on a port, and a publisher of breakpoints,
-// which has none, on the next one. Anybody who reaches the port can read the tree and its
+// which has none, on the next one. Every program that reaches the port can read the tree and its
 // blackboards, and nothing else.
 //
 //   void OpenTopics(transport::Endpoints& topics) override {

@@ -249,6 +249,19 @@ TEST_F(ATreeActuator, ServesItsTreeAndPublishesItsState) {
   harness_.node().RunOnLoop([&] { topic.reset(); });
 }
 
+TEST_F(ATreeActuator, BeginsAtItsRootWhenTheWorldWasRestarted) {
+  ActuatorRunner<Course> course;
+  Begin(course);
+  harness_.Tick(course, 2);
+  course.TakeLog();
+  harness_.Advance(course, -std::chrono::seconds(500));
+  harness_.Tick(course, 2);
+  EXPECT_THAT(course.TakeLog(), ElementsAre("first halted", "first starts"));
+  harness_.Tick(course, 4);
+  EXPECT_EQ(course.Result(), Status::kSuccess);
+  EXPECT_LT(Get({}).state.time_s, 1);
+}
+
 TEST_F(ATreeActuator, FailsItsSetUpWithEveryErrorOfItsTree) {
   ActuatorRunner<Course> course;
   course.text =
