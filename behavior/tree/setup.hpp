@@ -52,8 +52,9 @@ class Setup {
   requires(!std::convertible_to<T, std::string_view>) InPort<T> Input(std::string_view name,
                                                                       T otherwise,
                                                                       std::string_view doc = "") {
+    const std::string shown = Shown(otherwise);
     return MakeInput<T>(
-        {std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc), Shown(otherwise)},
+        {std::string(name), Direction::kIn, TypeOf<T>(), false, std::string(doc), shown},
         std::move(otherwise));
   }
   // A port that may be missing: its Find() is null then.
