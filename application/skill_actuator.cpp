@@ -1,6 +1,5 @@
 #include "musher/application/skill_actuator.hpp"
 
-#include <cstdio>
 #include <functional>
 #include <map>
 #include <optional>
@@ -12,22 +11,12 @@
 #include "musher/base/check.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/endpoints.hpp"
+#include "musher/transport/goal_id_text.hpp"
 
 namespace musher {
 namespace {
 
 using Goal = transport::ServerGoal<msg::SkillExecution>;
-
-// 32 hexadecimal digits.
-std::string HexText(const transport::GoalId& id) {
-  std::string text;
-  char digits[3];
-  for (const std::uint8_t byte : id) {
-    std::snprintf(digits, sizeof digits, "%02x", byte);
-    text += digits;
-  }
-  return text;
-}
 
 // The request of a goal: the skill and its parameters.
 struct Request {
@@ -190,7 +179,7 @@ class SkillActuator::Impl {
     owner_.Log(skill + " started");
     own.Execute();
     own.PublishFeedback({"processing: Skill " + skill + " started (0%)"});
-    published_[skill] = {HexText(goal.id())};
+    published_[skill] = {transport::GoalIdText(goal.id())};
     goals_.insert_or_assign(skill, Open{std::move(own), ""});
     PublishChanges();
   }
