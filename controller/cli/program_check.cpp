@@ -55,25 +55,14 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
 // Musher's own programs, which all support --check. Another program with a similar name could
 // ignore the option and start.
 bool SupportsCheck(const std::string& program) {
-  static const std::set<std::string> programs = {"musher-exec",
-                                                 "musher-motion-manager",
-                                                 "musher-audio-manager",
-                                                 "musher-device-manager",
-                                                 "musher-sensor-manager",
-                                                 "musher-camera-manager",
-                                                 "musher-vision-manager",
-                                                 "musher-wedding",
-                                                 "musher-world",
-                                                 "musher-skills",
-                                                 "musher-plan-dispatcher",
-                                                 "musher-meilin-planner",
-                                                 "musher-planner",
-                                                 "musher-controller",
-                                                 "musher-race",
-                                                 "musher-meilin",
-                                                 "musher-line-walker",
-                                                 "musher-meilin-server",
-                                                 "musher-vp-engine"};
+  static const std::set<std::string> programs = {
+      "musher-exec",           "musher-motion-manager",  "musher-audio-manager",
+      "musher-device-manager", "musher-sensor-manager",  "musher-camera-manager",
+      "musher-vision-manager", "musher-wedding",         "musher-world",
+      "musher-skills",         "musher-plan-dispatcher", "musher-meilin-planner",
+      "musher-planner",        "musher-controller",      "musher-race",
+      "musher-meilin",         "musher-line-walker",     "musher-meilin-server",
+      "musher-vp-engine"};
   return programs.contains(fs::path(program).filename().string());
 }
 

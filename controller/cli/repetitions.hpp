@@ -15,8 +15,9 @@ namespace musher::cli {
 
 class Repetitions {
  public:
-  // The lines to print now, oldest first: none if the actuator was restarted and an earlier line has
-  // the same event and reason; process numbers, times and counts may differ. To be called with every line, in order.
+  // The lines to print now, oldest first: none if the actuator was restarted and an earlier line
+  // has the same event and reason; process numbers, times and counts may differ. To be called with
+  // every line, in order.
   std::vector<Progress> Take(const Progress& progress);
 
  private:

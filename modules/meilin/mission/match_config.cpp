@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "musher/base/suggest.hpp"
+#include "musher/base/toml/file.hpp"
 
 namespace musher::meilin {
 namespace {
@@ -164,10 +163,9 @@ MatchReading ReadMatchText(std::string_view text, const std::string& file) {
 }
 
 MatchReading ReadMatchFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return {std::nullopt, {path + ": the file cannot be read"}};
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return ReadMatchText(text, path);
+  Result<std::string> text = config_toml::ReadModuleText(path);
+  if (!text) return {std::nullopt, {path + ": " + text.error().message}};
+  return ReadMatchText(text.value(), path);
 }
 
 }  // namespace musher::meilin

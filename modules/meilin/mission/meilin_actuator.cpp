@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/application/groot2/groot2_server.hpp"
 #include "musher/modules/meilin/nodes/register.hpp"
 #include "musher/modules/meilin/plan/segments_json.hpp"
 
@@ -52,6 +53,10 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
       config_.plan_service ? topics.OpenClient<msg::GetActionSeq>(config_.buffer_service) : nullptr;
   asking_ = false;
   Publish();
+  if (config_.groot2_port == 0) return;
+  const Result<> served = groot2::Serve(
+      topics, {.port = config_.groot2_port}, [this] { return view(); }, factory());
+  if (!served) Log(LogLevel::kWarning, served.error().message);
 }
 
 Result<> MeilinActuator::SelfCheck() {
@@ -111,8 +116,7 @@ void MeilinActuator::OnSegments(const std::string& text) {
 }
 
 void MeilinActuator::OnCommand(const std::string& command) {
-  if (command == "RESET")
-    Restart();  // halts what runs, before the blackboard is that of a new match
+  if (command == "RESET") Restart();  // halts what runs, before the blackboard is made new
   const Result<> done = mission_.Command(command);
   Log(done ? LogLevel::kInfo : LogLevel::kWarning,
       done ? command : "command refused: " + done.error().message);

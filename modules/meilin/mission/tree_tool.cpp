@@ -1,13 +1,12 @@
 #include "musher/modules/meilin/mission/tree_tool.hpp"
 
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 
 #include "musher/actuator/program/module_main.hpp"
+#include "musher/base/files.hpp"
 #include "musher/behavior/tree/build.hpp"
 #include "musher/behavior/tree/models.hpp"
 #include "musher/behavior/tree/xml/tree_xml.hpp"
@@ -49,16 +48,11 @@ int CheckMatch(const std::string& file) {
   return 0;
 }
 
-std::string TextOf(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 }  // namespace
 
 bool ChecksFile(const std::string& file) {
   if (file.ends_with(".xml")) return true;
-  return file.ends_with(".json") && TextOf(file).find("\"prepare\"") != std::string::npos;
+  return file.ends_with(".json") && ReadFile(file).find("\"prepare\"") != std::string::npos;
 }
 
 int CheckFile(const std::string& file) {

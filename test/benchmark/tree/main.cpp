@@ -123,8 +123,8 @@ void MeasureTicks(int turns, int nodes, std::size_t history) {
               testing::AllocationsOfNew().times - allocations);
 }
 
-// The state of a tree on the wire: nothing, as while no program is subscribed (a comparison a tick),
-// and 20 a second at 100 ticks a second, encoded but not sent.
+// The state of a tree on the wire: nothing, as while no program is subscribed (a comparison a
+// tick), and 20 a second at 100 ticks a second, encoded but not sent.
 void MeasureReport(int turns, int nodes) {
   const auto tree = Load(Mix(nodes));
   TreeTime time;
