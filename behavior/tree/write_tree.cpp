@@ -55,8 +55,9 @@ class Writing {
   std::string Write() && {
     text_ = "<root BTCPP_format=\"4\" main_tree_to_execute=" + Quoted(tree_.name()) + ">\n";
     waiting_.push_back({tree_.name(), "", 0});
-    for (std::size_t i = 0; i < waiting_.size(); ++i) {
-      const Part part = waiting_[i];
+    std::size_t next = 0;
+    while (next < waiting_.size()) {  // which grows
+      const Part part = waiting_[next++];
       if (!options_.with_ids && !written_.insert(part.id).second) continue;
       text_ += "  <BehaviorTree ID=" + Quoted(part.id);
       if (options_.with_ids) text_ += " _fullpath=" + Quoted(part.path);

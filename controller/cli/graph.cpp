@@ -135,10 +135,10 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
   } else if (!options.tree.empty()) {
     drawn = DrawRunningTree(options.tree, format, global);
   } else if (options.file.empty()) {
-    drawn =
-        Failure{ExitCode::kUsage,
-                {kCodeParametersInvalid,
-                 "FILE, --behavior, --tree or --skill NAME is required; see musher graph --help"}};
+    drawn = Failure{ExitCode::kUsage,
+                    {kCodeParametersInvalid,
+                     "FILE, or --behavior, --tree or --skill with a NAME, is required; see musher "
+                     "graph --help"}};
   } else {
     const auto config = LoadConfig(options.file, console);
     if (!config) return ExitCode::kUsage;

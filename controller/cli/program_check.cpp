@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string PathOf(const ActuatorConfig& actuator) {
+std::string SearchPathOf(const ActuatorConfig& actuator) {
   const auto own = actuator.env.find("PATH");
   const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
   if (own != actuator.env.end()) return own->second;
@@ -44,7 +44,7 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
     return is_program(path) ? path.string() : "";
   }
   why = "program '" + program + "' not found in PATH" + transport::MissingProgramHint(program);
-  std::istringstream folders(PathOf(actuator));
+  std::istringstream folders(SearchPathOf(actuator));
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path path = fs::path(folder.empty() ? "." : folder) / program;
     if (is_program(path)) return path.string();

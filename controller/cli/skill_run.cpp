@@ -30,7 +30,7 @@ class SkillRun {
               [this] { progress_.Clear(); }) {}
 
   Result<> Begin(const std::vector<msg::SkillParameter>& parameters) {
-    if (const auto opened = goal_.Open(skill_.action); !opened) return opened;
+    if (auto opened = goal_.Open(skill_.action); !opened) return opened;
     msg::SkillExecution::Goal goal;
     goal.skill_request.robot_id = skill_.actuator;
     goal.skill_request.skill_list.resize(1);

@@ -115,7 +115,7 @@ class Robot {
   virtual GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) = 0;
 
   virtual std::optional<PoseFix> pose() const = 0;  // nullopt: none came
-  virtual const Signal& r1_ready() const = 0;       // of the partner robot
+  virtual const Signal& partner_ready() const = 0;  // of the partner robot
   virtual const Signal& arm_idle() const = 0;       // the arm's last command is done
   // For people: what a node wants to be in the log.
   virtual void Warn(const std::string& text) = 0;

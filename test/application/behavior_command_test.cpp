@@ -268,7 +268,7 @@ TEST_F(BehaviorCommand, NamesThePackageToInstallWithoutGraphviz) {
 
 TEST(GraphCommandLine, TakesAConfigOrAnApplication) {
   EXPECT_THAT(RunProgram({"graph"}).err,
-              HasSubstr("FILE, --behavior NAME or --skill NAME is required"));
+              HasSubstr("FILE, or --behavior, --tree or --skill with a NAME, is required"));
   EXPECT_EQ(RunProgram({"graph"}).exit, 2);
   EXPECT_EQ(RunProgram({"graph", "robot.toml", "--behavior", "show"}).exit, 2);
   EXPECT_EQ(RunProgram({"graph", "--what", "flow", "--behavior", "show"}).exit, 2);

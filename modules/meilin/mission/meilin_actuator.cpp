@@ -75,7 +75,7 @@ Result<> MeilinActuator::SelfCheck() {
 
 void MeilinActuator::BeforeTick(Time now) {
   robot_.Tend();
-  mission_.BeforeTick(now);
+  mission_.BeforeTick();
   RequestPlan(now);
 }
 
@@ -107,7 +107,7 @@ void MeilinActuator::OnSegments(const std::string& text) {
   SegmentsReading reading = ReadSegmentsJson(text);
   for (const std::string& warning : reading.warnings) Log(LogLevel::kWarning, warning);
   if (reading.ok()) {
-    mission_.OfferSegments(std::move(reading.segments), std::move(reading.plan_id));
+    mission_.OfferSegments(std::move(reading.segments), reading.plan_id);
   } else {
     mission_.RefusePlan(reading.message());
     Log(LogLevel::kWarning, "plan refused: " + reading.message());

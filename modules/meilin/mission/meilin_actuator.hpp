@@ -27,7 +27,7 @@
 
 namespace musher::meilin {
 
-class MeilinActuator final : public TreeActuator {
+class MeilinActuator : public TreeActuator {
  public:
   MeilinActuator(const std::string& name, MissionConfig config, MatchConfig match);
 

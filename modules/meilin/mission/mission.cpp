@@ -33,7 +33,7 @@ void Mission::Begin() {
   ended_ = failed_ = restart_ = stop_ = false;
 }
 
-void Mission::BeforeTick(Time now) {
+void Mission::BeforeTick() {
   const std::optional<PoseFix> pose = robot_.pose();
   board_->pose_received.Set(pose.has_value());
   board_->arm_state.Set(robot_.arm_idle().value.value_or(false));
@@ -43,7 +43,6 @@ void Mission::BeforeTick(Time now) {
   board_->pose_yaw_rad.Set(pose->yaw_rad);
   const std::chrono::duration<double> at = pose->at.time_since_epoch();
   board_->pose_last_update_s.Set(at.count());
-  static_cast<void>(now);
 }
 
 void Mission::AfterTick(Status status, const std::string& fault) {
@@ -113,8 +112,8 @@ bool Mission::OfferPlan(const msg::Float32MultiArray& plan, Time now) {
   return true;
 }
 
-void Mission::OfferSegments(std::vector<Segment> segments, std::string plan_id) {
-  Accept(std::move(segments), std::move(plan_id));
+void Mission::OfferSegments(std::vector<Segment> segments, const std::string& plan_id) {
+  Accept(std::move(segments), plan_id);
 }
 
 void Mission::RefusePlan(const std::string& why) {
@@ -122,7 +121,7 @@ void Mission::RefusePlan(const std::string& why) {
   board_->SetState(kPlanRejected);
 }
 
-void Mission::Accept(std::vector<Segment> segments, std::string plan_id) {
+void Mission::Accept(std::vector<Segment> segments, const std::string& plan_id) {
   board_->queue.Set(std::make_shared<SegmentQueue>(std::move(segments), plan_id));
   board_->plan_id.Set(plan_id);
   board_->segment_index.Set(-1);
@@ -142,9 +141,10 @@ Result<> Mission::Command(const std::string& command) {
 }
 
 bool Mission::WantsPlan() const {
+  if (failed_) return true;
+  if (board_ && board_->segment_open.Get()) return false;  // also while a refused one is named
   const std::string now = state();
-  return now == kWaitingSequence || now == kWaitingPlan || now == kIdle || now == kPlanRejected ||
-         failed_;
+  return now == kWaitingSequence || now == kWaitingPlan || now == kIdle || now == kPlanRejected;
 }
 
 std::string Mission::state() const {

@@ -38,7 +38,7 @@ class Mission {
   Result<> Fill(tree::Board& board);
 
   // The live pose goes to the blackboard.
-  void BeforeTick(Time now);
+  void BeforeTick();
   // `fault`: what a node threw; "" for none.
   void AfterTick(tree::Status status, const std::string& fault);
   // The tree is halted.
@@ -47,7 +47,7 @@ class Mission {
   // False: refused, last_error() says why.
   bool OfferPlan(const msg::Float32MultiArray& plan, Time now);
   // An old plan, that is already checked.
-  void OfferSegments(std::vector<Segment> segments, std::string plan_id);
+  void OfferSegments(std::vector<Segment> segments, const std::string& plan_id);
   void RefusePlan(const std::string& why);
   // Fails where there is no such command.
   Result<> Command(const std::string& command);
@@ -68,7 +68,7 @@ class Mission {
   MissionBoard& board() { return *board_; }
   PlanStart StartAt(Time now) const;
   void Begin();
-  void Accept(std::vector<Segment> segments, std::string plan_id);
+  void Accept(std::vector<Segment> segments, const std::string& plan_id);
   void Fail(const std::string& otherwise);
 
   Robot& robot_;

@@ -57,7 +57,7 @@ class MissionReader {
     }
     const auto cell = root.Integers("meilin_initial_grid", 0, kRows - 1);
     if (cell) {
-      settings.initial_cell = {static_cast<int>(cell->size() > 0 ? cell->at(0) : 0),
+      settings.initial_cell = {static_cast<int>(cell->empty() ? 0 : cell->at(0)),
                                static_cast<int>(cell->size() > 1 ? cell->at(1) : 0)};
       if (cell->size() != 2 || !IsInside(settings.initial_cell)) {
         root.Fault(root.At("meilin_initial_grid"), "meilin_initial_grid",

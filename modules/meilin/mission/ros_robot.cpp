@@ -82,7 +82,7 @@ struct RosRobot::Wire {
 void RosRobot::Open(transport::Endpoints& endpoints, std::function<void(const std::string&)> warn) {
   warn_ = std::move(warn);
   pose_.reset();
-  r1_ready_ = arm_idle_ = {};
+  partner_ready_ = arm_idle_ = {};
   const auto wire = std::make_shared<Wire>(Wire{endpoints, {}, {}, {}, {}});
   endpoints.Keep(wire);
   wire_ = wire;
@@ -94,8 +94,8 @@ void RosRobot::Open(transport::Endpoints& endpoints, std::function<void(const st
   endpoints.Subscribe<msg::PoseStamped>(pose_topic_, [this, &clock](const msg::PoseStamped& pose) {
     if (const auto fix = FixOf(pose, clock.Now())) pose_ = fix;
   });
-  endpoints.Subscribe<msg::Bool>("r1_ready",
-                                 [this](const msg::Bool& ready) { Count(r1_ready_, ready.data); });
+  endpoints.Subscribe<msg::Bool>(
+      "r1_ready", [this](const msg::Bool& ready) { Count(partner_ready_, ready.data); });
   endpoints.Subscribe<msg::Bool>("arm_runtime_state",
                                  [this](const msg::Bool& idle) { Count(arm_idle_, idle.data); });
 }

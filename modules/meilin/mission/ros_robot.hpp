@@ -41,7 +41,7 @@ class RosRobot final : public Robot {
   GoalPtr MoveArm(const std::string& server, const ArmGoal& goal) override;
   GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) override;
   std::optional<PoseFix> pose() const override { return pose_; }
-  const Signal& r1_ready() const override { return r1_ready_; }
+  const Signal& partner_ready() const override { return partner_ready_; }
   const Signal& arm_idle() const override { return arm_idle_; }
   void Warn(const std::string& text) override;
 
@@ -52,7 +52,7 @@ class RosRobot final : public Robot {
   std::function<void(const std::string&)> warn_;
   std::weak_ptr<Wire> wire_;
   std::optional<PoseFix> pose_;
-  Signal r1_ready_;
+  Signal partner_ready_;
   Signal arm_idle_;
 };
 

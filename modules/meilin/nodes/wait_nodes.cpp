@@ -57,11 +57,11 @@ WaitForR1Signal::WaitForR1Signal(tree::Setup& setup, Robot& robot)
 Status WaitForR1Signal::Evaluate(const tree::Tick& tick) {
   if (!running()) {
     begun_ = tick.now;
-    rises_ = robot_.r1_ready().rises;
+    rises_ = robot_.partner_ready().rises;
     board_.active_action.Set("WaitForR1Signal");
     board_.SetState(kActionRunning);
   }
-  if (robot_.r1_ready().rises > rises_) return Status::kSuccess;
+  if (robot_.partner_ready().rises > rises_) return Status::kSuccess;
   if (!IsOver(tick.now, begun_, timeout_s_.Get())) return Status::kRunning;
   board_.Fail(fmt::format("WaitForR1Signal timed out ({:g} s without r1_ready)", timeout_s_.Get()));
   return Status::kFailure;

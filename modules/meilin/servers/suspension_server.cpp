@@ -92,7 +92,7 @@ msg::SuspensionControl::Result SuspensionServer::ResultNow() const {
 }
 
 msg::SuspensionControl::Result SuspensionServer::StopWork() {
-  const msg::SuspensionControl::Result result = ResultNow();
+  msg::SuspensionControl::Result result = ResultNow();
   core_.Stop();
   SendTargets();
   PublishState();

@@ -81,9 +81,9 @@ void WorldField::OnStep() {
     pose.pose.orientation = {0, 0, std::sin(robot.yaw_rad() / 2), std::cos(robot.yaw_rad() / 2)};
     static_cast<void>(pose_->Publish(pose));
   }
-  const bool changed = field.r1_ready() != was_ready_;
+  const bool changed = field.partner_ready() != was_ready_;
   if ((IsDue(now, kReadyHz) || changed) && !world_.IsSilent("r1 silent")) {
-    was_ready_ = field.r1_ready();
+    was_ready_ = field.partner_ready();
     static_cast<void>(ready_->Publish({was_ready_}));
   }
 }

@@ -105,8 +105,9 @@ std::vector<std::string> Field::Step(const std::set<std::string>& faults, Durati
   NoteClimb(now);
   if (arm_.busy && now >= arm_.until && !faults.contains("arm stuck")) say(EndArm(now));
   if (spear_.busy && now >= spear_.until && !faults.contains("spear stuck")) say(EndSpear(now));
-  if (docked_at_ && !r1_ready_ && now - *docked_at_ >= FieldTime(spec_.partner.ready_after_s)) {
-    r1_ready_ = true;
+  if (docked_at_ && !partner_ready_ &&
+      now - *docked_at_ >= FieldTime(spec_.partner.ready_after_s)) {
+    partner_ready_ = true;
     Note(FieldEvent::Kind::kReady, now, "R1");
     log.emplace_back("R1 is ready");
   }
@@ -208,7 +209,7 @@ std::optional<std::string> Field::EndSpear(Duration now) {
   }
   if (static_cast<SpearCommand>(spear_.command) == SpearCommand::kDockRelease) {
     docked_at_.reset();
-    r1_ready_ = false;
+    partner_ready_ = false;
   }
   return std::nullopt;
 }

@@ -84,7 +84,7 @@ class Field {
   const std::vector<KfsBox>& boxes() const { return boxes_; }
   const Tool& arm() const { return arm_; }
   const Tool& spear() const { return spear_; }
-  bool r1_ready() const { return r1_ready_; }
+  bool partner_ready() const { return partner_ready_; }
   const std::vector<FieldReading>& readings() const { return readings_; }  // of the last step
   const std::vector<FieldEvent>& events() const { return events_; }
   const std::vector<FieldSample>& way() const { return way_; }
@@ -108,7 +108,7 @@ class Field {
   Tool arm_;
   Tool spear_;
   std::optional<Duration> docked_at_;
-  bool r1_ready_ = false;
+  bool partner_ready_ = false;
   double stands_mm_ = 0;  // the platform on which it stands, or stood last with all wheels
   std::vector<FieldReading> readings_;
   std::vector<FieldEvent> events_;

@@ -94,7 +94,7 @@ std::string FieldJson(const World& world) {
          FieldFormat(R"(,"bumps":%d,"falls":%d,"arm":)", robot.bumps(), robot.falls()) +
          ToolJson(field.arm()) + R"(,"spear":)" + ToolJson(field.spear()) +
          FieldFormat(R"(,"r1_ready":%s,"placed_mid":%ld,"placed_high":%ld,"boxes":[)",
-                     field.r1_ready() ? "true" : "false",
+                     field.partner_ready() ? "true" : "false",
                      static_cast<long>(placed(KfsBox::Where::kMid)),
                      static_cast<long>(placed(KfsBox::Where::kHigh))) +
          BoxesJson(field) + R"(],"events":[)" + EventsJson(field) + "]}";

@@ -130,12 +130,12 @@ TEST(FieldSpear, DocksWithThePartnerWhichIsReadyLaterUntilTheRelease) {
   EXPECT_FALSE(climber.field().CommandSpear(3, climber.now()));
   climber.For(2.1);
   EXPECT_TRUE(climber.field().spear().done);
-  EXPECT_FALSE(climber.field().r1_ready());
+  EXPECT_FALSE(climber.field().partner_ready());
   climber.For(3);
-  EXPECT_TRUE(climber.field().r1_ready());
+  EXPECT_TRUE(climber.field().partner_ready());
   EXPECT_FALSE(climber.field().CommandSpear(4, climber.now()));
   climber.For(2.1);
-  EXPECT_FALSE(climber.field().r1_ready());
+  EXPECT_FALSE(climber.field().partner_ready());
 }
 
 TEST(Field, HasBoxesThatTheRobotCannotDriveThrough) {

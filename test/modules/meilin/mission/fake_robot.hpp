@@ -62,7 +62,7 @@ class FakeRobot final : public Robot {
   GoalPtr MoveArm(const std::string& server, const ArmGoal& goal) override;
   GoalPtr MoveSpear(const std::string& server, const SpearGoal& goal) override;
   std::optional<PoseFix> pose() const override { return fix; }
-  const Signal& r1_ready() const override { return r1; }
+  const Signal& partner_ready() const override { return r1; }
   const Signal& arm_idle() const override { return arm; }
   void Warn(const std::string& text) override { warnings.push_back(text); }
 

@@ -67,7 +67,7 @@ struct Match {
       static_cast<void>(tree->Halt(robot.Now()));
       rests = false;
     }
-    mission.BeforeTick(robot.Now());
+    mission.BeforeTick();
     tree::Status status = tree::Status::kIdle;
     std::string fault;
     if (!rests) {
@@ -83,7 +83,6 @@ struct Match {
   void Run(double seconds) {
     for (int i = 0; i < seconds * 100; ++i) {
       Tick();
-      if (rests && !mission.failed()) return;
       if (rests) return;
     }
   }

@@ -117,6 +117,17 @@ TEST(MeilinMission, ARefusedPlanLeavesTheRunningOne) {
   EXPECT_EQ(match.mission.state(), "MISSION_SUCCESS");
   EXPECT_EQ(match.board->row.Get(), 1);
 }
+TEST(MeilinMission, RequestsNoPlanWhileOneRunsAndAnotherWasRefused) {
+  Match match("meilin_stage.xml");
+  match.robot.decide = [](const FakeGoal&) {
+    return Outcome{GoalState::kSucceeded, "", Milliseconds(900)};
+  };
+  ASSERT_TRUE(match.Offer({MoveStep(0, 1, 0)}));
+  match.RunFor(0.2);
+  EXPECT_FALSE(match.Offer({MoveStep(9, 1, 0)}));
+  EXPECT_EQ(match.mission.state(), "PLAN_REJECTED");
+  EXPECT_FALSE(match.mission.WantsPlan());
+}
 TEST(MeilinMission, ASecondPlanReplacesTheQueueAfterTheRunningAction) {
   Match match("meilin_stage.xml");
   match.robot.fix = PoseFix{1.2, 1.2, 0, match.robot.Now()};
