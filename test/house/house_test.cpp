@@ -61,6 +61,10 @@ bool IsRead(const SourceFile& file) {
 bool IsAny(const SourceFile&) {
   return true;
 }
+// Pictures have any bytes.
+bool IsText(const SourceFile& file) {
+  return file.text.find('\0') == std::string::npos;
+}
 
 // The benchmark of an idle process has to let time go by, and a plain C peer has no event to wait
 // for.
@@ -99,7 +103,7 @@ TEST(House, NoExceptionWhereAFileVanishesWhileItIsRead) {
 }
 
 TEST(House, NothingIsLeftForLaterInTheCode) {
-  EXPECT_THAT(ViolationsOf(IsAny, Leftovers), IsEmpty());
+  EXPECT_THAT(ViolationsOf(IsText, Leftovers), IsEmpty());
 }
 
 TEST(House, UsesTheWordsOfTheField) {

@@ -111,9 +111,9 @@ TEST_F(PlannerProcess, PlansInActive) {
   ASSERT_TRUE(peer_.Until([&] { return outcome.has_value(); })) << peer_.Output();
   EXPECT_EQ(outcome->end, GoalEnd::kSucceeded) << outcome->reason << peer_.Output();
   EXPECT_GE(outcome->result.path.poses.size(), 2U);
-  EXPECT_THAT(peer_.Output(), HasSubstr("jetbot_0: a path of 6.00 m to (8.00, 2.00, 0.00)"));
   ExpectDone("TearDown");
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  EXPECT_THAT(peer_.Output(), HasSubstr("jetbot_0: a path of 6.00 m to (8.00, 2.00, 0.00)"));
 }
 
 TEST_F(PlannerProcess, FailsItsSelfCheckWithoutAMap) {

@@ -8,7 +8,7 @@
 namespace musher::meilin::meilin_fault_test {
 namespace {
 
-// It tells whether its tree may be ticked.
+// With a public ticking().
 class Watched final : public MeilinActuator {
  public:
   using MeilinActuator::MeilinActuator;
