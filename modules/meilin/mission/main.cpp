@@ -38,11 +38,8 @@ int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "models") return musher::meilin::PrintModels(argc - 1, argv + 1);
   if (command == "tell") return musher::meilin::Tell(argc - 1, argv + 1);
-  if (command == "check" && argc == 3 && musher::meilin::ChecksFile(argv[2])) {
-    return musher::meilin::CheckFile(argv[2]);
-  }
   if (musher::meilin::IsPlanTool(command)) {
-    return musher::meilin::RunPlanTool(argc - 1, argv + 1);
+    return musher::meilin::RunPlanTool(argc - 1, argv + 1, musher::meilin::CheckTreeOrMatch);
   }
   return musher::program::Main(
       argc, argv,

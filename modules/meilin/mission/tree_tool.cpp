@@ -2,6 +2,7 @@
 
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -27,36 +28,33 @@ struct Nodes {
   Nodes() { static_cast<void>(RegisterNodes(factory, robot, settings)); }
 };
 
-int CheckTree(const std::string& file) {
+std::vector<Diagnostic> CheckTree(const std::string& file) {
   const Nodes nodes;
-  const tree::Reading reading = tree::ReadTreeFile(file);
-  for (const Diagnostic& each : reading.diagnostics) std::cerr << FormatDiagnostic(each) << '\n';
-  if (!reading.ok()) return program::kUsageError;
-  const tree::Built built = tree::Build(reading.document, nodes.factory);
-  for (const Diagnostic& each : built.diagnostics) std::cerr << FormatDiagnostic(each) << '\n';
-  if (built.tree == nullptr) return program::kUsageError;
-  std::cout << file << ": tree " << built.tree->name() << ", " << built.tree->size() << " nodes"
-            << std::endl;
-  return 0;
+  tree::Reading reading = tree::ReadTreeFile(file);
+  if (!reading.ok()) return std::move(reading.diagnostics);
+  tree::Built built = tree::Build(reading.document, nodes.factory);
+  std::vector<Diagnostic> found = std::move(reading.diagnostics);
+  found.insert(found.end(), built.diagnostics.begin(), built.diagnostics.end());
+  return found;
 }
 
-int CheckMatch(const std::string& file) {
-  const MatchReading reading = ReadMatchFile(file);
-  for (const std::string& error : reading.errors) std::cerr << error << '\n';
-  if (!reading.config) return program::kUsageError;
-  std::cout << file << ": " << reading.config->entries.size() << " values of a match" << std::endl;
-  return 0;
+std::vector<Diagnostic> CheckMatch(const std::string& file) {
+  std::vector<Diagnostic> found;
+  for (std::string error : ReadMatchFile(file).errors) {
+    if (error.starts_with(file + ": ")) error.erase(0, file.size() + 2);
+    found.push_back({file, 0, 0, Severity::kError, error});
+  }
+  return found;
 }
 
 }  // namespace
 
-bool ChecksFile(const std::string& file) {
-  if (file.ends_with(".xml")) return true;
-  return file.ends_with(".json") && ReadFile(file).find("\"prepare\"") != std::string::npos;
-}
-
-int CheckFile(const std::string& file) {
-  return file.ends_with(".xml") ? CheckTree(file) : CheckMatch(file);
+std::optional<std::vector<Diagnostic>> CheckTreeOrMatch(const std::string& file) {
+  if (file.ends_with(".xml")) return CheckTree(file);
+  const bool match =
+      file.ends_with(".json") && ReadFile(file).find("\"prepare\"") != std::string::npos;
+  if (match) return CheckMatch(file);
+  return std::nullopt;
 }
 
 int PrintModels(int argc, const char* const* argv) {

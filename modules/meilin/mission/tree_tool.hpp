@@ -2,14 +2,17 @@
 // The command-line tools of musher-meilin for trees, beside the actuator and the tools for plans
 // (plan/tool.hpp). Each gets the command line from its own name on, and returns the exit code.
 
+#include <optional>
 #include <string>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
 
 namespace musher::meilin {
 
-// musher-meilin check TREE.xml|MATCH.json|MISSION.toml: reports every error with its place. False:
-// the file is none of these.
-bool ChecksFile(const std::string& file);
-int CheckFile(const std::string& file);
+// For `musher-meilin check`: every error of a tree or a match config, with its place. Nothing: the
+// file is neither.
+std::optional<std::vector<Diagnostic>> CheckTreeOrMatch(const std::string& file);
 // musher-meilin models: the nodes as XML, for Groot2 and `musher tree check --models`.
 int PrintModels(int argc, const char* const* argv);
 

@@ -49,10 +49,10 @@ int PrintDiagnostics(const std::vector<Diagnostic>& diagnostics) {
 int CheckFiles(const std::vector<std::string>& files, const FileCheck& others) {
   int code = 0;
   for (const std::string& file : files) {
-    const bool plan = file.ends_with(".toml") || file.ends_with(".json");
-    auto diagnostics = plan     ? std::optional(CheckPlanFile(file))
-                       : others ? others(file)
-                                : std::nullopt;
+    auto diagnostics = others ? others(file) : std::nullopt;
+    if (!diagnostics && (file.ends_with(".toml") || file.ends_with(".json"))) {
+      diagnostics = CheckPlanFile(file);
+    }
     if (!diagnostics) {
       diagnostics = {{file, 0, 0, Severity::kError,
                       "expected a plan or a map of boxes, a file that ends in .toml or .json"}};

@@ -23,8 +23,8 @@ using FileCheck = std::function<std::optional<std::vector<Diagnostic>>(const std
 
 bool IsPlanTool(std::string_view command);  // "check", "plan"
 
-// `argv[0]` is the command. Files that end in neither .toml nor .json go to `others`. Returns the
-// exit code: 0 no errors, 2 errors or usage. Prints the result on stdout, errors on stderr.
+// `argv[0]` is the command. What `others` does not know is a plan or a map. Returns the exit
+// code: 0 no errors, 2 errors or usage. Prints the result on stdout, errors on stderr.
 int RunPlanTool(int argc, const char* const* argv, const FileCheck& others = {});
 
 // Of a plan, a map or an old plan, by the keys of the file.
