@@ -1,6 +1,6 @@
 #pragma once
-// The types of ports as BehaviorTree.CPP writes them in models; only for models.cpp and
-// placeholder.cpp.
+// Ports as BehaviorTree.CPP writes them in models; only for models.cpp, placeholder.cpp and
+// write_tree.cpp.
 
 #include <string>
 #include <string_view>
@@ -11,6 +11,8 @@ namespace musher::tree {
 
 // "unsigned int"; empty: any, or a type without a known name.
 std::string TypeNameOf(const PortModel& port);
+// The XML element of a port in a model.
+std::string_view PortElement(Direction direction);
 // Null: any, or an unknown name.
 const Type* TypeNamed(std::string_view name);
 

@@ -40,19 +40,8 @@ std::string Escaped(std::string_view text) {
   return escaped;
 }
 
-std::string_view ElementOf(Direction direction) {
-  switch (direction) {
-    case Direction::kOut:
-      return "output_port";
-    case Direction::kInOut:
-      return "inout_port";
-    default:
-      return "input_port";
-  }
-}
-
 std::string PortXml(const PortModel& port) {
-  const std::string_view element = ElementOf(port.direction);
+  const std::string_view element = PortElement(port.direction);
   const std::string type = TypeNameOf(port);
   std::string text = "      <" + std::string(element) + " name=\"" + Escaped(port.name) + "\"";
   if (!type.empty()) text += " type=\"" + Escaped(type) + "\"";
@@ -96,6 +85,17 @@ std::string PortRow(const PortModel& port) {
 }
 
 }  // namespace
+
+std::string_view PortElement(Direction direction) {
+  switch (direction) {
+    case Direction::kOut:
+      return "output_port";
+    case Direction::kInOut:
+      return "inout_port";
+    default:
+      return "input_port";
+  }
+}
 
 std::string ModelsXml(const Factory& factory) {
   std::string text = "<root BTCPP_format=\"4\">\n  <TreeNodesModel>\n";

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/behavior/tree/model_types.hpp"
+
 namespace musher::tree {
 namespace {
 
@@ -32,17 +34,6 @@ std::string Quoted(std::string_view text) {
     }
   }
   return quoted + "\"";
-}
-
-std::string_view PortElement(Direction direction) {
-  switch (direction) {
-    case Direction::kOut:
-      return "output_port";
-    case Direction::kInOut:
-      return "inout_port";
-    default:
-      return "input_port";
-  }
 }
 
 class Writing {

@@ -24,6 +24,8 @@ enum class SkillOutcome {
   kRunning,   // it goes on
 };
 std::string_view SkillOutcomeName(SkillOutcome outcome);  // "completed", ..., "no answer", ...
+// "completed in 2.0 s", for a sentence about a run or a plan; without a duration "completed".
+std::string SkillOutcomeText(SkillOutcome outcome, std::optional<double> duration_s);
 
 // How a requested run of a skill ended.
 struct SkillEnd {

@@ -64,36 +64,7 @@ std::string PlanMemberLine(const PlanMember& member, std::size_t steps) {
 }
 
 std::string PlanFinishText(const PlanFinish& finish) {
-  const auto after = [&finish](const char* word) {
-    return finish.duration_s ? fmt::format(" {} {:.1f} s", word, *finish.duration_s) : "";
-  };
-  std::string what;
-  switch (finish.outcome) {
-    case SkillOutcome::kCompleted:
-      what = "completed" + after("in");
-      break;
-    case SkillOutcome::kFailed:
-      what = "failed" + after("after");
-      break;
-    case SkillOutcome::kCancelled:
-      what = "was cancelled" + after("after");
-      break;
-    case SkillOutcome::kRefused:
-      what = "was refused";
-      break;
-    case SkillOutcome::kLost:
-      what = "is lost" + after("after");
-      break;
-    case SkillOutcome::kNoAnswer:
-      what = "has not started";
-      break;
-    case SkillOutcome::kTimeout:
-      what = "has not ended" + after("within");
-      break;
-    case SkillOutcome::kRunning:
-      what = "goes on";
-      break;
-  }
+  const std::string what = SkillOutcomeText(finish.outcome, finish.duration_s);
   return "the plan " + what + (finish.message.empty() ? "" : ": " + Printable(finish.message));
 }
 

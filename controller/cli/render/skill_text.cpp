@@ -85,12 +85,12 @@ std::string_view SkillOutcomeName(SkillOutcome outcome) {
   return kNames.at(static_cast<std::size_t>(outcome));
 }
 
-std::string SkillEndText(const SkillEnd& end) {
-  const auto after = [&end](const char* word) {
-    return end.duration_s ? fmt::format(" {} {:.1f} s", word, *end.duration_s) : "";
+std::string SkillOutcomeText(SkillOutcome outcome, std::optional<double> duration_s) {
+  const auto after = [&duration_s](const char* word) {
+    return duration_s ? fmt::format(" {} {:.1f} s", word, *duration_s) : "";
   };
   std::string what;
-  switch (end.outcome) {
+  switch (outcome) {
     case SkillOutcome::kCompleted:
       what = "completed" + after("in");
       break;
@@ -116,6 +116,11 @@ std::string SkillEndText(const SkillEnd& end) {
       what = "goes on";
       break;
   }
+  return what;
+}
+
+std::string SkillEndText(const SkillEnd& end) {
+  const std::string what = SkillOutcomeText(end.outcome, end.duration_s);
   return Printable(end.skill + " of " + end.actuator + " " + what +
                    (end.message.empty() ? "" : ": " + end.message));
 }
