@@ -34,6 +34,7 @@ const std::map<std::string, Folders>& MayInclude() {
       {"modules",
        {"modules", "application", "actuator", "base", "lifecycle", "messages", "transport", "wire",
         "behavior", "navigation"}},
+      {"view", {"view", "controller", "base", "lifecycle", "messages", "transport", "wire"}},
       {"examples",
        {"application", "actuator", "controller", "cyberdog", "simulation", "base", "lifecycle",
         "messages", "transport", "wire", "behavior"}},
@@ -56,14 +57,17 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"toml++/", {"base/toml/"}},
       {"tinyxml2.h", {"behavior/tree/xml/"}},
       {"CLI/",
-       {"controller/cli/", "actuator/program/", "modules/", "test/benchmark/",
+       {"controller/cli/", "actuator/program/", "modules/", "view/", "test/benchmark/",
         "test/fault_injection/", "test/controller/cli/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
-      {"nlohmann/", {"application/groot2/", "controller/", "cyberdog/", "modules/", "test/"}},
+      {"nlohmann/", {"application/groot2/", "controller/", "cyberdog/", "modules/", "view/", "test/"}},
       {"zlib.h", {"controller/storage/log_files.cpp", "test/controller/"}},
-      {"fmt/", {"controller/", "modules/", "navigation/", "test/"}},
-      {"opencv2/", {"modules/", "test/modules/", "test/benchmark/vision/"}},
+      {"fmt/", {"controller/", "modules/", "navigation/", "view/", "test/"}},
+      {"boost/", {"view/http/", "test/view/"}},
+      {"zstd.h", {"view/mcap/", "test/view/"}},
+      {"lz4frame.h", {"view/mcap/", "test/view/"}},
+      {"opencv2/", {"modules/", "view/live/", "test/modules/", "test/benchmark/vision/"}},
       {"Eigen/", {"modules/", "navigation/", "test/modules/"}},
       {"alsa/", {"modules/audio/"}},
       {"espeak-ng/", {"modules/audio/"}},
@@ -79,7 +83,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
 // Headers that would burden all code that includes Musher's.
 bool IsHeavy(const std::string& library) {
   static const std::set<std::string> heavy = {"toml++/",   "tinyxml2.h", "CLI/", "SQLiteCpp/",
-                                              "sqlite3.h", "nlohmann/",  "fmt/", "opencv2/"};
+                                              "sqlite3.h", "nlohmann/",  "fmt/", "opencv2/", "boost/"};
   return heavy.contains(library);
 }
 

@@ -18,7 +18,7 @@ std::string Read(const fs::path& path) {
 
 bool IsOurs(const fs::path& path) {
   const std::string name = path.filename().string();
-  return name != "build" && (name == ".ci" || !name.starts_with('.'));
+  return name != "build" && name != "node_modules" && (name == ".ci" || !name.starts_with('.'));
 }
 
 }  // namespace
