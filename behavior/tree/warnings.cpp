@@ -66,10 +66,14 @@ void Building::WarnOfTime(NodeId id, const std::vector<NodeId>& children, bool u
              "Timeout has no effect: nothing below it may return RUNNING");
     }
   }
-  const bool repeats = info.id == "Repeat" && FixedNumber(element, "num_cycles") == -1.0;
-  const bool retries =
-      info.id == "RetryUntilSuccessful" && FixedNumber(element, "num_attempts") == -1.0;
-  if ((repeats || retries) && at_once) {
+  if (info.id != "Repeat" && info.id != "RetryUntilSuccessful") return;
+  const std::string limit = info.id == "Repeat" ? "num_cycles" : "num_attempts";
+  const std::optional<double> times = FixedNumber(element, limit);
+  if (times && *times < -1.0) {
+    Report(element.Find(limit)->value_at, Severity::kWarning,
+           limit + " below -1 counts as 0; -1 is without a limit");
+  }
+  if (times == -1.0 && at_once) {
     Report(info.place, Severity::kWarning,
            info.id + " has no limit and nothing below it may return RUNNING: TickOnce() ticks " +
                std::to_string(Tree::kMostTicksAtOnce) + " times");

@@ -140,7 +140,8 @@ class Writing {
       for (const PortModel& port : options_.models->PortsOf(id)) {
         const std::string element(PortElement(port.direction));
         text_ += "      <" + element + " name=" + Quoted(port.name);
-        if (port.type != nullptr) text_ += " type=" + Quoted(port.type->name);
+        const std::string type = TypeNameOf(port);
+        if (!type.empty()) text_ += " type=" + Quoted(type);
         text_ += "/>\n";
       }
       text_ += "    </" + std::string(Name(kind)) + ">\n";

@@ -46,6 +46,13 @@ TEST_F(Decorators, RepeatWithoutALimitEndsATickOnce) {
   tree = MakeTree(Main("<Repeat num_cycles=\"-1\"><AlwaysSuccess/></Repeat>"));
   EXPECT_EQ(Letter(tree->TickOnce(At(0))), 'R');
 }
+TEST_F(Decorators, ALimitBelowMinusOneIsAWarning) {
+  EXPECT_THAT(Findings(Main("<Repeat num_cycles=\"-5\"><AlwaysSuccess/></Repeat>")),
+              testing::HasSubstr("warning: num_cycles below -1 counts as 0"));
+  EXPECT_THAT(Findings(Main("<RetryUntilSuccessful num_attempts=\"-2\"><AlwaysFailure/>"
+                            "</RetryUntilSuccessful>")),
+              testing::HasSubstr("warning: num_attempts below -1 counts as 0"));
+}
 TEST_F(Decorators, RetryTriesAgain) {
   const std::string open = "<RetryUntilSuccessful num_attempts=\"3\">";
   EXPECT_EQ(Run(open + Say("FS") + "</RetryUntilSuccessful>", 2), "RS a^ a^ ");

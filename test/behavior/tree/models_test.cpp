@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "musher/behavior/tree/models.hpp"
+#include "musher/behavior/tree/write_tree.hpp"
 #include "musher/test/behavior/tree/trees.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -47,6 +48,20 @@ std::string Document(const std::string& models, const std::string& content) {
   return "<root BTCPP_format=\"4\">\n<TreeNodesModel>\n" + models +
          "\n</TreeNodesModel>\n<BehaviorTree ID=\"Main\">\n" + content +
          "\n</BehaviorTree>\n</root>\n";
+}
+
+// It named a port's type as Musher does, and the models as BehaviorTree.CPP does.
+TEST(Models, OfAWrittenTreeNameTheTypesAsTheModelsDo) {
+  const Factory factory;
+  const Reading reading = ReadTree(
+      "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\"><Delay delay_msec=\"5\">"
+      "<AlwaysSuccess/></Delay></BehaviorTree></root>",
+      "t.xml");
+  const auto built = Build(reading.document, factory);
+  ASSERT_TRUE(built.tree) << Texts(built.diagnostics);
+  const std::string port = "<input_port name=\"delay_msec\" type=\"unsigned int\"";
+  ASSERT_THAT(ModelsXml(factory), HasSubstr(port));
+  EXPECT_THAT(WriteTree(*built.tree, reading.document, {.models = &factory}), HasSubstr(port));
 }
 
 TEST(Models, AreWrittenWithTheirPorts) {
