@@ -70,7 +70,8 @@ class CourseLooking {
 
  private:
   Result<> LookAtFilm(const std::string& file, CourseDetector& detector) {
-    cv::VideoCapture film(file);
+    // Named: without a backend OpenCV also asks every USB device whether it is a camera.
+    cv::VideoCapture film(file, cv::CAP_FFMPEG);
     cv::Mat last;
     cv::Mat mat;
     std::int64_t stamp_ns = -1;
