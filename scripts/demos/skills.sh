@@ -6,7 +6,7 @@
 
 journal=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/logs
-explorer=''
+explorer='' start=''
 picture=$pictures/skills-rooms.png photo=$pictures/skills-photo.png
 speed=2  # factor of the world's time. On a busy computer time waits for the robots, and is slower
 
@@ -47,6 +47,24 @@ await_message() {
     [[ $seen == "$3"* ]] && break
   done
   echo "$seen"
+}
+
+# position ROBOT: "x y" in m.
+position() {
+  robots ".robots[] | select(.name == \"$1\") | \"\(.x_m) \(.y_m)\""
+}
+# has_moved ROBOT "X Y": whether it is more than half a metre from there.
+has_moved() {
+  robots ".robots[] | select(.name == \"$1\") |
+    if pow(.x_m - ${2% *}; 2) + pow(.y_m - ${2#* }; 2) > 0.25 then \"yes\" else \"no\" end"
+}
+# await_moved ROBOT "X Y": waits until it has.
+await_moved() {
+  local _
+  for _ in {1..200}; do
+    [[ $(has_moved "$@") == yes ]] && return
+    sleep 0.1
+  done
 }
 
 boot() {
@@ -121,6 +139,7 @@ refuse() {
   expect_end nav_2d failed "Planning failed: there is no path to the goal"
   run jetbot_0 nav_2d "goal_pos=[30,2]"
   expect_end "a goal outside the map" failed "Planning failed: the goal is outside the map"
+  start=$(position jetbot_0)
   begin first.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
   first=$begun
   await_message jetbot_0 nav_2d Moving > /dev/null
@@ -136,15 +155,17 @@ refuse() {
 
 cancel() {
   step "The first goal is cancelled half-way: the robot stands"
+  await_moved jetbot_0 "$start"
   shown musher skill cancel nav_2d --actuator jetbot_0
   expect "cancel: exit code" 0 "$code"
   ended first.json "$first"
   expect "the outcome" cancelled "$(answer .outcome)"
-  local before after
-  before=$(robots '.robots[] | select(.name == "jetbot_0") | "\(.x_m) \(.y_m)"')
+  expect "it has driven half a metre and more" yes "$(has_moved jetbot_0 "$start")"
+  expect "it has not reached its goal" yes "$(has_moved jetbot_0 "7 1.5")"
+  local before
+  before=$(position jetbot_0)
   sleep 0.5
-  after=$(robots '.robots[] | select(.name == "jetbot_0") | "\(.x_m) \(.y_m)"')
-  expect "it stands at" "$before" "$after"
+  expect "it stands at" "$before" "$(position jetbot_0)"
 }
 
 lose_planner() {
