@@ -61,7 +61,8 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
         "test/fault_injection/", "test/controller/cli/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
-      {"nlohmann/", {"application/groot2/", "controller/", "cyberdog/", "modules/", "view/", "test/"}},
+      {"nlohmann/",
+       {"application/groot2/", "controller/", "cyberdog/", "modules/", "view/", "test/"}},
       {"zlib.h", {"controller/storage/log_files.cpp", "test/controller/"}},
       {"fmt/", {"controller/", "modules/", "navigation/", "view/", "test/"}},
       {"boost/", {"view/http/", "test/view/"}},
@@ -82,8 +83,9 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
 
 // Headers that would burden all code that includes Musher's.
 bool IsHeavy(const std::string& library) {
-  static const std::set<std::string> heavy = {"toml++/",   "tinyxml2.h", "CLI/", "SQLiteCpp/",
-                                              "sqlite3.h", "nlohmann/",  "fmt/", "opencv2/", "boost/"};
+  static const std::set<std::string> heavy = {"toml++/",    "tinyxml2.h", "CLI/",
+                                              "SQLiteCpp/", "sqlite3.h",  "nlohmann/",
+                                              "fmt/",       "opencv2/",   "boost/"};
   return heavy.contains(library);
 }
 
