@@ -1,0 +1,358 @@
+// The page in a browser, with a scripted robot behind it.
+import assert from 'node:assert/strict';
+import {after, before, test} from 'node:test';
+import {axeViolations, gate, open, screenshot, startBrowser, until} from './browser.js';
+
+let browser = null;
+before(async () => (browser = await startBrowser()));
+after(() => browser?.close());
+
+const VIEWS = ['robot', 'actuators', 'timeline', 'application/wedding', 'application/gardener',
+  'application/skills', 'cameras', 'log'];
+
+async function inPage(options, run) {
+  const opened = await open(browser, options);
+  try {
+    await run(opened.page, opened);
+  } finally {
+    await opened.close();
+  }
+}
+
+test('the first view shows the state, what is wrong and why, and what the robot can do',
+  () => inPage({}, async (page, {robot}) => {
+  assert.match(await page.textContent('.state-card'), /Active.*The robot works, and may move/s);
+  assert.match(await page.textContent('.wrong-card'), /Nothing is wrong/);
+  assert.match(await page.textContent('#top'), /robot.*Active.*live/s);
+  robot.fault('audio');
+  await page.waitForSelector('.problem >> text=audio has crashed');
+  const problem = await page.textContent('.problem');
+  assert.match(problem, /ended by SIGSEGV/);
+  assert.match(problem, /What to do: See its log for the cause, then restart it/);
+  await page.waitForSelector('.cannot >> text=audio is degraded');
+  await screenshot(page, 'robot');
+  assert.match(await page.title(), /^robot: Active/);
+}));
+
+test('a switch shows its plan first, then its legs, then its outcome',
+  () => inPage({}, async (page, {server}) => {
+  const first = gate();
+  const rest = gate();
+  server.waitLeg = wave => (wave === 1 ? first.opened : rest.opened);
+  await page.click('.choice:has-text("LowPower")');
+  await page.waitForSelector('#plan >> text=Wave 3');
+  assert.deepEqual(server.requests, []);
+  assert.match(await page.textContent('#plan'), /becomes less active/);
+  await page.click('#plan .primary');
+  await page.waitForSelector('.leg:has-text("world") >> text=running');
+  await page.waitForSelector('.towards >> text=LowPower');
+  first.release();
+  await page.waitForSelector('.leg:has-text("world") >> text=done');
+  await page.waitForSelector('.leg:has-text("camera") >> text=running');
+  rest.release();
+  await page.waitForSelector('.outcome >> text=Done: the robot is in LowPower');
+  assert.match(await page.textContent('.big-state'), /LowPower/);
+  assert.deepEqual(server.requests, [{path: '/api/set', body: {target: 'LowPower', actuator: ''}}]);
+}));
+
+test('a switch that is refused shows why and cannot be confirmed', () => inPage({}, async (page, {robot}) => {
+  robot.state = 'Error';
+  robot.publish();
+  await page.waitForSelector('.big-state >> text=Error');
+  await page.click('.choice:has-text("Active") >> nth=0');
+  await page.waitForSelector('#plan >> text=from Error the machine goes to SelfCheck first');
+  assert.equal(await page.locator('#plan .primary').count(), 0);
+}));
+
+test('a switch that is refused after its plan was shown reports the reason',
+  () => inPage({}, async (page, {robot}) => {
+  await page.click('.choice:has-text("Protected")');
+  await page.waitForSelector('#plan .primary');
+  robot.set = async ({target}) => ({outcome: 'refused', target, code: 111,
+    reason: 'another switch is under way', state: 'Active', actuators: []});
+  await page.click('#plan .primary');
+  await page.waitForSelector('.outcome.bad >> text=another switch is under way');
+}));
+
+test('one press engages the emergency stop; its release asks first',
+  () => inPage({}, async (page, {server, robot}) => {
+  await page.click('.stop');
+  await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
+  assert.equal(robot.stop.by, 'alice at 127.0.0.1');
+  await page.waitForSelector('text=Stopped by an emergency stop');
+  await page.click('.choice:has-text("Active") >> nth=0');
+  await page.click('.stop.engaged');
+  await page.waitForSelector('dialog >> text=Make sure that its cause is removed');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('dialog', {state: 'detached'});
+  assert.notEqual(robot.stop, null);
+  await page.click('.stop.engaged');
+  await page.click('dialog .danger');
+  await page.waitForSelector('.stop:not(.engaged)');
+  assert.equal(robot.stop, null);
+  assert.deepEqual(server.requests.map(r => r.path), ['/api/estop', '/api/release']);
+}));
+
+test('an emergency stop that cannot be sent says so, loudly', () => inPage({}, async (page, {server}) => {
+  server.act = async (name, body, json) => json({error: {code: 1, message: 'the session has ended'}}, 403);
+  await page.click('.stop');
+  await page.waitForSelector('[role=alert] >> text=NOT confirmed: the session has ended');
+}));
+
+test('an emergency stop without an answer is reported, and can be pressed again',
+  () => inPage({}, async (page, {server, robot}) => {
+  const never = gate();
+  server.delay = () => never.opened;
+  await page.click('.stop');
+  await page.waitForSelector('.stop >> text=Stopping');
+  await page.waitForSelector('[role=alert] >> text=NOT confirmed: no answer');
+  server.delay = async () => {};
+  await page.click('.stop');
+  await page.waitForSelector('.stop.engaged');
+  assert.notEqual(robot.stop, null);
+  never.release();
+}));
+
+test('without the login every acting control is disabled and says how to get it',
+  () => inPage({mayAct: false}, async page => {
+  assert.match(await page.textContent('#look-how'), /musher view --link/);
+  assert.ok(await page.isDisabled('.stop'));
+  assert.equal(await page.getAttribute('.stop', 'aria-describedby'), 'look-how');
+  await page.click('.choice:has-text("LowPower")');
+  await page.waitForSelector('#plan >> text=Wave 1');
+  assert.ok(await page.isDisabled('#plan .primary'));
+  assert.match(await page.textContent('#plan'), /musher view --link/);
+  await page.goto(page.url().replace(/#.*/, '#actuators/audio'));
+  await page.waitForSelector('.details');
+  assert.ok(await page.isDisabled('.details button:has-text("Restart")'));
+}));
+
+test('a controller that ends leaves its last report, marked; its return clears the mark',
+  () => inPage({}, async (page, {robot}) => {
+  robot.controllerEnds();
+  await page.waitForSelector('.banner.bad >> text=The controller has ended');
+  assert.match(await page.textContent('.big-state'), /Active/);
+  assert.match(await page.textContent('.wrong-card'), /Not known/);
+  robot.controllerReturns();
+  await page.waitForSelector('.banner.bad', {state: 'detached'});
+  assert.match(await page.textContent('.wrong-card'), /Nothing is wrong/);
+}));
+
+test('a server that is silent for 3 s, and a lost connection, make the data old until it is back',
+  () => inPage({}, async (page, {server}) => {
+  server.silent = true;
+  await page.waitForSelector('.banner.warn >> text=No data for 3');
+  server.silent = false;
+  await page.waitForSelector('.banner.warn', {state: 'detached'});
+  server.refuse = true;
+  server.drop();
+  await page.waitForSelector('.banner.warn');
+  server.refuse = false;
+  await page.waitForSelector('.banner.warn', {state: 'detached'});
+}));
+
+test('a slow server delays answers and breaks nothing', () => inPage({}, async (page, {server, robot}) => {
+  const slow = gate();
+  server.delay = () => slow.opened;
+  await page.click('.choice:has-text("Protected")');
+  await page.waitForSelector('text=Asking for the plan');
+  robot.engage('bob', 'a person is near');
+  await page.waitForSelector('.banner.bad >> text=a person is near');
+  slow.release();
+  await page.waitForSelector('#plan');
+}));
+
+test('a restart asks first, and its end is announced', () => inPage({hash: 'actuators'},
+  async (page, {server, robot}) => {
+  robot.fault('camera');
+  await page.waitForSelector('.actuator.bad >> text=crashed');
+  await page.click('#actuator-camera');
+  await page.waitForSelector('.tail pre >> text=camera line 300');
+  await page.click('.details button:has-text("Restart")');
+  await page.click('dialog .danger');
+  await page.waitForSelector('#said >> text=camera is back');
+  assert.deepEqual(server.requests, [{path: '/api/restart', body: {actuator: 'camera'}}]);
+  await until('it is well',
+    async () => /well/.test(await page.textContent('tr.actuator:has-text("camera")')));
+}));
+
+test('the timeline is moved by wheel, drag, keys and buttons, and a click on a fault shows its causes',
+  () => inPage({hash: 'timeline'}, async (page, {robot}) => {
+  robot.fault('audio');
+  await page.waitForSelector('.mark.bad');
+  await screenshot(page, 'timeline', {clip: {x: 0, y: 0, width: 1280, height: 620}});
+  const shown = () => page.evaluate(() => {
+    const {length, to} = document.querySelector('.chart').dataset;
+    return {length: Number(length), to};
+  });
+  const box = await page.locator('.chart').boundingBox();
+  const first = await shown();
+  await page.mouse.move(box.x + 500, box.y + 60);
+  await page.mouse.wheel(0, -600);
+  await until('the wheel zooms in', async () => (await shown()).length < first.length / 2);
+  const near = await shown();
+  await page.mouse.down();
+  await page.mouse.move(box.x + 800, box.y + 60, {steps: 3});
+  await page.mouse.up();
+  await until('a drag pans', async () => (await shown()).to !== near.to && (await shown()).to !== 'now');
+  assert.equal((await shown()).length, near.length);
+  await page.focus('.chart');
+  await page.keyboard.press('-');
+  await until('a key zooms out', async () => (await shown()).length > near.length * 1.5);
+  await page.click('.chart-controls button:has-text("Now")');
+  await until('a button returns to the present', async () => (await shown()).to === 'now');
+  await page.click('.chart-controls button:has-text("All")');
+  await until('a button shows all', async () => (await shown()).length >= 900000);
+  await page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
+  const mark = await page.locator('.mark.bad').last().boundingBox();
+  await page.mouse.click(mark.x + mark.width / 2, mark.y + mark.height / 2);
+  await page.waitForSelector('.why');
+  assert.match(await page.textContent('.chain'),
+    /audio is degraded.*first cause.*audio's process 4103 was ended by SIGSEGV/s);
+}));
+
+test('a state machine, a tree and a skill are drawn with what is present lit',
+  () => inPage({hash: 'application/wedding'}, async (page, {server, robot}) => {
+  await page.waitForSelector('.node.lit >> text=WATCH');
+  await screenshot(page, 'application', {clip: {x: 0, y: 0, width: 1280, height: 720}});
+  robot.behavior = 'PHOTO';
+  server.publishWatched('/wedding/behavior_state');
+  await page.waitForSelector('.node.lit >> text=PHOTO');
+  await page.click('.chooser >> text=gardener');
+  await page.waitForSelector('.tree-node.s1 >> text=drive');
+  robot.treeStatus = [1, 2, 1, 2, 2, 1, 0];
+  server.publishWatched('/gardener/tree_state');
+  await page.waitForSelector('.tree-node.s1 > p >> text=open_valve');
+  await page.click('.chooser >> text=skills');
+  await page.waitForSelector('.skill >> text=Driving to the goal');
+  assert.equal(await page.locator('progress').first().evaluate(p => p.value), 40);
+}));
+
+test('pictures of cameras are drawn, and none is fetched when the view is left',
+  () => inPage({hash: 'cameras'}, async (page, {server}) => {
+  let fetched = 0;
+  const picture = server.picture.bind(server);
+  server.picture = (...all) => (++fetched, picture(...all));
+  await until('a picture is drawn', () => page.evaluate(() => {
+    const canvas = document.querySelector('canvas');
+    return canvas.getContext('2d').getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data[3] === 255;
+  }));
+  await page.click('nav >> text=Log');
+  await page.waitForSelector('pre.log >> text=controller line 300');
+  const before = fetched;
+  await page.fill('#log-find', 'gyroscope');
+  await until('the log is filtered',
+    async () => !(await page.textContent('pre.log')).includes('the loop took'));
+  assert.ok(fetched <= before + 2);
+}));
+
+test('what the robot says is text, never HTML', () => inPage({}, async (page, {robot}) => {
+  const evil = '<img src=x onerror="globalThis.evil = 1"><b>bold</b>';
+  robot.fault('audio', {message: evil});
+  robot.engage(evil, evil);
+  await page.waitForSelector('.problem >> text=<b>bold</b>');
+  for (const view of ['actuators', 'timeline/why/audio']) {
+    await page.goto(page.url().replace(/#.*/, `#${view}`));
+    await page.waitForSelector('main >> text=<b>bold</b>');
+  }
+  assert.equal(await page.evaluate(() => globalThis.evil), undefined);
+}));
+
+test('every view fits 390 px, with targets of 44 px for what acts',
+  () => inPage({width: 390, height: 844, locale: 'zh-CN', dark: true}, async (page, {robot}) => {
+  robot.fault('audio');
+  await page.waitForSelector('.problem');
+  await screenshot(page, 'phone');
+  for (const view of VIEWS) {
+    await page.goto(page.url().replace(/#.*/, `#${view}`));
+    await page.waitForSelector('.card');
+    const [scroll, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+    assert.ok(scroll <= inner, `${view}: ${scroll} px in ${inner}`);
+    const small = await page.evaluate(() => [...document.querySelectorAll('button, select, nav a, a.button')]
+      .map(e => [e.textContent.slice(0, 20), e.getBoundingClientRect()]).filter(([, r]) => r.height > 0
+        && (r.height < 43.5 || r.width < 40))
+      .map(([name, r]) => `${name} ${r.width}x${r.height}`));
+    assert.deepEqual(small, [], view);
+  }
+  const stop = await page.locator('.stop').boundingBox();
+  await page.evaluate(() => scrollTo(0, 1e6));
+  assert.deepEqual(await page.locator('.stop').boundingBox(), stop);
+}));
+
+for (const [name, options] of Object.entries({'light and English': {},
+  'dark and Chinese on a phone': {dark: true, locale: 'zh-CN', width: 390},
+  'without the login': {mayAct: false, dark: true}})) {
+  test(`axe finds nothing in any view: ${name}`, () => inPage(options, async (page, {robot}) => {
+    robot.fault('audio');
+    robot.engage('bob', 'a person is near');
+    await page.waitForSelector('.problem');
+    const found = [];
+    for (const view of [...(options.mayAct === false ? ['robot'] : VIEWS), 'actuators/audio', 'timeline/why/audio']) {
+      await page.goto(page.url().replace(/#.*/, `#${view}`));
+      await page.waitForSelector(view.startsWith('application/w') ? '.node' : view.includes('why') ? '.why'
+        : '.card');
+      found.push(...(await axeViolations(page)).map(v => `${view}: ${v}`));
+    }
+    await page.goto(page.url().replace(/#.*/, '#robot'));
+    await page.click('.choice:has-text("LowPower")');
+    await page.waitForSelector('#plan');
+    found.push(...(await axeViolations(page)).map(v => `plan: ${v}`));
+    assert.deepEqual(found, []);
+  }));
+}
+
+test('a switch and an emergency stop need only the keyboard, and the focus is always seen',
+  () => inPage({}, async (page, {server, robot}) => {
+  const tabTo = async text => {
+    for (let i = 0; i < 60; ++i) {
+      await page.keyboard.press('Tab');
+      const focus = await page.evaluate(() => [document.activeElement.textContent,
+        getComputedStyle(document.activeElement).outlineStyle]);
+      assert.notEqual(focus[1], 'none', `the focus on ${focus[0]} is invisible`);
+      if (focus[0].includes(text)) return;
+    }
+    assert.fail(`Tab does not reach ${text}`);
+  };
+  await tabTo('LowPower');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#plan .primary');
+  await tabTo('Switch to LowPower');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('.outcome.ok');
+  await page.waitForSelector('#said >> text=Done: the robot is in LowPower');
+  await page.focus('.language');
+  await tabTo('STOP');
+  await page.keyboard.press('Space');
+  await until('the stop is engaged', () => robot.stop);
+  assert.equal(server.requests.at(-1).path, '/api/estop');
+}));
+
+for (const denied of ['refused',
+  'closed']) test(`a page whose WebSocket is ${denied} says how to get the login, and works once it may`,
+  () => inPage({denied}, async (page, {server}) => {
+  await page.waitForSelector('.banner >> text=From another computer, looking needs a login');
+  server.denied = false;
+  await page.waitForSelector('.card');
+  await page.waitForSelector('.banner.warn', {state: 'detached'});
+}));
+
+test('causes from before the history that the server sends are fetched',
+  () => inPage({}, async (page, {server, robot}) => {
+  const first = robot.history[0];
+  server.older = [{...first, id: 9001, cause: 0, wall_ns: String(BigInt(first.wall_ns) - 10n ** 9n),
+    message: 'the cable was loose'}];
+  robot.record('actuator_crashed', 'world is degraded: no data',
+    {actuator: 'world', code: 1105, cause: 9001});
+  await page.waitForSelector('.event >> text=world is degraded: no data');
+  await page.click('.event >> text=world is degraded: no data');
+  await page.waitForSelector('.chain >> text=the cable was loose');
+  assert.match(await page.textContent('.chain'), /first cause/);
+}));
+
+test('the chosen language is kept', () => inPage({}, async page => {
+  await page.click('.language');
+  await page.waitForSelector('nav >> text=时间线');
+  await page.reload();
+  await page.waitForSelector('nav >> text=时间线');
+  assert.equal(await page.evaluate(() => document.documentElement.lang), 'zh-CN');
+}));

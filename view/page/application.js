@@ -1,0 +1,190 @@
+// What the applications do: the state machine, the tree and the skills of an actuator, the present state lit.
+import {get} from './connection.js';
+import {chartsWithPresent, readChart} from './chart_text.js';
+import {h} from './dom.js';
+import {duration} from './format.js';
+import {layOut, pathOf} from './graph_layout.js';
+import {t} from './i18n.js';
+import {card, levelShape, quoted, shape} from './parts.js';
+
+const KINDS = {behavior_state: 'behavior', tree_state: 'tree'};
+const ASK_EVERY_MS = 1000;
+const MOST_LABELS = 14;
+
+// [{name, behavior: topic or '', tree: topic or '', skills: bool}], by the topics that are published.
+export function applicationsOf(topics, offers) {
+  const found = new Map();
+  const add = (name, key, value) => found.set(name, {name, behavior: '', tree: '', skills: false,
+    ...found.get(name), [key]: value});
+  for (const {name, publishers} of topics) {
+    const parts = name.split('/');
+    const kind = KINDS[parts.at(-1)];
+    if (kind && publishers > 0 && parts.length > 1) add(parts.at(-2), kind, name);
+  }
+  for (const name of Object.keys(offers)) add(name, 'skills', true);
+  return [...found.values()].sort((a, b) => (a.name < b.name ? -1 : 1));
+}
+
+const skillTopics = topics => topics.filter(({type}) => /^musher_msgs\/msg\/Skill(Offers|Feedback)$/.test(type)).map(({name}) => name);
+
+// ui.reports: by "kind name": {value, error, asked, mark}; asked again when `mark` changes.
+function report(ctx, kind, name, mark) {
+  const reports = (ctx.ui.reports ??= {});
+  const key = `${kind} ${name}`;
+  const known = (reports[key] ??= {value: null, error: '', asked: 0, mark: null});
+  if (known.mark !== mark && ctx.now - known.asked > ASK_EVERY_MS) {
+    Object.assign(known, {asked: ctx.now, mark});
+    const query = kind === 'behavior' ? {name, format: 'mermaid'} : {name};
+    get(`api/${kind}`, query).then(
+      value => Object.assign(known, {value, error: value.error ?? ''}),
+      error => Object.assign(known, {error: error.message || t('no_answer'), mark: null}),
+    ).then(ctx.redraw);
+  }
+  return known;
+}
+
+const layouts = new Map();
+function layoutOf(chart, present) {
+  const present_id = chart.states.find(s => s.name === present)?.id ?? '';
+  const few = chart.arrows.filter(a => a.text).length <= MOST_LABELS;
+  const key = JSON.stringify([chart.name, chart.states, chart.arrows, chart.start, few ? '' : present_id]);
+  if (!layouts.has(key)) {
+    if (layouts.size > 50) layouts.clear();
+    const short = text => (text.length > 30 ? `${text.slice(0, 29)}…` : text);
+    layouts.set(key, layOut({...chart,
+      arrows: chart.arrows.map(a => ({...a, text: few || a.from === present_id ? short(a.text) : ''}))}));
+  }
+  return layouts.get(key);
+}
+
+function arrowHead([x, y], [, fromY]) {
+  const down = y >= fromY ? 1 : -1;
+  return `M${x.toFixed(1)} ${y.toFixed(1)}l-4.500 ${-8 * down}h9z`;
+}
+
+function graph(ctx, chart, present) {
+  const laid = layoutOf(chart, present);
+  const presentId = chart.states.find(s => s.name === present)?.id;
+  const arrows = [...laid.arrows].sort((a, b) => Number(a.from === presentId) - Number(b.from === presentId));
+  return h('div', {class: 'graph', key: chart.name, tabindex: '0', role: 'group',
+    'aria-label': t('app.graph', {name: chart.name, state: present || '–'})},
+  h('svg', {width: laid.width, height: laid.height, viewBox: `0 0 ${laid.width} ${laid.height}`,
+    'aria-hidden': 'true'},
+    arrows.map(a => h('g', {key: `${a.from} ${a.to} ${a.text}`,
+      class: `arrow${a.from === presentId ? ' next' : ''}`},
+      h('path', {class: 'line', d: pathOf(a.points)}), h('path',
+        {class: 'head', d: arrowHead(a.points.at(-1), a.points.at(-2))}))),
+    arrows.map(a => (a.label ? h('text', {key: `text ${a.from} ${a.to} ${a.text}`,
+      class: `label${a.from === presentId ? ' next' : ''}`,
+      x: a.label.x, y: a.label.y + 4, 'text-anchor': 'middle'}, a.label.text) : null)),
+    laid.states.map(s => h('g',
+      {key: s.id, class: `node${s.name === present ? ' lit' : ''}${s.safe ? ' safe' : ''}`},
+      h('rect', {x: s.x - s.width / 2, y: s.y - s.height / 2, width: s.width, height: s.height,
+        rx: s.inside ? 4 : 18}),
+      s.final ? h('rect', {class: 'inner', x: s.x - s.width / 2 + 3, y: s.y - s.height / 2 + 3,
+        width: s.width - 6, height: s.height - 6, rx: 15}) : null,
+      s.id === chart.start ? h('circle', {class: 'start', cx: s.x - s.width / 2 - 8, cy: s.y, r: 4}) : null,
+      h('text', {x: s.x, y: s.y + 5, 'text-anchor': 'middle'}, s.name)))));
+}
+
+function arrowList(chart) {
+  const name = id => chart.states.find(s => s.id === id)?.name ?? id;
+  return h('details', null, h('summary', null, t('app.list')), h('ul', {class: 'lines', lang: 'en'},
+    chart.arrows.map(a => h('li', null, `${name(a.from)} → ${name(a.to)}`,
+      a.text ? h('span', {class: 'quiet'}, `: ${a.text}`) : null))));
+}
+
+function behaviorCard(ctx, app) {
+  const live = ctx.state.latest[app.behavior]?.message.data;
+  const {value, error} = report(ctx, 'behavior', app.name, live ?? '');
+  const present = live ?? value?.current_state ?? '';
+  const chart = value ? readChart(value.graph, app.name) : null;
+  const state = value?.operating_mode === 'SAFE_STOP' ? 'app.safe' : !present ? 'app.stopped' : value
+    && !value.ticking ? 'app.paused' : 'app.running';
+  return card(t('app.machine'), {id: `behavior-${app.name}`, aside: h('span', {class: 'pill'}, t(state))},
+    h('p', {class: 'present-state'}, present || t('app.stopped')),
+    error ? h('p', {class: 'reason'}, t('failed', {why: error})) : null,
+    value?.unsafe ? h('p', {class: 'outcome bad'}, levelShape('bad'), quoted(value.unsafe)) : null,
+    value?.last_fault ? h('p', {class: 'reason'}, h('b', null, t('app.fault'), ': '),
+      quoted(value.last_fault)) : null,
+    chart ? chartsWithPresent(chart, present).map(part => [part.chart === chart ? null
+      : h('h3', {key: `h ${part.chart.name}`}, part.chart.name),
+      graph(ctx, part.chart, part.present), arrowList(part.chart)]) : null,
+    value?.history?.length ? [h('h3', null, t('app.changes')),
+      h('ol', {class: 'lines changes', lang: 'en'}, value.history.slice(-8).reverse().map(c =>
+      h('li', null, h('time', null, duration(c.time_s * 1000)), ` ${c.from || '·'} → ${c.to || '·'} `,
+        h('span', {class: 'quiet'}, c.command || c.cause))))] : null);
+}
+
+const STATUS_TONES = ['off', 'busy', 'ok', 'bad', 'off'];
+const STATUS_SHAPES = ['M8 5a3 3 0 1 0 0 6a3 3 0 0 0 0-6z', 'M3 1.500v13L14 8z',
+  'M6.300 13.600L1 8.300l2-2 3.300 3.300L13 2.900l2 2z',
+  'M3 1L8 6l5-5 2 2-5 5 5 5-2 2-5-5-5 5-2-2 5-5-5-5z', 'M2 7h12v2H2z'];
+
+function treeNode(nodes, status, id) {
+  const node = nodes[id];
+  const code = status[id] ?? 0;
+  const children = nodes.map((n, i) => (n.parent === id ? i : -1)).filter(i => i >= 0);
+  return h('li', {key: id, class: `tree-node s${code}`},
+    h('p', null, shape(STATUS_SHAPES[code] ?? STATUS_SHAPES[0], `tone-${STATUS_TONES[code] ?? 'off'}`),
+      h('b', null, node.name || node.type),
+      node.type !== node.name && node.name ? h('span', {class: 'quiet'}, node.type) : null,
+      h('span', {class: `status tone-${STATUS_TONES[code] ?? 'off'}`}, t(`node.${code}`)),
+      node.kind === 'Control' || node.kind === 'Decorator' ? null
+        : h('span', {class: 'quiet small'}, node.kind)),
+    children.length ? h('ul', null, children.map(child => treeNode(nodes, status, child))) : null);
+}
+
+function treeCard(ctx, app) {
+  const live = ctx.state.latest[app.tree]?.message;
+  const {value, error} = report(ctx, 'tree', app.name, live?.revision ?? -1);
+  const status = live && value && live.revision === value.state.revision ? live.status
+    : value?.state.status ?? [];
+  const now = live ?? value?.state;
+  const fault = now?.last_fault;
+  return card(`${t('app.tree')}${now?.tree ? `: ${now.tree}` : ''}`, {id: `tree-${app.name}`,
+    aside: now ? h('span', {class: 'pill'}, t(now.ticking ? 'app.running' : 'app.paused')) : null},
+  error ? h('p', {class: 'reason'}, t('failed', {why: error})) : null,
+  fault ? h('p', {class: 'outcome bad'}, levelShape('bad'), quoted(fault)) : null,
+  value?.nodes?.length ? h('ul', {class: 'tree'}, treeNode(value.nodes, status, 0)) : value
+    ? h('p', {class: 'quiet'}, t('app.stopped')) : h('p', null, t('loading')));
+}
+
+function skillItem(offer, feedback) {
+  return h('li', {key: offer.skill, class: 'skill'},
+    h('p', null, h('b', null, offer.skill), ' ', h('span', {class: 'quiet', lang: 'en'}, offer.summary)),
+    feedback ? [h('p', null, h('span', {class: `pill tone-${['busy', 'ok', 'bad', 'off'][feedback.status]}`},
+      t(`skill.${feedback.status}`)),
+      ` ${feedback.state} `, quoted(feedback.message)),
+    h('progress', {max: 100, value: feedback.progress, 'aria-label': `${offer.skill}: ${t('app.progress')}`}),
+    h('p', {class: 'quiet small', lang: 'en'},
+      (feedback.details ?? []).map(d => `${d.key} ${d.value}`).join(' · '))]
+      : h('p', {class: 'quiet small'}, t('app.skill.none')));
+}
+
+function skillsCard(ctx, app) {
+  const offers = ctx.state.offers[app.name]?.skills ?? [];
+  return card(t('app.skills'), {id: `skills-${app.name}`}, h('ul', {class: 'skills'},
+    offers.map(offer => skillItem(offer, ctx.state.feedback[`${app.name} ${offer.skill}`]))));
+}
+
+export function leave(ctx) {
+  ctx.watch([]);
+}
+
+export function view(ctx) {
+  const apps = applicationsOf(ctx.state.topics, ctx.state.offers);
+  const app = apps.find(a => a.name === ctx.route.rest[0]) ?? apps[0];
+  ctx.watch([...skillTopics(ctx.state.topics), ...(app ? [app.behavior, app.tree].filter(Boolean) : [])]);
+  if (!app) return [h('h1', {class: 'hidden'}, t('nav.application')),
+    card(t('nav.application'), {}, h('p', {class: 'quiet'}, t('app.none')))];
+  return [h('h1', {class: 'hidden'}, t('nav.application')),
+    h('div', {class: 'chooser', role: 'group', 'aria-label': t('app.choose')},
+      apps.map(a => h('a', {key: a.name, class: 'button',
+      href: `#application/${encodeURIComponent(a.name)}`, 'aria-current': a === app ? 'true' : null},
+        a.name))),
+    h('div', {key: app.name}, app.behavior ? behaviorCard(ctx, app) : null,
+      app.tree ? treeCard(ctx, app) : null,
+      app.skills ? skillsCard(ctx, app) : null)];
+}
+

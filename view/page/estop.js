@@ -1,0 +1,50 @@
+// The emergency stop: in the header of every view. One press engages it, without a question; its release
+// asks.
+import {post} from './connection.js';
+import {h} from './dom.js';
+import {t} from './i18n.js';
+import {plainText, shape} from './parts.js';
+import {mayAct, statusOf} from './store.js';
+
+const ANSWER_MS = 3000;
+const OCTAGON = 'M5 0.500h6L15.500 5v6L11 15.500H5L0.500 11V5z';
+
+async function engage(ctx) {
+  ctx.ui.stopping = true;
+  ctx.redraw();
+  try {
+    await post('api/estop', {reason: t('stop.reason')}, {within_ms: ANSWER_MS});
+    ctx.say(t('stop.sent'));
+  } catch (error) {
+    ctx.alarm(t('stop.failed', {why: error.message || t('no_answer')}));
+  }
+  ctx.ui.stopping = false;
+  ctx.redraw();
+}
+
+export async function release(ctx) {
+  const yes = await ctx.confirm({title: t('stop.ask.title'), text: t('stop.ask.text'), yes: t('stop.ask.yes'),
+    no: t('stop.ask.no')});
+  if (!yes) return;
+  try {
+    await post('api/release', {});
+    ctx.say(t('stop.released'));
+  } catch (error) {
+    ctx.alarm(t('failed', {why: error.message || t('no_answer')}));
+  }
+}
+
+export function stopButton(ctx) {
+  const allowed = mayAct(ctx.state);
+  const engaged = statusOf(ctx.state)?.emergency_stop === true;
+  if (engaged) {
+    return h('button', {key: 'release', type: 'button', class: 'stop engaged', disabled: !allowed,
+      'aria-label': t('stop.release.label'), 'aria-describedby': allowed ? null : 'look-how',
+        onclick: () => release(ctx)}, t('stop.release'));
+  }
+  return h('button', {key: 'stop', type: 'button', class: 'stop', disabled: !allowed,
+    'aria-describedby': allowed ? null : 'look-how', title: allowed ? null
+      : plainText(t('stop.login', {how: t('look.how')})),
+    'aria-label': t('stop'), onclick: () => engage(ctx)},
+  shape(OCTAGON), ctx.ui.stopping ? t('stop.sending') : t('stop.short'));
+}
