@@ -1,0 +1,356 @@
+#include "musher/view/metrics/robot_metrics.hpp"
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+#include <unistd.h>
+
+#include "musher/test/view/metrics/openmetrics_grammar.hpp"
+
+namespace musher::view::robot_metrics_test {
+
+using musher::testing::ParsedLabels;
+using musher::testing::ParsedMetrics;
+using musher::testing::ParseOpenMetrics;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr Time kNow{std::chrono::seconds(1000)};
+
+msg::ActuatorInfo Actuator(const std::string& name) {
+  msg::ActuatorInfo info;
+  info.name = name;
+  info.state = "Active";
+  info.presence = "present";
+  info.health = "well";
+  return info;
+}
+
+msg::MachineStatus Status(const std::vector<std::string>& actuators = {"legs", "eyes"}) {
+  msg::MachineStatus status;
+  status.machine = "dog";
+  status.phase = "running";
+  status.state = "Active";
+  status.epoch = 1;
+  for (const std::string& name : actuators) status.actuators.push_back(Actuator(name));
+  return status;
+}
+
+class RobotMetricsTest : public ::testing::Test {
+ protected:
+  RobotMetricsTest() { metrics_.On(Status(), kNow); }
+
+  ParsedMetrics Parsed(Time now = kNow) const {
+    const std::string text = metrics_.Text(now, MetricsFormat::kOpenMetrics);
+    ParsedMetrics parsed = ParseOpenMetrics(text);
+    EXPECT_THAT(parsed.errors, IsEmpty()) << text;
+    return parsed;
+  }
+  std::optional<double> Value(const std::string& sample, const ParsedLabels& labels = {}) const {
+    return Parsed().Value(sample, labels);
+  }
+  std::optional<double> Switches(const std::string& target, const std::string& outcome) const {
+    return Value("musher_switches_total", {{"target", target}, {"outcome", outcome}});
+  }
+  std::optional<double> Faults(const std::string& actuator, const std::string& verdict) const {
+    return Value("musher_actuator_faults_total", {{"actuator", actuator}, {"verdict", verdict}});
+  }
+
+  // The next entry of the history, a millisecond later than the last one.
+  msg::HistoryEntry Next(const std::string& kind, const std::string& actuator = "") {
+    msg::HistoryEntry entry;
+    entry.id = ++id_;
+    entry.epoch = epoch_;
+    entry.wall_ns = wall_ns_ += 1'000'000;
+    entry.kind = kind;
+    entry.actuator = actuator;
+    return entry;
+  }
+  void Begin(std::uint64_t number, const std::string& target) {
+    msg::HistoryEntry entry = Next("switch");
+    entry.switch_number = number;
+    entry.data = R"({"target":")" + target + R"(","state":"Active"})";
+    metrics_.On(entry, "switch_started");
+  }
+  msg::HistoryEntry Ended(std::uint64_t number, const std::string& target,
+                          const std::string& outcome, const std::string& actuator = "") {
+    msg::HistoryEntry entry = Next("switch", actuator);
+    entry.switch_number = number;
+    entry.data =
+        R"({"target":")" + target + R"(","state":"Active","outcome":")" + outcome + R"("})";
+    return entry;
+  }
+  void Happens(const std::string& event, const std::string& actuator = "legs") {
+    metrics_.On(Next("actuator", actuator), event);
+  }
+
+  RobotMetrics metrics_;
+  std::uint64_t id_ = 0;
+  std::uint64_t epoch_ = 1;
+  std::int64_t wall_ns_ = 1'000'000'000;
+};
+
+TEST_F(RobotMetricsTest, AllCountersAreZeroFromTheBeginning) {
+  EXPECT_EQ(Switches("LowPower", "undone"), 0);
+  EXPECT_EQ(Faults("eyes", "hung"), 0);
+  EXPECT_EQ(Value("musher_actuator_restarts_total", {{"actuator", "legs"}}), 0);
+}
+
+TEST_F(RobotMetricsTest, TheStateOfTheMachineIsOneOfAll) {
+  EXPECT_EQ(Value("musher_machine_state", {{"musher_machine_state", "Active"}}), 1);
+  EXPECT_EQ(Value("musher_machine_state", {{"musher_machine_state", "Error"}}), 0);
+  msg::MachineStatus status = Status();
+  status.state = "Patrol";  // of the config
+  metrics_.On(status, kNow);
+  EXPECT_EQ(Value("musher_machine_state", {{"musher_machine_state", "Patrol"}}), 1);
+  metrics_.On(Status(), kNow);
+  EXPECT_EQ(Value("musher_machine_state", {{"musher_machine_state", "Patrol"}}), 0);
+  EXPECT_EQ(Switches("Patrol", "done"), 0);
+}
+
+TEST_F(RobotMetricsTest, WithoutAControllerItsStateIsNotKnownAndCountersStay) {
+  metrics_.On(Ended(1, "Active", "done"), "switch_done");
+  metrics_.OnControllerLost();
+  EXPECT_EQ(Value("musher_controller_up"), 0);
+  EXPECT_EQ(Value("musher_machine_state", {{"musher_machine_state", "Active"}}), std::nullopt);
+  EXPECT_EQ(Value("musher_actuator_present", {{"actuator", "legs"}}), std::nullopt);
+  EXPECT_EQ(Switches("Active", "done"), 1);
+  metrics_.On(Status(), kNow);
+  EXPECT_EQ(Value("musher_controller_up"), 1);
+  EXPECT_EQ(Switches("Active", "done"), 1);
+}
+
+TEST_F(RobotMetricsTest, CountsSwitchesByTargetAndOutcomeAndTheirDurations) {
+  Begin(4, "LowPower");
+  wall_ns_ += 300'000'000;
+  metrics_.On(Ended(4, "LowPower", "done-degraded"), "switch_done_degraded");
+  EXPECT_EQ(Switches("LowPower", "done-degraded"), 1);
+  EXPECT_EQ(Switches("LowPower", "done"), 0);
+  const ParsedLabels of_target = {{"target", "LowPower"}};
+  EXPECT_EQ(Value("musher_switch_duration_seconds_count", of_target), 1);
+  EXPECT_DOUBLE_EQ(*Value("musher_switch_duration_seconds_sum", of_target), 0.301);
+}
+
+TEST_F(RobotMetricsTest, ARefusalBeforeTheBeginHasNoTarget) {
+  metrics_.On(Next("switch"), "switch_refused");
+  EXPECT_EQ(Switches("unknown", "refused"), 1);
+}
+
+TEST_F(RobotMetricsTest, TheSentenceOfAnEntryDoesNotMatter) {
+  msg::HistoryEntry entry = Next("switch");
+  entry.message = "switch 3 is done";
+  metrics_.On(entry, "switch_requested");
+  EXPECT_EQ(Switches("unknown", "done"), 0);
+}
+
+TEST_F(RobotMetricsTest, AnOlderControllersEntriesCountByTheirData) {
+  metrics_.On(Ended(1, "OTA", "undone"), "");
+  EXPECT_EQ(Switches("OTA", "undone"), 1);
+}
+
+TEST_F(RobotMetricsTest, ASwitchOfOneActuatorIsNotOneOfTheMachine) {
+  metrics_.On(Ended(1, "LowPower", "done", "eyes"), "switch_done");
+  EXPECT_EQ(Switches("LowPower", "done"), 0);
+  EXPECT_EQ(Value("musher_actuator_switches_total", {{"actuator", "eyes"}, {"outcome", "done"}}),
+            1);
+}
+
+TEST_F(RobotMetricsTest, AWallClockThatIsSetBackMeasuresNothing) {
+  Begin(4, "Active");
+  wall_ns_ -= 500'000'000;
+  metrics_.On(Ended(4, "Active", "done"), "switch_done");
+  EXPECT_EQ(Switches("Active", "done"), 1);
+  EXPECT_EQ(Value("musher_switch_duration_seconds_count", {{"target", "Active"}}), std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, CountsFaultsAndRestarts) {
+  Happens("actuator_crashed");
+  Happens("restart_scheduled");
+  Happens("actuator_present");
+  Happens("restart_requested");
+  Happens("actuator_starved", "eyes");
+  Happens("actuator_partitioned", "eyes");
+  EXPECT_EQ(Faults("legs", "crashed"), 1);
+  EXPECT_EQ(Value("musher_actuator_restarts_total", {{"actuator", "legs"}}), 2);
+  EXPECT_EQ(Faults("eyes", "starved"), 1);
+  EXPECT_EQ(Faults("eyes", "partitioned"), 1);
+  EXPECT_EQ(Faults("eyes", "crashed"), 0);
+}
+
+TEST_F(RobotMetricsTest, TheEndOfAHungProcessIsNotACrashAsWell) {
+  Happens("actuator_hung");
+  Happens("actuator_crashed");  // by SIGKILL
+  Happens("actuator_present");
+  EXPECT_EQ(Faults("legs", "hung"), 1);
+  EXPECT_EQ(Faults("legs", "crashed"), 0);
+  Happens("actuator_crashed");
+  EXPECT_EQ(Faults("legs", "crashed"), 1);
+}
+
+TEST_F(RobotMetricsTest, AnEntryCountsOnce) {
+  const msg::HistoryEntry entry = Ended(1, "Active", "done");
+  for (int i = 0; i < 3; ++i) metrics_.On(entry, "switch_done");
+  EXPECT_EQ(Switches("Active", "done"), 1);
+}
+
+TEST_F(RobotMetricsTest, ARestartedControllerContinuesTheCounters) {
+  const msg::HistoryEntry before = Ended(1, "Active", "done");
+  metrics_.On(before, "switch_done");
+  epoch_ = 2;
+  id_ = 0;  // of a new controller
+  metrics_.On(before, "switch_done");
+  metrics_.On(Ended(1, "Active", "done"), "switch_done");
+  EXPECT_EQ(Switches("Active", "done"), 2);
+}
+
+TEST_F(RobotMetricsTest, AMachineThatLostItsDiskContinuesTheCounters) {
+  for (int i = 0; i < 3; ++i) metrics_.On(Ended(1, "Active", "done"), "switch_done");
+  id_ = 0;  // in the same epoch, later
+  metrics_.On(Ended(1, "Active", "done"), "switch_done");
+  EXPECT_EQ(Switches("Active", "done"), 4);
+}
+
+TEST_F(RobotMetricsTest, NotesOfTheJournalItselfDoNotCount) {
+  msg::HistoryEntry entry = Ended(1, "Active", "done");
+  entry.id = 0;
+  metrics_.On(entry, "switch_done");
+  EXPECT_EQ(Switches("Active", "done"), 0);
+}
+
+// The history is read again and again, and each time some newest entries of it.
+RC_GTEST_PROP(RobotMetricsProperty, HoweverTheHistoryIsReadEachEntryCountsOnce, ()) {
+  std::vector<msg::HistoryEntry> history;
+  for (std::uint64_t epoch = 1; epoch <= 3; ++epoch) {
+    const auto entries = *rc::gen::inRange<std::uint64_t>(1, 8);
+    for (std::uint64_t id = 1; id <= entries; ++id) {
+      msg::HistoryEntry entry;
+      entry.id = id;
+      entry.epoch = epoch;
+      entry.kind = "switch";
+      entry.wall_ns = *rc::gen::inRange(0, 50);  // the wall clock may be set in a controller
+      history.push_back(entry);
+    }
+  }
+  RobotMetrics metrics;
+  metrics.On(Status(), kNow);
+  std::size_t counted = 0;
+  for (int read = 0; read < 6; ++read) {
+    const auto upto = read == 5 ? history.size() : *rc::gen::inRange(counted, history.size() + 1);
+    for (auto i = *rc::gen::inRange<std::size_t>(0, counted + 1); i < upto; ++i) {
+      metrics.On(history[i], "switch_refused");
+    }
+    counted = upto;
+  }
+  const ParsedMetrics parsed = ParseOpenMetrics(metrics.Text(kNow, MetricsFormat::kOpenMetrics));
+  RC_ASSERT(
+      parsed.Value("musher_switches_total", {{"target", "unknown"}, {"outcome", "refused"}}) ==
+      static_cast<double>(history.size()));
+}
+
+TEST_F(RobotMetricsTest, GivesTheAgeOfTheLastHeartbeat) {
+  msg::ActuatorBeat beat;
+  beat.name = "legs";
+  beat.period_ns = 100'000'000;
+  metrics_.On(beat, kNow);
+  const ParsedMetrics parsed = Parsed(kNow + Milliseconds(1500));
+  const ParsedLabels legs = {{"actuator", "legs"}};
+  EXPECT_EQ(parsed.Value("musher_actuator_beat_age_seconds", legs), 1.5);
+  EXPECT_EQ(parsed.Value("musher_actuator_beat_period_seconds", legs), 0.1);
+  EXPECT_EQ(parsed.Value("musher_actuator_beat_age_seconds", {{"actuator", "eyes"}}), std::nullopt);
+  msg::MachineStatus status = Status();
+  status.actuators[0].presence = "lost";  // what is not there is not late
+  metrics_.On(status, kNow);
+  EXPECT_EQ(Value("musher_actuator_beat_age_seconds", legs), std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, CpuTimeGrowsAcrossARestartOfTheProcess) {
+  const ParsedLabels legs = {{"actuator", "legs"}};
+  metrics_.OnProcess("legs", ProcessUsage{7, 100, 50.0, 4096});
+  EXPECT_EQ(Value("musher_actuator_cpu_seconds_total", legs), 0);
+  metrics_.OnProcess("legs", ProcessUsage{7, 100, 52.5, 8192});
+  EXPECT_EQ(Value("musher_actuator_cpu_seconds_total", legs), 2.5);
+  EXPECT_EQ(Value("musher_actuator_resident_memory_bytes", legs), 8192);
+  metrics_.OnProcess("legs", ProcessUsage{7, 900, 1.0, 8192});  // the pid is used again
+  EXPECT_EQ(Value("musher_actuator_cpu_seconds_total", legs), 3.5);
+  metrics_.OnProcess("legs", std::nullopt);
+  EXPECT_EQ(Value("musher_actuator_resident_memory_bytes", legs), std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, TheBatteryIsARatioAndMissingWhereItIsNotKnown) {
+  EXPECT_EQ(Value("musher_battery_ratio"), std::nullopt);
+  msg::MachineStatus status = Status();
+  status.policy.active = true;
+  status.policy.battery = 42;
+  metrics_.On(status, kNow);
+  EXPECT_EQ(Value("musher_battery_ratio"), 0.42);
+  status.policy.battery = -1;
+  metrics_.On(status, kNow);
+  EXPECT_EQ(Value("musher_battery_ratio"), std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, NamesThatNoStatusHasGetNoSeries) {
+  Happens("actuator_crashed", "unlisted");
+  msg::ActuatorBeat beat;
+  for (int i = 0; i < 1000; ++i) {
+    beat.name = "b" + std::to_string(i);
+    metrics_.On(beat, kNow);
+  }
+  EXPECT_EQ(Value("musher_dropped_names_total", {{"kind", "actuator"}}), 1001);
+  EXPECT_EQ(Faults("unlisted", "crashed"), std::nullopt);
+}
+
+TEST_F(RobotMetricsTest, TheNumberOfActuatorsAndStatesIsBounded) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 2000; ++i) names.push_back("a" + std::to_string(i));
+  names.push_back(std::string(65, 'x'));
+  names.push_back("a0");
+  metrics_.On(Status(names), kNow);
+  for (int i = 0; i < 100; ++i) {
+    msg::MachineStatus status = Status();
+    status.state = "S" + std::to_string(i);
+    metrics_.On(status, kNow);
+  }
+  metrics_.On(Status(names), kNow);
+  const ParsedMetrics parsed = Parsed();
+  EXPECT_EQ(parsed.Find("musher_actuator_present")->samples.size(), RobotMetrics::kMostActuators);
+  EXPECT_EQ(parsed.Find("musher_machine_state")->samples.size(), 10 + RobotMetrics::kMostStates);
+  EXPECT_EQ(parsed.Value("musher_dropped_names_total", {{"kind", "state"}}),
+            100 - RobotMetrics::kMostStates);
+}
+
+TEST_F(RobotMetricsTest, AnActuatorKeepsItsCountersWhenTheConfigHasAnotherOrder) {
+  Happens("actuator_crashed", "eyes");
+  metrics_.On(Status({"eyes", "voice", "legs"}), kNow);
+  EXPECT_EQ(Faults("eyes", "crashed"), 1);
+  EXPECT_EQ(Faults("voice", "crashed"), 0);
+  EXPECT_EQ(Parsed().Find("musher_actuator_present")->samples.at(0).labels.at(0).second, "eyes");
+}
+
+TEST(RobotMetricsText, IsTheSameForTheSameRobot) {
+  const auto text = [] {
+    RobotMetrics metrics;
+    metrics.On(Status(), kNow);
+    return metrics.Text(kNow, MetricsFormat::kPrometheus);
+  };
+  EXPECT_EQ(text(), text());
+  EXPECT_THAT(text(), HasSubstr("musher_machine_info{machine=\"dog\""));
+}
+
+TEST(RobotMetricsText, KeepsToTheGrammarBeforeAnythingIsKnown) {
+  const ParsedMetrics parsed =
+      ParseOpenMetrics(RobotMetrics().Text(kNow, MetricsFormat::kOpenMetrics));
+  EXPECT_THAT(parsed.errors, IsEmpty());
+  EXPECT_EQ(parsed.Value("musher_controller_up"), 0);
+}
+
+TEST(ProcessUsage, IsReadFromTheKernelsText) {
+  const auto usage = ParseUsage(
+      7, "7 (a ) (b) S 1 7 7 0 -1 4194560 1 0 0 0 250 50 0 0 20 0 3 0 1234 9000 21 18446 0", 100,
+      4096);
+  EXPECT_EQ(usage, (ProcessUsage{7, 1234, 3.0, 21 * 4096}));
+  EXPECT_EQ(ParseUsage(7, "7 (a) S 1 7", 100, 4096), std::nullopt);
+  EXPECT_EQ(ParseUsage(7, "", 100, 4096), std::nullopt);
+  EXPECT_EQ(UsageOf(0), std::nullopt);
+  EXPECT_GT(UsageOf(getpid())->resident_bytes, 0U);
+}
+
+}  // namespace musher::view::robot_metrics_test
