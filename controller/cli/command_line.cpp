@@ -32,6 +32,8 @@ A first tour:
   musher history --since 10m       what happened
   musher history --why             why the machine is in its state
   musher replay journal.sqlite     re-run the recorded decisions, without a robot
+  musher view                      show the robot in a browser
+  musher record -o run.mcap        record it; musher play run.mcap publishes it again
   musher keys init robot.toml      from now on admit only processes with credentials
   musher ota install BUNDLE        install a version; roll back if it does not come up
   musher down                      take the machine down

@@ -30,6 +30,8 @@ void AddCommands(Grammar& grammar) {
   grammar.Group("Inspect the past");
   AddHistory(grammar);
   AddReplay(grammar);
+  grammar.Group("Look and record");
+  AddExternal(grammar);
   grammar.Group("Install and upgrade");
   AddKeys(grammar);
   AddOta(grammar);

@@ -1,7 +1,7 @@
 #pragma once
 // The commands of `musher`. Add<Command>() is in <command>.cpp, with the options of the command,
-// its help and what it does; wake, keep, low-power, poweroff and reboot are in policy.cpp.
-// AddCommands() calls all of them.
+// its help and what it does; wake, keep, low-power, poweroff and reboot are in policy.cpp;
+// view, record and play in external.cpp. AddCommands() calls all of them.
 
 namespace musher::cli {
 
@@ -28,6 +28,7 @@ void AddBehavior(Grammar& grammar);
 void AddSkill(Grammar& grammar);
 void AddHistory(Grammar& grammar);
 void AddReplay(Grammar& grammar);
+void AddExternal(Grammar& grammar);
 void AddKeys(Grammar& grammar);
 void AddOta(Grammar& grammar);
 void AddCompletion(Grammar& grammar);

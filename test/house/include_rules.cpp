@@ -63,7 +63,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"sqlite3.h", {"controller/", "test/controller/"}},
       {"nlohmann/",
        {"application/groot2/", "controller/", "cyberdog/", "modules/", "view/", "test/"}},
-      {"zlib.h", {"controller/storage/log_files.cpp", "test/controller/"}},
+      {"zlib.h", {"controller/storage/log_files.cpp", "view/mcap/", "test/controller/"}},
       {"fmt/", {"controller/", "modules/", "navigation/", "view/", "test/"}},
       {"boost/", {"view/http/", "test/view/"}},
       {"zstd.h", {"view/mcap/", "test/view/"}},

@@ -38,6 +38,7 @@ class DdsNode : public Node {
   }
 
   EventLoop& loop() override { return loop_; }
+  dds::Participant& participant() { return *participant_; }
 
   Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
@@ -98,6 +99,11 @@ class DdsNode : public Node {
 };
 
 }  // namespace
+
+dds::Participant* dds::ParticipantOf(Node& node) {
+  auto* own = dynamic_cast<DdsNode*>(&node);
+  return own != nullptr ? &own->participant() : nullptr;
+}
 
 namespace {
 

@@ -50,4 +50,7 @@ Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::s
                                                      const std::optional<Credentials>& credentials,
                                                      RosDistro distro);
 
+// That of a node from MakeDdsNode; null for another one.
+Participant* ParticipantOf(Node& node);
+
 }  // namespace musher::transport::dds

@@ -1,0 +1,72 @@
+#include "musher/view/record/playback.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::view::playback_test {
+
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kFrom = 1'780'000'000'000'000'000;
+constexpr std::int64_t kMs = 1'000'000;
+
+TEST(PlaySchedule, TheGapsAreThoseOfTheRecording) {
+  const Time begin = Time{} + std::chrono::hours(1);
+  const PlaySchedule schedule(begin, kFrom, 1.0);
+  EXPECT_EQ(schedule.DueAt(kFrom), begin);
+  EXPECT_EQ(schedule.DueAt(kFrom + 250 * kMs), begin + Milliseconds(250));
+  EXPECT_EQ(schedule.At(begin + Milliseconds(250)), kFrom + 250 * kMs);
+}
+
+TEST(PlaySchedule, TwiceAsFastHalvesTheGaps) {
+  const Time begin{};
+  const PlaySchedule schedule(begin, kFrom, 2.0);
+  EXPECT_EQ(schedule.DueAt(kFrom + 1000 * kMs), begin + Milliseconds(500));
+  EXPECT_EQ(schedule.At(begin + Milliseconds(500)), kFrom + 1000 * kMs);
+}
+
+TEST(PlaySchedule, WhatIsBeforeTheBeginningIsDueAtOnce) {
+  const PlaySchedule schedule(Time{}, kFrom, 1.0);
+  EXPECT_EQ(schedule.DueAt(kFrom - 5000 * kMs), Time{});
+}
+
+TEST(Remapping, GivesATopicItsOtherName) {
+  const Remapping remapping = Remapping::Of({"/chat:=/old/chat", "a:=b"}).value();
+  EXPECT_EQ(remapping.NameOf("/chat"), "/old/chat");
+  EXPECT_EQ(remapping.NameOf("/a"), "/b");
+  EXPECT_EQ(remapping.NameOf("/other"), "/other");
+}
+
+TEST(Remapping, RefusesARuleThatIsNone) {
+  for (const std::string rule : {"/chat", "/chat=/b", ":=/b", "/a:=", "/a:=/b/", "/a b:=/c"}) {
+    const auto remapping = Remapping::Of({rule});
+    ASSERT_FALSE(remapping) << rule;
+    EXPECT_THAT(remapping.error().message, HasSubstr("'" + rule + "'; expected FROM:=TO"));
+  }
+  EXPECT_FALSE(Remapping::Of({"/a:=/b", "a:=/c"}));
+}
+
+TEST(Playback, ARobotWouldObeyTheTopicsOfAMachine) {
+  EXPECT_TRUE(IsOfMachine("/musher/emergency_stop", "musher_msgs/msg/EmergencyStop"));
+  EXPECT_TRUE(IsOfMachine("/dog1/musher/machine_status", "musher_msgs/msg/MachineStatus"));
+  EXPECT_TRUE(IsOfMachine("/elsewhere", "musher_msgs/msg/EmergencyStop"));
+  EXPECT_FALSE(IsOfMachine("/image_rgb", "sensor_msgs/msg/Image"));
+}
+
+TEST(Playback, ReadsDurationsAndSizesWithTheirUnits) {
+  EXPECT_EQ(DurationFrom("90s").value(), std::chrono::seconds(90));
+  EXPECT_EQ(DurationFrom("1.5").value(), Milliseconds(1500));
+  EXPECT_EQ(DurationFrom("5m").value(), std::chrono::minutes(5));
+  EXPECT_EQ(BytesFrom("2G").value(), 2ULL << 30);
+  EXPECT_EQ(BytesFrom("500").value(), 500U);
+}
+
+TEST(Playback, RefusesADurationOrSizeThatIsNone) {
+  for (const std::string text : {"", "m", "0s", "-1s", "5 m", "1.2.3s", "5y", "nan", "1e99", "."}) {
+    EXPECT_FALSE(DurationFrom(text)) << text;
+    EXPECT_FALSE(BytesFrom(text)) << text;
+  }
+  EXPECT_THAT(DurationFrom("5y").error().message, HasSubstr("invalid duration '5y'; expected"));
+}
+
+}  // namespace musher::view::playback_test

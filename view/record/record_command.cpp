@@ -1,0 +1,220 @@
+// musher-record record: topics, the journal and trouble into a file or a ring of files.
+
+#include <chrono>
+#include <ctime>
+
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/transport/dds/topic_watch.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/view/record/commands.hpp"
+#include "musher/view/record/file_sink.hpp"
+#include "musher/view/record/journal_recorder.hpp"
+#include "musher/view/record/playback.hpp"
+#include "musher/view/record/schema.hpp"
+#include "musher/view/record/topic_recorder.hpp"
+#include "musher/view/record/trouble.hpp"
+#include "musher/view/record/type_names.hpp"
+
+namespace musher::view {
+namespace {
+
+constexpr Duration kLastSamples = Milliseconds(20);
+
+std::int64_t WallNow() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+mcap::Compression CompressionFrom(const std::string& name) {
+  if (name == "none") return mcap::Compression::kNone;
+  return name == "zstd" ? mcap::Compression::kZstd : mcap::Compression::kLz4;
+}
+
+std::string DefaultName() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char name[64];
+  std::strftime(name, sizeof(name), "musher_%Y-%m-%d_%H-%M-%S.mcap", &local);
+  return name;
+}
+
+// A recording under way.
+class Session {
+ public:
+  Session(transport::EventLoop& loop, const RecordOptions& options)
+      : loop_(loop), options_(options) {}
+
+  Result<> Start();
+  int End();
+
+ private:
+  Result<> OpenSink();
+  Result<> WatchMachine();
+  void OnFound(const transport::DiscoveredEndpoint& endpoint);
+  void Trouble(const std::string& reason);
+
+  transport::EventLoop& loop_;
+  const RecordOptions& options_;
+  int exit_ = 0;
+  bool said_unknown_ = false;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<FileSink> file_;
+  std::unique_ptr<RingSink> ring_;
+  Sink* sink_ = nullptr;
+  TroubleWatch trouble_;
+  std::unique_ptr<TopicRecorder> topics_;
+  std::unique_ptr<JournalRecorder> journal_;
+  std::unique_ptr<transport::Subscription> status_;
+  std::unique_ptr<transport::TopicWatch> watch_;
+  transport::LoopHandlePtr limit_;
+};
+
+Result<> Session::Start() {
+  auto choice = TopicChoice::Of(options_.topics, options_.exclude, options_.where.name_space);
+  if (!choice) return choice.error();
+  Duration duration{};
+  if (!options_.duration.empty()) {
+    const auto parsed = DurationFrom(options_.duration);
+    if (!parsed) return parsed.error();
+    duration = parsed.value();
+  }
+  auto node = JoinDomain(loop_, options_.where);
+  if (!node) return node.error();
+  node_ = std::move(node).value();
+  if (auto opened = OpenSink(); !opened) return opened;
+  topics_ = std::make_unique<TopicRecorder>(*node_, std::move(choice).value(), *sink_, WallNow,
+                                            [](const std::string& sentence) { Say(sentence); });
+  auto watch = transport::WatchTopics(
+      *node_, [this](const transport::DiscoveredEndpoint& endpoint) { OnFound(endpoint); },
+      [this](transport::PeerId id) { topics_->OnLost(id); });
+  if (!watch) return watch.error();
+  watch_ = std::move(watch).value();
+  if (auto watching = WatchMachine(); !watching) return watching;
+  if (duration > Duration{}) {
+    limit_ = loop_.At(loop_.Now() + duration, [this] { loop_.Stop(); });
+  }
+  return Ok();
+}
+
+Result<> Session::OpenSink() {
+  FileSinkOptions file;
+  file.path = options_.output.empty() ? DefaultName() : options_.output;
+  file.compression = CompressionFrom(options_.compression);
+  if (!options_.max_size.empty()) {
+    const auto bytes = BytesFrom(options_.max_size);
+    if (!bytes) return bytes.error();
+    file.max_bytes = bytes.value();
+  }
+  if (options_.ring.empty()) {
+    auto sink = FileSink::Open(loop_, file, [this](const std::string& why) {
+      Say("the recording ends: " + why);
+      exit_ = why.find("--max-size") == std::string::npos ? 1 : 0;
+      loop_.Stop();
+    });
+    if (!sink) return sink.error();
+    file_ = std::move(sink).value();
+    sink_ = file_.get();
+    Say("recording into " + file.path + "; Ctrl-C ends it");
+    return Ok();
+  }
+  RingOptions ring;
+  const auto length = DurationFrom(options_.ring);
+  if (!length) return length.error();
+  ring.length = length.value();
+  ring.max_kept = options_.keep;
+  if (options_.output.empty()) file.path = "musher_ring";
+  file.max_bytes = 0;
+  auto sink = RingSink::Open(loop_, file, ring, WallNow,
+                             [](const std::string& sentence) { Say(sentence); });
+  if (!sink) return sink.error();
+  ring_ = std::move(sink).value();
+  sink_ = ring_.get();
+  Say("the last " + options_.ring + " are in a ring; trouble is kept in " + file.path);
+  return Ok();
+}
+
+Result<> Session::WatchMachine() {
+  const std::string& name_space = options_.where.name_space;
+  auto journal = JournalRecorder::Make(*node_, name_space, *sink_, WallNow(),
+                                       [this](const std::string& event) {
+                                         if (const auto reason = TroubleOf(event)) Trouble(*reason);
+                                       });
+  if (!journal) return journal.error();
+  journal_ = std::move(journal).value();
+  if (!ring_) return Ok();
+  auto status = transport::MakeSubscription<msg::MachineStatus>(
+      *node_, transport::ResolveName(name_space, "musher/machine_status"),
+      [this](const msg::MachineStatus& message, const transport::SampleInfo&) {
+        if (const auto reason = trouble_.On(message)) Trouble(*reason);
+      },
+      transport::kLatchedQos);
+  if (!status) return status.error();
+  status_ = std::move(status).value();
+  return Ok();
+}
+
+void Session::OnFound(const transport::DiscoveredEndpoint& endpoint) {
+  if (!endpoint.writer) return;
+  transport::Qos qos;
+  qos.reliability = endpoint.reliability;
+  qos.durability = endpoint.durability;
+  if (!endpoint.partition.empty()) qos.partition = transport::kEveryPartition;
+  const std::size_t before = topics_->topics();
+  topics_->OnFound({endpoint.id, endpoint.topic, endpoint.type, qos});
+  const bool is_new = topics_->topics() > before;
+  if (is_new && SchemaText(endpoint.type).empty() && !std::exchange(said_unknown_, true)) {
+    Say("the type " + RosType(endpoint.type) + " of " + RosTopic(endpoint.topic) +
+        " is unknown to Musher; such topics are recorded without a schema");
+  }
+}
+
+void Session::Trouble(const std::string& reason) {
+  if (!ring_) return;
+  Say("trouble: " + reason);
+  ring_->OnTrouble(reason);
+}
+
+int Session::End() {
+  // Samples that arrived before the end are recorded, later ones neither recorded nor counted.
+  static_cast<void>(loop_.RunUntil([] { return false; }, loop_.Now() + kLastSamples));
+  watch_.reset();
+  status_.reset();
+  topics_->Stop();
+  const std::uint64_t of_journal = journal_->entries();
+  std::uint64_t lost = journal_->lost();
+  journal_.reset();
+  const auto closed = file_ ? file_->Close() : ring_->Close();
+  // What the disk's thread has reported meanwhile.
+  static_cast<void>(loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(1)));
+  if (!closed && exit_ == 0) exit_ = Fail(closed.error(), 1);
+  std::uint64_t messages = 0;
+  const auto counts = topics_->Counts();
+  for (const auto& [topic, count] : counts) {
+    messages += count.messages;
+    lost += count.lost;
+    if (count.lost > 0) Say(topic + ": " + std::to_string(count.lost) + " lost");
+  }
+  for (const std::string& pattern : topics_->choice().Unmatched()) {
+    Say("no topic matched " + pattern);
+  }
+  Say(std::to_string(counts.size()) + " topics, " + std::to_string(messages) + " messages, " +
+      std::to_string(of_journal) + " entries of the journal, " + std::to_string(lost) + " lost");
+  return exit_;
+}
+
+}  // namespace
+
+int RunRecord(const RecordOptions& options) {
+  const auto signals = EndSignals();
+  if (!signals) return Fail(signals.error(), 1);
+  transport::LinuxEventLoop loop;
+  Session session(loop, options);
+  if (auto started = session.Start(); !started) return Fail(started.error());
+  const auto ending = loop.WhenReadable(signals.value().get(), [&loop] { loop.Stop(); });
+  loop.Run();
+  return session.End();
+}
+
+}  // namespace musher::view
