@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
 # Sourced by scripts/demo: the competition robot plays its match on a simulated field, once for each side. Then
-# the arm's server is killed during a match, and a new plan goes on.
+# the arm's server is killed during a match, refuses a goal, and a climb times out: each time the match fails
+# with the reason, and a new plan goes on.
 
 journal=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
@@ -58,6 +59,15 @@ play() {
   musher behavior meilin --tree | head -n 40
 }
 
+# fails REASON: the match fails, and its reason begins with this.
+fails() {
+  await_mission '.state == "MISSION_FAILED"' 90
+  expect "the match" MISSION_FAILED "$(mission .state)"
+  expect "its reason begins with" "$1" "$(mission ".last_error[:${#1}]")"
+  say "$(mission .last_error)"
+  expect "bumps and falls" "0 0" "$(field '"\(.bumps) \(.falls)"')"
+}
+
 lose_arm() {
   step "The arm's server is killed: the match fails with the reason, the robot stands, a new plan goes on"
   local process
@@ -70,18 +80,51 @@ lose_arm() {
   process=$(status .actuators.arm.pid)
   say "\$ kill -KILL $process  # arm"
   kill -KILL "$process"
-  await_mission '.state == "MISSION_FAILED"' 60
-  expect "the match" MISSION_FAILED "$(mission .state)"
-  expect "the reason names" "ArmAction" "$(mission '.last_error[:9]')"
-  say "$(mission .last_error)"
+  fails ArmAction
   await ".actuators.arm | .pid > 0 and .pid != $process and .state == \"Active\""
-  cat > "$scratch/recover.toml" << 'END'
+}
+
+refuse_goal() {
+  step "The arm is in DeActive and refuses a goal: the match fails with the reason"
+  shown musher set DeActive arm
+  expect "exit code" 0 "$code"
+  cat > "$scratch/fetch.toml" << 'END'
 side = "red"
 start = [0, 2]
 [[step]]
 move = [0, 1]
 [[step]]
 move = [1, 1]
+[[step]]
+fetch = [2, 1]
+END
+  send_plan "$scratch/fetch.toml"
+  expect "the plan: exit code" 0 "$code"
+  fails "Goal rejected by arm_action"
+  shown musher set Active arm
+  expect "exit code" 0 "$code"
+}
+
+time_out() {
+  step "The wheels are stuck, and a climb times out: the match fails with the reason"
+  shown musher-world tell fault "suspension stuck"
+  cat > "$scratch/climb.toml" << 'END'
+side = "red"
+start = [1, 1]
+[[step]]
+move = [2, 1]
+END
+  send_plan "$scratch/climb.toml"
+  expect "the plan: exit code" 0 "$code"
+  fails Timeout  # the message of the suspension
+  shown musher-world tell fault none
+}
+
+recover() {
+  step "A new plan goes on"
+  cat > "$scratch/recover.toml" << 'END'
+side = "red"
+start = [1, 1]
 [[step]]
 fetch = [2, 1]
 [[step]]
@@ -139,5 +182,8 @@ run_demo() {
   ((failures == 0)) || return
   boot red
   lose_arm
+  refuse_goal
+  time_out
+  recover
   [[ $keep == yes ]] || end red-recovered
 }

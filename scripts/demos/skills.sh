@@ -130,6 +130,12 @@ plan() {
   expect "the plan" "completed: All timesteps completed." "$(answer '"\(.outcome): \(.message)"')"
   expect "its skills" "nav_2d detect grasp take_off place land" "$(answer '[.skills[].skill] | join(" ")')"
   expect "the humanoid holds" null "$(robots '.robots[] | select(.name == "h1_0") | .holds')"
+  run h1_0 pick_up object_prim_path=cup
+  expect_end pick_up completed "Object picked up"
+  expect "the humanoid holds" cup "$(robots '.robots[] | select(.name == "h1_0") | .holds')"
+  run h1_0 put_down
+  expect_end put_down completed "Object put down"
+  expect "the humanoid holds" null "$(robots '.robots[] | select(.name == "h1_0") | .holds')"
 }
 
 refuse() {
