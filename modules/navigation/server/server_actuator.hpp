@@ -3,7 +3,8 @@
 // `self_check_time`, Make(), Permit(), Check() and OnTimeJump(), as PlannerServer has them.
 //
 //   SelfCheck    waits for all robots, for the time of the config; degraded if one is ready, failed
-//                if none is
+//                if none is; goals are accepted or not as before: after SetUp and in Error not, in
+//                the run phase it is a check of a server that goes on
 //   Active       goals are accepted
 //   all others   present goals end at once, new ones are rejected
 //   an emergency stop: the same, until Active is set again after its release
@@ -109,7 +110,6 @@ class ServerActuator : public MachineActuator {
     return Ok();
   }
   Result<> SelfCheck() {
-    node_->RunOnLoop([&] { server_->Permit(false, "it is in SelfCheck"); });
     SelfCheckResult last;
     Result<> checked = program::AwaitOnLoop(
         *node_, config_.self_check_time,

@@ -128,11 +128,11 @@ TEST_F(PlannerProcess, IsNotStartedWithAnInvalidFile) {
   EXPECT_THAT(peer_.Output(), HasSubstr("planner_server.toml:2:8: error: robot.name"));
 }
 
-TEST_F(ControllerProcess, DrivesInActiveAndStandsInEveryOtherState) {
+TEST_F(ControllerProcess, DrivesInActiveAndStandsInTheOtherStates) {
   PublishMap();
   Start();
   ExpectDone("SelfCheck");
-  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error", "SelfCheck"}) {
+  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
     ExpectDone("Active");
     Drive();
     ASSERT_TRUE(AwaitMotion()) << state << peer_.Output();
@@ -141,6 +141,22 @@ TEST_F(ControllerProcess, DrivesInActiveAndStandsInEveryOtherState) {
     EXPECT_EQ(end_, GoalEnd::kAborted) << state;
   }
   EXPECT_THAT(peer_.Output(), HasSubstr("jetbot_0: the drive has ended: it is in LowPower"));
+}
+
+// A SelfCheck in the run phase leaves the state as it is; it ended the drive, and every goal was
+// rejected until Active was set again.
+TEST_F(ControllerProcess, ASelfCheckOfAnActiveServerLeavesItsDriveAlone) {
+  PublishMap();
+  Start();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  Drive();
+  ASSERT_TRUE(AwaitMotion()) << peer_.Output();
+  ExpectDone("SelfCheck");
+  ASSERT_TRUE(peer_.Until([&] { return end_.has_value(); })) << peer_.Output();
+  EXPECT_EQ(end_, GoalEnd::kSucceeded) << peer_.Output();
+  Drive();
+  EXPECT_TRUE(AwaitMotion()) << "a goal after the check" << peer_.Output();
 }
 
 TEST_F(ControllerProcess, SendsAZeroVelocityWhenItIsTerminated) {
