@@ -4,6 +4,7 @@
     generate.py headers --root messages --out build/include a.idl b.idl   the C++ headers, musher/messages/*/*.hpp
     generate.py hashes --root … --out F.cpp …           the table of type hashes (type_hash.hpp)
     generate.py hashes --root … …                       prints "std_msgs/msg/String<tab>RIHS01_…" lines
+    generate.py definitions --root … --out F.cpp …      the table of definitions (definitions.hpp)
     generate.py idlc --root … --out F.idl …             one file for idlc, which makes plain C structs of it
     generate.py ros --root … --out F --package P …      a ROS 2 interface package in F/P
     generate.py wire-tests --root … --out F …           the tests that compare the headers with idlc's structs
@@ -18,6 +19,7 @@ import shutil
 import sys
 
 import cpp_headers
+import definitions
 import idl
 import joined_idl
 import ros_package
@@ -50,7 +52,7 @@ def remove_others(folder, made):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["headers", "hashes", "idlc", "ros", "wire-tests"])
+    parser.add_argument("what", choices=["headers", "hashes", "definitions", "idlc", "ros", "wire-tests"])
     parser.add_argument("--root", required=True)
     parser.add_argument("--out")
     parser.add_argument("--package")
@@ -70,6 +72,8 @@ def main():
         elif given.what == "hashes":
             for name, value in sorted(type_hashes.hashes(files).items()):
                 print(name.replace("::dds_::", "/").replace("::", "/")[:-1], value, sep="\t")
+        elif given.what == "definitions":
+            write(given.out, definitions.cpp_source(files))
         elif given.what == "idlc":
             write(given.out, joined_idl.joined(files))
         elif given.what == "ros":
