@@ -145,7 +145,8 @@ Result<std::unique_ptr<TopicWatch>> WatchTopics(Node& node, OnFound on_found, On
   dds::Participant* participant = dds::ParticipantOf(node);
   MUSHER_CHECK(participant != nullptr, "only a node of DDS has topics to watch");
   auto writers = std::make_shared<Watched>(node.loop(), true, on_found, on_lost);
-  auto readers = std::make_shared<Watched>(node.loop(), false, on_found, on_lost);
+  auto readers =
+      std::make_shared<Watched>(node.loop(), false, std::move(on_found), std::move(on_lost));
   if (auto opened = writers->Open(participant->get()); !opened) return opened.error();
   if (auto opened = readers->Open(participant->get()); !opened) return opened.error();
   return std::unique_ptr<TopicWatch>(

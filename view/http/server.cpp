@@ -64,7 +64,8 @@ void Network::Remove(const std::shared_ptr<Session>& session) {
 // Its functions but the constructor and the destructor run on the network thread.
 class Server::Impl {
  public:
-  Impl(transport::EventLoop& loop, Options options, OnRequest on_request, OnWebSocket on_websocket)
+  Impl(transport::EventLoop& loop, const Options& options, OnRequest on_request,
+       OnWebSocket on_websocket)
       : network_{io_,
                  options,
                  HostNames{HostName(), options.hosts},
@@ -191,10 +192,9 @@ void Server::Impl::End() {
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
-Result<std::unique_ptr<Server>> Server::Make(transport::EventLoop& loop, Options options,
+Result<std::unique_ptr<Server>> Server::Make(transport::EventLoop& loop, const Options& options,
                                              OnRequest on_request, OnWebSocket on_websocket) {
-  auto impl = std::make_unique<Impl>(loop, std::move(options), std::move(on_request),
-                                     std::move(on_websocket));
+  auto impl = std::make_unique<Impl>(loop, options, std::move(on_request), std::move(on_websocket));
   const auto started = impl->Start();
   if (!started) return started.error();
   return std::unique_ptr<Server>(new Server(std::move(impl)));

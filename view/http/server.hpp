@@ -115,7 +115,7 @@ struct Options {
 
 class Server {
  public:
-  static Result<std::unique_ptr<Server>> Make(transport::EventLoop& loop, Options options,
+  static Result<std::unique_ptr<Server>> Make(transport::EventLoop& loop, const Options& options,
                                               OnRequest on_request, OnWebSocket on_websocket);
   ~Server();
   Server(const Server&) = delete;

@@ -16,7 +16,8 @@ void AddWhere(CLI::App& app, DomainOptions& where) {
   if (where.name_space.starts_with('/')) where.name_space.erase(0, 1);
   app.add_option("--namespace", where.name_space,
                  "Namespace of the machine; default $MUSHER_NAMESPACE, else none")
-      ->transform([](std::string text) { return text.substr(text.starts_with('/') ? 1 : 0); });
+      ->transform(
+          [](const std::string& text) { return text.substr(text.starts_with('/') ? 1 : 0); });
   app.add_option("--domain", where.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""));
 }

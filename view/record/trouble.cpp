@@ -4,8 +4,8 @@ namespace musher::view {
 
 std::optional<std::string> TroubleWatch::On(const msg::MachineStatus& status) {
   std::optional<std::string> trouble;
-  const auto say = [&trouble](std::string what) {
-    if (!trouble) trouble = std::move(what);
+  const auto say = [&trouble](const std::string& what) {
+    if (!trouble) trouble = what;
   };
   if (status.emergency_stop && !stopped_) say("emergency-stop");
   if (status.state == "Error" && state_ != "Error") say("error");
