@@ -42,6 +42,7 @@ find_library(ZMQ_LIBRARY zmq)
 
 if(MUSHER_VIEW)
   musher_dependency(Boost libboost-dev 1.74)
+  musher_dependency(OpenCV libopencv-dev COMPONENTS core imgcodecs imgproc)
   musher_dependency(PkgConfig pkg-config)
   pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)
   pkg_check_modules(LZ4 QUIET IMPORTED_TARGET liblz4)

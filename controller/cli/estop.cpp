@@ -8,14 +8,13 @@
 
 #include <algorithm>
 #include <array>
-#include <random>
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
-#include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/client/latching.hpp"
 
 namespace musher::cli {
 namespace {
@@ -26,7 +25,6 @@ struct EstopOptions {
 };
 
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
-constexpr std::size_t kLongestReason = 256;  // bytes
 
 // "alice@dog1"
 std::string Me() {
@@ -37,14 +35,8 @@ std::string Me() {
          host.data();
 }
 
-std::uint64_t RandomId() {
-  std::random_device random;
-  return (std::uint64_t{random()} << 32U) | random() | 1U;  // not 0
-}
-
 msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
-  const std::string words = fmt::format("{}", fmt::join(reason, " "));
-  return {RandomId(), true, Me(), words.substr(0, kLongestReason)};
+  return NewEmergencyStop(Me(), fmt::format("{}", fmt::join(reason, " ")));
 }
 
 // Waits until all actuators have latched the stop. A controller reports which are present; without

@@ -224,7 +224,9 @@ END
 run_demo() {
   boot
   if ((failures == 0)); then
+    begin_view
     walk
+    page_pictures robot cameras
     be_protected
     rest
     charge
@@ -232,6 +234,8 @@ run_demo() {
     refuse_upgrade
     upgrade
     keep_state
+    page_pictures robot timeline
+    end_view
   fi
   [[ $keep == yes ]] || power_off
 }

@@ -14,6 +14,7 @@ namespace {
 // Fields of /proc/<pid>/stat after the name of the program, counted from 0 (proc(5) counts from 3).
 constexpr int kUserTime = 11;
 constexpr int kSystemTime = 12;
+constexpr int kThreads = 17;
 constexpr int kStartTime = 19;
 constexpr int kResident = 21;
 
@@ -32,12 +33,14 @@ std::optional<ProcessUsage> ParseUsage(pid_t pid, std::string_view stat, double 
     if (begin == std::string_view::npos) return std::nullopt;
     stat.remove_prefix(begin);
     const auto end = std::min(stat.find(' '), stat.size());
-    if (field == kUserTime || field == kSystemTime || field == kStartTime || field == kResident) {
+    if (field == kUserTime || field == kSystemTime || field == kThreads || field == kStartTime ||
+        field == kResident) {
       std::uint64_t value = 0;
       if (std::from_chars(stat.data(), stat.data() + end, value).ec != std::errc()) {
         return std::nullopt;
       }
       if (field == kUserTime || field == kSystemTime) ticks += value;
+      if (field == kThreads) usage.threads = value;
       if (field == kStartTime) usage.start_time = value;
       if (field == kResident) usage.resident_bytes = value * page_bytes;
     }

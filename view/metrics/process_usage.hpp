@@ -16,6 +16,7 @@ struct ProcessUsage {
   std::uint64_t start_time = 0;  // ticks since boot; differs for a later process of the same pid
   double cpu_seconds = 0;        // of all its threads, user and system, since its start
   std::uint64_t resident_bytes = 0;
+  std::uint64_t threads = 0;
 
   friend bool operator==(const ProcessUsage&, const ProcessUsage&) = default;
 };

@@ -8,10 +8,10 @@
 
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/ending.hpp"
-#include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/why.hpp"
+#include "musher/controller/client/latching.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"

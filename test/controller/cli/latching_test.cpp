@@ -1,6 +1,6 @@
 // Which actuators have latched an emergency stop, from the statuses of actuators and controller.
 
-#include "musher/controller/cli/latching.hpp"
+#include "musher/controller/client/latching.hpp"
 
 #include <gmock/gmock.h>
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -15,7 +16,7 @@
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/node.hpp"
 
-namespace musher::cli {
+namespace musher {
 
 // Which actuators have latched an emergency stop so far.
 struct EstopReport {
@@ -47,6 +48,11 @@ struct EstopReport {
   // Every known actuator has latched it.
   bool complete() const { return Missing().empty() && controller == controller_latched; }
 };
+
+// A stop to engage: with a random id, and the first kLongestStopReason bytes of the reason. `by`:
+// the person or program.
+inline constexpr std::size_t kLongestStopReason = 256;
+msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason);
 
 class Latching {
  public:
@@ -82,4 +88,4 @@ class Latching {
   std::unique_ptr<transport::Subscription> statuses_;  // last: its callbacks use all of the above
 };
 
-}  // namespace musher::cli
+}  // namespace musher

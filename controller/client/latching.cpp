@@ -1,6 +1,7 @@
-#include "musher/controller/cli/latching.hpp"
+#include "musher/controller/client/latching.hpp"
 
 #include <algorithm>
+#include <random>
 #include <utility>
 
 #include "musher/lifecycle/config/config.hpp"
@@ -8,7 +9,7 @@
 #include "musher/lifecycle/machine/machine.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
-namespace musher::cli {
+namespace musher {
 namespace {
 
 // Whether it may move: a crashed actuator does not, one whose connection is lost may.
@@ -33,6 +34,12 @@ bool EstopReport::settled() const {
          std::all_of(actuators.begin(), actuators.end(), [](const Actuator& actuator) {
            return actuator.stopped || actuator.unsupported;
          });
+}
+
+msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
+  std::random_device random;
+  const std::uint64_t id = (std::uint64_t{random()} << 32U) | random() | 1U;  // not 0
+  return {id, true, std::move(by), std::string(reason.substr(0, kLongestStopReason))};
 }
 
 Latching::Latching(transport::Node& node, msg::EmergencyStop stop)
@@ -124,4 +131,4 @@ EstopReport::Actuator& Latching::Take(EstopReport& report, const std::string& na
   return actuator;
 }
 
-}  // namespace musher::cli
+}  // namespace musher

@@ -1,0 +1,200 @@
+#include "musher/view/live/live_server.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "musher/base/host.hpp"
+#include "musher/base/version.hpp"
+#include "musher/view/http/reply.hpp"
+
+namespace musher::view {
+namespace {
+
+using LiveJson = nlohmann::ordered_json;
+
+constexpr const char* kSubprotocol = "musher.view.v1";
+constexpr Duration kTopicsDelay = Milliseconds(100);  // what is discovered comes together
+constexpr unsigned kPolicyViolation = 1008;
+
+SharedText Dumped(const LiveJson& json) {
+  return std::make_shared<const std::string>(
+      json.dump(-1, ' ', false, LiveJson::error_handler_t::replace));
+}
+
+}  // namespace
+
+LiveServer::LiveServer(transport::Node& node, Options options)
+    : node_(node),
+      options_(std::move(options)),
+      login_(http::KernelRandom, options_.token),
+      cameras_(node, table_),
+      watched_(node, table_, [this](const std::string& topic, const SharedText& message) {
+        for (Page& page : pages_) {
+          if (page.watched.contains(topic)) Send(page, "latest " + topic, message);
+        }
+      }) {}
+
+Result<std::unique_ptr<LiveServer>> LiveServer::Make(transport::Node& node, Options options) {
+  std::unique_ptr<LiveServer> server(new LiveServer(node, std::move(options)));
+  if (auto opened = server->Open(); !opened) return opened.error();
+  return server;
+}
+
+Result<> LiveServer::Open() {
+  const std::string host = HostId();
+  MachineFeed::Events events;
+  events.on_message = [this](const std::string& key, const SharedText& message) {
+    SendAll(key, message);
+  };
+  events.on_entry = [this](const SharedText& entry) {
+    for (Page& page : pages_) page.queue.PutEntry(entry);
+    for (Page& page : pages_) SendWaiting(page);
+  };
+  events.on_status = [this] { requests_->OnStatus(); };
+  requests_ = std::make_unique<RobotRequests>(
+      node_, RobotRequests::Options{options_.name_space, host, options_.with_keys},
+      [this]() -> const std::optional<msg::MachineStatus>& { return feed_->status(); });
+  auto feed = MachineFeed::Make(node_, {options_.name_space, host}, std::move(events));
+  if (!feed) return feed.error();
+  feed_ = std::move(feed).value();
+  MetricsWatch::Options metrics;
+  metrics.name_space = options_.name_space;
+  metrics.with_keys = options_.with_keys;
+  metrics.began_wall_ns = WallMilliseconds() * 1'000'000;
+  metrics.host = host;
+  metrics_ = std::make_unique<MetricsWatch>(node_, std::move(metrics));
+  auto watch = transport::WatchTopics(
+      node_,
+      [this](const transport::DiscoveredEndpoint& endpoint) {
+        if (table_.OnFound(endpoint)) OnTopicsChanged();
+      },
+      [this](transport::PeerId id) {
+        if (table_.OnLost(id)) OnTopicsChanged();
+      });
+  if (!watch) return watch.error();
+  topic_watch_ = std::move(watch).value();
+  every_second_ = node_.loop().Every(std::chrono::seconds(1), [this] {
+    SendAll("time", Dumped({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
+  });
+  http::Options http = options_.http;
+  http.subprotocols.emplace_back(kSubprotocol);
+  auto server = http::Server::Make(
+      node_.loop(), http,
+      [this](const http::Request& request, const http::Respond& respond) {
+        OnRequest(request, respond);
+      },
+      [this](const std::shared_ptr<http::WebSocket>& socket) { return OnWebSocket(socket); });
+  if (!server) return server.error();
+  http_ = std::move(server).value();
+  return Ok();
+}
+
+std::string LiveServer::NewLink(const std::string& name) {
+  return "/login?code=" + login_.NewCode(name, node_.loop().Now());
+}
+
+http::WebSocketHandlers LiveServer::OnWebSocket(const std::shared_ptr<http::WebSocket>& socket) {
+  if (socket->request().path != "/live") {
+    socket->Close(kPolicyViolation, "there is no WebSocket at " + socket->request().path);
+    return {};
+  }
+  if (!MayLook(socket->request())) {
+    socket->Close(kPolicyViolation, "looking from another host needs a login");
+    return {};
+  }
+  Page& page = pages_.emplace_back();
+  page.socket = socket;
+  http::WebSocketHandlers handlers;
+  handlers.on_message = [this, &page](const std::string& text, bool) { OnPageMessage(page, text); };
+  handlers.on_drained = [this, &page] { SendWaiting(page); };
+  handlers.on_closed = [this, &page] { OnPageClosed(page); };
+  Greet(page);
+  metrics_->metrics().OnClients(pages_.size(), 0);
+  feed_->SetOpenPages(pages_.size());
+  return handlers;
+}
+
+void LiveServer::Greet(Page& page) {
+  const std::string person = PersonOf(page.socket->request());
+  page.socket->Send(Dumped({{"op", "hello"},
+                            {"version", Version()},
+                            {"namespace", options_.name_space},
+                            {"may_act", !person.empty()},
+                            {"who", person},
+                            {"time_ms", WallMilliseconds()}}),
+                    false);
+  page.socket->Send(TopicsMessage(), false);
+  page.socket->Send(feed_->History(), false);
+  for (const auto& [key, message] : feed_->Latest()) page.socket->Send(message, false);
+}
+
+void LiveServer::OnPageMessage(Page& page, const std::string& text) {
+  const LiveJson message = LiveJson::parse(text, nullptr, false);
+  if (!message.is_object() || message.value("op", LiveJson()) != "watch" ||
+      !message.contains("topics") || !message["topics"].is_array()) {
+    return page.socket->Close(kPolicyViolation,
+                              R"(a page sends {"op":"watch","topics":[...]}, nothing else)");
+  }
+  page.watched.clear();
+  for (const LiveJson& topic : message["topics"]) {
+    if (topic.is_string() && page.watched.size() < kMostWatched) {
+      page.watched.insert(topic.get<std::string>());
+    }
+  }
+  WatchForAll();
+  for (const std::string& topic : page.watched) {
+    if (const SharedText last = watched_.Last(topic)) Send(page, "latest " + topic, last);
+  }
+}
+
+void LiveServer::OnPageClosed(Page& page) {
+  pages_.remove_if([&page](const Page& each) { return &each == &page; });
+  WatchForAll();
+  metrics_->metrics().OnClients(pages_.size(), 0);
+  feed_->SetOpenPages(pages_.size());
+}
+
+void LiveServer::WatchForAll() {
+  std::set<std::string> topics;
+  for (const Page& page : pages_) topics.insert(page.watched.begin(), page.watched.end());
+  watched_.Watch(topics);
+}
+
+void LiveServer::Send(Page& page, const std::string& key, const SharedText& message) {
+  page.queue.Put(key, message);
+  SendWaiting(page);
+}
+
+void LiveServer::SendAll(const std::string& key, const SharedText& message) {
+  for (Page& page : pages_) Send(page, key, message);
+}
+
+void LiveServer::SendWaiting(Page& page) {
+  if (page.queue.empty() || page.socket->queued_bytes() > 0) return;
+  const bool history_lost = page.queue.history_lost();
+  for (SharedText& message : page.queue.TakeAll()) page.socket->Send(std::move(message), false);
+  if (history_lost) page.socket->Send(feed_->History(), false);
+}
+
+void LiveServer::OnTopicsChanged() {
+  if (topics_timer_) return;
+  topics_timer_ = node_.loop().At(node_.loop().Now() + kTopicsDelay, [this] {
+    topics_timer_.reset();
+    watched_.OnTopicsChanged();
+    if (!pages_.empty()) SendAll("topics", TopicsMessage());
+  });
+}
+
+SharedText LiveServer::TopicsMessage() const {
+  LiveJson topics = LiveJson::array();
+  for (const ListedTopic& topic : table_.List()) {
+    topics.push_back({{"name", topic.name},
+                      {"type", topic.type},
+                      {"publishers", topic.publishers},
+                      {"subscribers", topic.subscribers}});
+  }
+  return Dumped({{"op", "topics"}, {"topics", std::move(topics)}});
+}
+
+}  // namespace musher::view

@@ -1,0 +1,97 @@
+#pragma once
+// The server of the page: its files, the WebSocket /live, the API, cameras, logs and metrics of one
+// machine (docs/view.md).
+//
+// Who may look: everybody on this host; from elsewhere, whoever has logged in. Who may act: whoever
+// has logged in, by a one-time link. A request that acts carries the person's name and address.
+//
+//   /live       the WebSocket of a page (subprotocol musher.view.v1)
+//   /api/...    history, behavior, tree, log, topics, plan; with a login: set, estop, release,
+//   restart /camera     a picture; /metrics for Prometheus /login      opens a session with the
+//   code of a link; POST /api/link makes one for a token
+//
+// Threads: loop thread only.
+
+#include <list>
+#include <memory>
+#include <string>
+
+#include "musher/view/http/login.hpp"
+#include "musher/view/http/server.hpp"
+#include "musher/view/live/camera_view.hpp"
+#include "musher/view/live/machine_feed.hpp"
+#include "musher/view/live/robot_requests.hpp"
+#include "musher/view/live/watched_topics.hpp"
+#include "musher/view/metrics/metrics_watch.hpp"
+
+namespace musher::view {
+
+class LiveServer {
+ public:
+  static constexpr std::size_t kMostWatched = 64;  // topics of a page
+
+  struct Options {
+    http::Options http;
+    std::string name_space;
+    bool with_keys = false;  // the machine has [security]
+    std::string token;       // of ReadOrMakeToken()
+    std::string logs;        // folder of the actuators' logs; empty: as the machine's config says
+  };
+
+  // Fails if DDS or the address cannot be used. The node must outlive it.
+  static Result<std::unique_ptr<LiveServer>> Make(transport::Node& node, Options options);
+
+  std::uint16_t port() const { return http_->port(); }
+  // The path of a link with which the person of that name may log in, once: "/login?code=...".
+  std::string NewLink(const std::string& name);
+
+ private:
+  struct Page {
+    std::shared_ptr<http::WebSocket> socket;
+    PageQueue queue;
+    std::set<std::string> watched;
+  };
+
+  LiveServer(transport::Node& node, Options options);
+  Result<> Open();
+
+  // Who has sent the request; empty: nobody who has logged in.
+  std::string PersonOf(const http::Request& request);
+  bool MayLook(const http::Request& request);
+
+  void OnRequest(const http::Request& request, const http::Respond& respond);
+  void OnGet(const http::Request& request, const http::Respond& respond);
+  void OnPost(const http::Request& request, const http::Respond& respond);
+  void OnLogin(const http::Request& request, const http::Respond& respond);
+  void OnLink(const http::Request& request, const http::Respond& respond);
+  void OnLog(const http::Request& request, const http::Respond& respond);
+  http::WebSocketHandlers OnWebSocket(const std::shared_ptr<http::WebSocket>& socket);
+
+  void Greet(Page& page);
+  void OnPageMessage(Page& page, const std::string& text);
+  void OnPageClosed(Page& page);
+  void Send(Page& page, const std::string& key, const SharedText& message);
+  void SendAll(const std::string& key, const SharedText& message);
+  void SendWaiting(Page& page);
+  void WatchForAll();
+  void OnTopicsChanged();
+  SharedText TopicsMessage() const;
+  Result<std::string> LogFileOf(const std::string& actuator);
+
+  transport::Node& node_;
+  const Options options_;
+  http::Login login_;
+  TopicTable table_;
+  CameraView cameras_;
+  WatchedTopics watched_;
+  std::unique_ptr<RobotRequests> requests_;
+  std::unique_ptr<MetricsWatch> metrics_;
+  std::unique_ptr<MachineFeed> feed_;
+  std::unique_ptr<transport::TopicWatch> topic_watch_;
+  std::list<Page> pages_;
+  transport::LoopHandlePtr topics_timer_;  // while a change is not sent
+  transport::LoopHandlePtr every_second_;
+  std::unique_ptr<http::Server> http_;  // last: its functions use all of the above
+};
+
+}  // namespace musher::view

@@ -1,0 +1,207 @@
+#include "musher/view/live/machine_feed.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "musher/view/http/reply.hpp"
+#include "musher/view/live/watched_topics.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::view {
+namespace {
+
+using FeedJson = nlohmann::ordered_json;
+
+constexpr std::uint32_t kAskedEntries = 400;
+constexpr Duration kAskDelay = Milliseconds(50);  // the records of a change come together
+constexpr Duration kAnswerTime = std::chrono::seconds(3);
+constexpr int kSecondsOfProcesses = 2;
+constexpr int kSecondsOfHistory = 5;  // beside each change of the status
+
+std::string DumpedFeed(const FeedJson& json) {
+  return json.dump(-1, ' ', false, FeedJson::error_handler_t::replace);
+}
+
+SharedText GoneMessage(const std::string& topic) {
+  return std::make_shared<const std::string>(R"({"op":"gone","topic":)" + http::JsonText(topic) +
+                                             "}");
+}
+
+}  // namespace
+
+std::string EntryJson(const msg::HistoryEntry& entry, const std::string& event) {
+  return DumpedFeed({{"id", entry.id},
+                     {"wall_ns", std::to_string(entry.wall_ns)},
+                     {"epoch", entry.epoch},
+                     {"switch_number", entry.switch_number},
+                     {"kind", entry.kind},
+                     {"actuator", entry.actuator},
+                     {"code", entry.code},
+                     {"message", entry.message},
+                     {"cause", entry.cause},
+                     {"state", entry.state},
+                     {"data", entry.data},
+                     {"event", event}});
+}
+
+MachineFeed::MachineFeed(transport::Node& node, Options options, Events events)
+    : node_(node),
+      options_(std::move(options)),
+      events_(std::move(events)),
+      status_topic_("/" + transport::MachineStatusTopic(options_.name_space)),
+      capabilities_topic_("/" + transport::CapabilitiesTopic(options_.name_space)) {}
+
+Result<std::unique_ptr<MachineFeed>> MachineFeed::Make(transport::Node& node, Options options,
+                                                       Events events) {
+  std::unique_ptr<MachineFeed> feed(new MachineFeed(node, std::move(options), std::move(events)));
+  if (auto opened = feed->Open(); !opened) return opened.error();
+  return feed;
+}
+
+Result<> MachineFeed::Open() {
+  auto client = transport::MakeClient<msg::GetHistory>(
+      node_, transport::MachineService(options_.name_space, "get_history"));
+  if (!client) return client.error();
+  get_history_ = std::move(client).value();
+  auto capabilities = transport::MakeSubscription<msg::Capabilities>(
+      node_, transport::CapabilitiesTopic(options_.name_space),
+      [this](const msg::Capabilities& latest, const transport::SampleInfo&) {
+        Publish(capabilities_topic_, latest);
+      },
+      transport::kLatchedQos);
+  if (!capabilities) return capabilities.error();
+  capabilities_ = std::move(capabilities).value();
+  auto leader = LeaderWatch::Make(
+      node_, {options_.name_space, options_.host, WatchByPidfd(node_.loop())},
+      [this](const msg::MachineStatus& status) { OnStatus(status); },
+      [this](const msg::MachineStatus&, const std::string&) { OnEnd(); });
+  if (!leader) return leader.error();
+  leader_ = std::move(leader).value();
+  return Ok();
+}
+
+template <class M>
+void MachineFeed::Publish(const std::string& topic, const M& message) {
+  const auto text = json_.ToJson(M::kTypeName, msg::Encode(message));
+  if (!text) return;
+  Keep("latest " + topic,
+       LatestMessage(topic, std::string(M::kTypeName), WallMilliseconds(), text.value()));
+}
+
+void MachineFeed::Keep(const std::string& key, SharedText message) {
+  const auto same = std::find_if(latest_.begin(), latest_.end(),
+                                 [&key](const auto& kept) { return kept.first == key; });
+  if (same == latest_.end()) {
+    latest_.emplace_back(key, message);
+  } else {
+    same->second = message;
+  }
+  events_.on_message(key, message);
+}
+
+void MachineFeed::OnStatus(const msg::MachineStatus& status) {
+  last_ = status;
+  Publish(status_topic_, status);
+  events_.on_status();
+  AskSoon();
+}
+
+// The page keeps the last messages, marked as old.
+void MachineFeed::OnEnd() {
+  for (const std::string& topic : {status_topic_, capabilities_topic_}) {
+    events_.on_message("latest " + topic, GoneMessage(topic));
+  }
+  events_.on_status();
+}
+
+std::vector<std::pair<std::string, SharedText>> MachineFeed::Latest() const {
+  auto latest = latest_;
+  if (!status() && last_) {
+    for (const std::string& topic : {status_topic_, capabilities_topic_}) {
+      latest.emplace_back("gone " + topic, GoneMessage(topic));
+    }
+  }
+  return latest;
+}
+
+SharedText MachineFeed::History() const {
+  return HistoryMessage({entries_.begin(), entries_.end()}, true);
+}
+
+void MachineFeed::SetOpenPages(std::size_t count) {
+  const bool first = pages_ == 0 && count > 0;
+  pages_ = count;
+  if (count == 0) every_second_.reset();
+  if (!first) return;
+  LookAtProcesses();
+  Ask();
+  every_second_ = node_.loop().Every(std::chrono::seconds(1), [this, seconds = 0]() mutable {
+    ++seconds;
+    if (seconds % kSecondsOfProcesses == 0) LookAtProcesses();
+    if (seconds % kSecondsOfHistory == 0) Ask();
+  });
+}
+
+void MachineFeed::AskSoon() {
+  if (pages_ == 0 || ask_timer_) return;
+  ask_timer_ = node_.loop().At(node_.loop().Now() + kAskDelay, [this] {
+    ask_timer_.reset();
+    Ask();
+  });
+}
+
+void MachineFeed::Ask() {
+  if (asking_) {
+    ask_again_ = true;
+    return;
+  }
+  if (!get_history_->Ready()) return;
+  asking_ = true;
+  get_history_->Call({cursor_.since_ns(), kAskedEntries}, kAnswerTime,
+                     [this](const Result<msg::GetHistory::Response>& answer) { OnAnswer(answer); });
+}
+
+void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {
+  asking_ = false;
+  if (answer) {
+    const msg::GetHistory::Response& history = answer.value();
+    for (const std::size_t i : cursor_.Take(history.entries)) {
+      const std::string event = i < history.events.size() ? history.events[i] : "";
+      entries_.push_back(std::make_shared<const std::string>(EntryJson(history.entries[i], event)));
+      if (entries_.size() > kKeptEntries) entries_.pop_front();
+      events_.on_entry(entries_.back());
+    }
+  }
+  if (std::exchange(ask_again_, false)) AskSoon();
+}
+
+void MachineFeed::LookAtProcesses() {
+  if (!status()) return;
+  FeedJson actuators = FeedJson::array();
+  std::map<std::string, std::pair<ProcessUsage, Time>> now;
+  const Time at = node_.loop().Now();
+  for (const msg::ActuatorInfo& actuator : status()->actuators) {
+    if (actuator.pid <= 0 || actuator.host != options_.host) continue;
+    const auto usage = UsageOf(actuator.pid);
+    if (!usage) continue;
+    double percent = 0;
+    const auto before = usage_.find(actuator.name);
+    if (before != usage_.end() && before->second.first.start_time == usage->start_time &&
+        at > before->second.second) {
+      percent = 100 * (usage->cpu_seconds - before->second.first.cpu_seconds) /
+                std::chrono::duration<double>(at - before->second.second).count();
+    }
+    actuators.push_back({{"name", actuator.name},
+                         {"pid", actuator.pid},
+                         {"cpu_percent", percent},
+                         {"rss_bytes", usage->resident_bytes},
+                         {"threads", usage->threads}});
+    now[actuator.name] = {*usage, at};
+  }
+  usage_ = std::move(now);
+  Keep("processes", std::make_shared<const std::string>(
+                        DumpedFeed({{"op", "processes"}, {"actuators", std::move(actuators)}})));
+}
+
+}  // namespace musher::view

@@ -1,0 +1,97 @@
+#pragma once
+// What a page asks of the robot, over the services of its controller and its applications. Answers
+// are JSON with the fields of the service's response.
+//
+// Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
+// this is dropped. Errors are responses with a status and a sentence:
+//   400 the request is malformed        404 no actuator of that name, or it has no such service
+//   503 no controller leads             504 no answer in time
+// A switch that is refused, undone or degraded is an answer, no error.
+
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/switch_client.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
+#include "musher/messages/musher_msgs/tree.hpp"
+#include "musher/view/http/server.hpp"
+#include "musher/view/json/message_json.hpp"
+
+namespace musher::view {
+
+class RobotRequests {
+ public:
+  static constexpr Duration kAnswerTime = std::chrono::seconds(5);
+  static constexpr Duration kSwitchTime = std::chrono::seconds(120);
+  static constexpr Duration kRestartTime = std::chrono::seconds(60);
+  static constexpr Duration kStopTime = std::chrono::seconds(3);
+
+  struct Options {
+    std::string name_space;
+    std::string host;        // HostId()
+    bool with_keys = false;  // the machine has [security]
+  };
+  // The status of the leading controller; none: none leads.
+  using Status = std::function<const std::optional<msg::MachineStatus>&()>;
+
+  // The node must outlive it.
+  RobotRequests(transport::Node& node, Options options, Status status);
+
+  void Plan(const std::string& target, const std::string& actuator, const http::Respond& respond);
+  void Set(const std::string& target, const std::string& actuator, const http::Respond& respond);
+  void Restart(const std::string& actuator, const http::Respond& respond);
+  // {"code":0,"reason":""} once the controller and all actuators that can have latched it; else,
+  // after kStopTime, which have not.
+  void Stop(const std::string& by, const std::string& reason, const http::Respond& respond);
+  void Release(const std::string& by, const http::Respond& respond);
+  void History(std::uint32_t limit, const http::Respond& respond);
+  // `format` of the graph: "mermaid", "dot" or "".
+  void Behavior(const std::string& actuator, const std::string& format,
+                const http::Respond& respond);
+  void Tree(const std::string& actuator, const http::Respond& respond);
+
+  // The status has changed.
+  void OnStatus();
+
+ private:
+  struct Switch {
+    std::unique_ptr<SwitchClient> client;
+    bool ended = false;
+  };
+  struct Stopping {
+    std::unique_ptr<Latching> latching;
+    http::Respond respond;  // empty: it was answered
+    Time answer_by;
+    Time drop_at;  // until then it reaches actuators that join
+  };
+
+  template <msg::Service S>
+  void Call(const std::string& service, const typename S::Request& request, Duration timeout,
+            const http::Respond& respond);
+  template <msg::Service S>
+  void CallApplication(std::map<std::string, std::unique_ptr<transport::Client<S>>>& clients,
+                       const std::string& actuator, const std::string& service,
+                       const typename S::Request& request, const http::Respond& respond);
+  template <msg::Service S>
+  void Answer(const http::Respond& respond, const typename S::Response& response);
+  bool HasController(const http::Respond& respond);
+  bool HasActuator(const std::string& actuator, const http::Respond& respond);
+  void LookAtStops();
+
+  transport::Node& node_;
+  const Options options_;
+  const Status status_;
+  MessageJson json_;
+  std::map<std::string, std::shared_ptr<void>> clients_;  // of the controller's services
+  std::map<std::string, std::unique_ptr<transport::Client<msg::GetBehavior>>> behaviors_;
+  std::map<std::string, std::unique_ptr<transport::Client<msg::GetTree>>> trees_;
+  std::list<Switch> switches_;
+  std::list<Stopping> stops_;
+  transport::LoopHandlePtr stop_timer_;  // while there are stops
+};
+
+}  // namespace musher::view

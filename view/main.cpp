@@ -1,0 +1,186 @@
+// musher-view: serves the page of a machine, Foxglove's protocol and metrics. See docs/view.md.
+
+#include <pwd.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+
+#include "musher/base/toml/names.hpp"
+#include "musher/base/unique_fd.hpp"
+#include "musher/base/version.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/view/link_request.hpp"
+#include "musher/view/live/live_server.hpp"
+
+namespace musher::view {
+namespace {
+
+struct ViewOptions {
+  std::string name_space;
+  std::optional<int> domain;  // none: ROS_DOMAIN_ID, else 0
+  std::uint16_t port = 8765;
+  std::string bind = "127.0.0.1";
+  std::vector<std::string> hosts;
+  std::string token_file;  // empty: view.token in the folder of Musher's state
+  std::string logs;
+  std::string name;  // of the person for whom the link is; empty: the user of this process
+  bool link = false;
+};
+
+std::string FromEnvironment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return value == nullptr ? "" : value;
+}
+
+int FailView(const std::string& sentence, int exit = 1) {
+  std::fprintf(stderr, "musher-view: %s\n", sentence.c_str());
+  return exit;
+}
+
+std::string UserName() {
+  const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe)
+  return user == nullptr ? std::to_string(getuid()) : user->pw_name;
+}
+
+// What a browser on this host, or on another one, connects to.
+std::string AddressFor(const ViewOptions& options) {
+  if (options.bind == "0.0.0.0" || options.bind == "::") {
+    std::array<char, 256> name{};
+    return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+  }
+  return options.bind.find(':') == std::string::npos ? options.bind : "[" + options.bind + "]";
+}
+
+void PrintLink(const ViewOptions& options, std::uint16_t port, const std::string& path) {
+  std::printf("To act, open http://%s:%u%s (once, within 10 minutes).\n",
+              AddressFor(options).c_str(), port, path.c_str());
+  std::fflush(stdout);
+}
+
+Result<std::string> Token(const ViewOptions& options) {
+  std::filesystem::path file = options.token_file;
+  if (file.empty()) file = config_toml::DefaultStateDir("view_token", options.name_space);
+  std::error_code error;
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
+  return http::ReadOrMakeToken(file.string(), http::KernelRandom);
+}
+
+Result<std::string> LinkOfRunning(const ViewOptions& options, const std::string& token) {
+  const bool any = options.bind == "0.0.0.0" || options.bind == "::";
+  return RequestLink(any ? "127.0.0.1" : options.bind, options.port, token, options.name);
+}
+
+Result<std::unique_ptr<transport::Node>> JoinForView(transport::EventLoop& loop,
+                                                     const ViewOptions& options, bool with_keys) {
+  transport::DdsOptions dds;
+  dds.domain_id = options.domain;
+  dds.discovery = transport::DiscoveryTiming::kCommand;
+  dds.unicast = true;
+  dds.node_name = "musher_view";
+  dds.name_space = options.name_space;
+  if (with_keys) {
+    const std::string identity = FromEnvironment("MUSHER_IDENTITY");
+    dds.credentials = transport::Credentials{FromEnvironment("MUSHER_KEYS"),
+                                             identity.empty() ? "operator" : identity};
+  }
+  return transport::MakeDdsNode(loop, dds);
+}
+
+int Serve(const ViewOptions& options, const std::string& token) {
+  sigset_t ends;
+  sigemptyset(&ends);
+  for (const int one : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ends, one);
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // before a thread is started
+  const UniqueFd signals(signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK));
+  if (!signals.valid()) return FailView("signals cannot be received");
+
+  transport::LinuxEventLoop loop;
+  LiveServer::Options live;
+  live.with_keys = !FromEnvironment("MUSHER_KEYS").empty();
+  const auto node = JoinForView(loop, options, live.with_keys);
+  if (!node) return FailView(node.error().message);
+  live.http.bind = options.bind;
+  live.http.port = options.port;
+  live.http.hosts = options.hosts;
+  live.name_space = options.name_space;
+  live.token = token;
+  live.logs = options.logs;
+  const auto server = LiveServer::Make(*node.value(), live);
+  if (!server) {
+    // Perhaps `musher up` has started one: then its link is what the person wants.
+    const auto path = LinkOfRunning(options, token);
+    if (!path) return FailView(server.error().message + "; --port takes another one");
+    std::printf("The page is at http://%s:%u/ already.\n", AddressFor(options).c_str(),
+                options.port);
+    PrintLink(options, options.port, path.value());
+    return 0;
+  }
+  const std::uint16_t port = server.value()->port();
+  std::printf("The page is at http://%s:%u/\n", AddressFor(options).c_str(), port);
+  PrintLink(options, port, server.value()->NewLink(options.name));
+  const auto end = loop.WhenReadable(signals.get(), [&loop] { loop.Stop(); });
+  loop.Run();
+  return 0;
+}
+
+int RunView(ViewOptions options) {
+  if (options.name_space.starts_with('/')) options.name_space.erase(0, 1);
+  if (options.name.empty()) options.name = UserName();
+  const auto token = Token(options);
+  if (!token) return FailView(token.error().message, 2);
+  if (!options.link) return Serve(options, token.value());
+  const auto path = LinkOfRunning(options, token.value());
+  if (!path) return FailView(path.error().message);
+  PrintLink(options, options.port, path.value());
+  return 0;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Shows a machine in a browser, and gives its metrics to Prometheus.", "musher-view");
+  app.set_version_flag("--version", "musher-view " + std::string(Version()));
+  app.get_formatter()->column_width(28);
+  app.footer("Exit codes: 0 done; 1 not done (reason on stderr); 2 usage.");
+  ViewOptions options;
+  options.name_space = FromEnvironment("MUSHER_NAMESPACE");
+  app.add_option("--namespace", options.name_space,
+                 "Namespace of the machine; default $MUSHER_NAMESPACE, else none");
+  app.add_option("--domain", options.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
+      ->check(CLI::Range(0, 232).description(""));
+  app.add_option("--port", options.port, "Default 8765; 0: any that is free");
+  app.add_option("--bind", options.bind,
+                 "Address to listen on; default 127.0.0.1, this host only. 0.0.0.0: all");
+  app.add_option("--host", options.hosts,
+                 "Another name of this host, or an origin (https://app.foxglove.dev), from which\n"
+                 "browsers may connect; may be repeated");
+  app.add_option("--token-file", options.token_file,
+                 "What permits to make links; made if it is missing.\n"
+                 "Default: ~/.local/state/musher/view_token");
+  app.add_option("--logs", options.logs,
+                 "Folder of the actuators' logs; default: as the machine's config says");
+  app.add_flag("--link", options.link,
+               "Print a link for acting, of the musher-view that runs, and exit");
+  app.add_option("--name", options.name,
+                 "Person for whom the link is, as the history names them; default: this user");
+  try {
+    app.parse(argc, argv);
+    return RunView(options);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  } catch (const std::exception& e) {  // a system resource is exhausted
+    return FailView(e.what());
+  }
+}
+
+}  // namespace
+}  // namespace musher::view
+
+int main(int argc, char** argv) {
+  return musher::view::Main(argc, argv);
+}
