@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of camera topics as JPEG, for pages. A topic is subscribed to while somebody asks for
+// Pictures of camera topics as JPEG, for pages. A topic is subscribed to while a page asks for
 // its pictures, and only the newest picture is kept: a slow page gets fewer, never older ones.
 //
 // Threads: loop thread only; a picture of 640 × 480 takes some 2 ms of it, once for all pages that
@@ -14,7 +14,7 @@
 
 #include "musher/transport/node.hpp"
 #include "musher/view/http/server.hpp"
-#include "musher/view/live/topic_table.hpp"
+#include "musher/view/topics/topic_table.hpp"
 
 namespace musher::view {
 

@@ -56,6 +56,11 @@ std::string LiveServer::PersonOf(const http::Request& request) {
   return login_.Find(cookie->second, node_.loop().Now()).value_or("");
 }
 
+bool LiveServer::HasToken(const http::Request& request) {
+  const std::string token = Parameter(request, "token");
+  return !token.empty() && login_.MayMakeLinks(token, request.peer, node_.loop().Now()).ok();
+}
+
 bool LiveServer::MayLook(const http::Request& request) {
   return request.local || !PersonOf(request).empty();
 }

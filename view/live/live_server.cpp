@@ -64,13 +64,20 @@ Result<> LiveServer::Open() {
   metrics.began_wall_ns = WallMilliseconds() * 1'000'000;
   metrics.host = host;
   metrics_ = std::make_unique<MetricsWatch>(node_, std::move(metrics));
+  foxglove_ = std::make_unique<foxglove::FoxgloveServer>(
+      node_, table_,
+      foxglove::FoxgloveServer::Options{
+          "Musher" + (options_.name_space.empty() ? std::string() : " /" + options_.name_space),
+          options_.name_space});
   auto watch = transport::WatchTopics(
       node_,
       [this](const transport::DiscoveredEndpoint& endpoint) {
-        if (table_.OnFound(endpoint)) OnTopicsChanged();
+        const bool service = foxglove_->OnFound(endpoint);
+        if (table_.OnFound(endpoint) || service) OnTopicsChanged();
       },
       [this](transport::PeerId id) {
-        if (table_.OnLost(id)) OnTopicsChanged();
+        const bool service = foxglove_->OnLost(id);
+        if (table_.OnLost(id) || service) OnTopicsChanged();
       });
   if (!watch) return watch.error();
   topic_watch_ = std::move(watch).value();
@@ -78,7 +85,7 @@ Result<> LiveServer::Open() {
     SendAll("time", Dumped({{"op", "time"}, {"time_ms", WallMilliseconds()}}));
   });
   http::Options http = options_.http;
-  http.subprotocols.emplace_back(kSubprotocol);
+  http.subprotocols = {kSubprotocol, foxglove::kSubprotocol};
   auto server = http::Server::Make(
       node_.loop(), http,
       [this](const http::Request& request, const http::Respond& respond) {
@@ -94,7 +101,27 @@ std::string LiveServer::NewLink(const std::string& name) {
   return "/login?code=" + login_.NewCode(name, node_.loop().Now());
 }
 
+http::WebSocketHandlers LiveServer::OnFoxglove(const std::shared_ptr<http::WebSocket>& socket) {
+  const bool may_act = HasToken(socket->request()) || !PersonOf(socket->request()).empty();
+  if (!may_act && !MayLook(socket->request())) {
+    socket->Close(kPolicyViolation, "looking from another host needs a login: ?token=TOKEN");
+    return {};
+  }
+  http::WebSocketHandlers handlers = foxglove_->OnWebSocket(socket, may_act);
+  handlers.on_closed = [this, closed = std::move(handlers.on_closed)] {
+    closed();
+    CountClients();
+  };
+  CountClients();
+  return handlers;
+}
+
+void LiveServer::CountClients() {
+  metrics_->metrics().OnClients(pages_.size(), foxglove_->clients());
+}
+
 http::WebSocketHandlers LiveServer::OnWebSocket(const std::shared_ptr<http::WebSocket>& socket) {
+  if (socket->subprotocol() == foxglove::kSubprotocol) return OnFoxglove(socket);
   if (socket->request().path != "/live") {
     socket->Close(kPolicyViolation, "there is no WebSocket at " + socket->request().path);
     return {};
@@ -110,7 +137,7 @@ http::WebSocketHandlers LiveServer::OnWebSocket(const std::shared_ptr<http::WebS
   handlers.on_drained = [this, &page] { SendWaiting(page); };
   handlers.on_closed = [this, &page] { OnPageClosed(page); };
   Greet(page);
-  metrics_->metrics().OnClients(pages_.size(), 0);
+  CountClients();
   feed_->SetOpenPages(pages_.size());
   return handlers;
 }
@@ -151,7 +178,7 @@ void LiveServer::OnPageMessage(Page& page, const std::string& text) {
 void LiveServer::OnPageClosed(Page& page) {
   pages_.remove_if([&page](const Page& each) { return &each == &page; });
   WatchForAll();
-  metrics_->metrics().OnClients(pages_.size(), 0);
+  CountClients();
   feed_->SetOpenPages(pages_.size());
 }
 
@@ -182,6 +209,8 @@ void LiveServer::OnTopicsChanged() {
   topics_timer_ = node_.loop().At(node_.loop().Now() + kTopicsDelay, [this] {
     topics_timer_.reset();
     watched_.OnTopicsChanged();
+    foxglove_->OnTopicsChanged();
+    foxglove_->OnServicesChanged();
     if (!pages_.empty()) SendAll("topics", TopicsMessage());
   });
 }

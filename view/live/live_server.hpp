@@ -2,13 +2,17 @@
 // The server of the page: its files, the WebSocket /live, the API, cameras, logs and metrics of one
 // machine (docs/view.md).
 //
-// Who may look: everybody on this host; from elsewhere, whoever has logged in. Who may act: whoever
-// has logged in, by a one-time link. A request that acts carries the person's name and address.
+// Every client on this host may look; one on another host only with a login. Only a person with a
+// login may act: a one-time link opens it. A request that acts carries the person's name and
+// address.
 //
-//   /live       the WebSocket of a page (subprotocol musher.view.v1)
-//   /api/...    history, behavior, tree, log, topics, plan; with a login: set, estop, release,
-//   restart /camera     a picture; /metrics for Prometheus /login      opens a session with the
-//   code of a link; POST /api/link makes one for a token
+//   /live         the WebSocket of a page (subprotocol musher.view.v1)
+//   GET /api/...  history, behavior, tree, log, topics; POST: plan
+//   POST /api/... with a login: set, estop, release, restart
+//   /camera       a picture
+//   /metrics      for Prometheus
+//   /login        opens a session with the code of a link; POST /api/link makes one for a token
+//   any path      Foxglove's protocol, for a WebSocket of its subprotocol; acts with ?token=TOKEN
 //
 // Threads: loop thread only.
 
@@ -16,6 +20,7 @@
 #include <memory>
 #include <string>
 
+#include "musher/view/foxglove/foxglove_server.hpp"
 #include "musher/view/http/login.hpp"
 #include "musher/view/http/server.hpp"
 #include "musher/view/live/camera_view.hpp"
@@ -58,6 +63,8 @@ class LiveServer {
   // Who has sent the request; empty: nobody who has logged in.
   std::string PersonOf(const http::Request& request);
   bool MayLook(const http::Request& request);
+  // Whether the request has the token: for programs that keep no cookies.
+  bool HasToken(const http::Request& request);
 
   void OnRequest(const http::Request& request, const http::Respond& respond);
   void OnGet(const http::Request& request, const http::Respond& respond);
@@ -66,6 +73,7 @@ class LiveServer {
   void OnLink(const http::Request& request, const http::Respond& respond);
   void OnLog(const http::Request& request, const http::Respond& respond);
   http::WebSocketHandlers OnWebSocket(const std::shared_ptr<http::WebSocket>& socket);
+  http::WebSocketHandlers OnFoxglove(const std::shared_ptr<http::WebSocket>& socket);
 
   void Greet(Page& page);
   void OnPageMessage(Page& page, const std::string& text);
@@ -75,6 +83,7 @@ class LiveServer {
   void SendWaiting(Page& page);
   void WatchForAll();
   void OnTopicsChanged();
+  void CountClients();
   SharedText TopicsMessage() const;
   Result<std::string> LogFileOf(const std::string& actuator);
 
@@ -87,6 +96,7 @@ class LiveServer {
   std::unique_ptr<RobotRequests> requests_;
   std::unique_ptr<MetricsWatch> metrics_;
   std::unique_ptr<MachineFeed> feed_;
+  std::unique_ptr<foxglove::FoxgloveServer> foxglove_;
   std::unique_ptr<transport::TopicWatch> topic_watch_;
   std::list<Page> pages_;
   transport::LoopHandlePtr topics_timer_;  // while a change is not sent

@@ -14,7 +14,7 @@
 #include "musher/transport/node.hpp"
 #include "musher/view/json/message_json.hpp"
 #include "musher/view/live/page_queue.hpp"
-#include "musher/view/live/topic_table.hpp"
+#include "musher/view/topics/topic_table.hpp"
 
 namespace musher::view {
 

@@ -101,7 +101,7 @@ double SwitchTime(ObservedController& robot, int switches) {
   std::vector<double> times;
   for (int i = 0; i < switches; ++i) {
     const Time begin = std::chrono::steady_clock::now();
-    MustBeDone(robot.Switch(i % 2 == 0 ? kLowPower : kActive));
+    MustBeDone(robot.Switch(State(i % 2 == 0 ? kDeActive : kActive)));
     times.push_back(Microseconds(std::chrono::steady_clock::now() - begin) / 1000);
   }
   return Median(times);

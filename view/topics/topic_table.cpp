@@ -1,4 +1,4 @@
-#include "musher/view/live/topic_table.hpp"
+#include "musher/view/topics/topic_table.hpp"
 
 #include "musher/view/record/qos_text.hpp"
 #include "musher/view/record/topic_choice.hpp"

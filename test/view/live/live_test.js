@@ -1,0 +1,186 @@
+// musher-view beside a robot of real processes, in a real browser: what a person sees and does.
+import assert from 'node:assert/strict';
+import {spawn} from 'node:child_process';
+import {once} from 'node:events';
+import {readFile} from 'node:fs/promises';
+import net from 'node:net';
+import {after, before, test} from 'node:test';
+import WebSocket from 'ws';
+import {open, startBrowser, until} from '../page/browser.js';
+import {startRobot} from '../robot.js';
+
+let robot = null;
+let view = null;
+let browser = null;
+before(async () => {
+  robot = await startRobot();
+  view = await robot.view('--name', 'anna');
+  browser = await startBrowser();
+});
+after(async () => {
+  await browser?.close();
+  await robot?.close();
+});
+
+const api = (path, options) => fetch(new URL(path, view.url), options);
+const post = (path, body, headers = {}) => api(path, {method: 'POST', body: JSON.stringify(body), headers});
+
+async function session() {
+  const {path} = await (await post('api/link', {token: view.token, name: 'anna'})).json();
+  const answer = await api(path, {redirect: 'manual'});
+  assert.equal(answer.status, 303);
+  return answer.headers.get('set-cookie').split(';')[0];
+}
+
+// {page, close} of a page whose person may act.
+async function openActing() {
+  const {path} = await (await post('api/link', {token: view.token, name: 'anna'})).json();
+  return open(browser, {url: new URL(path, view.url).href});
+}
+
+test('whoever looks sees the robot, and cannot act', async () => {
+  const {page, close} = await open(browser, {url: view.url});
+  await page.waitForSelector('.big-state >> text=Active');
+  await page.waitForSelector('text=walk about');
+  await page.waitForSelector('text=Looking only');
+  await close();
+  const answer = await post('api/set', {target: 'DeActive'});
+  assert.equal(answer.status, 403);
+  assert.match((await answer.json()).error.message, /acting needs a login/);
+});
+
+test('a switch shows its plan first, then its outcome', async () => {
+  const {page, close} = await openActing();
+  await page.click('.choice:has-text("DeActive")');
+  await page.waitForSelector('#plan >> text=Wave 2');
+  assert.equal((await robot.status()).state, 'Active');
+  await page.click('#plan .primary');
+  await page.waitForSelector('.outcome >> text=Done: the robot is in DeActive');
+  await page.waitForSelector('.big-state >> text=DeActive');
+  await close();
+  assert.equal((await robot.status()).state, 'DeActive');
+  await robot.musher('set', 'Active');
+});
+
+test('an emergency stop reaches the robot with the name of the person, and is released', async () => {
+  const {page, close} = await openActing();
+  await page.click('.stop');
+  await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
+  const {emergency_stop: stop} = await robot.status();
+  assert.equal(stop.engaged, true);
+  assert.match(stop.by, /^anna \(/);
+  await page.click('.choice:has-text("Active") >> nth=0');
+  await page.waitForSelector('#plan >> text=emergency stop');
+  await page.click('.stop.engaged');
+  await page.click('dialog .danger');
+  await page.waitForSelector('.stop:not(.engaged)');
+  await close();
+  assert.equal((await robot.status()).emergency_stop.engaged, false);
+  await robot.musher('set', 'Active');
+});
+
+test('a controller that dies is reported, and its successor takes over on the page', async () => {
+  const {page, close} = await open(browser, {url: view.url});
+  await page.waitForSelector('.big-state >> text=Active');
+  process.kill((await robot.status()).pid, 'SIGKILL');
+  await page.waitForSelector('.banner.bad >> text=The controller has ended');
+  await robot.up();
+  await page.waitForSelector('.banner.bad', {state: 'detached'});
+  await page.waitForSelector('.big-state >> text=Active');
+  await close();
+});
+
+test('an actuator that crashes, its history and its log are on the page', async () => {
+  const {page, close} = await open(browser, {url: view.url});
+  const {pid} = (await robot.status()).actuators.audio;
+  process.kill(pid, 'SIGKILL');
+  await page.waitForSelector('text=audio: restarting');
+  await page.click('nav >> text=Log');
+  await page.waitForSelector('pre.log >> text=killed by SIGKILL');
+  await close();
+  const {entries} = await (await api('api/history?limit=50')).json();
+  const crash = entries.find(entry => /killed by SIGKILL/.test(entry.message));
+  assert.ok(BigInt(crash.wall_ns) > 10n ** 18n);
+  await until('audio is back', async () => (await robot.status()).actuators.audio.state === 'Active');
+});
+
+test('a page that reads nothing gets the present when it reads again, and costs no memory', async () => {
+  const resident = async () => Number(/VmRSS:\s+(\d+)/.exec(
+    await readFile(`/proc/${view.child.pid}/status`, 'utf8'))[1]);
+  const socket = new WebSocket(`${view.url.replace('http', 'ws')}live`, 'musher.view.v1');
+  await once(socket, 'open');
+  socket.pause();
+  const before = await resident();
+  for (let i = 0; i < 20; ++i) await robot.musher('set', i % 2 ? 'Active' : 'DeActive');
+  assert.ok(await resident() - before < 20000, 'kB');
+  const last = new Promise(done => socket.on('message', text => {
+    const message = JSON.parse(text);
+    if (message.topic?.endsWith('machine_status') && message.message?.switch_number >= 20 &&
+      message.message.state === 'Active') done();
+  }));
+  socket.resume();
+  await last;
+  socket.close();
+});
+
+test('a link opens one session, a wrong token none, and a foreign page none at all', async () => {
+  const {path} = await (await post('api/link', {token: view.token, name: 'anna'})).json();
+  assert.equal((await api(path, {redirect: 'manual'})).status, 303);
+  assert.equal((await api(path, {redirect: 'manual'})).status, 403);
+  assert.equal((await post('api/link', {token: '0'.repeat(32)})).status, 403);
+  const cookie = await session();
+  assert.equal((await post('api/plan', {target: 'Active'}, {cookie})).status, 200);
+  assert.equal((await post('api/release', {}, {cookie, origin: 'http://evil.example'})).status, 403);
+});
+
+test('bad requests are refused with a sentence', async () => {
+  const cookie = await session();
+  for (const [path, body, status] of [['api/set', [], 400], ['api/plan', 7, 400], ['api/nothing', {}, 404],
+    ['api/restart', {actuator: '../x'}, 404], ['api/restart', {}, 404]]) {
+    const answer = await post(path, body, {cookie});
+    assert.equal(answer.status, status, path);
+    assert.ok((await answer.json()).error.message.length > 10);
+  }
+  for (const [path, status] of [['api/log?actuator=../../etc/passwd', 404], ['api/behavior?name=motion', 404],
+    ['camera?topic=/none', 404], ['nothing', 404], ['api/log?actuator=audio&from=99999999999', 200],
+    ['api/history?limit=-1', 200], ['api/history?limit=x', 200]]) {
+    assert.equal((await api(path)).status, status, path);
+  }
+  const {outcome, reason} = await (await post('api/set', {target: 'Nowhere'}, {cookie})).json();
+  assert.equal(outcome, 'refused');
+  assert.match(reason, /unknown state 'Nowhere'/);
+});
+
+test('a page that sends something else than what it watches is closed', async () => {
+  for (const text of ['{', '[]', '{"op":"set"}', '{"op":"watch"}', '{"op":"watch","topics":7}']) {
+    const socket = new WebSocket(`${view.url.replace('http', 'ws')}live`, 'musher.view.v1');
+    await once(socket, 'open');
+    socket.send(text);
+    const [code] = await once(socket, 'close');
+    assert.equal(code, 1008, text);
+  }
+});
+
+test('a second musher-view on the port prints a link of the first', async () => {
+  const port = new URL(view.url).port;
+  const second = spawn(`${process.env.MUSHER_BIN}/musher-view`, ['--port', port], {env: robot.env});
+  let said = '';
+  second.stdout.on('data', text => (said += text));
+  const [code] = await once(second, 'exit');
+  assert.equal(code, 0);
+  assert.match(said, /is at http:\S+ already\.\nTo act, open http/);
+});
+
+test('a port of another program is in use, and the reason is printed', async () => {
+  const other = net.createServer().listen(0, '127.0.0.1');
+  await once(other, 'listening');
+  other.on('connection', socket => socket.end('SSH-2.0-none\r\n'));
+  const child = spawn(`${process.env.MUSHER_BIN}/musher-view`, ['--port', String(other.address().port)],
+    {env: robot.env});
+  let said = '';
+  child.stderr.on('data', text => (said += text));
+  const [code] = await once(child, 'exit');
+  other.close();
+  assert.equal(code, 1);
+  assert.match(said, /in use.*--port takes another one/);
+});

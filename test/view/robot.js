@@ -1,0 +1,106 @@
+// A robot of real processes for the tests of view/: a controller, two actuators, and musher-view beside it. In
+// a DDS domain and a namespace of its own; close() ends all of its processes.
+import {execFile, spawn} from 'node:child_process';
+import {once} from 'node:events';
+import {mkdtemp, readFile, rm, writeFile} from 'node:fs/promises';
+import os from 'node:os';
+import path from 'node:path';
+import {createInterface} from 'node:readline';
+import {fileURLToPath} from 'node:url';
+import {promisify} from 'node:util';
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+const BIN = process.env.MUSHER_BIN ?? path.resolve(here, '../../build/dev/bin');
+
+const ROBOT = `
+[controller]
+name = "dog"
+namespace = "NAMESPACE"
+actuators = ["motion", "audio"]
+states = ["SetUp", "SelfCheck", "Active", "DeActive", "TearDown"]
+default_time = 5000
+default_state = "Uninitialized"
+
+[actuator.motion]
+states = ["SetUp", "SelfCheck", "Active", "DeActive", "TearDown"]
+times = [5000, 5000, 5000, 5000, 5000]
+command = ["musher-exec", "motion.toml"]
+cwd = "."
+critical = true
+
+[actuator.audio]
+states = ["SetUp", "SelfCheck", "Active", "DeActive", "TearDown"]
+times = [5000, 5000, 5000, 5000, 5000]
+command = ["musher-exec", "audio.toml"]
+cwd = "."
+after = ["motion"]
+
+[capability.walk]
+description = "walk about"
+actuators = ["motion"]
+states = ["Active"]
+`;
+const ACTUATOR = name => `module = 6200
+[state.Active]
+shell = "echo ${name} is active"
+`;
+
+export async function startRobot() {
+  const folder = await mkdtemp(path.join(os.tmpdir(), 'musher-view-test-'));
+  const robot = new Robot(folder);
+  await writeFile(path.join(folder, 'dog.toml'), ROBOT.replace('NAMESPACE', robot.nameSpace));
+  for (const name of ['motion', 'audio']) await writeFile(path.join(folder, `${name}.toml`), ACTUATOR(name));
+  try {
+    await robot.up();
+  } catch (error) {
+    await robot.close();
+    throw error;
+  }
+  return robot;
+}
+
+class Robot {
+  constructor(folder) {
+    this.folder = folder;
+    this.nameSpace = `dog${process.pid}`;
+    this.env = {...process.env, PATH: `${BIN}:${process.env.PATH}`, XDG_STATE_HOME: folder,
+      ROS_DOMAIN_ID: String(101 + (process.pid % 100)), MUSHER_NAMESPACE: this.nameSpace};
+    this.views = [];
+  }
+
+  // What it prints. A failure of the program rejects; `code` is its exit code.
+  async musher(...args) {
+    const {stdout} = await promisify(execFile)(path.join(BIN, 'musher'), args, {env: this.env});
+    return stdout;
+  }
+
+  up() {
+    return this.musher('up', '--detach', path.join(this.folder, 'dog.toml'));
+  }
+
+  async status() {
+    return JSON.parse(await this.musher('status', '--json'));
+  }
+
+  // musher-view beside the robot: {url, login, token}.
+  async view(...args) {
+    const child = spawn(path.join(BIN, 'musher-view'), ['--port', '0', ...args],
+      {env: this.env, stdio: ['ignore', 'pipe', 'inherit']});
+    this.views.push(child);
+    const lines = createInterface({input: child.stdout})[Symbol.asyncIterator]();
+    const url = /http:\S+\//.exec((await lines.next()).value)[0];
+    const login = /http:\S+code=\w+/.exec((await lines.next()).value)[0];
+    const token = await readFile(path.join(this.folder, 'musher',
+      `view_token@${this.nameSpace}.domain${this.env.ROS_DOMAIN_ID}`), 'utf8');
+    return {child, url, login, token: token.trim()};
+  }
+
+  async close() {
+    for (const view of this.views) {
+      view.kill('SIGTERM');
+      if (view.exitCode === null && view.signalCode === null) await once(view, 'exit');
+    }
+    await this.musher('down').catch(() => {});
+    await rm(this.folder, {recursive: true, force: true});
+  }
+}
