@@ -47,9 +47,11 @@ Result<> LiveServer::Open() {
   events.on_message = [this](const std::string& key, const SharedText& message) {
     SendAll(key, message);
   };
-  events.on_entry = [this](const SharedText& entry) {
-    for (Page& page : pages_) page.queue.PutEntry(entry);
-    for (Page& page : pages_) SendWaiting(page);
+  events.on_entries = [this](const std::vector<SharedText>& entries) {
+    for (Page& page : pages_) {
+      for (const SharedText& entry : entries) page.queue.PutEntry(entry);
+      SendWaiting(page);
+    }
   };
   events.on_status = [this] { requests_->OnStatus(); };
   requests_ = std::make_unique<RobotRequests>(

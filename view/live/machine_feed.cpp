@@ -102,13 +102,26 @@ void MachineFeed::Keep(const std::string& key, SharedText message) {
 
 void MachineFeed::OnStatus(const msg::MachineStatus& status) {
   last_ = status;
-  Publish(status_topic_, status);
   events_.on_status();
   AskSoon();
+  if (status_timer_) {
+    status_waits_ = true;
+  } else {
+    PublishStatus();
+  }
+}
+
+void MachineFeed::PublishStatus() {
+  Publish(status_topic_, *last_);
+  status_timer_ = node_.loop().At(node_.loop().Now() + kStatusPeriod, [this] {
+    status_timer_.reset();
+    if (std::exchange(status_waits_, false)) PublishStatus();
+  });
 }
 
 // The page keeps the last messages, marked as old.
 void MachineFeed::OnEnd() {
+  if (std::exchange(status_waits_, false)) Publish(status_topic_, *last_);
   for (const std::string& topic : {status_topic_, capabilities_topic_}) {
     events_.on_message("latest " + topic, GoneMessage(topic));
   }
@@ -166,12 +179,14 @@ void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {
   asking_ = false;
   if (answer) {
     const msg::GetHistory::Response& history = answer.value();
+    std::vector<SharedText> fresh;
     for (const std::size_t i : cursor_.Take(history.entries)) {
       const std::string event = i < history.events.size() ? history.events[i] : "";
-      entries_.push_back(std::make_shared<const std::string>(EntryJson(history.entries[i], event)));
+      fresh.push_back(std::make_shared<const std::string>(EntryJson(history.entries[i], event)));
+      entries_.push_back(fresh.back());
       if (entries_.size() > kKeptEntries) entries_.pop_front();
-      events_.on_entry(entries_.back());
     }
+    if (!fresh.empty()) events_.on_entries(fresh);
   }
   if (std::exchange(ask_again_, false)) AskSoon();
 }

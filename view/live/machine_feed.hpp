@@ -28,6 +28,8 @@ namespace musher::view {
 class MachineFeed {
  public:
   static constexpr std::size_t kKeptEntries = 400;  // of the history, for a page that opens
+  // The status is passed on at once, then at most so often: a switch of many actuators has many.
+  static constexpr Duration kStatusPeriod = Milliseconds(33);
 
   struct Options {
     std::string name_space;
@@ -35,8 +37,8 @@ class MachineFeed {
   };
   struct Events {
     std::function<void(const std::string& key, const SharedText& message)> on_message;
-    std::function<void(const SharedText& entry)> on_entry;  // of the history
-    std::function<void()> on_status;                        // the status has changed, or is lost
+    std::function<void(const std::vector<SharedText>& entries)> on_entries;  // of the history
+    std::function<void()> on_status;  // the status has changed, or is lost
   };
 
   // The node must outlive it.
@@ -60,6 +62,7 @@ class MachineFeed {
   template <class M>
   void Publish(const std::string& topic, const M& message);
   void OnStatus(const msg::MachineStatus& status);
+  void PublishStatus();
   void OnEnd();
   void AskSoon();
   void Ask();
@@ -77,11 +80,12 @@ class MachineFeed {
   std::vector<std::pair<std::string, SharedText>> latest_;
   std::deque<SharedText> entries_;
   JournalCursor cursor_{0};
-  bool asked_before_ = false;
   bool asking_ = false;
   bool ask_again_ = false;
   std::size_t pages_ = 0;
   std::map<std::string, std::pair<ProcessUsage, Time>> usage_;
+  bool status_waits_ = false;
+  transport::LoopHandlePtr status_timer_;  // until the status may be passed on again
   transport::LoopHandlePtr ask_timer_;
   transport::LoopHandlePtr every_second_;  // while a page is open
   std::unique_ptr<transport::Client<msg::GetHistory>> get_history_;
