@@ -371,6 +371,7 @@ void Controller::OpenLogs() {
   for (const ActuatorConfig& actuator : config_.actuators) {
     if (!actuator.command.empty()) add(actuator.name, actuator.log_size_bytes);
   }
+  if (config_.view) add("musher-view", config_.log_size_bytes);
   if (config_.policy) {
     const PowerPolicy& power = config_.policy->power;
     if (!power.off_command.empty()) add("power_off", config_.log_size_bytes);

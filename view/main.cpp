@@ -32,6 +32,7 @@ struct ViewOptions {
   std::string logs;
   std::string name;  // of the person for whom the link is; empty: the user of this process
   bool link = false;
+  bool no_link = false;
 };
 
 std::string FromEnvironment(const char* name) {
@@ -124,7 +125,8 @@ int Serve(const ViewOptions& options, const std::string& token) {
   }
   const std::uint16_t port = server.value()->port();
   std::printf("The page is at http://%s:%u/\n", AddressFor(options).c_str(), port);
-  PrintLink(options, port, server.value()->NewLink(options.name));
+  std::fflush(stdout);
+  if (!options.no_link) PrintLink(options, port, server.value()->NewLink(options.name));
   const auto end = loop.WhenReadable(signals.get(), [&loop] { loop.Stop(); });
   loop.Run();
   return 0;
@@ -166,6 +168,7 @@ int Main(int argc, char** argv) {
                  "Folder of the actuators' logs; default: as the machine's config says");
   app.add_flag("--link", options.link,
                "Print a link for acting, of the musher-view that runs, and exit");
+  app.add_flag("--no-link", options.no_link, "Print no link at the start, for logs");
   app.add_option("--name", options.name,
                  "Person for whom the link is, as the history names them; default: this user");
   try {

@@ -79,6 +79,7 @@ int ControllerProcess::Run() {
   loop_.RunUntil(answered, loop_.Now() + kLastAnswers);
   const bool disk_works = controller_->Flush(kLastWrites);
   loop_.RunUntil([] { return false; }, loop_.Now());  // runs the disk's callbacks
+  view_.reset();
   disk_.Flush(disk_works ? kLastWrites : Milliseconds(100));
   if (start_again_) return static_cast<int>(exit_);
   if (exit_ == ExitCode::kDone) SendProgress(Progress::kStopped, config_.name + " is stopped");
@@ -108,6 +109,9 @@ Result<> ControllerProcess::Begin() {
     controller_->shell().ReleaseControl("process " + std::to_string(sender) + " of this host");
   });
   if (run_) BeginRun();
+  if (config_.view) {
+    view_.emplace(loop_, config_, [this](const std::string& message) { OnTrouble(message); });
+  }
   return Ok();
 }
 

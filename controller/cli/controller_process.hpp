@@ -25,6 +25,7 @@
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/service_manager.hpp"
 #include "musher/controller/cli/slot_run.hpp"
+#include "musher/controller/cli/view_process.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -91,6 +92,7 @@ class ControllerProcess {
   RootLock root_lock_;
   std::optional<action::StartUpEnded> start_up_;  // of a trial boot; not reported yet
   std::optional<TrialBoot> trial_boot_;
+  std::optional<ViewProcess> view_;
 };
 
 }  // namespace musher::cli

@@ -105,6 +105,16 @@ struct CapabilityConfig {
   friend bool operator==(const CapabilityConfig&, const CapabilityConfig&) = default;
 };
 
+// [view]: the page of the machine, served by musher-view beside the controller.
+struct ViewConfig {
+  int port = 8765;
+  std::string bind = "127.0.0.1";  // an address of this host; "0.0.0.0": all
+  std::string token_file;          // absolute; empty: view_token in the state's folder of the user
+  std::vector<std::string> hosts;  // further names and origins from which browsers may connect
+
+  friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
+};
+
 struct MachineConfig {
   std::string name;        // of the machine; the file's stem unless the file gives one
   std::string file;        // where it was read from, for messages only
@@ -132,6 +142,7 @@ struct MachineConfig {
 
   std::optional<PolicyConfig> policy;  // none: no rules
   Ros2Config ros2;
+  std::optional<ViewConfig> view;  // none: no page is served
 
   std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
   std::vector<CapabilityConfig> capabilities;  // in the order of the file

@@ -132,6 +132,16 @@ TEST(ConfigToml, FallsToTheHighestListedStateUpToProtectedWithoutAController) {
   EXPECT_EQ(config.actuators[1].on_controller_lost, "TearDown");
 }
 
+TEST(ConfigToml, ReadsThePageOfTheMachine) {
+  EXPECT_EQ(ReadWith("").view, std::nullopt);
+  EXPECT_EQ(ReadWith("[view]\n").view, ViewConfig());
+  const ViewConfig view =
+      *ReadWith(
+           "[view]\nport = 80\nbind = \"::\"\ntoken_file = \"token\"\nhosts = [\"dog.local\"]\n")
+           .view;
+  EXPECT_EQ(view, (ViewConfig{80, "::", "/robots/token", {"dog.local"}}));
+}
+
 TEST(ConfigToml, SeesPathsFromTheConfigsFolder) {
   const MachineConfig config =
       ReadWith("command = [\"../bin/wheels\", \"a/b\"]\ncwd = \"run\"\nenv = { A = \"x/y\" }");

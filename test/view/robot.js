@@ -45,10 +45,11 @@ const ACTUATOR = name => `module = 6200
 shell = "echo ${name} is active"
 `;
 
-export async function startRobot() {
+// `config`: more lines for the state config.
+export async function startRobot(config = '') {
   const folder = await mkdtemp(path.join(os.tmpdir(), 'musher-view-test-'));
   const robot = new Robot(folder);
-  await writeFile(path.join(folder, 'dog.toml'), ROBOT.replace('NAMESPACE', robot.nameSpace));
+  await writeFile(path.join(folder, 'dog.toml'), ROBOT.replace('NAMESPACE', robot.nameSpace) + config);
   for (const name of ['motion', 'audio']) await writeFile(path.join(folder, `${name}.toml`), ACTUATOR(name));
   try {
     await robot.up();
@@ -59,13 +60,19 @@ export async function startRobot() {
   return robot;
 }
 
+let robots = 0;
+
 class Robot {
   constructor(folder) {
     this.folder = folder;
-    this.nameSpace = `dog${process.pid}`;
+    this.nameSpace = `dog${process.pid}_${++robots}`;
     this.env = {...process.env, PATH: `${BIN}:${process.env.PATH}`, XDG_STATE_HOME: folder,
       ROS_DOMAIN_ID: String(101 + (process.pid % 100)), MUSHER_NAMESPACE: this.nameSpace};
     this.views = [];
+  }
+
+  get stateFolder() {
+    return path.join(this.folder, 'musher', `dog@${this.nameSpace}.domain${this.env.ROS_DOMAIN_ID}`);
   }
 
   // What it prints. A failure of the program rejects; `code` is its exit code.

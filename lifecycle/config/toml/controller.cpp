@@ -175,4 +175,28 @@ void ReadSecurity(TableReader& root, Draft& draft) {
   security.RefuseOthers();
 }
 
+void ReadView(TableReader& root, Draft& draft) {
+  const Table* table = root.SubTable("view");
+  if (table == nullptr) return;
+  TableReader reader(*table, root.At("view"), "view", draft.findings);
+  ViewConfig& view = draft.config.view.emplace();
+  view.port = static_cast<int>(reader.Integer("port", 1, 65535).value_or(view.port));
+  if (const auto bind = reader.String("bind")) {
+    const bool address =
+        !bind->text.empty() &&
+        bind->text.find_first_not_of("0123456789abcdefABCDEF.:") == std::string::npos;
+    if (address) {
+      view.bind = bind->text;
+    } else {
+      reader.Fault(bind->at, "bind",
+                   "expected an address of this host, such as \"127.0.0.1\" or \"0.0.0.0\"");
+    }
+  }
+  view.token_file = ReadPath("token_file", reader, draft).value_or("");
+  for (const Word& host : reader.Strings("hosts").value_or(std::vector<Word>())) {
+    view.hosts.push_back(host.text);
+  }
+  reader.RefuseOthers();
+}
+
 }  // namespace musher::config_toml

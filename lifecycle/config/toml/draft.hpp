@@ -51,6 +51,7 @@ void ReadController(TableReader& root, Draft& draft);
 void ReadTransitions(TableReader& root, Draft& draft);
 void ReadTransport(TableReader& root, Draft& draft);
 void ReadSecurity(TableReader& root, Draft& draft);
+void ReadView(TableReader& root, Draft& draft);
 void ReadPolicy(TableReader& root, Draft& draft);  // after the states
 void ReadRos2(TableReader& root, Draft& draft);    // after the states
 void ReadActuators(TableReader& root, Draft& draft);

@@ -1,9 +1,10 @@
 // musher-view beside a robot of real processes, in a real browser: what a person sees and does.
 import assert from 'node:assert/strict';
-import {spawn} from 'node:child_process';
+import {execFileSync, spawn} from 'node:child_process';
 import {once} from 'node:events';
 import {readFile} from 'node:fs/promises';
 import net from 'node:net';
+import path from 'node:path';
 import {after, before, test} from 'node:test';
 import WebSocket from 'ws';
 import {open, startBrowser, until} from '../page/browser.js';
@@ -96,10 +97,10 @@ test('an actuator that crashes, its history and its log are on the page', async 
   process.kill(pid, 'SIGKILL');
   await page.waitForSelector('text=audio: restarting');
   await page.click('nav >> text=Log');
-  await page.waitForSelector('pre.log >> text=killed by SIGKILL');
+  await page.waitForSelector('pre.log >> text=audio is degraded: crashed');
   await close();
   const {entries} = await (await api('api/history?limit=50')).json();
-  const crash = entries.find(entry => /killed by SIGKILL/.test(entry.message));
+  const crash = entries.find(entry => entry.event === 'actuator_crashed' || /audio is degraded: crashed/.test(entry.message));
   assert.ok(BigInt(crash.wall_ns) > 10n ** 18n);
   await until('audio is back', async () => (await robot.status()).actuators.audio.state === 'Active');
 });
@@ -159,6 +160,28 @@ test('a page that sends something else than what it watches is closed', async ()
     const [code] = await once(socket, 'close');
     assert.equal(code, 1008, text);
   }
+});
+
+test('with [view] in the config the page is served, served again after a crash, and ends with the robot', async () => {
+  const free = net.createServer().listen(0, '127.0.0.1');
+  await once(free, 'listening');
+  const {port} = free.address();
+  free.close();
+  await once(free, 'close');
+  const url = `http://127.0.0.1:${port}/`;
+  const up = async () => (await fetch(`${url}metrics`).catch(() => null))?.ok;
+  const pids = () => execFileSync('pgrep', ['-f', `musher-view --port ${port}`]).toString().trim().split('\n');
+  const own = await startRobot(`\n[view]\nport = ${port}\n`);
+  try {
+    await until('the page', up);
+    for (const pid of pids()) process.kill(Number(pid), 'SIGKILL');
+    await until('the page after a crash', up);
+    const log = await readFile(path.join(own.stateFolder, 'controller.log'), 'utf8');
+    assert.match(log, /musher-view ended: killed by SIGKILL; the page is served again in 1 s/);
+  } finally {
+    await own.close();
+  }
+  assert.equal(await up(), undefined);
 });
 
 test('a second musher-view on the port prints a link of the first', async () => {
