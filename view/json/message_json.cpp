@@ -171,11 +171,13 @@ const MessageLayout* MessageJson::LayoutOf(std::string_view dds_type) {
   return layouts_.emplace(dds_type, std::move(layout)).first->second.get();
 }
 
+Error MessageJson::UnknownType(std::string_view dds_type) {
+  return {kCodeParametersInvalid, "Musher does not know the type " + std::string(dds_type)};
+}
+
 Result<std::string> MessageJson::ToJson(std::string_view dds_type, std::span<const std::byte> cdr) {
   const MessageLayout* layout = LayoutOf(dds_type);
-  if (layout == nullptr) {
-    return Error{kCodeParametersInvalid, "Musher does not know the type " + std::string(dds_type)};
-  }
+  if (layout == nullptr) return UnknownType(dds_type);
   Conversion conversion(*layout, cdr);
   const Json object = conversion.Read();
   if (!conversion.ok()) {
