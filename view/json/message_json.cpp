@@ -52,14 +52,23 @@ class Conversion {
     }
     return object;
   }
-  bool ok() const { return reader_.ok(); }
+  bool ok() const { return reader_.ok() && !too_long(); }
+  // The text would be longer than kMostText. Known before all values are in memory: they take a
+  // multiple of the message's bytes.
+  bool too_long() const { return least_ > MessageJson::kMostText; }
 
  private:
   template <class T>
   T Get() {
     T value{};
     reader_.Get(value);
+    least_ += 2;  // a digit and a comma
     return value;
+  }
+  std::string GetText() {
+    auto text = Get<std::string>();
+    least_ += text.size();
+    return text;
   }
   template <class T>
   void Skip() {
@@ -136,7 +145,7 @@ class Conversion {
       case FieldKind::kFloat64:
         return JsonOf(Get<double>());
       case FieldKind::kString:
-        return Get<std::string>();
+        return GetText();
       case FieldKind::kMessage:
         return Nested(field.type);
     }
@@ -148,6 +157,7 @@ class Conversion {
     if (fields.empty()) Skip<std::uint8_t>();
     for (const MessageField& field : fields) {
       if (!ok()) break;
+      least_ += field.name.size();
       object[field.name] = Value(field);
     }
     return object;
@@ -155,6 +165,7 @@ class Conversion {
 
   const MessageLayout& layout_;
   msg::CdrReader reader_;
+  std::size_t least_ = 0;  // the text has at least so many bytes
 };
 
 }  // namespace
@@ -171,23 +182,27 @@ const MessageLayout* MessageJson::LayoutOf(std::string_view dds_type) {
   return layouts_.emplace(dds_type, std::move(layout)).first->second.get();
 }
 
+Error MessageJson::UnknownType(std::string_view dds_type) {
+  return {kCodeParametersInvalid, "Musher does not know the type " + std::string(dds_type)};
+}
+
 Result<std::string> MessageJson::ToJson(std::string_view dds_type, std::span<const std::byte> cdr) {
   const MessageLayout* layout = LayoutOf(dds_type);
-  if (layout == nullptr) {
-    return Error{kCodeParametersInvalid, "Musher does not know the type " + std::string(dds_type)};
-  }
+  if (layout == nullptr) return UnknownType(dds_type);
   Conversion conversion(*layout, cdr);
   const Json object = conversion.Read();
+  const auto too_long = [&] {
+    return Error{kCodeParametersInvalid, "a message " + std::string(dds_type) + " of more than " +
+                                             std::to_string(kMostText) +
+                                             " bytes as JSON; so many are sent at most"};
+  };
+  if (conversion.too_long()) return too_long();
   if (!conversion.ok()) {
     return Error{kCodeParametersInvalid,
                  std::to_string(cdr.size()) + " bytes are not a message " + std::string(dds_type)};
   }
   std::string text = object.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (text.size() > kMostText) {
-    return Error{kCodeParametersInvalid,
-                 "a message " + std::string(dds_type) + " of " + std::to_string(text.size()) +
-                     " bytes as JSON; at most " + std::to_string(kMostText) + " are sent"};
-  }
+  if (text.size() > kMostText) return too_long();
   return text;
 }
 

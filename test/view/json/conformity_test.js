@@ -1,5 +1,5 @@
 // Every type of the IDL: the library with which Foxglove reads ROS 2's messages takes the definition and the
-// bytes, finds the values that MessageJson has found, and writes the same bytes again.
+// bytes that MessageJson has written, finds the values that it has found, and writes the same bytes again.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import path from 'node:path';

@@ -1,103 +1,50 @@
-// For conformity_test.js: a random message of every type in the IDL that is no part of a service,
-// a line of JSON each: its type, its definition, its bytes as hexadecimal digits, and what
-// MessageJson makes of them.
+// For conformity_test.js: a random message of every type in the IDL, a line of JSON each: its type,
+// its definition, its bytes as hexadecimal digits, and its JSON. The bytes are those that
+// FromJson() writes of the JSON; of a service's request or response they are without the id before
+// its fields.
 
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <random>
 
-#include "musher/messages/cdr.hpp"
+#include "musher/test/view/json/random_message.hpp"
 #include "musher/view/json/message_json.hpp"
-#include "musher/view/json/message_layout.hpp"
 
 namespace musher::view {
 namespace {
 
-class RandomMessage {
- public:
-  explicit RandomMessage(const MessageLayout& layout, unsigned seed)
-      : layout_(layout), random_(seed) {}
+constexpr std::size_t kHeader = 4;
+constexpr std::size_t kId = 16;
 
-  msg::Bytes Make() {
-    Message(0);
-    return std::move(writer_).Take();
-  }
-
- private:
-  template <class T>
-  void Number() {
-    const std::uint64_t bits = random_();
-    T value{};
-    std::memcpy(&value, &bits, sizeof value);
-    writer_.Put(value);
-  }
-  double Real() { return static_cast<double>(random_() % 2'000'001) / 1000 - 1000; }
-  void Message(std::size_t type) {
-    if (layout_.types[type].empty()) writer_.Put(std::uint8_t{0});
-    for (const MessageField& field : layout_.types[type]) {
-      const std::size_t count =
-          field.sequence ? random_() % 4 : std::max<std::size_t>(1, field.length);
-      if (field.sequence) writer_.Put(static_cast<std::uint32_t>(count));
-      for (std::size_t i = 0; i < count; ++i) One(field);
-    }
-  }
-  void One(const MessageField& field) {
-    switch (field.kind) {
-      case FieldKind::kBool:
-        return writer_.Put(random_() % 2 == 1);
-      case FieldKind::kInt8:
-        return Number<std::int8_t>();
-      case FieldKind::kUint8:
-        return Number<std::uint8_t>();
-      case FieldKind::kInt16:
-        return Number<std::int16_t>();
-      case FieldKind::kUint16:
-        return Number<std::uint16_t>();
-      case FieldKind::kInt32:
-        return Number<std::int32_t>();
-      case FieldKind::kUint32:
-        return Number<std::uint32_t>();
-      case FieldKind::kInt64:
-        return Number<std::int64_t>();
-      case FieldKind::kUint64:
-        return Number<std::uint64_t>();
-      case FieldKind::kFloat32:
-        return writer_.Put(static_cast<float>(Real()));
-      case FieldKind::kFloat64:
-        return writer_.Put(Real());
-      case FieldKind::kString:
-        return writer_.Put(std::string(random_() % 9, 'a') + "\"\n");
-      case FieldKind::kMessage:
-        return Message(field.type);
-    }
-  }
-
-  const MessageLayout& layout_;
-  std::mt19937_64 random_;
-  msg::CdrWriter writer_;
-};
+Result<std::string> Sample(MessageJson& json, const msg::MessageDefinition& definition,
+                           unsigned seed) {
+  const auto text =
+      json.ToJson(definition.dds_type, RandomMessage(LayoutOf(definition), seed).Make());
+  if (!text) return text.error();
+  const auto written = json.FromJson(definition.dds_type, text.value());
+  if (!written) return written.error();
+  msg::Bytes bytes = written.value();
+  if (definition.envelope) bytes.erase(bytes.begin() + kHeader, bytes.begin() + kHeader + kId);
+  std::string digits;
+  for (const std::byte byte : bytes) digits += fmt::format("{:02x}", static_cast<unsigned>(byte));
+  const nlohmann::json line = {{"type", definition.ros_type},
+                               {"definition", definition.text},
+                               {"bytes", digits},
+                               {"json", text.value()}};
+  return line.dump();
+}
 
 int Main() {
   MessageJson json;
   unsigned seed = 1;
   for (const msg::MessageDefinition& definition : msg::Definitions()) {
-    if (definition.envelope) continue;
-    const msg::Bytes bytes = RandomMessage(LayoutOf(definition), seed++).Make();
-    std::string digits;
-    for (const std::byte byte : bytes) digits += fmt::format("{:02x}", static_cast<unsigned>(byte));
-    const auto text = json.ToJson(definition.dds_type, bytes);
-    if (!text) {
-      std::fprintf(stderr, "%s\n", text.error().message.c_str());
+    const auto line = Sample(json, definition, seed++);
+    if (!line) {
+      std::fprintf(stderr, "%s\n", line.error().message.c_str());
       return 1;
     }
-    const nlohmann::json line = {{"type", definition.ros_type},
-                                 {"definition", definition.text},
-                                 {"bytes", digits},
-                                 {"json", text.value()}};
-    std::puts(line.dump().c_str());
+    std::puts(line.value().c_str());
   }
   return 0;
 }

@@ -9,6 +9,7 @@
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 
 namespace musher::view::message_json_test {
@@ -96,6 +97,21 @@ TEST(MessageJsonTest, ClaimedLengthsTakeNoMemory) {
     const auto text = json.ToJson(definition.dds_type, sample);
     EXPECT_LT(text ? text.value().size() : 0, 10000U) << definition.dds_type;
   }
+}
+
+// The values take a multiple of the message's bytes, and the text was measured after all of them.
+TEST(MessageJsonTest, AMessageTooLongForTextIsRefusedBeforeItIsInMemory) {
+  msg::JointState joints;
+  joints.position.resize(10'000'000);
+  const auto text = JsonOf(joints);
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().message,
+            "a message sensor_msgs::msg::dds_::JointState_ of more than 4194304 bytes as JSON; so "
+            "many are sent at most");
+  joints.position.assign(300'000, -1.0 / 3);  // few enough by their number
+  EXPECT_FALSE(JsonOf(joints));
+  joints.position.resize(100'000);
+  EXPECT_TRUE(JsonOf(joints));
 }
 
 }  // namespace musher::view::message_json_test
