@@ -7,12 +7,8 @@
 namespace musher {
 namespace {
 
-double Seconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 msg::BehaviorChange ToMessage(const fsm::Machine& machine, const fsm::Change& change) {
-  return {Seconds(change.at),
+  return {ToSeconds(change.at),
           change.tick,
           std::string(machine.Name(change.from)),
           std::string(machine.Name(change.to)),
@@ -32,8 +28,8 @@ msg::GetBehavior::Response ReportBehavior(const fsm::Machine& machine, bool tick
   report.iter_count = machine.ticks();
   report.safety_triggered = machine.mode() == fsm::Mode::kSafeStop;
   report.unsafe = machine.unsafe();
-  report.time_s = Seconds(machine.time());
-  if (machine.running()) report.time_in_state_s = Seconds(machine.elapsed());
+  report.time_s = ToSeconds(machine.time());
+  if (machine.running()) report.time_in_state_s = ToSeconds(machine.elapsed());
   if (machine.fault()) report.last_fault = machine.Describe(*machine.fault());
   const fsm::History& history = machine.history();
   const std::size_t count = std::min<std::size_t>(history.size(), request.history);

@@ -16,7 +16,7 @@ static_assert(msg::SkillFeedback::kStatusCancelled ==
 
 std::string RunTimeText(Duration time) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2f s", std::chrono::duration<double>(time).count());
+  std::snprintf(text, sizeof text, "%.2f s", ToSeconds(time));
   return text;
 }
 

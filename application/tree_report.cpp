@@ -7,10 +7,6 @@
 namespace musher {
 namespace {
 
-double InSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 std::uint8_t ToCode(tree::Status status) {
   switch (status) {
     case tree::Status::kIdle:
@@ -61,7 +57,7 @@ void AddNodes(const TreeView& view, std::vector<msg::TreeNode>& nodes) {
       node.file = view.document->files[info.place.file].path;
       node.line = lines[info.place.file].Of(info.place.at);
     }
-    node.spent_s = InSeconds(tree.Spent(id, view.time->last()));
+    node.spent_s = ToSeconds(tree.Spent(id, view.time->last()));
     node.runs = tree.runs(id).starts;
     nodes.push_back(std::move(node));
   }
@@ -93,7 +89,7 @@ void AddHistory(const TreeView& view, std::size_t most, std::vector<msg::TreeCha
   for (std::size_t i = changes.size() - count; i < changes.size(); ++i) {
     const tree::Change& change = changes[i];
     history.push_back(
-        {InSeconds(view.time->At(change.at)), change.node, ToCode(change.from), ToCode(change.to)});
+        {ToSeconds(view.time->At(change.at)), change.node, ToCode(change.from), ToCode(change.to)});
   }
 }
 
@@ -126,7 +122,7 @@ void ReportState(const TreeView& view, msg::TreeState& state) {
   state.revision = view.revision;
   state.ticking = view.ticking;
   state.ticks = view.ticks;
-  state.time_s = InSeconds(view.time->Now());
+  state.time_s = ToSeconds(view.time->Now());
   state.last_fault = *view.last_fault;
   state.status.resize(view.tree == nullptr ? 0 : view.tree->size());
   for (tree::NodeId id = 0; id < state.status.size(); ++id) {

@@ -22,4 +22,12 @@ constexpr std::int64_t ToMilliseconds(Duration d) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(d).count();
 }
 
+constexpr double ToSeconds(Duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+// The part of it that is less than a nanosecond is dropped. At most 9e9 s either way.
+constexpr Duration FromSeconds(double s) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
+}
+
 }  // namespace musher

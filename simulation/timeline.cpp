@@ -8,7 +8,7 @@ namespace {
 
 std::string Seconds(Duration at) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%9.4f s", std::chrono::duration<double>(at).count());
+  std::snprintf(text.data(), text.size(), "%9.4f s", ToSeconds(at));
   return text.data();
 }
 

@@ -133,7 +133,7 @@ std::string Timeline::Svg(const std::string& title) const {
                  "text-anchor=\"middle\" font-size=\"10\" fill=\"" + colour + "\"",
                  std::to_string(i + 1));
     std::array<char, 32> at{};
-    std::snprintf(at.data(), at.size(), "%.3f s", std::chrono::duration<double>(line.at).count());
+    std::snprintf(at.data(), at.size(), "%.3f s", ToSeconds(line.at));
     const double y = bands_end + 30 + 18 * static_cast<double>(i);
     svg += Label(kLeft - 8, y, "text-anchor=\"end\" fill=\"" + colour + "\"",
                  std::to_string(i + 1) + ".  " + at.data());

@@ -29,12 +29,8 @@ std::string Failure(const std::string& transition, const std::string& why) {
   return "change_state " + transition + " failed: " + why;
 }
 
-float ToSeconds(Duration duration) {
-  return std::chrono::duration<float>(duration).count();
-}
-
 // Limits a number that any participant may publish.
-Duration FromSeconds(float seconds) {
+Duration Limited(float seconds) {
   constexpr float kLongest = 3600;
   if (!(seconds > 0)) return {};
   return Milliseconds(static_cast<std::int64_t>(std::min(seconds, kLongest) * 1000));
@@ -215,9 +211,8 @@ bool ManagedNodeEndpoints::OpenBond() {
 void ManagedNodeEndpoints::OnBondStatus(const msg::BondStatus& status) {
   if (status.id != name_ || status.instance_id == instance_) return;
   const Bond::Phase before = bond_.phase();
-  AfterBond(
-      bond_.OnHeartbeat({status.instance_id, status.active, FromSeconds(status.heartbeat_timeout)},
-                        node_.loop().Now()));
+  AfterBond(bond_.OnHeartbeat(
+      {status.instance_id, status.active, Limited(status.heartbeat_timeout)}, node_.loop().Now()));
   const bool broken = before == Bond::Phase::kFormed && bond_.phase() == Bond::Phase::kBroken;
   if (broken) LogBond("the manager ended the bond");
 }
@@ -234,8 +229,8 @@ void ManagedNodeEndpoints::AfterBond(bool publish) {
     status.id = name_;
     status.instance_id = instance_;
     status.active = bond_.active();
-    status.heartbeat_timeout = ToSeconds(Bond::kTimeout);
-    status.heartbeat_period = ToSeconds(Bond::kPeriod);
+    status.heartbeat_timeout = static_cast<float>(ToSeconds(Bond::kTimeout));
+    status.heartbeat_period = static_cast<float>(ToSeconds(Bond::kPeriod));
     static_cast<void>(bond_writer_->Publish(status));  // a lost heartbeat is followed by the next
   }
   const auto next = bond_.next();

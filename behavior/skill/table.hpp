@@ -55,9 +55,6 @@ struct Settings {
   friend bool operator==(const Settings&, const Settings&) = default;
 };
 
-constexpr double ToSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
 // "1.5 s", for messages.
 std::string SecondsText(Duration time);
 

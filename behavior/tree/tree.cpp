@@ -82,7 +82,7 @@ std::string Tree::HistoryText() const {
   std::string text;
   for (std::size_t i = 0; i < history().size(); ++i) {
     const Change& change = history()[i];
-    const double at_s = std::chrono::duration<double>(change.at.time_since_epoch()).count();
+    const double at_s = ToSeconds(change.at.time_since_epoch());
     text += NumberText(at_s) + " s " + Path(change.node) + ": " + std::string(Name(change.from)) +
             " -> " + std::string(Name(change.to)) + "\n";
   }

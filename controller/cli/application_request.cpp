@@ -55,8 +55,7 @@ Failure NotOffered(const std::string& name, const ApplicationKind& kind) {
 
 Failure NoAnswerOf(const std::string& name, Duration wait) {
   return {ExitCode::kNoAnswer,
-          {kCodeTimeout, fmt::format("{} did not answer within {:g} s", name,
-                                     std::chrono::duration<double>(wait).count())}};
+          {kCodeTimeout, fmt::format("{} did not answer within {:g} s", name, ToSeconds(wait))}};
 }
 
 }  // namespace internal

@@ -171,8 +171,7 @@ Failure Link::NoAnswer(Duration timeout) const {
     who = fmt::format("the controller of {} (pid {})", machine.machine, machine.pid);
   }
   return {ExitCode::kNoAnswer,
-          {kCodeTimeout, fmt::format("{} did not answer within {:g} s", who,
-                                     std::chrono::duration<double>(timeout).count())}};
+          {kCodeTimeout, fmt::format("{} did not answer within {:g} s", who, ToSeconds(timeout))}};
 }
 
 }  // namespace musher::cli

@@ -56,8 +56,7 @@ Result<std::vector<std::size_t>> ParseNumbers(const std::string& text) {
 Result<ScenarioOptions> OptionsFor(const SimulateOptions& options, const MachineConfig& config) {
   ScenarioOptions scenario = simulation::UsualOptions(config);
   if (options.bound_s) {
-    scenario.bound =
-        std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*options.bound_s));
+    scenario.bound = FromSeconds(*options.bound_s);
   }
   if (options.home.empty()) return scenario;
   if (!config.RankOf(options.home) || !config.HasState(options.home)) {

@@ -42,8 +42,7 @@ class SkillPlanRun {
 
   PlanFinish Wait() {
     goal_.Wait();
-    PlanFinish finish{SkillOutcome::kRunning, "",
-                      std::chrono::duration<double>(progress_.elapsed()).count(),
+    PlanFinish finish{SkillOutcome::kRunning, "", ToSeconds(progress_.elapsed()),
                       GoalIdText(goal_.id())};
     if (goal_.end()) {
       finish.outcome = OutcomeOf(*goal_.end());
@@ -55,7 +54,7 @@ class SkillPlanRun {
     if (finish.outcome == SkillOutcome::kCompleted) report_.Complete();
     if (!goal_.timed_out() || finish.outcome == SkillOutcome::kCompleted) return finish;
     finish.outcome = SkillOutcome::kTimeout;
-    finish.duration_s = std::chrono::duration<double>(*global_.timeout).count();
+    finish.duration_s = ToSeconds(*global_.timeout);
     return finish;
   }
 

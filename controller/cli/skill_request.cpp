@@ -22,9 +22,9 @@ SkillAnswer QuerySkill(Link& link, const GlobalOptions& global, const std::strin
   link.RunUntil([&reply] { return reply.has_value(); }, wait);
   if (link.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
   if (!reply || !*reply) {
-    return Failure{ExitCode::kNoAnswer,
-                   {kCodeTimeout, fmt::format("{} did not answer within {:g} s", actuator,
-                                              std::chrono::duration<double>(wait).count())}};
+    return Failure{
+        ExitCode::kNoAnswer,
+        {kCodeTimeout, fmt::format("{} did not answer within {:g} s", actuator, ToSeconds(wait))}};
   }
   if (!reply->value().error.empty()) {
     return Failure{ExitCode::kNotDone, {kCodeFailed, actuator + ": " + reply->value().error}};

@@ -47,7 +47,7 @@ class SkillRun {
     goal_.Wait();
     SkillEnd end{skill_.offer.skill,     skill_.actuator,
                  SkillOutcome::kRunning, "",
-                 report_.progress,       std::chrono::duration<double>(progress_.elapsed()).count(),
+                 report_.progress,       ToSeconds(progress_.elapsed()),
                  GoalIdText(goal_.id())};
     if (goal_.end()) {
       FillSkillEnd(*goal_.end(), goal_.accepted(), end);
@@ -57,7 +57,7 @@ class SkillRun {
     if (!goal_.timed_out() || end.outcome == SkillOutcome::kCompleted) return end;
     end.message = goal_.end() ? EndAfterTimeout(end) : "it goes on, " + end.message;
     end.outcome = SkillOutcome::kTimeout;
-    end.duration_s = std::chrono::duration<double>(*global_.timeout).count();
+    end.duration_s = ToSeconds(*global_.timeout);
     return end;
   }
 

@@ -150,8 +150,7 @@ TrialBoot::TrialBoot(transport::EventLoop& loop, transport::DiskWriter& disk, co
       on_end_(std::move(on_end)),
       evaluation_(loop.Every(kCheckEvery, [this] { Evaluate(); })),
       deadline_(loop.At(loop.Now() + run.trial, [this] {
-        Fail({kCodeTimeout, fmt::format("it was not up within {:g} s",
-                                        std::chrono::duration<double>(run_.trial).count())});
+        Fail({kCodeTimeout, fmt::format("it was not up within {:g} s", ToSeconds(run_.trial))});
       })) {}
 
 void TrialBoot::Evaluate() {

@@ -13,7 +13,7 @@ struct Kettle {
   bool heats = false;  // the heater is on
 
   void Advance(musher::Duration time) {
-    const double seconds = std::chrono::duration<double>(time).count();
+    const double seconds = musher::ToSeconds(time);
     temperature_c = std::clamp(temperature_c + (heats ? 15 : -0.5) * seconds, 20.0, 100.0);
   }
 };

@@ -15,7 +15,7 @@ struct Garden {
   bool has_tap_water = true;
 
   void Advance(musher::Duration time) {
-    const double seconds = std::chrono::duration<double>(time).count();
+    const double seconds = musher::ToSeconds(time);
     if (tap && has_tap_water) tank_l = std::min(tank_l + seconds, 2.0);
     if (!pump) return;
     const double poured_l = std::min(0.25 * seconds, tank_l);

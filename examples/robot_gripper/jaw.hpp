@@ -21,7 +21,7 @@ class Jaw {
   void Halt(musher::Time now) { MoveTo(WidthAt(now), now); }
 
   double WidthAt(musher::Time now) const {
-    const double moved_mm = std::chrono::duration<double>(now - since_).count() * speed_mm_s_;
+    const double moved_mm = musher::ToSeconds(now - since_) * speed_mm_s_;
     const double way_mm = to_mm_ - from_mm_;
     return moved_mm >= std::abs(way_mm) ? to_mm_ : from_mm_ + std::copysign(moved_mm, way_mm);
   }

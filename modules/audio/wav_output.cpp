@@ -60,7 +60,7 @@ void WavOutput::SetVolume(int volume) {
 }
 
 void WavOutput::CollectPlayed() {
-  const double seconds = std::chrono::duration<double>(clock_.Now() - begun_).count();
+  const double seconds = ToSeconds(clock_.Now() - begun_);
   const double reached =
       std::clamp(seconds * sound_->rate_hz + 0.5, 0.0, static_cast<double>(sound_->samples.size()));
   for (std::size_t i = played_.samples.size(); i < static_cast<std::size_t>(reached); ++i) {

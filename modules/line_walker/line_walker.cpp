@@ -19,10 +19,6 @@ std::string Ms(Duration time) {
   return std::to_string(ToMilliseconds(time)) + " ms";
 }
 
-double Seconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 // In the frame in which `pose` is.
 Pose InFrameOf(const Pose& pose, const GroundPoint& point, double heading_rad) {
   const Pose moved = Moved({pose.x_m, pose.y_m, pose.yaw_rad}, {point.x_m, point.y_m, 0}, 1);
@@ -267,7 +263,7 @@ std::optional<LineWalker::Step> LineWalker::Tick(Time now) {
 Velocity LineWalker::Command(Time now) {
   const auto to_end = to_end_m();
   if (to_end && *to_end <= 0 && !std::exchange(beyond_, true)) lane_.Straighten(track_.pose());
-  const Pose then = Moved(track_.pose(), track_.velocity(), Seconds(rules_.lead));
+  const Pose then = Moved(track_.pose(), track_.velocity(), ToSeconds(rules_.lead));
   const InLane in_lane = lane_.At(then);
   const bool seen = Seen(left_, now) || Seen(right_, now);
   double at_most = seen || to_end ? rules_.steering.forward_m_s : rules_.lost_m_s;
@@ -291,7 +287,7 @@ std::string LineWalker::StatusText(Time now) const {
                             : state_ == State::kWalking ? "WALKING"
                                                         : "ADJUSTING";
   char runtime[32];
-  std::snprintf(runtime, sizeof runtime, "%.1fs", Seconds(Runtime(now)));
+  std::snprintf(runtime, sizeof runtime, "%.1fs", ToSeconds(Runtime(now)));
   std::string text = std::string("State:") + state + ",Active:" + (active() ? "True" : "False") +
                      ",ImagesReady:" + (ImagesReady(now) ? "True" : "False") +
                      ",Runtime:" + runtime;

@@ -27,7 +27,7 @@ std::string Quoted(const std::string& word) {
 
 std::string SecondsText(Duration time) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(time).count());
+  std::snprintf(text, sizeof text, "%.1f s", ToSeconds(time));
   return text;
 }
 

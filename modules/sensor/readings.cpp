@@ -41,7 +41,7 @@ Result<> CheckDistances(const std::vector<float>& distances) {
 
 std::string Seconds(Duration duration) {
   char text[32];
-  std::snprintf(text, sizeof(text), "%.3g s", std::chrono::duration<double>(duration).count());
+  std::snprintf(text, sizeof(text), "%.3g s", ToSeconds(duration));
   return text;
 }
 

@@ -85,8 +85,7 @@ class Reader {
       sensor.sources.push_back(Source(reader, "source"));
     }
     if (const auto rate = reader.Number("rate_hz", kLeastHz, kMostHz)) {
-      sensor.period =
-          std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / *rate));
+      sensor.period = FromSeconds(1 / *rate);
     }
     sensor.silence = reader.Time("silence_ms").value_or(sensor.silence);
     if (kind == SensorKind::kGps && reader.Has("satellites")) {

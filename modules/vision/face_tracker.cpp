@@ -92,7 +92,7 @@ void FaceTracker::Forget(std::int64_t stamp_ns, Duration gap, const std::set<int
 
 void FaceTracker::See(Track& track, const FaceBox& box, std::int64_t stamp_ns) const {
   const double passed_s = static_cast<double>(stamp_ns - track.last_ns) / 1e9;
-  const double constant_s = std::chrono::duration<double>(rules_.smoothing).count();
+  const double constant_s = ToSeconds(rules_.smoothing);
   const bool smooth = track.sightings > 0 && constant_s > 0;
   const double share = smooth ? 1 - std::exp(-passed_s / constant_s) : 1;
   track.height += (box.height - track.height) * share;

@@ -114,7 +114,7 @@ class Reader {
   void CheckRate(TableReader& root) const {
     if (!config_.detect_faces) return;
     const Duration forget = config_.faces.tracker.forget;
-    const double longest_s = std::chrono::duration<double>(forget).count();
+    const double longest_s = ToSeconds(forget);
     if (config_.rate_hz == 0 || config_.rate_hz * longest_s >= 1) return;
     root.Fault(root.At("rate_hz"), "rate_hz",
                "a face would be forgotten from one picture to the next: expected two within "

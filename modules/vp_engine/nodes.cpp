@@ -129,8 +129,7 @@ class WaitSeconds : public tree::StatefulAction {
       throw std::runtime_error("port 'seconds': expected 0 to 86400, found " +
                                std::to_string(seconds));
     }
-    until_ =
-        tick.now + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+    until_ = tick.now + FromSeconds(seconds);
     return OnRunning(tick);
   }
   tree::Status OnRunning(const tree::Tick& tick) override {

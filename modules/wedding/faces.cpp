@@ -28,7 +28,7 @@ Duration StampOf(const Json& object) {
   constexpr double kLatest = 4e9;
   const double seconds = Number(object, "timestamp");
   if (!(seconds > 0 && seconds < kLatest)) return {};
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+  return FromSeconds(seconds);
 }
 
 Error Refusal(const std::string& why) {

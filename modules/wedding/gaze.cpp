@@ -38,8 +38,7 @@ Gaze GazeAt(Gaze point, const HeadAngles& head, const GazeRules& rules) {
 
 double Nod(double pitch_rad, Gaze gaze, const GazeRules& rules, Duration step) {
   const double wanted = 2 * (gaze.y - 0.5) * rules.pitch_limit_rad;
-  const double most =
-      rules.pitch_speed_rad_s * std::chrono::duration<double>(std::max(step, Duration(0))).count();
+  const double most = rules.pitch_speed_rad_s * ToSeconds(std::max(step, Duration(0)));
   return pitch_rad + std::clamp(wanted - pitch_rad, -most, most);
 }
 

@@ -16,14 +16,6 @@ constexpr double kFastestMover = 1.5;   // m/s; a higher approach is another obs
 constexpr double kSlowestMover = 0.15;  // m/s, and 0.1 m/s more a metre away: errors of a scan
 constexpr double kLongestStepS = 0.2;   // between updates; a longer pause is no progress
 
-double Seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-Duration FromSeconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 AxisControl AxisFor(const FollowerRules& rules, bool yaw) {
   return AxisControl({rules.step_s, rules.lag_s, yaw ? rules.yaw_weight : rules.place_weight,
                       yaw ? rules.yaw_rate_weight : rules.velocity_weight,
@@ -106,7 +98,7 @@ bool Follower::HasArrived(const Pose& pose) const {
 void Follower::WatchApproach(Time now, const Pose& pose, const Velocity& velocity,
                              const std::vector<Point>& obstacles) {
   if (obstacles == seen_) return;
-  const double passed_s = Seconds(now - seen_at_);
+  const double passed_s = ToSeconds(now - seen_at_);
   const double before_m = NearestAhead(seen_, pose, velocity, rules_.flat);
   const double now_m = NearestAhead(obstacles, pose, velocity, rules_.flat);
   seen_ = obstacles;
@@ -206,7 +198,7 @@ Velocity Follower::Control(const Pose& pose, const Velocity& velocity) {
 Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
                          const std::vector<Point>& obstacles) {
   const bool active = progress_ == Progress::kFollowing || progress_ == Progress::kWaiting;
-  const double passed_s = std::max(0.0, Seconds(now - last_));
+  const double passed_s = std::max(0.0, ToSeconds(now - last_));
   const double dt_s = std::min(passed_s, kLongestStepS);
   last_ = std::max(last_, now);
   Command command;
@@ -224,7 +216,7 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
       Fail(MakeError(Fault::kObstacle,
                      fmt::format("an obstacle at ({:.2f}, {:.2f}) has been in the way for {:.0f} s",
                                  obstruction_ ? obstruction_->at.x_m : 0,
-                                 obstruction_ ? obstruction_->at.y_m : 0, Seconds(waiting_))));
+                                 obstruction_ ? obstruction_->at.y_m : 0, ToSeconds(waiting_))));
     }
   } else if (progress_ == Progress::kFollowing) {
     waiting_ = Duration::zero();
@@ -235,7 +227,7 @@ Command Follower::Update(Time now, const Pose& pose, const Velocity& velocity,
           Fault::kLate,
           fmt::format("not arrived {:.1f} s after the trajectory's time "
                       "of {:.1f} s: {:.2f} m and {:.2f} rad are left",
-                      Seconds(rules_.late), Seconds(trajectory_.duration()),
+                      ToSeconds(rules_.late), ToSeconds(trajectory_.duration()),
                       Distance(goal.at, pose.at), std::abs(Wrapped(goal.yaw_rad - pose.yaw_rad)))));
     }
   }

@@ -10,7 +10,7 @@
 namespace musher::navigation {
 namespace {
 
-constexpr double kStepS = std::chrono::duration<double>(kTrajectoryStep).count();
+constexpr double kStepS = ToSeconds(kTrajectoryStep);
 
 Result<> CheckRules(const TrajectoryRules& rules) {
   const MotionLimits& limits = rules.limits;
@@ -72,8 +72,7 @@ TrajectoryPoint Trajectory::At(Duration since_begin) const {
   if (since_begin <= Duration::zero()) return points.front();
   if (since_begin >= duration()) return points.back();
   const auto index = static_cast<std::size_t>(since_begin / kTrajectoryStep);
-  const double share =
-      std::chrono::duration<double>(since_begin % kTrajectoryStep).count() / kStepS;
+  const double share = ToSeconds(since_begin % kTrajectoryStep) / kStepS;
   const TrajectoryPoint &a = points[index], &b = points[index + 1];
   const Velocity &from = a.velocity, &to = b.velocity;
   TrajectoryPoint point;

@@ -60,7 +60,7 @@ TEST(Follower, ArrivesInTheTrajectorysTime) {
   EXPECT_EQ(command.velocity, Velocity{});
   EXPECT_LT(Distance(body.pose.at, {4, 0, 0}), 0.02);
   const Duration planned = MakeTrajectory(kAhead, {}).value().duration();
-  EXPECT_NEAR(std::chrono::duration<double>(body.now - Time{} - planned).count(), 0, 0.1);
+  EXPECT_NEAR(ToSeconds(body.now - Time{} - planned), 0, 0.1);
   EXPECT_EQ(body.Step().velocity, Velocity{}) << "and stays there";
 }
 
@@ -93,7 +93,7 @@ TEST(Follower, GivesUpFiveSecondsLateAndSaysSo) {
   EXPECT_THAT(command.failure->message, HasSubstr("not arrived 5.0 s after"));
   EXPECT_THAT(command.failure->message, HasSubstr("4.00 m and 0.00 rad are left"));
   const Duration planned = MakeTrajectory(kAhead, {}).value().duration();
-  EXPECT_NEAR(std::chrono::duration<double>(body.now - Time{} - planned).count(), 5, 0.1);
+  EXPECT_NEAR(ToSeconds(body.now - Time{} - planned), 5, 0.1);
   EXPECT_EQ(body.Step().progress, Progress::kFailed);
 }
 
@@ -150,7 +150,7 @@ TEST(Follower, RequestsANewPlanWhenTheObstacleStays) {
   ASSERT_EQ(command.progress, Progress::kWaiting);
   const Time begin = body.now;
   while (!command.replan) command = body.Step({{2, 0, 0}});
-  EXPECT_NEAR(std::chrono::duration<double>(body.now - begin).count(), 2, 0.05);
+  EXPECT_NEAR(ToSeconds(body.now - begin), 2, 0.05);
   ASSERT_TRUE(command.obstruction);
   EXPECT_EQ(command.obstruction->at, (Point{2, 0, 0}));
   // Around it.

@@ -59,7 +59,7 @@ Trajectory Made(const Path& path) {
 }
 
 double SecondsOf(const Trajectory& trajectory) {
-  return std::chrono::duration<double>(trajectory.duration()).count();
+  return ToSeconds(trajectory.duration());
 }
 
 TEST(Trajectory, TakesTheLeastTimeOnAStraightLine) {

@@ -102,8 +102,7 @@ Figures& Figures::operator+=(const Figures& other) {
 Searched SearchAll(const Model& model, const World& root) {
   const auto begun = std::chrono::steady_clock::now();
   Searched searched = Explorer(model).Run(root);
-  searched.figures.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  searched.figures.seconds = ToSeconds(std::chrono::steady_clock::now() - begun);
   return searched;
 }
 

@@ -116,7 +116,7 @@ void RobotMetrics::OnSwitch(const msg::HistoryEntry& entry, std::string_view eve
   begun_.erase(begun);
   // A wall clock that was set back measures nothing.
   if (took >= Duration::zero()) {
-    target.durations.Observe(std::chrono::duration<double>(took).count());
+    target.durations.Observe(ToSeconds(took));
   }
 }
 

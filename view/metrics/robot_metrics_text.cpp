@@ -12,10 +12,6 @@ constexpr std::array<std::string_view, 5> kPhases = {"starting", "running", "fai
                                                      "stopped"};
 constexpr std::string_view kPresent = "present";
 
-double Seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 }  // namespace
 
 std::string RobotMetrics::Text(Time now, MetricsFormat format) const {
@@ -145,13 +141,13 @@ void RobotMetrics::WriteHeartbeats(Exposition& text, Time now) const {
                    "seconds"});
   for (const Actuator& actuator : actuators_) {
     if (!has_heartbeat(actuator)) continue;
-    text.Add(Seconds(now - actuator.beat->received), {{"actuator", actuator.info.name}});
+    text.Add(ToSeconds(now - actuator.beat->received), {{"actuator", actuator.info.name}});
   }
   text.BeginGauge({"musher_actuator_beat_period_seconds",
                    "Period of the heartbeats, as the last one gives it.", "seconds"});
   for (const Actuator& actuator : actuators_) {
     if (!has_heartbeat(actuator)) continue;
-    text.Add(Seconds(actuator.beat->period), {{"actuator", actuator.info.name}});
+    text.Add(ToSeconds(actuator.beat->period), {{"actuator", actuator.info.name}});
   }
 }
 

@@ -25,10 +25,6 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
                            bool colour);
 std::string SimulationJson(const SimulationReport& report, const std::string& failing_scenario);
 
-inline double Seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 std::string ScenarioVerdict(const simulation::Ending& ending);
 std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
                          const std::string& text);

@@ -33,16 +33,16 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   ordered_json json = {{"file", report.file},
                        {"scenarios", s.scenarios},
                        {"passed", s.good()},
-                       {"simulated_s", Seconds(s.simulated)},
-                       {"took_s", Seconds(report.took)},
+                       {"simulated_s", ToSeconds(s.simulated)},
+                       {"took_s", ToSeconds(report.took)},
                        {"checks", s.checks},
-                       {"bound_s", Seconds(report.options.bound)}};
+                       {"bound_s", ToSeconds(report.options.bound)}};
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
   }
   if (!s.rests.empty()) {
-    json["settled_s"] = {{"median", Seconds(s.rests[s.rests.size() / 2])},
-                         {"longest", Seconds(s.rests.back())}};
+    json["settled_s"] = {{"median", ToSeconds(s.rests[s.rests.size() / 2])},
+                         {"longest", ToSeconds(s.rests.back())}};
   }
   json["injected_events"] = CoverageOf(s.coverage);
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {

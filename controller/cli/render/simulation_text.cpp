@@ -27,7 +27,7 @@ std::string Only(const simulation::ScenarioId& id) {
 
 std::string Figures(const SimulationReport& report) {
   const Summary& s = report.summary;
-  const double took = std::max(Seconds(report.took), 1e-9);
+  const double took = std::max(ToSeconds(report.took), 1e-9);
   std::uint64_t faults = 0;
   std::uint64_t all = 0;
   for (std::size_t i = 0; i < simulation::kInjectionKinds; ++i) {
@@ -37,7 +37,7 @@ std::string Figures(const SimulationReport& report) {
   }
   std::string text = fmt::format(
       "  simulated {} scenarios, {:.1f} robot-hours, in {:.1f} s: {} scenarios a minute\n",
-      Grouped(s.scenarios), Seconds(s.simulated) / 3600, took,
+      Grouped(s.scenarios), ToSeconds(s.simulated) / 3600, took,
       Grouped(static_cast<std::uint64_t>(static_cast<double>(s.scenarios) / took * 60)));
   text += "  switches ";
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
@@ -49,13 +49,13 @@ std::string Figures(const SimulationReport& report) {
                       Grouped(faults), Grouped(s.checks));
   if (!s.rests.empty()) {
     const auto at = [&](double share) {
-      return Seconds(
+      return ToSeconds(
           s.rests[static_cast<std::size_t>(share * static_cast<double>(s.rests.size() - 1))]);
     };
     text += fmt::format(
         "  settled   {:.1f} s after the last fault (median), {:.1f} s (99 %), {:.1f} s (longest); "
         "bound {:.0f} s\n",
-        at(0.5), at(0.99), at(1), Seconds(report.options.bound));
+        at(0.5), at(0.99), at(1), ToSeconds(report.options.bound));
   }
   return text;
 }
@@ -120,7 +120,7 @@ std::string ScenarioVerdict(const simulation::Ending& ending) {
   if (ending.violation) return "\nThis scenario failed.\n";
   return fmt::format(
       "\nThis scenario passed; the machine was stable {:.1f} s after the last fault.\n",
-      Seconds(ending.rested.value_or(Duration{})));
+      ToSeconds(ending.rested.value_or(Duration{})));
 }
 
 }  // namespace musher::cli

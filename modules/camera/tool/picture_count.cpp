@@ -17,7 +17,7 @@ void PictureCount::Add(const msg::Image& picture, Duration age, Time now) {
 }
 
 double PictureCount::RateHz() const {
-  const double seconds = std::chrono::duration<double>(last_ - first_).count();
+  const double seconds = ToSeconds(last_ - first_);
   return seconds > 0 ? static_cast<double>(count() - 1) / seconds : 0;
 }
 

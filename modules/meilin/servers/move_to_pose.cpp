@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "musher/modules/meilin/servers/seconds.hpp"
+#include "musher/modules/meilin/servers/goal_limit.hpp"
 
 namespace musher::meilin::servers {
 namespace {
@@ -90,7 +90,7 @@ std::string MoveToPose::CancelText() const {
 std::string MoveToPose::Blind(Time now) const {
   if (!pose_) return "no pose yet";
   if (now - pose_at_ <= settings_.pose_stale) return "";
-  return fmt::format("no pose for {:.1f} s", Seconds(now - pose_at_));
+  return fmt::format("no pose for {:.1f} s", ToSeconds(now - pose_at_));
 }
 
 Duration MoveToPose::UpdatePeriod() const {
@@ -98,7 +98,7 @@ Duration MoveToPose::UpdatePeriod() const {
 }
 
 double MoveToPose::SecondsSinceLast(Time now) {
-  const double dt_s = last_ ? Seconds(now - *last_) : 0;
+  const double dt_s = last_ ? ToSeconds(now - *last_) : 0;
   last_ = now;
   return std::max(0.0, dt_s);
 }

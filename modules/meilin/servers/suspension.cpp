@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "musher/modules/meilin/servers/seconds.hpp"
+#include "musher/modules/meilin/servers/goal_limit.hpp"
 
 namespace musher::meilin::servers {
 namespace {
@@ -22,7 +22,7 @@ constexpr double kHighDropMm = 380;    // a deeper one is a high step
 std::string Silent(const std::optional<Time>& at, Time now, Duration stale) {
   if (!at) return "no reading yet";
   if (now - *at <= stale) return "";
-  return fmt::format("no reading for {:.1f} s", Seconds(now - *at));
+  return fmt::format("no reading for {:.1f} s", ToSeconds(now - *at));
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ std::optional<Suspension::End> Suspension::Update(Time now) {
 }
 
 double Suspension::ElapsedSeconds(Time now) const {
-  return std::max(0.0, Seconds(now - begun_));
+  return std::max(0.0, ToSeconds(now - begun_));
 }
 
 void Suspension::Enter(SuspensionState state) {

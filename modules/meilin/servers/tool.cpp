@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "musher/modules/meilin/servers/seconds.hpp"
+#include "musher/modules/meilin/servers/goal_limit.hpp"
 
 namespace musher::meilin::servers {
 
@@ -68,7 +68,7 @@ std::optional<Tool::End> Tool::Update(Time now) {
 }
 
 double Tool::ElapsedSeconds(Time now) const {
-  return std::max(0.0, Seconds(now - begun_));
+  return std::max(0.0, ToSeconds(now - begun_));
 }
 
 double Tool::Progress(Time now) const {

@@ -17,8 +17,7 @@ ExitCode Run(const GlobalOptions& global, const ServoOptions& options) {
   auto opened = Streaming::Open(global, options.id, options.source);
   if (const auto* exit = std::get_if<ExitCode>(&opened)) return *exit;
   Streaming& streaming = *std::get<std::unique_ptr<Streaming>>(opened);
-  const auto time =
-      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.seconds));
+  const auto time = FromSeconds(options.seconds);
   transport::Clock& clock = streaming.link().clock();
   const Time end = clock.Now() + time;
   const std::string what = "servo motion " + NameOf(global, options.id);

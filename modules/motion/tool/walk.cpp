@@ -48,7 +48,7 @@ class Walker {
   }
 
   const std::optional<Error>& fault() const { return fault_; }
-  double seconds() const { return std::chrono::duration<double>(Now() - begun_).count(); }
+  double seconds() const { return ToSeconds(Now() - begun_); }
   double gap_m() const { return walk_->Gap(*pose_); }
 
  private:

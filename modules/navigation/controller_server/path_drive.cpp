@@ -20,10 +20,6 @@ constexpr double kAlignedRad = 0.35;  // between the motion and a path on which 
 constexpr double kMapWithinM = 0.15;  // a point so near to a wall of the map is of it
 constexpr double kAsideGain = 0.7;    // rad/m: how much an aside velocity turns a differential body
 
-double SecondsOf(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 FollowerRules RulesOf(const ControllerRobot& robot, const ControllerConfig& config) {
   FollowerRules rules;
   rules.limits = robot.limits;
@@ -64,7 +60,7 @@ Pose PathDrive::PoseAt(Duration stamp) const {
 
 // Odometry comes less often than commands are sent: with the last one itself they would jump.
 Pose PathDrive::PoseNow(Time now) const {
-  const double passed_s = SecondsOf(std::clamp(now - motion_at_, Duration::zero(), kLongestGuess));
+  const double passed_s = ToSeconds(std::clamp(now - motion_at_, Duration::zero(), kLongestGuess));
   Pose pose = motion_->pose;
   pose.at.x_m += motion_->velocity.x_m_s * passed_s;
   pose.at.y_m += motion_->velocity.y_m_s * passed_s;
@@ -92,7 +88,7 @@ std::optional<DriveEnd> PathDrive::Blind(Time now) const {
   if (!motion_ || now - motion_at_ > config_.odometry_stale) {
     return DriveEnd{FollowCode::kTfError,
                     motion_ ? fmt::format("no odometry on {} for {:.1f} s", robot_.odometry,
-                                          SecondsOf(now - motion_at_))
+                                          ToSeconds(now - motion_at_))
                             : fmt::format("no odometry on {} yet", robot_.odometry)};
   }
   if (robot_.scan.empty() || (seen_at_ && now - *seen_at_ <= config_.scan_stale)) {
@@ -100,7 +96,7 @@ std::optional<DriveEnd> PathDrive::Blind(Time now) const {
   }
   return DriveEnd{
       FollowCode::kNoValidControl,
-      seen_at_ ? fmt::format("no scan on {} for {:.1f} s", robot_.scan, SecondsOf(now - *seen_at_))
+      seen_at_ ? fmt::format("no scan on {} for {:.1f} s", robot_.scan, ToSeconds(now - *seen_at_))
                : fmt::format("no scan on {} yet", robot_.scan)};
 }
 
@@ -232,7 +228,7 @@ PathDrive::Step PathDrive::Update(Time now) {
     return end({kObstacleStays,
                 fmt::format("an obstacle at ({:.2f}, {:.2f}, {:.2f}) has been in the way for "
                             "{:.1f} s",
-                            at.x_m, at.y_m, at.z_m, SecondsOf(config_.obstacle_time))});
+                            at.x_m, at.y_m, at.z_m, ToSeconds(config_.obstacle_time))});
   }
   step.command = BodyCommand(command.velocity, pose.yaw_rad);
   return step;

@@ -210,12 +210,10 @@ Result<PathRequest> PlannerServer::RequestOf(const Robot& robot, const Action::G
   } else {
     return MakeError(
         Fault::kOdometry,
-        fmt::format(
-            "the place of the robot is not known: no odometry on {} {}", robot.config->odometry,
-            robot.motion
-                ? fmt::format("for {:.1f} s",
-                              std::chrono::duration<double>(Now() - robot.motion_at).count())
-                : "yet"));
+        fmt::format("the place of the robot is not known: no odometry on {} {}",
+                    robot.config->odometry,
+                    robot.motion ? fmt::format("for {:.1f} s", ToSeconds(Now() - robot.motion_at))
+                                 : "yet"));
   }
   if (!robot.planner) {
     return MakeError(Fault::kMap, "there is no map yet, on " +

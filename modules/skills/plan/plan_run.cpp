@@ -9,7 +9,7 @@ namespace {
 
 std::string Seconds(Duration time) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(time).count());
+  std::snprintf(text, sizeof text, "%.1f s", ToSeconds(time));
   return text;
 }
 

@@ -101,7 +101,7 @@ class Grammar {
     }
     const auto link = ToolLink::Open(options_);
     if (!link) return Fail(ExitCode::kUsage, link.error().message);
-    const auto time = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds_));
+    const auto time = FromSeconds(seconds_);
     const int exit = std::visit(
         [&](const auto& message) { return Publish(*link.value(), input_.topic, message, time); },
         input_.message);

@@ -23,7 +23,7 @@ double DrainW(const BatterySpec& spec, Activity activity) {
 
 void Battery::Step(Duration dt, Activity activity, bool on_pad) {
   constexpr double kSecondsInHour = 3600;
-  const double seconds = std::chrono::duration<double>(dt).count();
+  const double seconds = ToSeconds(dt);
   charge_w_ = std::max(cable_ ? spec_.cable_w : 0, on_pad ? spec_.pad_w : 0);
   power_w_ = charge_w_ - DrainW(spec_, activity);
   const double whole_j = spec_.capacity_wh * kSecondsInHour;

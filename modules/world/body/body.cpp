@@ -25,10 +25,6 @@ constexpr double kStillSpeed = 0.02;  // m/s, rad/s: below this it stands
 constexpr double kAmbientC = 28;
 constexpr double kWarmingSeconds = 120;
 
-double Seconds(Duration d) {
-  return std::chrono::duration<double>(d).count();
-}
-
 double Smooth(double share) {
   return share * share * (3 - 2 * share);
 }
@@ -191,7 +187,7 @@ void Body::SetFault(const FaultKind& fault, std::size_t motor) {
 
 void Body::Step(const Scene& scene, const Supply& supply, Duration now, Duration dt,
                 NormalRandom& random) {
-  const double seconds = Seconds(dt);
+  const double seconds = ToSeconds(dt);
   supply_ = supply;
   if (!supply_.on() && motion_->kind != Kind::kOff) BeginOff(scene);
   const double share = Share();
@@ -213,7 +209,7 @@ bool Body::Stalled() const {
 }
 
 double Body::Share() const {
-  return time_ > Duration::zero() ? Seconds(elapsed_) / Seconds(time_) : 1;
+  return time_ > Duration::zero() ? ToSeconds(elapsed_) / ToSeconds(time_) : 1;
 }
 
 Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, NormalRandom& random) {
@@ -226,7 +222,7 @@ Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, NormalRan
     target.head<2>() *= 1 - spec.slip;
     target.z() *= 1 - spec.yaw_slip.value_or(spec.slip);
   }
-  walking_ += (target - walking_) * (1 - std::exp(-seconds / Seconds(spec.lag)));
+  walking_ += (target - walking_) * (1 - std::exp(-seconds / ToSeconds(spec.lag)));
   if (spec.noise == 0) return walking_ * seconds;
   Vector3d noisy = walking_;
   for (double& value : noisy) value *= 1 + spec.noise * random.Normal();
@@ -255,7 +251,7 @@ Attitude Body::NextAttitude(const Scene& scene, double seconds) const {
       wanted.height_m += command_.raised_m;
       wanted.roll_rad = command_.attitude.x();
       wanted.pitch_rad = command_.attitude.y();
-      const double times = 4 * seconds / std::max(Seconds(time_), seconds);
+      const double times = 4 * seconds / std::max(ToSeconds(time_), seconds);
       return Stalled() ? attitude_ : Between(attitude_, wanted, 1 - std::exp(-times));
     }
     case Kind::kLeap: {

@@ -78,7 +78,7 @@ std::optional<std::string> Humanoid::LookAt(const Vector2d& point) {
 }
 
 void Humanoid::Step(Duration dt) {
-  const double seconds = std::chrono::duration<double>(dt).count();
+  const double seconds = ToSeconds(dt);
   held_ += dt;
   joints_ = commands_;
   const Angles goals = Goals();
@@ -93,7 +93,7 @@ void Humanoid::Step(Duration dt) {
 Angles Humanoid::Goals() const {
   const PoseSpec& pose = spec_.poses[pose_];
   Angles goals = pose.angles;
-  const double held_s = std::chrono::duration<double>(held_).count();
+  const double held_s = ToSeconds(held_);
   for (const Swing& swing : pose.swings) {
     goals[swing.joint] += swing.amplitude_rad * std::sin(2 * M_PI * held_s / swing.period_s);
   }

@@ -113,7 +113,7 @@ std::optional<std::string> LiftBody::PutDown(const FieldSpec& field, const Vecto
 std::optional<std::string> LiftBody::Step(const LiftPlace& place, const Stuck& stuck, Duration now,
                                           Duration dt) {
   if (fallen()) return std::nullopt;
-  const double seconds = std::chrono::duration<double>(dt).count();
+  const double seconds = ToSeconds(dt);
   const bool held = !stuck.wheels && MoveWheels(place.field, seconds);
   Vector3d target(0, 0, 0);
   if (commanded_at_ && now - *commanded_at_ <= spec_.command_timeout && !stuck.base) {

@@ -86,7 +86,7 @@ void RobotBody::Blow(double seconds) {
 }
 
 void RobotBody::Step(const RobotPlace& place, bool battery_empty, Duration now, Duration dt) {
-  const double seconds = std::chrono::duration<double>(dt).count();
+  const double seconds = ToSeconds(dt);
   const bool flies = kind_ == RobotKind::kFlyer;
   Approach(Target(battery_empty, now), seconds);
   if (wind_.drift_m_s > 0) Blow(seconds);

@@ -289,7 +289,7 @@ void DrawHeightChart(const World& world, const Pixel& corner, const Pixel& oppos
   const double left = corner.x() + kChartNames;
   const double bottom = opposite.y() - kAxis;
   const double most_mm = HighestMm(field.spec()) + field.spec().robot.most_mm;
-  const double end_s = std::max(1.0, std::chrono::duration<double>(field.way().back().at).count());
+  const double end_s = std::max(1.0, ToSeconds(field.way().back().at));
   const auto x = [&](double seconds) { return left + (opposite.x() - left) * seconds / end_s; };
   const auto y = [&](double mm) { return bottom - (bottom - corner.y()) * mm / most_mm; };
   const double every_s = MarkEvery(end_s, 14, {1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1800, 3600});
@@ -304,7 +304,7 @@ void DrawHeightChart(const World& world, const Pixel& corner, const Pixel& oppos
   std::vector<Pixel> ground{{left, bottom}};
   std::vector<Pixel> body;
   for (const FieldSample& sample : field.way()) {
-    const double s = std::chrono::duration<double>(sample.at).count();
+    const double s = ToSeconds(sample.at);
     const double floor = y(field.spec().HeightMm(sample.position_m));
     ground.emplace_back(x(s), ground.back().y());
     ground.emplace_back(x(s), floor);

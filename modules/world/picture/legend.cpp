@@ -18,8 +18,7 @@ std::map<int, double> TimeInStates(const Track& track) {
   std::map<int, double> seconds;
   const std::vector<Sample>& samples = track.samples();
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-    seconds[samples[i].machine_state] +=
-        std::chrono::duration<double>(samples[i + 1].at - samples[i].at).count();
+    seconds[samples[i].machine_state] += ToSeconds(samples[i + 1].at - samples[i].at);
   }
   return seconds;
 }
@@ -61,7 +60,7 @@ class Legend {
   void Way() {
     if (world_.scene().picture.way == Picture::Way::kTime) {
       Title("The way, by time");
-      const double end_s = std::chrono::duration<double>(track_.samples().back().at).count();
+      const double end_s = ToSeconds(track_.samples().back().at);
       for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
         Swatch(ColorOfTime(share));
         Row(ClockText(std::round(share * end_s)));

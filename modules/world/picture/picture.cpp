@@ -19,7 +19,7 @@ double WalkedM(const Track& track) {
   double walked_m = 0;
   const std::vector<Sample>& samples = track.samples();
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double seconds = std::chrono::duration<double>(samples[i].at - samples[i - 1].at).count();
+    const double seconds = ToSeconds(samples[i].at - samples[i - 1].at);
     const double way_m = (samples[i].pose.position_m - samples[i - 1].pose.position_m).norm();
     if (way_m <= 0.3 + 2 * seconds) walked_m += way_m;
   }
@@ -45,7 +45,7 @@ double MapBottom(const Scene& scene) {
 
 std::string Facts(const World& world) {
   char facts[160];
-  const double now_s = std::floor(std::chrono::duration<double>(world.now()).count());
+  const double now_s = std::floor(ToSeconds(world.now()));
   if (world.scene().has_body) {
     std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
                   ClockText(now_s).c_str(), WalkedM(world.track()), world.battery().percent());

@@ -16,10 +16,6 @@ constexpr double kGap = 14;
 constexpr double kSmall = 12;  // letters
 constexpr double kTiny = 11;
 
-double ToSeconds(Duration d) {
-  return std::chrono::duration<double>(d).count();
-}
-
 double TimeMarkEvery(double range_s) {
   return MarkEvery(
       range_s, 12,

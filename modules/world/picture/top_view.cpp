@@ -187,7 +187,7 @@ class TopView {
     for (std::size_t i = 1; i < samples.size(); ++i) {
       const Sample& last = samples[i - 1];
       const Sample& sample = samples[i];
-      const double seconds = std::chrono::duration<double>(sample.at - last.at).count();
+      const double seconds = ToSeconds(sample.at - last.at);
       const bool carried =
           (sample.pose.position_m - last.pose.position_m).norm() > 0.3 + 2 * seconds;
       if (!carried) piece.push_back(At(sample.pose.position_m));
@@ -205,8 +205,8 @@ class TopView {
   }
 
   static double ShareOf(const Sample& sample, const std::vector<Sample>& samples) {
-    const double end = std::chrono::duration<double>(samples.back().at).count();
-    return end > 0 ? std::chrono::duration<double>(sample.at).count() / end : 0;
+    const double end = ToSeconds(samples.back().at);
+    return end > 0 ? ToSeconds(sample.at) / end : 0;
   }
 
   void Cross(const Pixel& at, double half) {

@@ -53,8 +53,7 @@ int Run(const Options& options) {
   const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene, *run);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.scene) return kUsageError;
-  const auto time =
-      std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(options.seconds));
+  const auto time = musher::FromSeconds(options.seconds);
   if (!options.picture.empty()) {
     return musher::world::DrawScene(*reading.scene, time, options.picture);
   }
@@ -98,8 +97,7 @@ int WorldControlMain(int argc, char** argv) {
     std::cerr << "musher-world: " << command.error().message << std::endl;
     return kUsageError;
   }
-  const auto timeout =
-      std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(timeout_s));
+  const auto timeout = musher::FromSeconds(timeout_s);
   const auto answer = musher::world::SendWorldCommand(command.value(), name_space, timeout);
   if (!answer) {
     std::cerr << "musher-world: " << answer.error().message << std::endl;

@@ -28,13 +28,9 @@ constexpr double kMostWalk = 3;
 constexpr double kLongestTimetableS = 3600;  // of a timetable
 constexpr std::size_t kMostGuests = 50;
 
-Duration FromSeconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 std::string At(Duration time) {
   char text[32];
-  std::snprintf(text, sizeof(text), "at %.1f s", std::chrono::duration<double>(time).count());
+  std::snprintf(text, sizeof(text), "at %.1f s", ToSeconds(time));
   return text;
 }
 

@@ -126,8 +126,7 @@ class Things {
     Set(ball.shown, reader.Bool("shown"));
     Set(ball.show_within_m, keys::Height(reader, "show_within_m"));
     if (const auto show_for_s = reader.Number("show_for_s", 0, kLongestShowS)) {
-      ball.show_for =
-          std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*show_for_s));
+      ball.show_for = FromSeconds(*show_for_s);
     }
     if (reader.Has("show_within_m") != reader.Has("show_for_s")) {
       findings_.Error(reader.at(),

@@ -172,7 +172,7 @@ class Reader {
     reader.Require("at_s", "when it happens, in seconds of world time");
     const double at_s = reader.Number("at_s", 0, kLongestS).value_or(0);
     SceneEvent event;
-    event.at = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(at_s));
+    event.at = FromSeconds(at_s);
     int found = 0;
     const auto take = [&](auto what) {
       event.what = std::move(what);

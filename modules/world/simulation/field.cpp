@@ -19,10 +19,6 @@ constexpr Duration kRepetition = Milliseconds(200);
 constexpr std::size_t kMostWaySamples = 20'000;
 constexpr std::size_t kMostFieldEvents = 1000;
 
-Duration FieldTime(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 // The box whose square contains the point and that is higher.
 std::optional<std::string> BoxAt(const FieldSpec& field, const std::vector<KfsBox>& boxes,
                                  const Vector2d& point_m, double height_mm) {
@@ -60,8 +56,8 @@ std::optional<std::string> Field::Command(Tool& tool, const char* name, double c
   const bool arm = &tool == &arm_;
   const auto index = static_cast<std::size_t>(number);
   tool = {number,
-          now + FieldTime(arm ? spec_.robot.arm_s.at(index) : spec_.robot.spear_s.at(index)), true,
-          false, ""};
+          now + FromSeconds(arm ? spec_.robot.arm_s.at(index) : spec_.robot.spear_s.at(index)),
+          true, false, ""};
   return std::nullopt;
 }
 
@@ -106,7 +102,7 @@ std::vector<std::string> Field::Step(const std::set<std::string>& faults, Durati
   if (arm_.busy && now >= arm_.until && !faults.contains("arm stuck")) say(EndArm(now));
   if (spear_.busy && now >= spear_.until && !faults.contains("spear stuck")) say(EndSpear(now));
   if (docked_at_ && !partner_ready_ &&
-      now - *docked_at_ >= FieldTime(spec_.partner.ready_after_s)) {
+      now - *docked_at_ >= FromSeconds(spec_.partner.ready_after_s)) {
     partner_ready_ = true;
     Note(FieldEvent::Kind::kReady, now, "R1");
     log.emplace_back("R1 is ready");

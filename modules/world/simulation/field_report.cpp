@@ -6,10 +6,6 @@
 namespace musher::world {
 namespace {
 
-double FieldSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 std::string FieldWord(const std::string& text) {
   std::string quoted = "\"";
   for (const char letter : text) {
@@ -68,7 +64,7 @@ std::string EventsJson(const Field& field) {
   for (const FieldEvent& event : field.events()) {
     text += std::string(text.empty() ? "" : ",") +
             FieldFormat(R"({"at_s":%.2f,"what":"%s","x_m":%.2f,"y_m":%.2f,"text":)",
-                        FieldSeconds(event.at), kNames.at(static_cast<std::size_t>(event.kind)),
+                        ToSeconds(event.at), kNames.at(static_cast<std::size_t>(event.kind)),
                         event.where_m.x(), event.where_m.y()) +
             FieldWord(event.text) + "}";
   }
@@ -86,8 +82,8 @@ std::string FieldJson(const World& world) {
                          [where](const KfsBox& box) { return box.where == where; });
   };
   return R"({"name":)" + FieldWord(world.scene().name) + R"(,"side":)" +
-         FieldWord(field.spec().side) +
-         FieldFormat(R"(,"time_s":%.2f,)", FieldSeconds(world.now())) + PoseJson(field) +
+         FieldWord(field.spec().side) + FieldFormat(R"(,"time_s":%.2f,)", ToSeconds(world.now())) +
+         PoseJson(field) +
          FieldFormat(R"(,"waits":%s,"fallen":%s,"fall":)", robot.waits() ? "true" : "false",
                      robot.fallen() ? "true" : "false") +
          FieldWord(robot.fall()) +

@@ -18,10 +18,6 @@ std::string JsonName(const std::string& text) {
   return quoted + '"';
 }
 
-double SecondsOf(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 }  // namespace
 
 std::string FleetText(const World& world) {
@@ -44,7 +40,7 @@ std::string FleetText(const World& world) {
 
 std::string FleetJson(const World& world) {
   char numbers[320];
-  std::snprintf(numbers, sizeof(numbers), "%.2f", SecondsOf(world.now()));
+  std::snprintf(numbers, sizeof(numbers), "%.2f", ToSeconds(world.now()));
   std::string text =
       "{\"name\":" + JsonName(world.scene().name) + ",\"time_s\":" + numbers + ",\"robots\":[";
   for (std::size_t i = 0; i < world.fleet().robots().size(); ++i) {

@@ -90,7 +90,7 @@ void Guests::Step(const Scene& scene, const Robot& robot, Duration now, Duration
   const Duration within = repeats ? now % scene.guests_repeat : now;
   if (within < within_) Begin(scene);
   within_ = within;
-  const double seconds = std::chrono::duration<double>(dt).count();
+  const double seconds = ToSeconds(dt);
   for (std::size_t i = 0; i < guests_.size(); ++i) {
     const GuestSpec& spec = scene.guests[i];
     Plan& plan = plans_[i];

@@ -27,7 +27,7 @@ void Mover::Choose(const MoverSpec& spec) {
 
 void Mover::Step(const MoverSpec& spec, const std::function<bool(const Vector2d&)>& is_free,
                  Duration dt) {
-  const double seconds = std::chrono::duration<double>(dt).count();
+  const double seconds = ToSeconds(dt);
   speed_m_s_ = 0;
   if (wait_s_ > 0) {
     wait_s_ -= seconds;

@@ -8,10 +8,6 @@
 namespace musher::world {
 namespace {
 
-double InSeconds(Duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 template <class... Numbers>
 std::string Format(const char* format, Numbers... numbers) {
   char text[160];
@@ -61,7 +57,7 @@ std::string Listed(const std::vector<Item>& items, Write write) {
 std::string JsonOf(const LineTouch& touch) {
   return Format(
              R"({"foot":"%s","line":%zu,"from_s":%.2f,"to_s":%.2f,"depth_m":%.3f,"x_m":%.3f,"y_m":%.3f,)",
-             kFeet.at(touch.foot), touch.line + 1, InSeconds(touch.from), InSeconds(touch.to),
+             kFeet.at(touch.foot), touch.line + 1, ToSeconds(touch.from), ToSeconds(touch.to),
              touch.depth_m, touch.where_m.x(), touch.where_m.y()) +
          R"("whole_foot":)" + (touch.whole_foot ? "true}" : "false}");
 }
@@ -104,12 +100,12 @@ std::string RefereeText(const Scene& scene, const Referee& referee, Duration now
   const ZonesInOrder zones = CompareZones(scene, referee.visits());
   std::string text = scene.name + ", " + SampledText(scene) + "\n";
   text += referee.finished() ? "finished after " : "not finished after ";
-  text += Format("%.1f s\n", InSeconds(RunTime(referee, now)));
+  text += Format("%.1f s\n", ToSeconds(RunTime(referee, now)));
   std::vector<std::string> reached;
   for (std::size_t i = 0; i < referee.visits().size(); ++i) {
     const ZoneVisit& visit = referee.visits()[i];
     if (!zones.in_order[i]) continue;
-    reached.push_back(scene.zones[visit.zone].name + Format(" (%.1f s)", InSeconds(visit.at)));
+    reached.push_back(scene.zones[visit.zone].name + Format(" (%.1f s)", ToSeconds(visit.at)));
   }
   text += "reached in order: " + Joined(reached) + "\n";
   text += "missing: " + Joined(zones.missing) + "\n";
@@ -120,7 +116,7 @@ std::string RefereeText(const Scene& scene, const Referee& referee, Duration now
   if (const LineTouch* deepest = Deepest(referee)) {
     text += Format("the deepest: %.3f m, the %s foot at (%.2f m, %.2f m) at %.1f s\n",
                    deepest->depth_m, kFeet.at(deepest->foot), deepest->where_m.x(),
-                   deepest->where_m.y(), InSeconds(deepest->from));
+                   deepest->where_m.y(), ToSeconds(deepest->from));
   }
   text += Format("collisions: %zu\nmoved by hand: %zu", referee.collisions(), referee.carried());
   return text;
@@ -135,13 +131,13 @@ std::string RefereeJson(const Scene& scene, const Referee& referee, Duration now
   std::size_t index = 0;
   const auto visit = [&](const ZoneVisit& each) {
     return "{\"zone\":" + JsonText(scene.zones[each.zone].name) +
-           Format(R"(,"at_s":%.2f,"in_order":)", InSeconds(each.at)) +
+           Format(R"(,"at_s":%.2f,"in_order":)", ToSeconds(each.at)) +
            (zones.in_order[index++] ? "true}" : "false}");
   };
   const LineTouch* deepest = Deepest(referee);
   return "{\"name\":" + JsonText(scene.name) + ",\"seed\":" + std::to_string(scene.seed) +
          ",\"sampled\":{" + sampled + "},\"finished\":" + (referee.finished() ? "true" : "false") +
-         Format(",\"time_s\":%.2f", InSeconds(RunTime(referee, now))) +
+         Format(",\"time_s\":%.2f", ToSeconds(RunTime(referee, now))) +
          ",\"reached\":" + Listed(referee.visits(), visit) +
          ",\"missing\":" + Listed(zones.missing, JsonText) +
          ",\"ahead\":" + Listed(zones.ahead, JsonText) +

@@ -11,8 +11,7 @@
 
 namespace musher::world {
 bool IsDue(Duration now, double rate_hz) {
-  const auto period =
-      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / rate_hz));
+  const auto period = FromSeconds(1 / rate_hz);
   return now / period != (now - kStep) / period;
 }
 

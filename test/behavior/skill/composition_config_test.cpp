@@ -73,7 +73,7 @@ TEST_F(Compositions, RunTheirSkillsAndThoseOfOthersInside) {
     if (states.empty() || states.back() != run.Path()) states.push_back(run.Path());
   }
   EXPECT_EQ(run.feedback().status, Status::kCompleted);
-  EXPECT_NEAR(std::chrono::duration<double>(run.now()).count(), 5.5, 0.4);  // 2 s and 3 s
+  EXPECT_NEAR(ToSeconds(run.now()), 5.5, 0.4);  // 2 s and 3 s
   EXPECT_EQ(run.inside()[0]->feedback().message, "2");
   EXPECT_EQ(run.inside()[1]->inside()[0]->parameters().Number("speed"), 0.2);
   EXPECT_THAT(states,

@@ -66,7 +66,7 @@ class Walk : public StatefulAction {
     return Status::kRunning;
   }
   Status OnRunning(const Tick& tick) override {
-    distance_m_.Set(std::chrono::duration<double>(tick.now - since_).count());
+    distance_m_.Set(ToSeconds(tick.now - since_));
     return tick.now - since_ >= std::chrono::seconds(3) ? Status::kSuccess : Status::kRunning;
   }
 

@@ -21,10 +21,6 @@ double Microseconds(Duration duration) {
   return std::chrono::duration<double, std::micro>(duration).count();
 }
 
-double Seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 Table::Table(const std::string& title) {
   std::printf("\n### %s\n\n", title.c_str());
   std::printf(

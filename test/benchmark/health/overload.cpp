@@ -85,8 +85,8 @@ void Progress(Clock::duration passed, const Losses::Counts& counts, const Switch
   std::fprintf(
       stderr,
       "%4.1f min: %d false losses, %d starved; %zu switches, %d not done, slowest %.0f ms\n",
-      std::chrono::duration<double>(passed).count() / 60, counts.all(), counts.starved,
-      switches.times.size(), switches.not_done, Quantile(switches.times, 1));
+      ToSeconds(passed) / 60, counts.all(), counts.starved, switches.times.size(),
+      switches.not_done, Quantile(switches.times, 1));
 }
 
 void Switch(ObservedController& controller, const State& target, std::vector<double>& times,

@@ -29,7 +29,7 @@ using musher::race::testing::DriveResult;
 using musher::race::testing::DriveSettings;
 
 double Seconds(musher::Duration time) {
-  return std::chrono::duration<double>(time).count();
+  return musher::ToSeconds(time);
 }
 
 // Metres to the left of the middle of the S lane of config/scenes/course.toml, for a robot that

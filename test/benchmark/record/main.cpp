@@ -77,8 +77,8 @@ void Measure(transport::EventLoop& loop, Cameras& cameras, int seconds,
   static_cast<void>(loop.RunUntil([] { return false; }, begin + std::chrono::seconds(seconds)));
   // What is still under way.
   const std::uint64_t sent = cameras.sent;
-  const double cpu_s = std::chrono::duration<double>(CostOf(recorder.pid()).cpu - before).count();
-  const double took_s = std::chrono::duration<double>(loop.Now() - begin).count();
+  const double cpu_s = ToSeconds(CostOf(recorder.pid()).cpu - before);
+  const double took_s = ToSeconds(loop.Now() - begin);
   const double resident_mb = CostOf(recorder.pid()).resident_mb;
   kill(recorder.pid(), SIGINT);
   const int exit = recorder.Wait();

@@ -53,7 +53,7 @@ class Work : public tree::StatefulAction {
 double SecondsOf(const std::function<void()>& work) {
   const auto begin = std::chrono::steady_clock::now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return ToSeconds(std::chrono::steady_clock::now() - begin);
 }
 
 double Smallest(int turns, const std::function<void()>& work) {

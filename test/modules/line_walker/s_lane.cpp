@@ -131,7 +131,7 @@ void SLaneRun::RunToEnd(Duration longest) {
 void SLaneRun::Step() {
   now_ += kStep;
   ++ticks_;
-  MoveBody(std::chrono::duration<double>(kStep).count());
+  MoveBody(ToSeconds(kStep));
   if (ticks_ % 2 == 0) SendOdometry();
   if (ticks_ % kPeriods == 0) TakePictures();
   while (!deliveries_.empty() && deliveries_.front().at <= now_) {
@@ -153,7 +153,7 @@ void SLaneRun::Step() {
 }
 
 void SLaneRun::MoveBody(double seconds) {
-  const double share = seconds / std::chrono::duration<double>(simulation.lag).count();
+  const double share = seconds / ToSeconds(simulation.lag);
   if (ticks_ % kPeriods == 0) {
     noise_ = {Noise(simulation.speed_noise), Noise(simulation.speed_noise),
               Noise(simulation.speed_noise)};

@@ -150,7 +150,7 @@ TEST(SLaneWalk, EndsLostWithoutBothLines) {
   run.spoil = [](View, msg::YellowLines& lines) { lines.edge_x.clear(); };
   run.RunToEnd();
   EXPECT_EQ(run.walker.end(), End::kLost);
-  EXPECT_NEAR(std::chrono::duration<double>(run.now() - lost).count(), 2.7, 0.3);
+  EXPECT_NEAR(ToSeconds(run.now() - lost), 2.7, 0.3);
   EXPECT_EQ(EndFrames(run), 1);
   EXPECT_LT(run.max_m(), 0.3) << "still in the lane";
 }

@@ -34,7 +34,7 @@ void TopicBoard::OnCommand(const msg::MotionCustomCommand& command) {
 }
 
 void TopicBoard::Walk() {
-  constexpr double kSeconds = std::chrono::duration<double>(Board::kReport).count();
+  constexpr double kSeconds = ToSeconds(Board::kReport);
   const bool walks = board.report.mode == 11 && board.report.mode == last.mode;
   speed_.setZero();
   if (walks) speed_ << last.vel[0], last.vel[1], last.vel[2];

@@ -348,7 +348,7 @@ class ControllerOfAFlyer : public testing::NavigationRig {
         Follow(PathOf({At(from_x_m, 2, yaw_rad, 1), At(to_x_m, 2, yaw_rad, 1)}));
     EXPECT_TRUE(AwaitEnd(drive));
     EXPECT_EQ(drives_.ends[drive]->end, GoalEnd::kSucceeded) << log_.back();
-    return std::chrono::duration<double>(network_.now() - begin).count();
+    return ToSeconds(network_.now() - begin);
   }
 };
 

@@ -23,7 +23,7 @@ double Approached(double value, double target, double step_s) {
 void FakeRobot::Advance(Duration step) {
   now_ += step;
   constexpr int kParts = 10;
-  const double part_s = std::chrono::duration<double>(step).count() / kParts;
+  const double part_s = ToSeconds(step) / kParts;
   for (int i = 0; i < kParts; ++i) Move(part_s);
   const auto due = std::exchange(due_, {});
   for (const auto& work : due) work();

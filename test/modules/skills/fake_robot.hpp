@@ -124,7 +124,7 @@ class Bench {
   const skill::Feedback& feedback() const { return run().feedback(); }
   skill::Manager& manager() { return *manager_; }
   const std::vector<skill::Entry>& entries() const { return registry_.All(); }
-  double seconds() const { return std::chrono::duration<double>(now_.time_since_epoch()).count(); }
+  double seconds() const { return ToSeconds(now_.time_since_epoch()); }
 
   std::vector<std::string> messages;
 

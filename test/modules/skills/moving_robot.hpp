@@ -76,7 +76,7 @@ class MovingRobot : public Robot {
 
   void Advance(Duration step) {
     constexpr int kParts = 5;
-    for (int i = 0; i < kParts; ++i) Move(std::chrono::duration<double>(step).count() / kParts);
+    for (int i = 0; i < kParts; ++i) Move(ToSeconds(step) / kParts);
     now_ += step;
     AnswerRequests();
   }

@@ -71,7 +71,7 @@ class Hall : public SkillsOnARobot {
     };
     robot.targets["/target_0/odom"] = [this](Time time) -> std::optional<navigation::Pose> {
       if (!target_seen) return std::nullopt;
-      const double angle = std::chrono::duration<double>(time.time_since_epoch()).count() / 6;
+      const double angle = ToSeconds(time.time_since_epoch()) / 6;
       return navigation::Pose{{4 * std::cos(angle), 4 * std::sin(angle), 0}, angle};
     };
     robot.points = {{3, 1, 0}, {3, 1.1, 0}, {-2, -2, 0}, {-2, -2.1, 0}};

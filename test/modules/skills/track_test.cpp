@@ -19,8 +19,7 @@ class Track : public ::testing::Test, public SkillsOnARobot {
   Track() {
     robot.targets["/target_0/odom"] = [this](Time time) -> std::optional<navigation::Pose> {
       if (!seen) return std::nullopt;
-      const double walked_m =
-          walks_m_s * std::chrono::duration<double>(time.time_since_epoch()).count();
+      const double walked_m = walks_m_s * ToSeconds(time.time_since_epoch());
       return navigation::Pose{{start.x_m + walked_m, start.y_m, 0}, 0};
     };
   }

@@ -32,7 +32,7 @@ class WeddingScene : public ::testing::Test {
     }
     return sights;
   }
-  double Seconds() const { return std::chrono::duration<double>(world_.now()).count(); }
+  double Seconds() const { return ToSeconds(world_.now()); }
 
   const world::SceneReading reading_ =
       world::ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml");

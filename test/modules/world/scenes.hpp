@@ -12,7 +12,7 @@
 namespace musher::world {
 
 inline Duration Seconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+  return FromSeconds(seconds);
 }
 
 // Ground that holds: no slip, no noise.

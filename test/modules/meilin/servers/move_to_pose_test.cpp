@@ -17,8 +17,7 @@ class MoveToPoseTest : public ::testing::Test {
  protected:
   // Updates and moves the body until the drive has ended, at most for `limit_s`.
   std::optional<MoveEnd> Drive(double limit_s = 60) {
-    const Time until =
-        now_ + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(limit_s));
+    const Time until = now_ + FromSeconds(limit_s);
     while (now_ < until) {
       if (auto end = Tick()) return end;
     }
@@ -27,7 +26,7 @@ class MoveToPoseTest : public ::testing::Test {
   std::optional<MoveEnd> Tick() {
     const Duration period = core_.UpdatePeriod();
     now_ += period;
-    const double dt = std::chrono::duration<double>(period).count();
+    const double dt = ToSeconds(period);
     Move(dt);
     if (!silent_) core_.OnPose(body_, now_);
     const auto step = core_.Update(now_);
@@ -167,7 +166,7 @@ TEST_F(MoveToPoseTest, EndsThePhasesAtTheirLimits) {
   core_.Begin({1, 0, 0}, now_);
   const Time begin = now_;
   ExpectFailed(Drive(), "XY phase timed out");
-  EXPECT_NEAR(std::chrono::duration<double>(now_ - begin).count(), 10, 0.2);
+  EXPECT_NEAR(ToSeconds(now_ - begin), 10, 0.2);
 }
 
 TEST_F(MoveToPoseTest, NamesThePhaseOfACancelledDrive) {

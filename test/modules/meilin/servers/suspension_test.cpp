@@ -43,7 +43,7 @@ ClimbRun Climb(Suspension& core, StepWorld& world, Time& now, State until = Stat
     world.Report(core, now);
     run.end = core.Update(now);
   }
-  run.seconds = std::chrono::duration<double>(now - begin).count();
+  run.seconds = ToSeconds(now - begin);
   return run;
 }
 

@@ -230,8 +230,7 @@ void CourseDrive::Look(Eye& eye, const cv::Mat& picture) {
     cv::Mat drawn = picture.clone();
     eye.detector->Draw(drawn);
     cv::imwrite(fmt::format("{}/{:07.2f}-{}-{}.jpg", settings_.pictures,
-                            std::chrono::duration<double>(taken.time_since_epoch()).count(),
-                            race_.state(), eye.entry.name),
+                            ToSeconds(taken.time_since_epoch()), race_.state(), eye.entry.name),
                 drawn);
   }
   Later(settings_.latency, [this, &eye, sight = std::move(sight), taken] {
@@ -300,7 +299,7 @@ std::string CourseDrive::Where() const {
 }
 
 void CourseDrive::Log(const std::string& who, const std::string& line) {
-  const double at_s = std::chrono::duration<double>(dog_.world().now()).count();
+  const double at_s = ToSeconds(dog_.world().now());
   result_.log.push_back(fmt::format("{:7.2f} {} {}: {}", at_s, Where(), who, line));
   if (settings_.on_log) settings_.on_log(result_.log.back());
 }
