@@ -107,10 +107,11 @@ void SwitchClient::Send() {
   };
   if (step_ == Step::kCalled && reaches(*set_state_)) {
     sent_ = true;
-    set_state_->Call({target_, actuator_}, options_.timeout, [this](const auto& reply) {
-      if (reply) return End({SwitchEnd::Kind::kAnswered, reply.value()});
-      if (step_ == Step::kCalled) EndUnknown(reply.error().message);
-    });
+    set_state_->Call({target_, actuator_, options_.by}, options_.timeout,
+                     [this](const auto& reply) {
+                       if (reply) return End({SwitchEnd::Kind::kAnswered, reply.value()});
+                       if (step_ == Step::kCalled) EndUnknown(reply.error().message);
+                     });
   } else if (step_ == Step::kQuerying && reaches(*get_switch_)) {
     sent_ = true;
     get_switch_->Call({epoch_, number_}, kReplyTimeout, [this](const auto& reply) {

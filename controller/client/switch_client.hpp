@@ -44,6 +44,7 @@ class SwitchClient {
  public:
   struct Options {
     LeaderWatch::Options leader;
+    std::string by = {};                           // the person or program, for the history
     Duration timeout = std::chrono::seconds(60);   // in total
     Duration find = std::chrono::seconds(60);      // for a controller that leads
     Duration successor = std::chrono::seconds(5);  // for another controller to lead

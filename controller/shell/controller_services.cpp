@@ -75,6 +75,7 @@ Result<> ControllerServices::Open() {
   }
   if (auto r = open(restart_actuator_, "restart_actuator",
                     [this](const auto& request, auto reply) {
+                      RecordRequest(request.by, "requests a restart of " + request.actuator);
                       shell_.Restart(request.actuator, [reply](const Result<>& result) {
                         reply(AnswerTo<msg::RestartActuator>(result));
                       });
@@ -122,6 +123,10 @@ Result<> ControllerServices::Open() {
               [this](const auto& request, auto reply) { OnGetHistory(request, reply); });
 }
 
+void ControllerServices::RecordRequest(const std::string& by, const std::string& what) {
+  if (!by.empty()) shell_.Remark(kCodeOk, by.substr(0, kLongestName) + " " + what);
+}
+
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
                                     const transport::Server<msg::SetState>::Reply& reply) {
   if (const auto error = CheckLengths(request.target, request.actuator)) {
@@ -134,6 +139,7 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   }
   std::optional<std::string> actuator;
   if (!request.actuator.empty()) actuator = request.actuator;
+  RecordRequest(request.by, "requests " + request.target + (actuator ? " of " + *actuator : ""));
   shell_.SetState(request.target, actuator,
                   [reply](const SwitchResult& result) { reply(ToMessage(result)); });
 }

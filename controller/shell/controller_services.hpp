@@ -34,6 +34,8 @@ class ControllerServices {
   Result<> Open();
 
   using HistoryReply = transport::Server<msg::GetHistory>::Reply;
+  // Who has requested what, if the request says it.
+  void RecordRequest(const std::string& by, const std::string& what);
   void OnSetState(const msg::SetState::Request& request,
                   const transport::Server<msg::SetState>::Reply& reply);
   void OnRequestPolicy(const msg::RequestPolicy::Request& request,

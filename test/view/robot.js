@@ -1,5 +1,5 @@
 // A robot of real processes for the tests of view/: a controller, two actuators, and musher-view beside it. In
-// a DDS domain and a namespace of its own; close() ends all of its processes.
+// a namespace of its own, in a DDS domain that no test in C++ takes; close() ends all of its processes.
 import {execFile, spawn} from 'node:child_process';
 import {once} from 'node:events';
 import {mkdtemp, readFile, rm, writeFile} from 'node:fs/promises';
@@ -67,7 +67,7 @@ class Robot {
     this.folder = folder;
     this.nameSpace = `dog${process.pid}_${++robots}`;
     this.env = {...process.env, PATH: `${BIN}:${process.env.PATH}`, XDG_STATE_HOME: folder,
-      ROS_DOMAIN_ID: String(101 + (process.pid % 100)), MUSHER_NAMESPACE: this.nameSpace};
+      ROS_DOMAIN_ID: String(215 + (process.pid % 18)), MUSHER_NAMESPACE: this.nameSpace};
     this.views = [];
   }
 

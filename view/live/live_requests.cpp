@@ -130,12 +130,12 @@ void LiveServer::OnPost(const http::Request& request, const http::Respond& respo
     return respond(http::ErrorResponse(
         403, kNeedsLogin, "acting needs a login; `musher view --link` prints a link for one"));
   }
-  if (request.path == "/api/set") return requests_->Set(target, actuator, respond);
+  if (request.path == "/api/set") return requests_->Set(person, target, actuator, respond);
   if (request.path == "/api/estop") {
     return requests_->Stop(person, TextIn(body, "reason"), respond);
   }
   if (request.path == "/api/release") return requests_->Release(person, respond);
-  if (request.path == "/api/restart") return requests_->Restart(actuator, respond);
+  if (request.path == "/api/restart") return requests_->Restart(person, actuator, respond);
   respond(http::ErrorResponse(404, kCodeParametersInvalid, "there is nothing at " + request.path));
 }
 

@@ -205,7 +205,7 @@ void MachineFeed::LookAtProcesses() {
     if (before != usage_.end() && before->second.first.start_time == usage->start_time &&
         at > before->second.second) {
       percent = 100 * (usage->cpu_seconds - before->second.first.cpu_seconds) /
-                std::chrono::duration<double>(at - before->second.second).count();
+                ToSeconds(at - before->second.second);
     }
     actuators.push_back({{"name", actuator.name},
                          {"pid", actuator.pid},

@@ -94,12 +94,13 @@ void RobotRequests::Plan(const std::string& target, const std::string& actuator,
   Call<msg::GetPlan>("get_plan", {target, actuator}, kAnswerTime, respond);
 }
 
-void RobotRequests::Set(const std::string& target, const std::string& actuator,
-                        const http::Respond& respond) {
+void RobotRequests::Set(const std::string& by, const std::string& target,
+                        const std::string& actuator, const http::Respond& respond) {
   if (!HasController(respond)) return;
   std::erase_if(switches_, [](const Switch& each) { return each.ended; });
   SwitchClient::Options options;
   options.leader = {options_.name_space, options_.host, WatchByPidfd(node_.loop())};
+  options.by = by;
   options.timeout = kSwitchTime;
   options.find = kAnswerTime;
   Switch& one = switches_.emplace_back();
@@ -119,9 +120,10 @@ void RobotRequests::Set(const std::string& target, const std::string& actuator,
   one.client = std::move(client).value();
 }
 
-void RobotRequests::Restart(const std::string& actuator, const http::Respond& respond) {
+void RobotRequests::Restart(const std::string& by, const std::string& actuator,
+                            const http::Respond& respond) {
   if (!HasActuator(actuator, respond)) return;
-  Call<msg::RestartActuator>("restart_actuator", {actuator}, kRestartTime, respond);
+  Call<msg::RestartActuator>("restart_actuator", {actuator, by}, kRestartTime, respond);
 }
 
 void RobotRequests::Release(const std::string& by, const http::Respond& respond) {

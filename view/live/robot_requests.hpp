@@ -42,8 +42,10 @@ class RobotRequests {
   RobotRequests(transport::Node& node, Options options, Status status);
 
   void Plan(const std::string& target, const std::string& actuator, const http::Respond& respond);
-  void Set(const std::string& target, const std::string& actuator, const http::Respond& respond);
-  void Restart(const std::string& actuator, const http::Respond& respond);
+  // `by`: the person, for the history.
+  void Set(const std::string& by, const std::string& target, const std::string& actuator,
+           const http::Respond& respond);
+  void Restart(const std::string& by, const std::string& actuator, const http::Respond& respond);
   // {"code":0,"reason":""} once the controller and all actuators that can have latched it; else,
   // after kStopTime, which have not.
   void Stop(const std::string& by, const std::string& reason, const http::Respond& respond);

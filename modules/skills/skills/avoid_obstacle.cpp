@@ -148,19 +148,19 @@ Next AvoidObstacle::Execute(Tick& tick) {
   robot_.SetVelocity(command);
 
   const double limit_s = tick.parameters.Number("blocked_limit");
-  if (skill::ToSeconds(blocked_) >= limit_s) {
+  if (ToSeconds(blocked_) >= limit_s) {
     return Next::Fail(fmt::format("Blocked: no free direction for {:.1f} s", limit_s));
   }
   if (without_progress_ >= kProgressLimit) {
     return Next::Fail(fmt::format("Blocked: not nearer to the goal for {:.1f} s, {:.1f} m are left",
-                                  skill::ToSeconds(kProgressLimit), aim.left_m));
+                                  ToSeconds(kProgressLimit), aim.left_m));
   }
   tick.Detail("distance_to_goal", aim.left_m);
   tick.Detail("current_velocity", navigation::Speed(robot_.velocity()));
   tick.Detail("free_ahead", free_m);
   tick.Report(10 + 85 / (1 + aim.left_m),
-              direction ? fmt::format("Moving... ({:.1f}s)", skill::ToSeconds(tick.elapsed))
-                        : fmt::format("Blocked ({:.1f}s)", skill::ToSeconds(blocked_)));
+              direction ? fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed))
+                        : fmt::format("Blocked ({:.1f}s)", ToSeconds(blocked_)));
   return Next::Stay();
 }
 

@@ -163,7 +163,7 @@ Next Explore::GoToStart(Tick& tick) {
   } else {
     travel_.AddDetails(tick);
     tick.Report(60,
-                fmt::format("Moving to the start... ({:.1f}s)", skill::ToSeconds(tick.elapsed)));
+                fmt::format("Moving to the start... ({:.1f}s)", ToSeconds(tick.elapsed)));
   }
   if (step.kind == Kind::kDone) return Next::To(executing_);
   return After(step);
@@ -190,7 +190,7 @@ Next Explore::Execute(Tick& tick) {
   if (travel_.driving()) travel_.AddDetails(tick);
   tick.Report(65 + 30 * static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size()),
               fmt::format("{} ({:.1f}s)", target_ ? "Passing an obstacle..." : "Exploring...",
-                          skill::ToSeconds(tick.elapsed)));
+                          ToSeconds(tick.elapsed)));
   return Next::Stay();
 }
 

@@ -14,7 +14,7 @@ constexpr std::string_view kPlace = "place";
 
 // Of the controller: a jump of the clock is no wind.
 double ControlStep(Duration step) {
-  return std::min(skill::ToSeconds(step), kLongestControlStepS);
+  return std::min(ToSeconds(step), kLongestControlStepS);
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ skill::Next FlightSkill::Step(skill::Tick& tick) {
 skill::Next FlightSkill::WaitForOdometry(skill::Tick& tick) {
   robot_.StopMotion();
   hold_.Reset();
-  const double now_s = skill::ToSeconds(tick.now);
+  const double now_s = ToSeconds(tick.now);
   if (tick.data.Find(kBlindSince) == nullptr) tick.data.Set(kBlindSince, now_s);
   if (now_s - tick.data.Number(kBlindSince) >= kOdometryLimitS) {
     return skill::Next::Fail(fmt::format("No odometry of {} for 2 s", robot_.name()));

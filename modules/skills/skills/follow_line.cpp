@@ -117,7 +117,7 @@ Next FollowLine::Search(Tick& tick) {
   constexpr double kTurnRadPerS = 0.5;
   constexpr double kToOneSideS = 2.1;    // 60 degrees
   constexpr double kToOtherSideS = 4.2;  // and back, and 60 degrees more
-  const double searched_s = skill::ToSeconds(tick.elapsed);
+  const double searched_s = ToSeconds(tick.elapsed);
   double turn = 0;
   if (searched_s < kToOneSideS) {
     turn = side_ * kTurnRadPerS;

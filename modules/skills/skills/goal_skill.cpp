@@ -73,7 +73,7 @@ Next GoalSkill::Execute(Tick& tick) {
   const double length_m = std::max(travel_.length_m(), 0.1);
   const double share = std::clamp(1 - travel_.distance_to_goal_m() / length_m, 0.0, 1.0);
   tick.Report(50 + 45 * Share(tick, share),
-              Prefix(tick) + fmt::format("Moving... ({:.1f}s)", skill::ToSeconds(tick.elapsed)));
+              Prefix(tick) + fmt::format("Moving... ({:.1f}s)", ToSeconds(tick.elapsed)));
   travel_.AddDetails(tick);
   return Next::Stay();
 }

@@ -115,7 +115,7 @@ Grasp::Outcome Grasp::Execute(skill::Tick& tick) {
     case HandCall::Kind::kDone:
       grip_->Changed(request.object);
       tick.data.Remove(kAttaching);
-      tick.data.Set(kAttachedAt, skill::ToSeconds(tick.now));
+      tick.data.Set(kAttachedAt, ToSeconds(tick.now));
       return Verify(request.object, tick);
     case HandCall::Kind::kTooFar:
     case HandCall::Kind::kLost:
@@ -129,7 +129,7 @@ Grasp::Outcome Grasp::Execute(skill::Tick& tick) {
 Grasp::Outcome Grasp::Verify(const std::string& object, skill::Tick& tick) {
   tick.Report(90, "Checking the object");
   if (!robot_.HasObjects() || ShownHeld(robot_, object)) return Outcome::Done("Object attached");
-  if (skill::ToSeconds(tick.now) - tick.data.Number(kAttachedAt) < kShownWithinS) {
+  if (ToSeconds(tick.now) - tick.data.Number(kAttachedAt) < kShownWithinS) {
     return Outcome::Continue();
   }
   return Outcome::Retry(object + " is not in the hand");

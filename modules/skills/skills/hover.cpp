@@ -65,12 +65,12 @@ skill::Next Hover::Hold(const navigation::Pose& now, skill::Tick& tick) {
   const double duration_s = tick.parameters.Number("duration");
   const bool within = std::abs(now.at.z_m - place.at.z_m) <= kWithinM;
   double held_s = tick.data.Number(kHeld);
-  if (within && !tick.entered) held_s += skill::ToSeconds(tick.step);
+  if (within && !tick.entered) held_s += ToSeconds(tick.step);
   tick.data.Set(kHeld, held_s);
   tick.Detail("held_s", held_s);
   tick.Detail("off_place_m", navigation::Distance(now.at, place.at));
   if (held_s >= duration_s) return skill::Next::Succeed("Hovered");
-  if (skill::ToSeconds(tick.elapsed) > duration_s + kSpareS) {
+  if (ToSeconds(tick.elapsed) > duration_s + kSpareS) {
     return skill::Next::Fail(
         fmt::format("Timeout: held the height for {:.1f} of {:.1f} s", held_s, duration_s));
   }

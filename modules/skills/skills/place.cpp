@@ -103,7 +103,7 @@ Place::Outcome Place::Execute(skill::Tick& tick) {
   // The last reply was lost, or the run is restored: it may have been placed.
   const bool asks_again = tick.entered ? tick.retries > 0 : !call_.pending();
   if (asks_again && robot_.HasObjects() && grip_->Held().empty()) {
-    tick.data.Set(kPlacedAt, skill::ToSeconds(tick.now));
+    tick.data.Set(kPlacedAt, ToSeconds(tick.now));
     return Verify(tick);
   }
   const HandRequest request = Request(tick);
@@ -115,7 +115,7 @@ Place::Outcome Place::Execute(skill::Tick& tick) {
       return Outcome::Continue();
     case HandCall::Kind::kDone:
       grip_->Changed("");
-      tick.data.Set(kPlacedAt, skill::ToSeconds(tick.now));
+      tick.data.Set(kPlacedAt, ToSeconds(tick.now));
       return Verify(tick);
     case HandCall::Kind::kLost:
       return Outcome::Retry(answer.message);
@@ -139,7 +139,7 @@ Place::Outcome Place::Verify(skill::Tick& tick) {
   const double off_m = LevelDistance(object->pose.at, request.target);
   tick.Detail("off_target_m", off_m);
   if (object->held_by.empty() && off_m <= kAtTargetM) return Outcome::Done("Object placed");
-  if (skill::ToSeconds(tick.now) - tick.data.Number(kPlacedAt) < kShownAfterS) {
+  if (ToSeconds(tick.now) - tick.data.Number(kPlacedAt) < kShownAfterS) {
     return Outcome::Continue();
   }
   return Outcome::Fail(request.object + " does not stand at the target");

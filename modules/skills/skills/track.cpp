@@ -77,18 +77,18 @@ Next Track::OnLimit(Tick& tick) {
 
 Next Track::Execute(Tick& tick) {
   const double duration_s = tick.parameters.Number("duration");
-  if (duration_s > 0 && skill::ToSeconds(tick.elapsed) >= duration_s) return Complete(tick);
+  if (duration_s > 0 && ToSeconds(tick.elapsed) >= duration_s) return Complete(tick);
   const std::string topic = tick.parameters.Text("target_topic");
   const auto seen = robot_.PoseOf(topic);
   unseen_ = seen ? Duration{} : unseen_ + tick.step;
   if (seen && IsFinite(*seen)) target_ = seen;
   if (seen) ++poses_;
   const double limit_s = tick.parameters.Number("lost_limit");
-  if (skill::ToSeconds(unseen_) >= limit_s) {
+  if (ToSeconds(unseen_) >= limit_s) {
     return Next::Fail(fmt::format("Target lost: no pose on {} for {:.1f} s", topic, limit_s));
   }
   PlanAndDrive(tick);
-  if (skill::ToSeconds(without_way_) >= limit_s) {
+  if (ToSeconds(without_way_) >= limit_s) {
     return Next::Fail(trouble_.empty() ? "No way to the target" : trouble_);
   }
   Report(tick);
@@ -163,14 +163,14 @@ void Track::Note(const TravelStep& step) {
 
 void Track::Report(Tick& tick) const {
   const double duration_s = tick.parameters.Number("duration");
-  const double share = duration_s > 0 ? skill::ToSeconds(tick.elapsed) / duration_s : 0;
+  const double share = duration_s > 0 ? ToSeconds(tick.elapsed) / duration_s : 0;
   const double apart_m = target_ ? DistanceTo(*target_) : 0;
   std::string message = fmt::format("Tracking... ({:.1f} m)", apart_m);
   if (unseen_ >= kUnseen) {
-    message = fmt::format("Target lost ({:.1f}s)", skill::ToSeconds(unseen_));
+    message = fmt::format("Target lost ({:.1f}s)", ToSeconds(unseen_));
   } else if (without_way_ >= kUnseen && !trouble_.empty()) {
     message =
-        fmt::format("No way to the target ({:.1f}s): {}", skill::ToSeconds(without_way_), trouble_);
+        fmt::format("No way to the target ({:.1f}s): {}", ToSeconds(without_way_), trouble_);
   }
   tick.Report(10 + 85 * share, message);
   tick.Detail("target_distance", apart_m);

@@ -4,9 +4,6 @@
 //
 //   benchmark_view [TURNS [SWITCHES]]
 
-#include <netinet/in.h>
-#include <sys/socket.h>
-
 #include <atomic>
 #include <cstdlib>
 #include <list>
@@ -14,11 +11,10 @@
 #include <memory>
 #include <thread>
 
-#include "musher/base/check.hpp"
-#include "musher/base/unique_fd.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
 #include "musher/test/benchmark/common/observed_controller.hpp"
+#include "musher/test/benchmark/common/port.hpp"
 #include "musher/test/benchmark/common/process.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/view/http/websocket_client.hpp"
@@ -27,18 +23,6 @@ namespace musher::benchmark {
 namespace {
 
 constexpr int kActuators = 10;
-
-// One that was free a moment ago.
-std::uint16_t FreePort() {
-  const UniqueFd fd(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  MUSHER_CHECK(bind(fd.get(), reinterpret_cast<sockaddr*>(&address), size) == 0);
-  MUSHER_CHECK(getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  return ntohs(address.sin_port);
-}
 
 // Open pages, which a thread reads.
 class Pages {
