@@ -158,7 +158,7 @@ void Measure(const Setting& setting, int seconds, int hz, int number) {
   for (Child& sink : sinks) {
     if (sink.Wait() != 0) Fail("a sink has failed");
   }
-  const double elapsed = Seconds(std::chrono::steady_clock::now() - begun);
+  const double elapsed = ToSeconds(std::chrono::steady_clock::now() - begun);
 
   const Table table(setting.what + ", " + std::to_string(hz) + " Hz");
   std::vector<double> lost;
@@ -171,7 +171,7 @@ void Measure(const Setting& setting, int seconds, int hz, int number) {
   }
   table.Row("lost", lost, "%");
   for (const Payer& payer : payers) {
-    const double used = Seconds(CostOf(payer.pid).cpu - payer.before);
+    const double used = ToSeconds(CostOf(payer.pid).cpu - payer.before);
     table.Row("CPU of " + payer.name, {100 * used / elapsed}, "% of a core");
   }
   table.Row("CPU of a program that watches", cpu, "% of a core");

@@ -23,7 +23,7 @@ double Run(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), Program("musher"));
   const auto begin = Clock::now();
   const int exit_code = Child(arguments, {}, Child::Output::kNowhere).Wait();
-  const double time = Seconds(Clock::now() - begin) * 1000;
+  const double time = ToSeconds(Clock::now() - begin) * 1000;
   if (exit_code != 0) {
     Fail("musher " + arguments[1] + " ended with exit code " + std::to_string(exit_code));
   }

@@ -14,7 +14,6 @@ double Quantile(std::vector<double> values, double share);
 double Median(const std::vector<double>& values);
 
 double Microseconds(Duration duration);
-double Seconds(Duration duration);
 
 // Columns: what, median, quartiles, 99th percentile, the highest, number of values, target and
 // whether it is met.

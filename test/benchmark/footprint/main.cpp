@@ -55,7 +55,7 @@ void Watch(pid_t pid, Duration before, double seconds, Costs& costs) {
   costs.resident_mb.push_back(cost.resident_mb);
   costs.proportional_mb.push_back(cost.proportional_mb);
   costs.threads.push_back(cost.threads);
-  costs.cpu_percent.push_back(Seconds(cost.cpu - before) / seconds * 100);
+  costs.cpu_percent.push_back(ToSeconds(cost.cpu - before) / seconds * 100);
 }
 
 void Print(const Table& table, const Costs& costs, const Costs& bare, double limit,

@@ -54,7 +54,7 @@ void Measure(const Table& table, int width, int height, int hz, double seconds) 
   std::vector<double> ages_ms;
   Time begin{};
   const Duration cpu = CostOf(view.pid()).cpu;
-  for (Time now = begin; first == 0 || Seconds(now - begin) < seconds;
+  for (Time now = begin; first == 0 || ToSeconds(now - begin) < seconds;
        now = std::chrono::steady_clock::now()) {
     const http::Frame frame = client.TakeFrame();
     if (!frame.ok) Fail("musher-view ends the connection");
@@ -71,7 +71,7 @@ void Measure(const Table& table, int width, int height, int hz, double seconds) 
     bytes += static_cast<double>(frame.payload.size());
     ages_ms.push_back(Microseconds(Age(*picture)) / 1000);
   }
-  const double used = Seconds(CostOf(view.pid()).cpu - cpu);
+  const double used = ToSeconds(CostOf(view.pid()).cpu - cpu);
   const std::string what = std::to_string(width) + " × " + std::to_string(height) + " at " +
                            std::to_string(hz) + " Hz: ";
   table.Row(what + "MB a second", {bytes / 1e6 / seconds}, "MB/s");

@@ -36,7 +36,7 @@ void Adoption(int rounds) {
     const Time begin = std::chrono::steady_clock::now();
     ObservedController second(fleet.config_file());
     second.AwaitAllThere();
-    times.push_back(Seconds(std::chrono::steady_clock::now() - begin) * 1000);
+    times.push_back(ToSeconds(std::chrono::steady_clock::now() - begin) * 1000);
     std::this_thread::sleep_for(kAfterwards);
     disturbed.push_back(static_cast<double>(Callbacks(actuators) - before));
     if (second.Snapshot().state != kActive) Fail("the machine is not where it was");

@@ -16,7 +16,7 @@ double Kill(ObservedController& controller, std::size_t actuator) {
   auto known = controller.Next(IsOnRecord(actuator, Health::kCrashed));
   const Time killed = std::chrono::steady_clock::now();
   kill(pid, SIGKILL);
-  return Seconds(MomentOf(known, "a crash") - killed) * 1000;
+  return ToSeconds(MomentOf(known, "a crash") - killed) * 1000;
 }
 
 std::vector<double> OfChildren(int rounds) {

@@ -21,7 +21,7 @@ std::vector<double> Silences(ObservedController& controller, HandStarted& actuat
     auto known = controller.Next(IsOnRecord(actuator, Health::kHung));
     board.silent = true;
     const Time at = MomentOf(known, "a silent thread");
-    times.push_back(Seconds(at - FromBoard(board.checkpoint_at)) / Seconds(kCheckpoint));
+    times.push_back(ToSeconds(at - FromBoard(board.checkpoint_at)) / ToSeconds(kCheckpoint));
     board.silent = false;
     controller.AwaitAllThere();
   }
@@ -36,7 +36,7 @@ std::vector<double> Stops(ObservedController& controller, HandStarted& actuators
     auto known = controller.Next(IsOnRecord(actuator, Health::kHung));
     const Time stopped = std::chrono::steady_clock::now();
     kill(actuators.pid(actuator), SIGSTOP);
-    times.push_back(Seconds(MomentOf(known, "a stopped process") - stopped));
+    times.push_back(ToSeconds(MomentOf(known, "a stopped process") - stopped));
     kill(actuators.pid(actuator), SIGCONT);
     controller.AwaitAllThere();
   }
@@ -56,7 +56,7 @@ void Hang(int rounds) {
     table.Row("no checkpoint any more, by checkpoint_ms", Silences(controller, actuators, rounds),
               "×", 2);
     std::vector<double> stops = Stops(controller, actuators, rounds);
-    for (double& stop : stops) stop /= Seconds(kCheckpoint);
+    for (double& stop : stops) stop /= ToSeconds(kCheckpoint);
     table.Row("SIGSTOP, by checkpoint_ms", stops, "×", 2);
   }
   const Fleet fleet([](const Fleet&, const std::string&) { return ""; }, kHangActuators);

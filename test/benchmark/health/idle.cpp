@@ -72,7 +72,7 @@ Figures Measure(const std::vector<pid_t>& pids, double seconds) {
   Figures figures;
   for (std::size_t i = 0; i < pids.size(); ++i) {
     const Cost after = CostOf(pids[i]);
-    figures.cpu_percent.push_back(Seconds(after.cpu - before[i].cpu) / seconds * 100);
+    figures.cpu_percent.push_back(ToSeconds(after.cpu - before[i].cpu) / seconds * 100);
     figures.switches +=
         static_cast<double>(after.context_switches - before[i].context_switches) / seconds;
   }

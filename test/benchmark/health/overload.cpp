@@ -93,7 +93,7 @@ void Switch(ObservedController& controller, const State& target, std::vector<dou
             int& not_done) {
   const auto begin = Clock::now();
   const SwitchResult result = controller.Switch(target);
-  times.push_back(Seconds(Clock::now() - begin) * 1000);
+  times.push_back(ToSeconds(Clock::now() - begin) * 1000);
   if (result.done()) return;
   ++not_done;
   std::fprintf(stderr, "  %s was %s: %s\n", target.c_str(),
@@ -129,7 +129,7 @@ double RealHang(ObservedController& controller, Board& board) {
   auto known = controller.Next(IsOnRecord(0, Health::kHung));
   board.silent = true;
   const Time at = MomentOf(known, "a hang under load");
-  return Seconds(at - FromBoard(board.checkpoint_at)) / 0.2;
+  return ToSeconds(at - FromBoard(board.checkpoint_at)) / 0.2;
 }
 
 void Print(const Losses::Counts& counts, const Switches& switches, double up_s, double hang) {
@@ -169,7 +169,7 @@ void Overload(double minutes, double factor, int load_ms) {
     losses.OnRecord(record, machine);
   });
   controller.AwaitAllThere();
-  const double up_s = Seconds(Clock::now() - begin);
+  const double up_s = ToSeconds(Clock::now() - begin);
   Switches switches;
   Run(controller, losses, loader, load_ms, begin, end, switches);
   const Losses::Counts counts = losses.counts();

@@ -61,7 +61,7 @@ struct Times {
 };
 
 double Ms(Duration duration) {
-  return Seconds(duration) * 1000;
+  return ToSeconds(duration) * 1000;
 }
 
 Times OfKills(ObservedController& controller, const std::vector<Board*>& boards, int rounds) {

@@ -96,7 +96,7 @@ void KillAll(ObservedController& controller, const Fleet& fleet, Health expected
     });
     const Time killed = std::chrono::steady_clock::now();
     kill(pids.at(fleet.BoardFile(fleet.names()[i])), SIGKILL);
-    verdicts.times.push_back(Seconds(MomentOf(known, "a remote crash") - killed) * 1000);
+    verdicts.times.push_back(ToSeconds(MomentOf(known, "a remote crash") - killed) * 1000);
     if (controller.Snapshot().actuators[i].health != expected) ++verdicts.wrong;
   }
 }

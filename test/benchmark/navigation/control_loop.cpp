@@ -48,7 +48,7 @@ class ControlLoop {
       ++drives_;
     }
     const Cost after = CostOf(peer_.pid());
-    cpu_share_ = Seconds(after.cpu - before.cpu) / Seconds(Now() - begin);
+    cpu_share_ = ToSeconds(after.cpu - before.cpu) / ToSeconds(Now() - begin);
   }
 
   void Report() const {
@@ -68,7 +68,7 @@ class ControlLoop {
   void OnCommand() {
     const Time now = Now();
     if (last_) {
-      const double gap_ms = 1e3 * Seconds(now - *last_);
+      const double gap_ms = 1e3 * ToSeconds(now - *last_);
       gaps_ms_.push_back(gap_ms);
       if (gap_ms > 1.5 * kCycleMs) missed_ += static_cast<int>(std::lround(gap_ms / kCycleMs)) - 1;
     }

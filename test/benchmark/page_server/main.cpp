@@ -116,7 +116,7 @@ void MeasureRequests(const Table& table, const ServerProcess& server, std::size_
   const Duration cpu = CostOf(server.pid()).cpu;
   const Time begin = std::chrono::steady_clock::now();
   Time now = begin;
-  while (Seconds(now - begin) < seconds) {
+  while (ToSeconds(now - begin) < seconds) {
     Serve(polls, [&](std::size_t i) {
       const auto reply = requesters[i]->client.TakeReply();
       MUSHER_CHECK(reply.status == 200 && reply.body.size() == kFileSize);
@@ -125,8 +125,8 @@ void MeasureRequests(const Table& table, const ServerProcess& server, std::size_
       requesters[i]->Ask();
     });
   }
-  const double elapsed = Seconds(now - begin);
-  const double used = Seconds(CostOf(server.pid()).cpu - cpu);
+  const double elapsed = ToSeconds(now - begin);
+  const double used = ToSeconds(CostOf(server.pid()).cpu - cpu);
   const std::string what = std::to_string(clients) + (clients == 1 ? " client" : " clients");
   table.Row(what + ", requests a second", {static_cast<double>(latencies.size()) / elapsed}, "");
   table.Row(what + ", latency", latencies, "µs");
@@ -145,16 +145,16 @@ void MeasureWebSockets(const Table& table, const ServerProcess& server, double s
   const Time begin = std::chrono::steady_clock::now();
   std::size_t bytes = 0;
   std::vector<char> chunk(65536);
-  while (Seconds(std::chrono::steady_clock::now() - begin) < seconds) {
+  while (ToSeconds(std::chrono::steady_clock::now() - begin) < seconds) {
     Serve(polls, [&](std::size_t i) {
       const ssize_t size = recv(polls[i].fd, chunk.data(), chunk.size(), 0);
       MUSHER_CHECK(size > 0);
       bytes += static_cast<std::size_t>(size);
     });
   }
-  const double elapsed = Seconds(std::chrono::steady_clock::now() - begin);
+  const double elapsed = ToSeconds(std::chrono::steady_clock::now() - begin);
   const Cost cost = CostOf(server.pid());
-  table.Row("50 WebSockets, CPU of the server", {Seconds(cost.cpu - cpu) / elapsed * 100}, "%");
+  table.Row("50 WebSockets, CPU of the server", {ToSeconds(cost.cpu - cpu) / elapsed * 100}, "%");
   table.Row("50 WebSockets, messages a second",
             {static_cast<double>(bytes) / (kMessageSize + 4) / elapsed}, "");
   table.Row("the server, RSS", {cost.resident_mb}, "MB");

@@ -28,7 +28,7 @@ using musher::race::testing::CourseDrive;
 using musher::race::testing::DriveResult;
 using musher::race::testing::DriveSettings;
 
-double Seconds(musher::Duration time) {
+double ToSeconds(musher::Duration time) {
   return musher::ToSeconds(time);
 }
 
@@ -106,7 +106,7 @@ bool Drive(DriveSettings settings, const std::string& drawing, Figures& figures)
       "seed %2d: %s %-12s %5.0f s, %3d corrections, %4zu pictures, feet on lines %zu (whole %zu), "
       "collisions %zu, zones %zu%s\n",
       static_cast<int>(settings.seed), whole ? "ok  " : "FAIL", result.state.c_str(),
-      Seconds(result.took), corrections, result.pictures, referee.touch_count(),
+      ToSeconds(result.took), corrections, result.pictures, referee.touch_count(),
       referee.whole_foot_count(), referee.collisions(), referee.visits().size(),
       whole ? "" : ("\n    " + last).c_str());
   if (!whole) {
@@ -116,7 +116,7 @@ bool Drive(DriveSettings settings, const std::string& drawing, Figures& figures)
   for (const auto& touch : referee.touches()) {
     if (!touch.whole_foot) continue;
     std::printf("    %s foot on a line at %.1f s (%.2f, %.2f)\n", musher::world::kFeet[touch.foot],
-                Seconds(touch.from), touch.where_m.x(), touch.where_m.y());
+                ToSeconds(touch.from), touch.where_m.x(), touch.where_m.y());
   }
   std::fflush(stdout);
   if (!drawing.empty()) static_cast<void>(musher::world::Draw(*result.world, drawing));

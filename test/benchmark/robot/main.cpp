@@ -89,14 +89,14 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
   const Time ended = robot.AwaitUntil(begun + std::chrono::seconds(seconds));
   const Cost after = sum();
   table.Row("the whole robot in " + state + ": CPU",
-            {100 * Seconds(after.cpu - before.cpu) / Seconds(ended - begun)}, "% of a core");
+            {100 * ToSeconds(after.cpu - before.cpu) / ToSeconds(ended - begun)}, "% of a core");
   table.Row("the whole robot in " + state + ": memory (PSS)", {after.proportional_mb}, "MB");
   const std::vector<Cost> each_after = each();
   const Robot::Received received = robot.Now();
   for (std::size_t i = 0; i < each_after.size(); ++i) {
     const std::string& name = received.machine->actuators[i].name;
     table.Row("  " + name + ": CPU",
-              {100 * Seconds(each_after[i].cpu - each_before[i].cpu) / Seconds(ended - begun)},
+              {100 * ToSeconds(each_after[i].cpu - each_before[i].cpu) / ToSeconds(ended - begun)},
               "% of a core");
     table.Row("  " + name + ": RSS", {each_after[i].resident_mb}, "MB");
   }
@@ -114,8 +114,8 @@ void Speeds(Robot& robot, bool smoke, const Table& table) {
     });
     const Robot::Received received = robot.Now();
     table.Row("requested world speed: " + std::to_string(factor) + "; reached",
-              {Seconds(*received.clock - received.clock_first) /
-               Seconds(received.clock_at - received.clock_first_at)},
+              {ToSeconds(*received.clock - received.clock_first) /
+               ToSeconds(received.clock_at - received.clock_first_at)},
               "×");
   }
   robot.SetSpeed(10);

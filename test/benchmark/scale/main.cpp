@@ -48,15 +48,15 @@ void Measure(int actuators, int processes, int number, const Table& table) {
   MachineController controller;
   if (!controller.Init(fleet.config_file())) Fail("no controller");
   if (!controller.AwaitSetUp()) Fail("not all are set up");
-  table.Row(what + "all set up after", {Seconds(Clock::now() - begin)}, "s");
+  table.Row(what + "all set up after", {ToSeconds(Clock::now() - begin)}, "s");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
-  table.Row(what + "all Active after", {Seconds(Clock::now() - begin)}, "s");
+  table.Row(what + "all Active after", {ToSeconds(Clock::now() - begin)}, "s");
   std::vector<double> times;
   for (int i = 0; i < 40; ++i) {
     const auto switched = Clock::now();
     MustBeDone(controller.Switch(i % 2 == 0 ? "DeActive" : "Active"));
-    times.push_back(Seconds(Clock::now() - switched) * 1000);
+    times.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
   table.Row(what + "a switch of all", times, "ms");
 }

@@ -46,7 +46,7 @@ class SkillsCost {
     }
     const Cost after = CostOf(peer_.pid());
     std::printf("| %s | %.1f MB | %d | %.2f %% |\n", what, after.resident_mb, after.threads,
-                100 * Seconds(after.cpu - before.cpu) / Seconds(Now() - begin));
+                100 * ToSeconds(after.cpu - before.cpu) / ToSeconds(Now() - begin));
   }
 
   bool Hover() {

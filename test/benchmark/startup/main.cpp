@@ -45,11 +45,11 @@ void UnderMusher(const Fleet& fleet, Times& times) {
   if (!controller.AwaitSetUp()) Fail("not all are set up");
   MustBeDone(controller.Switch("SelfCheck"));
   MustBeDone(controller.Switch("Active"));
-  times.start_s.push_back(Seconds(Clock::now() - begin));
+  times.start_s.push_back(ToSeconds(Clock::now() - begin));
   for (int i = 0; i < kSwitches; ++i) {
     const auto switched = Clock::now();
     MustBeDone(controller.Switch(i % 2 == 0 ? "DeActive" : "Active"));
-    times.switch_ms.push_back(Seconds(Clock::now() - switched) * 1000);
+    times.switch_ms.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
   static_cast<void>(controller.Switch("TearDown").done());  // ends its processes
 }
@@ -66,11 +66,11 @@ void UnderNav2(const std::vector<std::string>& nodes, Times& times) {
   }
   testing::PlainNav2Manager manager(domain, "nav", nodes);
   if (!manager.Startup()) Fail("the plain manager: " + manager.errors().front());
-  times.start_s.push_back(Seconds(Clock::now() - begin));
+  times.start_s.push_back(ToSeconds(Clock::now() - begin));
   for (int i = 0; i < kSwitches; ++i) {
     const auto switched = Clock::now();
     if (!(i % 2 == 0 ? manager.Pause() : manager.Resume())) Fail("the plain manager's switch");
-    times.switch_ms.push_back(Seconds(Clock::now() - switched) * 1000);
+    times.switch_ms.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
 }
 
@@ -89,7 +89,7 @@ void WithPlainCyclone(const std::vector<std::string>& names, Times& times) {
     ends.push_back(std::make_unique<PlainEnd>(participant, name, PlainEnd::Role::kClient));
   }
   for (const auto& end : ends) end->CallUntil([&] { return end->Take() == 0; });
-  times.start_s.push_back(Seconds(Clock::now() - begin));
+  times.start_s.push_back(ToSeconds(Clock::now() - begin));
 }
 
 void Measure(int count, int turns) {

@@ -98,13 +98,13 @@ void Turn(ObservedController& robot, const Child* view, std::uint16_t port, int 
   constexpr Duration kIdle = std::chrono::seconds(3);
   Duration before = cpu();
   std::this_thread::sleep_for(kIdle);  // what is measured is the time itself
-  measured.cpu_idle.push_back(100 * Seconds(cpu() - before) / Seconds(kIdle));
+  measured.cpu_idle.push_back(100 * ToSeconds(cpu() - before) / ToSeconds(kIdle));
   before = cpu();
   const std::size_t bytes = open.bytes();
   const Time begin = std::chrono::steady_clock::now();
   measured.switch_ms.push_back(SwitchTime(robot, switches));
-  const double passed_s = Seconds(std::chrono::steady_clock::now() - begin);
-  measured.cpu_switching.push_back(100 * Seconds(cpu() - before) / passed_s);
+  const double passed_s = ToSeconds(std::chrono::steady_clock::now() - begin);
+  measured.cpu_switching.push_back(100 * ToSeconds(cpu() - before) / passed_s);
   measured.kb_s.push_back(static_cast<double>(open.bytes() - bytes) / 1000 / passed_s);
   if (view != nullptr) measured.resident_mb.push_back(CostOf(view->pid()).resident_mb);
 }
