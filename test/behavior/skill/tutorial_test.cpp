@@ -80,7 +80,7 @@ class Navigate : public skill::PatternSkill {
   }
   Outcome Execute(skill::Tick& tick) override {
     if (planner_.blocked) return Outcome::Replan("the path is blocked");
-    tick.Report(50 + ToSeconds(tick.elapsed), "Moving");
+    tick.Report(50 + musher::ToSeconds(tick.elapsed), "Moving");
     return tick.elapsed >= std::chrono::seconds(10) ? Outcome::Done("Reached goal")
                                                     : Outcome::Continue();
   }

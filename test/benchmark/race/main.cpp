@@ -28,9 +28,7 @@ using musher::race::testing::CourseDrive;
 using musher::race::testing::DriveResult;
 using musher::race::testing::DriveSettings;
 
-double ToSeconds(musher::Duration time) {
-  return musher::ToSeconds(time);
-}
+using musher::ToSeconds;
 
 // Metres to the left of the middle of the S lane of config/scenes/course.toml, for a robot that
 // walks east; nothing beside its ends.
