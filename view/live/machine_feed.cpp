@@ -89,7 +89,7 @@ void MachineFeed::Publish(const std::string& topic, const M& message) {
        LatestMessage(topic, std::string(M::kTypeName), WallMilliseconds(), text.value()));
 }
 
-void MachineFeed::Keep(const std::string& key, SharedText message) {
+void MachineFeed::Keep(const std::string& key, const SharedText& message) {
   const auto same = std::find_if(latest_.begin(), latest_.end(),
                                  [&key](const auto& kept) { return kept.first == key; });
   if (same == latest_.end()) {

@@ -68,7 +68,7 @@ class MachineFeed {
   void Ask();
   void OnAnswer(const Result<msg::GetHistory::Response>& answer);
   void LookAtProcesses();
-  void Keep(const std::string& key, SharedText message);
+  void Keep(const std::string& key, const SharedText& message);
 
   transport::Node& node_;
   const Options options_;
