@@ -116,9 +116,9 @@ std::pair<const FoxgloveServer::TopicKey, FoxgloveServer::OpenChannel>* Foxglove
 // Subscribes to what clients want, with a QoS that matches the topic's writers as they are now.
 void FoxgloveServer::OpenReaders() {
   for (auto& [key, channel] : channels_) {
-    const bool wanted = std::any_of(clients_.begin(), clients_.end(), [&](const auto& client) {
-      return client.second->Wants(channel.id);
-    });
+    const bool wanted =
+        std::any_of(clients_.begin(), clients_.end(),
+                    [id = channel.id](const auto& client) { return client.second->Wants(id); });
     if (!wanted) {
       channel.reader.reset();
       channel.latched.reset();
