@@ -226,7 +226,6 @@ run_demo() {
   if ((failures == 0)); then
     begin_view
     walk
-    page_pictures robot cameras
     be_protected
     rest
     charge
@@ -234,7 +233,7 @@ run_demo() {
     refuse_upgrade
     upgrade
     keep_state
-    page_pictures robot timeline
+    page_pictures robot timeline cameras
     end_view
   fi
   [[ $keep == yes ]] || power_off
