@@ -162,8 +162,7 @@ Next Explore::GoToStart(Tick& tick) {
     tick.Report(40, "Planning path to the start...");
   } else {
     travel_.AddDetails(tick);
-    tick.Report(60,
-                fmt::format("Moving to the start... ({:.1f}s)", ToSeconds(tick.elapsed)));
+    tick.Report(60, fmt::format("Moving to the start... ({:.1f}s)", ToSeconds(tick.elapsed)));
   }
   if (step.kind == Kind::kDone) return Next::To(executing_);
   return After(step);

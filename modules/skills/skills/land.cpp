@@ -42,8 +42,7 @@ skill::Next Land::Fly(const navigation::Pose& now, skill::Tick& tick) {
   if (lower) tick.data.Set(kLowest, height_m);
   // Only time with a command counts: neither a pause, nor a time without odometry.
   const double still_s =
-      lower ? 0
-            : tick.data.Number(kStillFor) + std::min(ToSeconds(tick.step), kLongestStepS);
+      lower ? 0 : tick.data.Number(kStillFor) + std::min(ToSeconds(tick.step), kLongestStepS);
   tick.data.Set(kStillFor, still_s);
   if (still_s >= kStillS && above_m <= kGroundToleranceM) return skill::Next::Succeed("Landed");
   const navigation::Pose place = Remembered(tick);

@@ -169,8 +169,7 @@ void Track::Report(Tick& tick) const {
   if (unseen_ >= kUnseen) {
     message = fmt::format("Target lost ({:.1f}s)", ToSeconds(unseen_));
   } else if (without_way_ >= kUnseen && !trouble_.empty()) {
-    message =
-        fmt::format("No way to the target ({:.1f}s): {}", ToSeconds(without_way_), trouble_);
+    message = fmt::format("No way to the target ({:.1f}s): {}", ToSeconds(without_way_), trouble_);
   }
   tick.Report(10 + 85 * share, message);
   tick.Detail("target_distance", apart_m);

@@ -132,8 +132,7 @@ TravelStep Travel::Drive(Duration step) {
   if (drive_missing_ < kLostAfter) return {Kind::kPending};
   GiveUp();
   return {Kind::kLost, (robot_.HasController() ? "No odometry of " : "No controller of ") +
-                           robot_.name() +
-                           fmt::format(" for {:.1f} s", ToSeconds(kLostAfter))};
+                           robot_.name() + fmt::format(" for {:.1f} s", ToSeconds(kLostAfter))};
 }
 
 TravelStep Travel::DriveEnd() {
@@ -174,8 +173,7 @@ double Travel::distance_to_goal_m() const {
 
 void Travel::AddDetails(skill::Tick& tick) const {
   const double left_m = distance_to_goal_m();
-  const double mean_m_s =
-      driven_ > Duration{} ? (length_m_ - left_m) / ToSeconds(driven_) : 0;
+  const double mean_m_s = driven_ > Duration{} ? (length_m_ - left_m) / ToSeconds(driven_) : 0;
   constexpr double kUsualMPerS = 0.5;  // until it has moved
   constexpr double kMovedMPerS = 0.05;
   tick.Detail("distance_to_goal", left_m);
