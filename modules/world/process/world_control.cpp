@@ -1,5 +1,6 @@
 #include "musher/modules/world/process/world_control.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -196,14 +197,24 @@ class CommandSender {
                               "; is `musher up` running, in the same domain?"};
   }
 
+  // Waits for the reader of the world itself: a recorder may read the topic, too, and be found
+  // first.
   template <class M>
   Result<std::string> Publish(const std::string& topic, const M& message) {
-    auto publisher = transport::MakePublisher<M>(node_, Name(topic));
-    if (!publisher) return publisher.error();
-    const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
+    auto world = transport::MakeClient<msg::Trigger>(node_, Name("draw"));
+    if (!world) return world.error();
+    auto writer = node_.MakeRawWriter("rt/" + Name(topic), std::string(M::kTypeName),
+                                      transport::kDefaultQos, {});
+    if (!writer) return writer.error();
+    const auto matched = [&] {
+      const std::vector<transport::PeerId> servers = world.value()->Servers();
+      return std::any_of(servers.begin(), servers.end(), [&](transport::PeerId server) {
+        return writer.value()->HasReaderOf(server);
+      });
+    };
     if (!loop_.RunUntil(matched, deadline_)) return NoWorld();
-    if (auto sent = publisher.value()->Publish(message); !sent) return sent.error();
-    if (auto got = publisher.value()->Flush(deadline_ - loop_.Now()); !got) return got.error();
+    if (auto sent = writer.value()->Write(msg::Encode(message)); !sent) return sent.error();
+    if (auto got = writer.value()->Flush(deadline_ - loop_.Now()); !got) return got.error();
     return std::string();
   }
 

@@ -18,6 +18,7 @@
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/messages/stamp.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/exec/child.hpp"
@@ -105,6 +106,19 @@ class MusherWorld : public ::testing::Test {
   std::unique_ptr<transport::Subscription> states_;
   std::unique_ptr<transport::Publisher<msg::MotionCustomCommand>> commands_;
 };
+
+// The tool published once any reader was there: with a recorder of the topic the world missed it.
+TEST_F(MusherWorld, ACommandIsForTheWorldAndNotForAnotherReaderOfItsTopic) {
+  int received = 0;
+  const auto recorder = transport::MakeSubscription<msg::Float32>(
+      *node_, "dog9/world/set_battery",
+      [&received](const msg::Float32&, const transport::SampleInfo&) { ++received; });
+  ASSERT_TRUE(recorder);
+  const auto sent = SendWorldCommand(ChargeTo{4}, "dog9", seconds(1));
+  EXPECT_FALSE(sent);
+  loop_.RunUntil([] { return false; }, loop_.Now());
+  EXPECT_EQ(received, 0);
+}
 
 TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
   MachineController controller;
