@@ -141,10 +141,10 @@ class CommandSender {
     return Publish<msg::Int32>("press", {command.state});
   }
   Result<std::string> operator()(const Speech& command) {
-    return Publish<msg::String>("speech_text", {command.text});
+    return Publish<msg::String>("speech_text", {command.text}, Reader::kAny);
   }
   Result<std::string> operator()(const PowerKey& command) {
-    return Publish<msg::Bool>("power_key", {command.down});
+    return Publish<msg::Bool>("power_key", {command.down}, Reader::kAny);
   }
   Result<std::string> operator()(const Fault& command) {
     return Publish<msg::String>("fault", {command.text});
@@ -197,16 +197,20 @@ class CommandSender {
                               "; is `musher up` running, in the same domain?"};
   }
 
+  enum class Reader { kWorld, kAny };
+
   // Waits for the reader of the world itself: a recorder may read the topic, too, and be found
-  // first.
+  // first. kAny: the world does not read the topic.
   template <class M>
-  Result<std::string> Publish(const std::string& topic, const M& message) {
+  Result<std::string> Publish(const std::string& topic, const M& message,
+                              Reader reader = Reader::kWorld) {
     auto world = transport::MakeClient<msg::Trigger>(node_, Name("draw"));
     if (!world) return world.error();
     auto writer = node_.MakeRawWriter("rt/" + Name(topic), std::string(M::kTypeName),
                                       transport::kDefaultQos, {});
     if (!writer) return writer.error();
     const auto matched = [&] {
+      if (reader == Reader::kAny) return writer.value()->MatchedReaders() > 0;
       const std::vector<transport::PeerId> servers = world.value()->Servers();
       return std::any_of(servers.begin(), servers.end(), [&](transport::PeerId server) {
         return writer.value()->HasReaderOf(server);
