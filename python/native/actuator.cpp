@@ -4,6 +4,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/base/log.hpp"
+#include "musher/python/native/node.hpp"
 #include "musher/python/native/py_actuator.hpp"
 
 namespace musher::python {
@@ -61,6 +62,14 @@ void Checkpoint(const ActuatorHandle& handle, std::optional<double> allowance_s)
 
 std::string ConfigFile(const ActuatorHandle& handle) {
   return handle.Get().machine_config().file;
+}
+
+// None in a fault-injection test, and before start() and after shutdown().
+PyNodePtr NodeOf(const ActuatorHandle& handle) {
+  const PyActuator& actuator = handle.Get();
+  auto thread = actuator.node();
+  if (!thread) return nullptr;
+  return std::make_shared<PyNode>(PyNode{std::move(thread), actuator.machine_config().name_space});
 }
 
 std::unique_ptr<ActuatorHandle> MakeHandle(const std::string& name, const py::object& self) {
@@ -123,7 +132,8 @@ void AddActuator(py::module_& native) {
       .def("emergency_stopped", [](const ActuatorHandle& h) { return h.Get().EmergencyStopped(); })
       .def("held_by_stop", [](const ActuatorHandle& h) { return h.Get().HeldByStop(); })
       .def("listed_states", &ListedStates)
-      .def("config_file", &ConfigFile);
+      .def("config_file", &ConfigFile)
+      .def("node", &NodeOf);
 }
 
 }  // namespace musher::python

@@ -1,6 +1,8 @@
 // The Python extension `musher._native`.
 
 #include "musher/base/version.hpp"
+#include "musher/python/native/codec.hpp"
+#include "musher/python/native/node.hpp"
 #include "musher/python/native/parts.hpp"
 
 namespace musher::python {
@@ -20,5 +22,8 @@ void Check(const Result<>& result, const char* name) {
 
 PYBIND11_MODULE(_native, native) {
   native.attr("VERSION") = std::string(musher::Version());
+  musher::python::AddCodec(native);
+  musher::python::AddNode(native);
+  musher::python::AddServices(native);
   musher::python::AddActuator(native);
 }
