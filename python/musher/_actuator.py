@@ -13,8 +13,10 @@ from typing import Callable, ContextManager, Dict, List, NoReturn, Optional, Set
 from musher import _native
 from musher._errors import ConfigError, Failure, Key, ProcessKilled
 from musher._log import Log, where
+from musher._node import Node
 
 _FAILED = 101  # Robot (100) + FAILED
+_STATE_INVALID = 103
 
 #: The methods that are callbacks of the built-in states.
 STATE_METHODS = {
@@ -72,6 +74,7 @@ class Actuator:
             raise TypeError(f"the name of an actuator is a str, not {chosen!r}")
         self.name = chosen
         self.log = Log(chosen)
+        self._node: Optional[Node] = None
         self._handle: _native.ActuatorHandle = _native.ActuatorHandle(chosen, self)
         for state_name, method in self._callbacks().items():
             self._handle.register(state_name, method)
@@ -126,6 +129,17 @@ class Actuator:
         """The actuator cannot continue: the process exits with 1, and its restart policy applies."""
         self._native.give_up(code, reason)
 
+    @property
+    def node(self) -> Node:
+        """For topics, services and actions of this actuator, from on_set_up on. In a fault-injection test it has
+        no transport: publishing does nothing, and nothing is received."""
+        if self._node is None:
+            native = self._native.node()
+            if native is None and not self._native.under_test():
+                raise Failure(_STATE_INVALID, f"{self.name} is not started: open its topics in on_set_up")
+            self._node = Node._of(native, self.log)
+        return self._node
+
     def on_emergency_stop(self) -> None:
         """Stop all motion now. Runs on a thread of its own, also beside a running callback, and again at the
         end of one that was running: must be idempotent, use only data that is safe to use from any thread,
@@ -152,13 +166,18 @@ class Actuator:
         waiter = threading.Thread(target=lambda: codes.append(native.wait()), daemon=True)
         waiter.start()
         waiter.join()
-        _started.discard(self)
+        self._leave()
         return codes[0]
 
     def shutdown(self) -> None:
         """Leaves the machine without TearDown; waits for a running callback. Idempotent."""
         self._native.shutdown()
+        self._leave()
+
+    def _leave(self) -> None:
         _started.discard(self)
+        if self._node is not None:
+            self._node.close()
 
     # Inside.
 

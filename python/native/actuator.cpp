@@ -133,7 +133,8 @@ void AddActuator(py::module_& native) {
       .def("held_by_stop", [](const ActuatorHandle& h) { return h.Get().HeldByStop(); })
       .def("listed_states", &ListedStates)
       .def("config_file", &ConfigFile)
-      .def("node", &NodeOf);
+      .def("node", &NodeOf)
+      .def("under_test", [](const ActuatorHandle& h) { return !h.owned; });
 }
 
 }  // namespace musher::python

@@ -184,7 +184,7 @@ py::object Codec::Decode(msg::CdrReader& reader) const {
     }
     const py::object value = Get(reader, field);
     if (!value) return {};
-    if (PyObject_SetAttr(object.ptr(), field.name.ptr(), value.ptr()) != 0)
+    if (PyObject_GenericSetAttr(object.ptr(), field.name.ptr(), value.ptr()) != 0)
       throw py::error_already_set();
   }
   return reader.ok() ? object : py::object();

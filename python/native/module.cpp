@@ -1,6 +1,7 @@
 // The Python extension `musher._native`.
 
 #include "musher/base/version.hpp"
+#include "musher/python/native/client.hpp"
 #include "musher/python/native/codec.hpp"
 #include "musher/python/native/node.hpp"
 #include "musher/python/native/parts.hpp"
@@ -25,5 +26,7 @@ PYBIND11_MODULE(_native, native) {
   musher::python::AddCodec(native);
   musher::python::AddNode(native);
   musher::python::AddServices(native);
+  musher::python::AddActions(native);
+  musher::python::AddClient(native);
   musher::python::AddActuator(native);
 }
