@@ -257,7 +257,7 @@ def run(actuator: Union[Type[Actuator], Actuator, Callable[[], Actuator]], confi
     or does not fit the class, after which a controller does not restart it. SIGTERM and SIGINT end the
     process at once, as they do a C++ module, unless the program has handlers of its own.
     """
-    made = actuator if isinstance(actuator, Actuator) else actuator()
+    made = actuator() if callable(actuator) else actuator
     if not isinstance(made, Actuator):
         raise TypeError(f"musher.run() takes a class derived from musher.Actuator, not {actuator!r}")
     if threading.current_thread() is threading.main_thread():

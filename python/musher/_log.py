@@ -8,6 +8,9 @@ from musher import _native
 
 DEBUG, INFO, WARNING, ERROR = range(4)
 
+#: Set by a fault-injection test, in which hundreds of processes fail on purpose.
+muted = False
+
 _program_name = os.path.splitext(os.path.basename(sys.argv[0] if sys.argv else ""))[0] or "python"
 
 
@@ -34,7 +37,7 @@ class Log:
         self._write(ERROR, f"{text}\n{traceback.format_exc().rstrip()}")
 
     def _write(self, level: int, text: str) -> None:
-        if level >= _native.lowest_log_level():
+        if not muted and level >= _native.lowest_log_level():
             _native.write_log(level, self._name or _program_name, _printable(str(text)))
 
 

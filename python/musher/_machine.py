@@ -95,12 +95,16 @@ class Machine:
         """The first status for which condition(status) holds; or pass the name of a state that it is in."""
         end = time.monotonic() + timeout_s
         holds = (lambda status: status.state == condition) if isinstance(condition, str) else condition
+        last: Optional[MachineStatus] = None
         with _Closing(self._watch()) as statuses:
             while True:
                 left = end - time.monotonic()
                 status = statuses.take(max(left, 0.0)) if left > 0 else None
                 if status is None:
-                    raise Failure(_TIMEOUT, f"not so after {timeout_s} s")
+                    if last is None:
+                        raise self._not_found()
+                    raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
+                last = status
                 if holds(status):
                     return status
 

@@ -3,6 +3,7 @@
 #include "musher/base/version.hpp"
 #include "musher/python/native/client.hpp"
 #include "musher/python/native/codec.hpp"
+#include "musher/python/native/fault_test.hpp"
 #include "musher/python/native/node.hpp"
 #include "musher/python/native/parts.hpp"
 
@@ -29,4 +30,5 @@ PYBIND11_MODULE(_native, native) {
   musher::python::AddActions(native);
   musher::python::AddClient(native);
   musher::python::AddActuator(native);
+  musher::python::AddFaultTest(native);
 }

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "musher/base/result.hpp"
+#include "musher/python/native/gil.hpp"
 
 namespace musher::python {
 
@@ -27,12 +28,5 @@ void AddActuator(py::module_& native);
 [[noreturn]] void Raise(const char* name, const Error& error);
 // Raises musher.Failure unless `result` is good.
 void Check(const Result<>& result, const char* name = "Failure");
-
-// Runs `work`, which may wait, without the GIL; returns its result.
-template <class Work>
-auto WithoutGil(const Work& work) {
-  const py::gil_scoped_release released;
-  return work();
-}
 
 }  // namespace musher::python

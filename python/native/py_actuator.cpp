@@ -6,6 +6,15 @@
 #include "musher/base/code.hpp"
 
 namespace musher::python {
+namespace {
+
+py::object Call(const py::object& function, const py::tuple& arguments) {
+  auto result = py::reinterpret_steal<py::object>(CallPython(function.ptr(), arguments.ptr()));
+  if (!result) throw py::error_already_set();
+  return result;
+}
+
+}  // namespace
 
 PyActuator& ActuatorHandle::Get() const {
   if (actuator == nullptr) {
@@ -31,7 +40,7 @@ PyActuator::~PyActuator() {
   } else {
     End();
   }
-  const py::gil_scoped_acquire gil;
+  const TakenGil gil;
   handle_->actuator = nullptr;
   self_ = py::weakref();
   kept_ = py::object();
@@ -39,9 +48,10 @@ PyActuator::~PyActuator() {
 
 void PyActuator::Register(const State& state, const std::string& method) {
   if (state.empty()) {
-    RegisterStateCallback([this, method](const State& which) { return Call(method, which); });
+    RegisterStateCallback(
+        [this, method](const State& which) { return RunCallback(method, which); });
   } else {
-    RegisterStateCallback(state, [this, method, state] { return Call(method, state); });
+    RegisterStateCallback(state, [this, method, state] { return RunCallback(method, state); });
   }
 }
 
@@ -74,22 +84,22 @@ void PyActuator::OnEmergencyStop() {
 }
 
 std::string PyActuator::CallStop() {
-  const py::gil_scoped_acquire gil;
+  const TakenGil gil;
   const py::object self = Self();
   if (self.is_none()) return {};
   try {
-    return self.attr("_run_emergency_stop")().cast<std::string>();
+    return Call(self.attr("_run_emergency_stop"), py::tuple()).cast<std::string>();
   } catch (const std::exception& e) {
     return e.what();
   }
 }
 
-Result<> PyActuator::Call(const std::string& method, const State& state) {
-  const py::gil_scoped_acquire gil;
+Result<> PyActuator::RunCallback(const std::string& method, const State& state) {
+  const TakenGil gil;
   const py::object self = Self();
   if (self.is_none()) return Error{kCodeFailed, "the Python object of " + name() + " is gone"};
   try {
-    const py::object failed = self.attr("_run_callback")(method, state);
+    const py::object failed = Call(self.attr("_run_callback"), py::make_tuple(method, state));
     if (failed.is_none()) return Ok();
     const auto [code, reason] = failed.cast<std::pair<std::int32_t, std::string>>();
     return Error{code, reason};

@@ -53,7 +53,7 @@ class PyActuator final : public MachineActuator {
   void OnEmergencyStop() override;
 
  private:
-  Result<> Call(const std::string& method, const State& state);
+  Result<> RunCallback(const std::string& method, const State& state);
   // Returns what the Python function raised; empty: nothing.
   std::string CallStop();
 
