@@ -94,8 +94,8 @@ class Module:
         lines.append(f"{inner}__slots__ = ({''.join(repr(attribute(field)) + ', ' for field in fields)})")
         lines += self.constants(constants, inner)
         lines.append(f'{inner}_dds_type = "{struct.dds_name}"')
-        if sum(field.appended for field in struct.fields):
-            lines.append(f"{inner}_appended = {sum(field.appended for field in fields)}")
+        if struct.appended:
+            lines.append(f"{inner}_appended = {struct.appended}")
         rows = []
         for field in fields:
             count = -1 if field.type.sequence else field.type.length

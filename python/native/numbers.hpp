@@ -2,7 +2,6 @@
 // Python's numbers and buffers as C++'s, for codec.cpp. With the GIL.
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -88,7 +87,7 @@ template <class T>
 bool FromBuffer(const py::handle& value, std::vector<T>& values) {
   if (PyObject_CheckBuffer(value.ptr()) == 0) return false;
   Py_buffer buffer{};
-  if (PyObject_GetBuffer(value.ptr(), &buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
+  if (PyObject_GetBuffer(value.ptr(), &buffer, PyBUF_FULL_RO) != 0) {
     PyErr_Clear();
     return false;
   }
@@ -103,8 +102,7 @@ bool FromBuffer(const py::handle& value, std::vector<T>& values) {
       buffer.itemsize == sizeof(T) && (letter == kOwn || (is_long && !std::is_floating_point_v<T>));
   if (same) {
     values.resize(static_cast<std::size_t>(buffer.len) / sizeof(T));
-    if (buffer.len > 0)
-      std::memcpy(values.data(), buffer.buf, static_cast<std::size_t>(buffer.len));
+    if (buffer.len > 0) PyBuffer_ToContiguous(values.data(), &buffer, buffer.len, 'C');
   }
   PyBuffer_Release(&buffer);
   return same;
