@@ -10,7 +10,8 @@
 #   python     python3-musher  the Python package
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Musher")
-set(CPACK_PACKAGE_CONTACT "Musher <musher@localhost>")
+set(CPACK_PACKAGE_CONTACT "Musher developers <musher@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # the first line of each description is its summary
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)

@@ -10,6 +10,9 @@ foreach(component ${CPACK_COMPONENTS_ALL})
   configure_file(${tools}/changelog.in ${doc}/changelog.Debian @ONLY)
   configure_file(${tools}/../../CHANGELOG.md ${doc}/changelog COPYONLY)
 
+  if(IS_DIRECTORY ${root}/usr/share/zsh/site-functions)  # Debian's zsh searches another folder
+    file(RENAME ${root}/usr/share/zsh/site-functions ${root}/usr/share/zsh/vendor-completions)
+  endif()
   file(GLOB libraries ${root}/usr/lib/*.a ${root}/usr/lib/*/*.a)
   foreach(library ${libraries})
     execute_process(COMMAND strip --strip-debug --enable-deterministic-archives
