@@ -92,7 +92,9 @@ function(musher_program name)
 endfunction()
 
 # The manual page of a program, from its help.
-add_custom_target(man_pages ALL)
+if(PROJECT_IS_TOP_LEVEL)
+  add_custom_target(man_pages ALL)
+endif()
 function(musher_man_page name)
   set(generator ${PROJECT_SOURCE_DIR}/cmake/packages/man_page.py)
   set(page ${PROJECT_BINARY_DIR}/share/man/${name}.1)
