@@ -1,0 +1,56 @@
+# The tree of contents is the lists of links that a reader of the Markdown sees: in each section of
+# docs/README.md, and on the pages below that list others.
+
+import os
+import re
+
+# Pages whose lists of links are their branch of the tree; "##" headings of the first are its captions.
+BRANCHES = {"docs/README", "docs/decisions/README", "docs/modules", "docs/api/README", "docs/zh/README"}
+
+ITEM = re.compile(r"^- \[[^]]*\]\(([^)#]+\.md)\)")
+
+
+def sections(text):
+    """(heading, [linked pages]) of each section; the heading of what is above the first is empty."""
+    heading, links = "", []
+    for line in text.splitlines():
+        if line.startswith("## "):
+            yield heading, links
+            heading, links = line[3:].strip(), []
+        elif match := ITEM.match(line):
+            links.append(match[1])
+    yield heading, links
+
+
+def add_contents(app, docname, source):
+    if docname not in BRANCHES:
+        return
+    folder = os.path.dirname(docname)
+    text = source[0]
+    for heading, links in sections(source[0]):
+        pages = ["/" + os.path.normpath(os.path.join(folder, link))[: -len(".md")] for link in links]
+        pages = [page for page in pages if page[1:] in app.env.found_docs]
+        if pages:
+            caption = f":caption: {heading}\n" if docname == app.config.root_doc and heading else ""
+            text += f"\n```{{toctree}}\n:hidden:\n{caption}\n" + "\n".join(pages) + "\n```\n"
+    source[0] = text
+
+
+def write_start(app, error):
+    if error is None and app.builder.format == "html":
+        start = app.builder.get_target_uri(app.config.root_doc)
+        with open(os.path.join(app.outdir, "index.html"), "w", encoding="utf-8") as page:
+            page.write(f'<!doctype html>\n<meta charset="utf-8">\n<title>{app.config.project}</title>\n'
+                       f'<meta http-equiv="refresh" content="0; url={start}">\n<a href="{start}">{start}</a>\n')
+
+
+def set_language(app, pagename, templatename, context, doctree):
+    if pagename.startswith("docs/zh/") or pagename.endswith(".zh"):
+        context["language"] = "zh-CN"
+
+
+def setup(app):
+    app.connect("source-read", add_contents)
+    app.connect("html-page-context", set_language)
+    app.connect("build-finished", write_start)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
