@@ -17,7 +17,7 @@ version = release = os.environ.get("MUSHER_VERSION", "")
 language = "en"
 
 extensions = ["myst_parser", "sphinx_copybutton", "contents", "diagrams", "source_pages",
-              "search_words", "strict_pages"]
+              "search_words", "strict_pages", "header"]
 root_doc = "docs/README"
 include_patterns = ["*.md", "docs/**", "examples/**", "messages/**", "modules/**", "navigation/**", "test/**",
                     "view/**"]

@@ -5,9 +5,9 @@ import os
 import re
 
 # Pages whose lists of links are their branch of the tree; "##" headings of the first are its captions.
-BRANCHES = {"docs/README", "docs/decisions/README", "docs/modules", "docs/api/README", "docs/zh/README"}
+BRANCHES = {"docs/README", "docs/decisions/README", "docs/modules", "docs/api/README"}
 
-ITEM = re.compile(r"^- \[[^]]*\]\(([^)#]+\.md)\)")
+ITEM = re.compile(r"^(?:-|\d+\.) \[[^]]*\]\(([^)#]+\.md)\)")
 
 
 def sections(text):
