@@ -57,7 +57,8 @@ std::vector<Row> RowsOf(const SourceFile& page, const std::string& section) {
     }
     if (std::exchange(head, false)) continue;
     Row row;
-    for (std::string_view cell : SplitAt(line.text.substr(2), " |")) {
+    const std::string text = line.text.substr(2);
+    for (std::string_view cell : SplitAt(text, " |")) {
       while (cell.starts_with(' ')) cell.remove_prefix(1);
       if (cell.starts_with('`') && cell.ends_with('`') && cell.size() > 1) {
         cell = cell.substr(1, cell.size() - 2);
@@ -82,7 +83,8 @@ std::string WithJoinedLiterals(const std::string& code) {
   for (std::size_t i = 0; i < code.size(); ++i) {
     if (code[i] == '"' && (i == 0 || code[i - 1] != '\\')) {
       std::size_t next = i + 1;
-      while (next < code.size() && std::isspace(static_cast<unsigned char>(code[next])) != 0) ++next;
+      while (next < code.size() && std::isspace(static_cast<unsigned char>(code[next])) != 0)
+        ++next;
       if (next > i + 1 && next < code.size() && code[next] == '"') {
         i = next;
         continue;
@@ -208,7 +210,8 @@ std::vector<std::string> UnexplainedCodes(const SourceFile& page,
     if (!file.In("modules/") || !file.Is("README.md")) continue;
     static const std::regex listed(R"(\n\| (\d{4}(?:, \d{4})*) \|)");
     for (std::sregex_iterator i(file.text.begin(), file.text.end(), listed), end; i != end; ++i) {
-      for (const std::string_view code : SplitAt((*i)[1].str(), ", ")) {
+      const std::string codes = (*i)[1];
+      for (const std::string_view code : SplitAt(codes, ", ")) {
         if (!explained.contains(std::string(code))) {
           wrong.push_back("no row explains code " + std::string(code) + " of " + file.path);
         }
@@ -229,7 +232,8 @@ std::vector<std::string> SentencesOfNoProgram(const SourceFile& page,
   std::vector<std::string> wrong;
   for (const char* section : {"Refusals", "The command line and the start"}) {
     for (const Row& row : RowsOf(page, section)) {
-      if (!IsComplete(row, 3)) wrong.push_back("not a sentence, a cause and a cure: " + row.front());
+      if (!IsComplete(row, 3))
+        wrong.push_back("not a sentence, a cause and a cure: " + row.front());
       for (const std::string_view fragment : SplitAt(row.front(), kAnything)) {
         if (fragment.size() >= kShortestFragment && code.find(fragment) == std::string::npos) {
           wrong.push_back("no program prints '" + std::string(fragment) + "'");

@@ -9,9 +9,9 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 SourceFile PageWith(const std::string& section, const std::string& rows) {
-  return {"docs/troubleshooting.md",
-          "# Page\n\n## " + section + "\n\n| a | b | c | d |\n|---|---|---|---|\n" + rows +
-              "\n## Next\n"};
+  return {"docs/troubleshooting.md", "# Page\n\n## " + section +
+                                         "\n\n| a | b | c | d |\n|---|---|---|---|\n" + rows +
+                                         "\n## Next\n"};
 }
 
 TEST(MessageRules, APatternFitsWithAnyTextInItsPlaces) {
@@ -40,11 +40,10 @@ TEST(MessageRules, ReportAnEventASentenceAndACureThatAreMissing) {
                                    "| `… is lost` | `lost` | why | do |\n"
                                    "| `gone` | `gone` | why | do |\n"
                                    "| `found` | `found` | why | |\n");
-  EXPECT_THAT(UnexplainedRecords(page, kRecords),
-              ElementsAre("there is no event gone",
-                          "not a sentence, an event, a cause and a cure: found",
-                          "no row explains the event found",
-                          "no row of lost explains: legs are lost"));
+  EXPECT_THAT(
+      UnexplainedRecords(page, kRecords),
+      ElementsAre("there is no event gone", "not a sentence, an event, a cause and a cure: found",
+                  "no row explains the event found", "no row of lost explains: legs are lost"));
 }
 
 TEST(MessageRules, ReportAFindingWithoutARowAndARowWithoutAFinding) {
@@ -54,9 +53,9 @@ TEST(MessageRules, ReportAFindingWithoutARowAndARowWithoutAFinding) {
   const std::vector<SourceFile> tree = {
       {"test/golden/configs/bad/a.expected",
        "a.toml:1:1: error: legs: unknown key \"x\"\na.toml:2:1: warning: arms: too short\n"}};
-  EXPECT_THAT(UnexplainedFindings(page, tree),
-              ElementsAre("no row explains: arms: too short",
-                          "no example of a config has: too many legs"));
+  EXPECT_THAT(
+      UnexplainedFindings(page, tree),
+      ElementsAre("no row explains: arms: too short", "no example of a config has: too many legs"));
 }
 
 TEST(MessageRules, ReportASentenceThatNoProgramPrints) {
