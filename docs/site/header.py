@@ -29,7 +29,7 @@ def as_markdown(lines):
             in_list = False
         if indented and not code and not in_list:
             code = True
-            yield "```cpp"
+            yield "```"
         elif code and text and not indented:
             code = False
             yield "```"
