@@ -22,7 +22,24 @@ def sections(text):
     yield heading, links
 
 
+def one_title(text):
+    """A page with several titles has one: from the second on, headings are a level deeper."""
+    lines, fence, titles = [], False, 0
+    for line in text.splitlines():
+        fence = fence != line.startswith("```")
+        titles += not fence and line.startswith("# ")
+        heading = not fence and re.match(r"#+ ", line)
+        lines.append("#" + line if heading and titles > 1 else line)
+    return "\n".join(lines) + "\n"
+
+
+def has_titles(text):
+    return len(re.findall(r"^# ", re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE), re.MULTILINE)) > 1
+
+
 def add_contents(app, docname, source):
+    if has_titles(source[0]):
+        source[0] = one_title(source[0])
     if docname not in BRANCHES:
         return
     folder = os.path.dirname(docname)

@@ -17,7 +17,7 @@ TRAILING = re.compile(r"^(.*[^\s/].*?[;,{}>)\w\"])(\s+)// (.*)$")
 
 
 def literal(text):
-    return re.sub(r"([\\@<>#%&\"])", r"\\\1", text)
+    return re.sub(r"`([^`]+)`", r"<tt>\1</tt>", re.sub(r"([\\@<>#%&\"])", r"\\\1", text))
 
 
 def converted(text):
