@@ -77,7 +77,8 @@ def shown_paths(app):
     root = Path(app.srcdir)
     linked = {node["reftarget"] for docname in app.env.found_docs
               for node in app.env.get_doctree(docname).findall(addnodes.pending_xref)
-              if node["reftype"] == "source"}
+              if node["reftype"] == "source"
+              and page_of(app.env, node["reftarget"]).startswith("source/")}
     inside = {str(child.relative_to(root)) for path in linked if (root / path).is_dir()
               for child in children(root / path) if child.is_file()}
     return {path for path in linked | inside

@@ -42,8 +42,7 @@ UniqueFd OpenBelow(const std::string& folder, std::string_view path) {
     const std::size_t end = path.find('/');
     const std::string part(path.substr(0, end));
     path = end == std::string_view::npos ? std::string_view() : path.substr(end);
-    if (part.empty()) break;                     // the last '/'
-    if (part.front() == '.') return UniqueFd();  // hidden, or out of the folder
+    if (part.empty() || part.front() == '.') return UniqueFd();  // hidden, or out of the folder
     fd = UniqueFd(openat(fd.get(), part.c_str(), kOpen | (path.empty() ? 0 : O_DIRECTORY)));
   }
   return fd;
