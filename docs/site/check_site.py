@@ -26,7 +26,7 @@ class Page(HTMLParser):
         for name in ("href", "src"):
             if given.get(name):
                 (self.links if name == "href" and tag == "a" else self.images).append(given[name])
-        if tag == "style" or (tag == "script" and "src" not in given) or any(n.startswith("on") for n in given):
+        if tag == "style" or (tag == "script" and "src" not in given) or any(n == "style" or n.startswith("on") for n in given):
             self.inline.append(tag)
 
 

@@ -37,7 +37,13 @@ def has_titles(text):
     return len(re.findall(r"^# ", re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE), re.MULTILINE)) > 1
 
 
+def is_chinese(docname):
+    return docname.startswith("docs/zh/") or docname.endswith(".zh")
+
+
 def add_contents(app, docname, source):
+    if is_chinese(docname):  # a break of a line is no space there
+        source[0] = re.sub(r"(?<=[\u3000-\u9fff\uff00-\uffef])\n(?=[\u3000-\u9fff\uff00-\uffef])", "", source[0])
     if has_titles(source[0]):
         source[0] = one_title(source[0])
     if docname not in BRANCHES:
@@ -62,7 +68,7 @@ def write_start(app, error):
 
 
 def set_language(app, pagename, templatename, context, doctree):
-    if pagename.startswith("docs/zh/") or pagename.endswith(".zh"):
+    if is_chinese(pagename):
         context["language"] = "zh-CN"
 
 

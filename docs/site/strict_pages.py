@@ -6,6 +6,12 @@ import os
 import re
 from pathlib import Path
 
+# Debian's package of the theme has its script as a module, and takes a style sheet from another package by a path
+# that only Debian's web servers have.
+MODULE = re.compile(r'<script (src="[^"]*_static/scripts/furo.js")>')
+IMPORT = re.compile(r"@import url\((/javascript/[^)]*)\);")
+HIDDEN = '<svg xmlns="http://www.w3.org/2000/svg" style="display: none;">'
+
 INLINE = re.compile(r"<(script|style)>(.*?)</\1>", re.DOTALL)
 
 
@@ -13,6 +19,11 @@ def take_out(app, error):
     if error is not None or app.builder.format != "html":
         return
     root = Path(app.outdir)
+    for sheet in root.glob("_static/**/*.css"):
+        text = sheet.read_text(encoding="utf-8")
+        if IMPORT.search(text):
+            sheet.write_text(IMPORT.sub(lambda found: Path("/usr/share" + found[1]).read_text(encoding="utf-8"), text),
+                             encoding="utf-8")
     for page in root.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         up = os.path.relpath(root / "_static", page.parent)
@@ -26,7 +37,8 @@ def take_out(app, error):
                 return f'<script src="{up}/{name}"></script>'
             return f'<link rel="stylesheet" href="{up}/{name}">'
 
-        replaced = INLINE.sub(replace, text)
+        replaced = INLINE.sub(replace, text).replace(HIDDEN, HIDDEN.replace('style="display: none;"', 'class="icons"'))
+        replaced = MODULE.sub(r'<script type="module" \1>', replaced)
         if replaced != text:
             page.write_text(replaced, encoding="utf-8")
 

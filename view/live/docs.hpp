@@ -1,6 +1,6 @@
 #pragma once
 // The documentation of Musher under /docs, from the folder that the package musher-doc, or an
-// install of the component doc, puts beside the programs; without it a page that says so. It tells
+// install of the component doc, puts beside the programs; without it a page that says so. It shows
 // nothing of the robot, so that no login is needed. Threads: one at a time.
 
 #include <optional>
