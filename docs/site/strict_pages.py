@@ -6,9 +6,11 @@ import os
 import re
 from pathlib import Path
 
-# Debian's package of the theme has its script as a module, and takes a style sheet from another package by a path
+# Debian's package of the theme has its script as a module, which imports one that is none, and takes a style
+# sheet from another package by a path
 # that only Debian's web servers have.
 MODULE = re.compile(r'<script (src="[^"]*_static/scripts/furo.js")>')
+PLAIN = 'import Gumshoe from "./gumshoe-patched.js";'
 IMPORT = re.compile(r"@import url\((/javascript/[^)]*)\);")
 HIDDEN = '<svg xmlns="http://www.w3.org/2000/svg" style="display: none;">'
 
@@ -19,6 +21,9 @@ def take_out(app, error):
     if error is not None or app.builder.format != "html":
         return
     root = Path(app.outdir)
+    script = root / "_static" / "scripts" / "furo.js"
+    script.write_text(script.read_text(encoding="utf-8").replace(
+        PLAIN, 'import "./gumshoe-patched.js";\nconst Gumshoe = window.Gumshoe;'), encoding="utf-8")
     for sheet in root.glob("_static/**/*.css"):
         text = sheet.read_text(encoding="utf-8")
         if IMPORT.search(text):
