@@ -6,7 +6,10 @@ namespace musher::cli {
 
 void AddCommands(Grammar& grammar) {
   grammar.Group("Prepare a config");
+  AddNew(grammar);
   AddCheck(grammar);
+  AddDiff(grammar);
+  AddDoctor(grammar);
   AddGraph(grammar);
   AddSimulate(grammar);
   AddTree(grammar);

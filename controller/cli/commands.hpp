@@ -7,7 +7,10 @@ namespace musher::cli {
 
 class Grammar;
 
+void AddNew(Grammar& grammar);
 void AddCheck(Grammar& grammar);
+void AddDiff(Grammar& grammar);
+void AddDoctor(Grammar& grammar);
 void AddGraph(Grammar& grammar);
 void AddSimulate(Grammar& grammar);
 void AddTree(Grammar& grammar);
