@@ -6,11 +6,11 @@ namespace musher::cli {
 
 void AddCommands(Grammar& grammar) {
   grammar.Group("Prepare a config");
-  AddNew(grammar);
   AddCheck(grammar);
   AddDiff(grammar);
   AddDoctor(grammar);
   AddGraph(grammar);
+  AddNew(grammar);
   AddSimulate(grammar);
   AddTree(grammar);
   grammar.Group("Start and stop");

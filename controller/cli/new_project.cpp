@@ -145,7 +145,7 @@ Result<ProjectName> ProjectName::From(std::string_view name) {
   if (bad != name.end()) {
     std::string near(name);
     std::replace(near.begin(), near.end(), '-', '_');
-    const bool hyphens = From(near).ok();
+    const bool hyphens = near != name && From(near).ok();
     return invalid("it may have letters, digits and '_' only" +
                    (hyphens ? "; did you mean '" + near + "'?" : std::string()));
   }

@@ -79,7 +79,7 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
   return check;
 }
 
-DoctorCheck CheckGroupAndOthers(const DoctorFacts& facts) {
+DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
   DoctorCheck check{"machine"};
   if (!facts.controllers_error.empty()) {
     check.health = kNotApplicable;
@@ -136,7 +136,7 @@ DoctorCheck CheckVersionOfController(const DoctorFacts& facts) {
 }  // namespace
 
 std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts) {
-  return {CheckKeyFiles(facts), CheckCommands(facts), CheckGroupAndOthers(facts),
+  return {CheckKeyFiles(facts), CheckCommands(facts), CheckOtherMachines(facts),
           CheckVersionOfController(facts)};
 }
 

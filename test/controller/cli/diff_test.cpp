@@ -63,6 +63,7 @@ TEST(Compare, NamesTimesByTheirStateAndStatesBySetDifference) {
                           "\"Error\"]\ntimes = [1, 2, 3, 9, 6]");
   EXPECT_THAT(Changes(DiffTo(text)), ElementsAre("actuator.legs/states: LowPower > ",
                                                  "actuator.legs/times (Active): 4 ms > 9 ms",
+                          "actuator.legs/on_controller_lost: LowPower > Error",
                                                  "actuator.legs/times (LowPower): 5 ms > "));
 }
 
