@@ -25,6 +25,9 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/packages/complete.cmake)
 set(folder ${CMAKE_CURRENT_LIST_DIR}/packages)
+# The site is no part of a usual build; without it there is no musher-doc.
+set(CPACK_PROJECT_CONFIG_FILE ${folder}/choose.cmake)
+set(CPACK_MUSHER_SITE ${PROJECT_BINARY_DIR}/docs/html/index.html)
 
 # Only packaged, not part of an installation by hand: there the computer's settings are left alone.
 install(FILES ${folder}/default DESTINATION /etc/default RENAME musher COMPONENT core EXCLUDE_FROM_ALL)
@@ -86,12 +89,16 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 
 musher_package(doc musher-doc doc "Documentation of Musher"
 "Guide, tutorials, architecture and reference of Musher as a web site:
-/usr/share/doc/musher-doc/html/index.html")
+/usr/share/doc/musher/html/index.html")
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
 
 musher_package(python python3-musher python "Python package of Musher"
 "Modules and clients of Musher in Python." DEPENDS core)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3")
+if(MUSHER_PYTHON_EXECUTABLE)  # its extension is built for one version of Python
+  execute_process(COMMAND ${MUSHER_PYTHON_EXECUTABLE} -c
+    "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}~), python3 (<< {a}.{b + 1})', end='')"
+    OUTPUT_VARIABLE CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS COMMAND_ERROR_IS_FATAL ANY)
+endif()
 
 include(CPack)
