@@ -89,6 +89,10 @@ def source_pages(app):
     root = Path(app.srcdir)
     shown = shown_paths(app)
     highlighter = app.builder.highlighter
+    expected = {app.builder.get_outfilename(f"source/{path}") for path in shown}
+    for old in Path(app.outdir, "source").rglob("*.html"):
+        if str(old) not in expected:
+            old.unlink()  # of an earlier build; nothing links to it any more
     for path in sorted(shown):
         here = f"source/{path}"
 

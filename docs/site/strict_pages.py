@@ -7,8 +7,7 @@ import re
 from pathlib import Path
 
 # Debian's package of the theme has its script as a module, which imports one that is none, and takes a style
-# sheet from another package by a path
-# that only Debian's web servers have.
+# sheet from another package by a path that only Debian's web servers have.
 MODULE = re.compile(r'<script (src="[^"]*_static/scripts/furo.js")>')
 PLAIN = 'import Gumshoe from "./gumshoe-patched.js";'
 IMPORT = re.compile(r"@import url\((/javascript/[^)]*)\);")
