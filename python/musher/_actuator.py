@@ -75,7 +75,7 @@ class Actuator:
         self.name = chosen
         self.log = Log(chosen)
         self._node: Optional[Node] = None
-        self._handle: _native.ActuatorHandle = _native.ActuatorHandle(chosen, self)
+        self._handle = _native.ActuatorHandle(chosen, self)
         for state_name, method in self._callbacks().items():
             self._handle.register(state_name, method)
 
@@ -92,50 +92,50 @@ class Actuator:
         In a state's method: watched from its beginning to its end. In another thread: from its first
         checkpoint on, until the next callback begins, or checkpoint(math.inf).
         """
-        self._native.checkpoint(allowance_s)
+        self._actuator.checkpoint(allowance_s)
 
     def stop_requested(self) -> bool:
         """In a long callback: whether the controller no longer waits for it; return at the next safe point."""
-        return self._native.stop_requested()
+        return self._actuator.stop_requested()
 
     def report_degraded(self, code: int, reason: str) -> None:
         """In on_self_check: a part does not work, but the actuator can work without it."""
-        self._native.report_degraded(code, reason)
+        self._actuator.report_degraded(code, reason)
 
     # From any thread.
 
     @property
     def current_state(self) -> str:
         """The state the actuator is in; before SetUp is done the config's default state."""
-        return self._native.current_state()
+        return self._actuator.current_state()
 
     @property
     def emergency_stopped(self) -> bool:
         """Whether an emergency stop is engaged. Methods of less active states run all the same."""
-        return self._native.emergency_stopped()
+        return self._actuator.emergency_stopped()
 
     @property
     def held_by_stop(self) -> bool:
         """Whether a stop is engaged, or was, and no callback of the state or a higher one has succeeded since."""
-        return self._native.held_by_stop()
+        return self._actuator.held_by_stop()
 
     def allowed(self, capability: str) -> ContextManager[None]:
         """Raises musher.NotAllowed if this function may not run now, according to [capability.<name>] of the
         config: `with self.allowed("grip"): …`, or as a statement of its own."""
-        self._native.allowed(capability, self.module_code)
+        self._actuator.allowed(capability, self.module_code)
         return contextlib.nullcontext()
 
     def give_up(self, code: int, reason: str) -> None:
         """The actuator cannot continue: the process exits with 1, and its restart policy applies."""
-        self._native.give_up(code, reason)
+        self._actuator.give_up(code, reason)
 
     @property
     def node(self) -> Node:
         """For topics, services and actions of this actuator, from on_set_up on. In a fault-injection test it has
         no transport: publishing does nothing, and nothing is received."""
         if self._node is None:
-            native = self._native.node()
-            if native is None and not self._native.under_test():
+            native = self._actuator.node()
+            if native is None and not self._actuator.under_test():
                 raise Failure(_STATE_INVALID, f"{self.name} is not started: open its topics in on_set_up")
             self._node = Node._of(native, self.log)
         return self._node
@@ -153,7 +153,7 @@ class Actuator:
         self._prepare(config)
         _started.add(self)
         try:
-            self._native.start()
+            self._actuator.start()
         except Failure:
             _started.discard(self)
             raise
@@ -161,7 +161,7 @@ class Actuator:
     def wait(self) -> int:
         """Blocks until TearDown is done or give_up() is called; returns the exit code for the program."""
         codes: List[int] = []
-        native = self._native
+        native = self._actuator
         # Not on the main thread, so that it keeps running Python's signal handlers.
         waiter = threading.Thread(target=lambda: codes.append(native.wait()), daemon=True)
         waiter.start()
@@ -171,7 +171,7 @@ class Actuator:
 
     def shutdown(self) -> None:
         """Leaves the machine without TearDown; waits for a running callback. Idempotent."""
-        self._native.shutdown()
+        self._actuator.shutdown()
         self._leave()
 
     def _leave(self) -> None:
@@ -182,7 +182,7 @@ class Actuator:
     # Inside.
 
     @property
-    def _native(self) -> _native.ActuatorHandle:
+    def _actuator(self) -> _native.ActuatorHandle:
         try:
             return self._handle
         except AttributeError:
@@ -206,13 +206,13 @@ class Actuator:
         return found
 
     def _prepare(self, config: str) -> None:
-        self._native.init(str(config))
+        self._actuator.init(str(config))
         callbacks = self._callbacks()
         if "" in callbacks:
             return
-        for listed in self._native.listed_states():
+        for listed in self._actuator.listed_states():
             if listed not in callbacks:
-                raise ConfigError(110, f"{self._native.config_file()} lists the state '{listed}' for "
+                raise ConfigError(110, f"{self._actuator.config_file()} lists the state '{listed}' for "
                                        f"{self.name}, but {type(self).__name__} has no callback for it; "
                                        + self._hint(listed, callbacks))
 
@@ -265,7 +265,7 @@ def run(actuator: Union[Type[Actuator], Actuator, Callable[[], Actuator]], confi
             signal.signal(signal.SIGINT, signal.SIG_DFL)
     for stream in (sys.stdout, sys.stderr):  # the controller reads its lines
         with contextlib.suppress(AttributeError):
-            stream.reconfigure(line_buffering=True)  # type: ignore[union-attr]
+            getattr(stream, "reconfigure")(line_buffering=True)
     sys.exit(_run(made, config))
 
 
@@ -275,7 +275,7 @@ def _run(actuator: Actuator, config: str) -> int:
     except ConfigError as error:
         actuator.log.error(error.reason)
         return 2
-    code = actuator._native.check(config)
+    code = actuator._actuator.check(config)
     if code != 0:
         return code
     try:

@@ -74,14 +74,13 @@ class Machine:
         if path and namespace is None:
             namespace = _native.read_machine(path)[0]
         self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
-        self._service = lambda name: "/" + _native.machine_service(self.node.namespace, name)
         self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
         self._find_s = 4.0 if keys or os.environ.get("MUSHER_KEYS") else 1.2
 
     def status(self) -> MachineStatus:
         """Raises musher.Failure if no controller is found."""
         with _Closing(self._watch()) as statuses:
-            found = statuses.take(self._find_s)
+            found: Optional[MachineStatus] = statuses.take(self._find_s)
         if found is None:
             raise self._not_found()
         return found
@@ -99,7 +98,7 @@ class Machine:
         with _Closing(self._watch()) as statuses:
             while True:
                 left = end - time.monotonic()
-                status = statuses.take(max(left, 0.0)) if left > 0 else None
+                status: Optional[MachineStatus] = statuses.take(left) if left > 0 else None
                 if status is None:
                     if last is None:
                         raise self._not_found()
@@ -141,7 +140,8 @@ class Machine:
 
     def plan(self, state: str, actuator: str = "") -> "GetPlan.Response":
         """What a switch would do; changes nothing."""
-        return self._call("get_plan", GetPlan, GetPlan.Request(state, actuator))
+        reply: GetPlan.Response = self._call("get_plan", GetPlan, GetPlan.Request(state, actuator))
+        return reply
 
     def history(self, limit: int = 1000, since: Optional[datetime.datetime] = None) -> List[HistoryEntry]:
         """The machine's journal, oldest first: the newest so many entries, after this time."""
@@ -210,7 +210,7 @@ class Machine:
             return statuses.take(self._find_s) is not None
 
     def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0) -> Any:
-        with _Closing(self.node.client(self._service(name), service)) as client:
+        with _Closing(self.node.client("/" + _native.machine_service(self.node.namespace, name), service)) as client:
             end = time.monotonic() + self._find_s
             while not client.ready:
                 if time.monotonic() >= end:

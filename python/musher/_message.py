@@ -5,7 +5,7 @@
 """
 
 import difflib
-from typing import Any, Callable, ClassVar, Optional, Tuple, Type, TypeVar, Union
+from typing import Any, Callable, ClassVar, Dict, Optional, Tuple, Type, TypeVar, Union
 
 from musher import _native
 
@@ -37,7 +37,7 @@ class Message(metaclass=_MessageType):
     """A message, a request or a response. A field that does not exist cannot be set; the type of a value is
     checked when the message is published."""
 
-    __slots__ = ()
+    __slots__: Tuple[str, ...] = ()
     _dds_type: ClassVar[str] = ""
     _appended: ClassVar[int] = 0
     _fields: ClassVar[FieldTable] = ()
@@ -107,7 +107,7 @@ def codec_of(cls: Type[Message]) -> _native.Codec:
     return codec
 
 
-_codecs: dict = {}
+_codecs: Dict[type, _native.Codec] = {}
 
 
 def _same(one: Any, other: Any) -> bool:

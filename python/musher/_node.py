@@ -37,7 +37,7 @@ class Endpoint:
     def __init__(self, node: "Node") -> None:
         self._node = node
         self._closed = False
-        self._native: Any = None
+        self._native: Any = None  # of musher._native; None in a fault-injection test
         node._endpoints.add(self)
 
     def close(self) -> None:
@@ -347,8 +347,10 @@ def _deliver(mailbox: _native.Mailbox, handlers: Dict[int, Callable[[_native.Ite
 
 
 def _check_type(given: Any, base: type, what: str) -> None:
-    if isinstance(given, type) and issubclass(given, base) and getattr(given, "_dds_type", ""):
-        return
+    if isinstance(given, type) and issubclass(given, base):
+        name: Any = getattr(given, "_dds_type", "")
+        if name:
+            return
     raise TypeError(f"{what} is expected, such as those in musher.std_msgs.msg, not {given!r}")
 
 

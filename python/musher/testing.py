@@ -117,7 +117,8 @@ class ActuatorFaultTest:
             self.counts = test.counts()
 
     def _made(self, *faults: Faults) -> Actuator:
-        made = self._make(*faults)
+        make: Callable[..., Actuator] = self._make
+        made = make(*faults)
         if not isinstance(made, Actuator):
             raise TypeError(f"{self._make!r} made {made!r}, which is no musher.Actuator")
         if not hasattr(made, "_handle"):
@@ -129,10 +130,11 @@ def _checked(check: Optional[Check]) -> Optional[Callable[[Any, Report], Optiona
     if check is None:
         return None
     name = getattr(check, "__name__", repr(check))
+    property_holds: Check = check
 
     def run(actuator: Any, report: Report) -> Optional[str]:
         try:
-            held = check(actuator, report)
+            held = property_holds(actuator, report)
         except Exception as error:
             return f"{name}: {where(error)} in {report.state}"
         return f"{name} returned False in {report.state}" if held is False else None
