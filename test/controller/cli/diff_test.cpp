@@ -61,10 +61,11 @@ TEST(Compare, IgnoresCommentsTheOrderOfKeysAndStatedDefaults) {
 TEST(Compare, NamesTimesByTheirStateAndStatesBySetDifference) {
   std::string text = With("\"LowPower\", \"Error\"]\ntimes = [1, 2, 3, 4, 5, 6]",
                           "\"Error\"]\ntimes = [1, 2, 3, 9, 6]");
-  EXPECT_THAT(Changes(DiffTo(text)), ElementsAre("actuator.legs/states: LowPower > ",
-                                                 "actuator.legs/times (Active): 4 ms > 9 ms",
-                          "actuator.legs/on_controller_lost: LowPower > Error",
-                                                 "actuator.legs/times (LowPower): 5 ms > "));
+  EXPECT_THAT(
+      Changes(DiffTo(text)),
+      ElementsAre("actuator.legs/states: LowPower > ", "actuator.legs/times (Active): 4 ms > 9 ms",
+                  "actuator.legs/on_controller_lost: LowPower > Error",
+                  "actuator.legs/times (LowPower): 5 ms > "));
 }
 
 TEST(Compare, AKeyThatOnlyTheControllerReadsNeedsATakeover) {
