@@ -272,7 +272,7 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& global, C
     if (info != status->actuators.end()) d.info = *info;
   } else {
     d.why_no_machine = failure->exit == ExitCode::kNoController
-                           ? "down: no controller leads " + files->name + " now"
+                           ? "no controller leads " + files->name + " now"
                            : failure->error.message;
   }
   // Files of this host belong to the machine only if its controller is here, too.
@@ -288,6 +288,9 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& global, C
   const auto now = running.value()->Now();
   if (const auto own = now.find(d.name); own != now.end()) d.status = own->second.status;
   TakeProcess(d.info ? d.info->host : d.status ? d.status->host : "", d);
+  if (!d.why_no_machine.empty() && d.process) {
+    d.why_no_machine += "; " + d.name + " runs without one";
+  }
   if (link.value()->interrupted()) {
     return console.Fail(Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}});
   }

@@ -17,11 +17,11 @@ TerminalScreen::TerminalScreen(Console& console) : console_(console) {
     settings.c_cc[VSUSP] = _POSIX_VDISABLE;
     tcsetattr(STDIN_FILENO, TCSANOW, &settings);
   }
-  console_.Redraw("\x1b[?1049h\x1b[?25l");
+  console_.Redraw("\x1b[?1049h\x1b[?25l\x1b[?7l");
 }
 
 TerminalScreen::~TerminalScreen() {
-  console_.Redraw("\x1b[?25h\x1b[?1049l");
+  console_.Redraw("\x1b[?7h\x1b[?25h\x1b[?1049l");
   if (before_) tcsetattr(STDIN_FILENO, TCSAFLUSH, &*before_);
 }
 

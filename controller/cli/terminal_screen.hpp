@@ -1,5 +1,6 @@
 #pragma once
-// The whole terminal for a live view: another screen without a cursor, keys without echo. The
+// The whole terminal for a live view: another screen without a cursor and
+// without line wrap, keys without echo. The
 // destructor restores everything.
 //
 // Threads: one.

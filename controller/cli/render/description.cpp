@@ -12,6 +12,7 @@
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/event_name.hpp"
 #include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {
 namespace {
@@ -224,8 +225,14 @@ void AddPast(Sheet& sheet, const Description& d) {
     sheet.Raw(Paint("last events\n", Style::kDim, sheet.colour()));
     constexpr std::size_t kMost = 8;
     const std::size_t most = std::min(kMost, d.history.size());
-    sheet.Raw(HistoryText({d.history.end() - static_cast<std::ptrdiff_t>(most), d.history.end()},
-                          sheet.colour()));
+    std::vector<msg::HistoryEntry> entries(d.history.end() - static_cast<std::ptrdiff_t>(most),
+                                           d.history.end());
+    for (msg::HistoryEntry& entry : entries) {
+      const bool backtrace = !entry.data.empty() && !entry.data.starts_with('{');
+      if (backtrace) entry.message += " (`musher history --actuator " + d.name + "` shows it)";
+      entry.data.clear();
+    }
+    sheet.Raw(HistoryText(entries, sheet.colour()));
   }
   if (!d.log.empty()) {
     sheet.Raw(Paint("last lines of " + Printable(d.log_file) + '\n', Style::kDim, sheet.colour()));
@@ -293,7 +300,10 @@ std::vector<Advice> AdviceFor(const Description& d) {
   } else if (!stopped) {
     if (d.why_no_log.empty()) steps.push_back({"musher logs -f " + name, "watch what it prints"});
     for (const Description::Reach& reach : d.reach) {
-      if (!reach.allowed || reach.state == a.state || reach.state == "TearDown") continue;
+      if (!reach.allowed || reach.state == a.state || reach.state == kTearDown ||
+          reach.state == kSelfCheck) {
+        continue;
+      }
       steps.push_back({"musher set " + reach.state + " " + name, "switch it alone"});
       break;
     }

@@ -22,7 +22,7 @@ struct Column {
   bool right;
 };
 
-constexpr std::array kColumns = {Column{"ACTUATOR", 17, false}, Column{"STATE", 9, false},
+constexpr std::array kColumns = {Column{"ACTUATOR", 17, false}, Column{"STATE", 10, false},
                                  Column{"CPU%", 5, true},       Column{"MEM", 6, true},
                                  Column{"THR", 3, true},        Column{"BEAT", 5, true},
                                  Column{"CHKPT", 5, true},      Column{"RST", 3, true}};
@@ -67,7 +67,11 @@ std::string NoteOfRow(const TopRow& row) {
   };
   if (row.elsewhere) add("on another host");
   if (!row.health.empty() && row.health != HealthName(Health::kWell)) add(row.health);
-  if (!row.event.empty()) add(AgeText(row.event_age_s) + " ago: " + row.event);
+  if (row.event.empty()) return Printable(note);
+  std::string event = row.event;  // "legs: Active done after 3 ms": the row has the name
+  const std::string name = row.name.substr(0, row.name.find('*'));
+  if (event.starts_with(name + ": ")) event.erase(0, name.size() + 2);
+  add(event + ", " + AgeText(row.event_age_s) + " ago");
   return Printable(note);
 }
 
@@ -91,17 +95,18 @@ std::string RowText(const TopRow& row, std::size_t width, bool colour) {
     Style style = i == 1 ? StyleOfState(row.state) : Style::kPlain;
     if (i == 0 && IsBad(row)) style = Style::kBad;
     if (i == 6 && row.checkpoint_age_s) style = Style::kBad;
-    text += Paint(Padded(cells.at(i), kColumns.at(i)), style, colour) + "  ";
-    used += kColumns.at(i).width + 2;
+    text += Paint(Padded(cells.at(i), kColumns.at(i)), style, colour) + " ";
+    used += kColumns.at(i).width + 1;
   }
   const std::string note = NoteOfRow(row);
+  if (note.empty()) return text.substr(0, text.size() - 1);
   return text + Paint(width == 0 ? note : CutTo(note, width - std::min(width, used)),
                       IsBad(row) ? Style::kBad : Style::kDim, colour);
 }
 
 std::string HeaderText(std::size_t width, bool colour) {
   std::string header;
-  for (const Column& column : kColumns) header += Padded(column.title, column) + "  ";
+  for (const Column& column : kColumns) header += Padded(column.title, column) + " ";
   header += "LAST EVENT";
   return Paint(width == 0 ? header : CutTo(header, width), Style::kDim, colour);
 }

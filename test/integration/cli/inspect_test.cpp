@@ -78,8 +78,8 @@ TEST_F(Inspect, DescribeOfAMachineThatIsDownShowsWhatTheFilesKnow) {
   ASSERT_EQ(Musher({"down"}).exit, 0);
   const Ended legs = Musher({"describe", "legs", "--config", config_});
   EXPECT_EQ(legs.exit, 3);
-  EXPECT_THAT(legs.out, AllOf(HasSubstr("machine       down"), HasSubstr("legs started (pid"),
-                              HasSubstr("musher up " + config_)));
+  EXPECT_THAT(legs.out, AllOf(HasSubstr("machine       no controller leads robot now\n"),
+                              HasSubstr("legs started (pid"), HasSubstr("musher up " + config_)));
 }
 
 TEST_F(Inspect, TopShowsWhatTheProcessesUse) {
