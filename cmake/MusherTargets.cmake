@@ -81,6 +81,9 @@ function(musher_program name)
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CROSSCOMPILING)
+    musher_man_page(${name})
+  endif()
   if(MUSHER_TESTS)
     add_test(NAME ${name}.PrintsTheVersion COMMAND ${name} --version)
     set_tests_properties(${name}.PrintsTheVersion PROPERTIES
@@ -88,10 +91,25 @@ function(musher_program name)
   endif()
 endfunction()
 
-# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s]) makes a
-# GoogleTest program and gives each of its tests to ctest, which starts those of high cost first.
+# The manual page of a program, from its help.
+if(PROJECT_IS_TOP_LEVEL)
+  add_custom_target(man_pages ALL)
+endif()
+function(musher_man_page name)
+  set(generator ${PROJECT_SOURCE_DIR}/cmake/packages/man_page.py)
+  set(page ${PROJECT_BINARY_DIR}/share/man/${name}.1)
+  add_custom_command(OUTPUT ${page} DEPENDS ${name} ${generator} VERBATIM
+    COMMAND ${Python3_EXECUTABLE} ${generator} $<TARGET_FILE:${name}> ${page})
+  add_custom_target(${name}_man_page DEPENDS ${page})
+  add_dependencies(man_pages ${name}_man_page)
+  install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+endfunction()
+
+# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [SUITES]) makes a
+# GoogleTest program and gives each of its tests to ctest, which starts those of high cost first. SUITES: each
+# suite of tests is one test of ctest, which saves thousands of starts where a test takes microseconds.
 function(musher_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT;COST" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SUITES" "TIMEOUT;COST" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   musher_target(${name})
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
@@ -107,6 +125,14 @@ function(musher_test name)
     set(ARG_COST 0)
   endif()
   set(properties TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST} LABELS "${ARG_LABELS}")
-  include(GoogleTest)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+  if(ARG_SUITES)
+    set(suites ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+    add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${suites}
+      COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${suites} "-DPROPERTIES=${properties}"
+              -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake)
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${suites})
+  else()
+    include(GoogleTest)
+    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+  endif()
 endfunction()

@@ -13,17 +13,17 @@ using LinkJson = nlohmann::json;
 
 Result<std::string> RequestLink(const std::string& address, std::uint16_t port,
                                 const std::string& token, const std::string& name) {
-  const Error nobody{kCodeNetError,
-                     "no musher-view answers at " + address + ":" + std::to_string(port)};
+  const Error no_answer{kCodeNetError,
+                        "no musher-view answers at " + address + ":" + std::to_string(port)};
   const auto reply =
       http::Post(address, port, "/api/link", LinkJson{{"token", token}, {"name", name}}.dump(),
                  std::chrono::seconds(3));
-  if (!reply) return nobody;
+  if (!reply) return no_answer;
   const LinkJson body = LinkJson::parse(reply.value().body, nullptr, false);
-  if (!body.is_object()) return nobody;
+  if (!body.is_object()) return no_answer;
   if (body.contains("path") && body["path"].is_string()) return body["path"].get<std::string>();
   const auto why = body.find("error");
-  if (why == body.end() || !why->is_object()) return nobody;
+  if (why == body.end() || !why->is_object()) return no_answer;
   return Error{kCodePermissionDenied, "musher-view gives no link: " + why->value("message", "")};
 }
 

@@ -42,7 +42,12 @@ nlohmann::json ToJson(const tree::Value& value) {
   if (const bool* truth = value.As<bool>()) return *truth;
   if (const std::string* text = value.Text()) return *text;
   double number = 0;
-  if (value.ToNumber(number)) return number;
+  if (value.ToNumber(number)) {
+    const bool real =
+        value.type() == tree::TypeOf<double>() || value.type() == tree::TypeOf<float>();
+    if (real || !tree::Fits<std::int64_t>(number)) return number;
+    return static_cast<std::int64_t>(number);
+  }
   return value.Shown();
 }
 

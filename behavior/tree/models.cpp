@@ -45,7 +45,10 @@ std::string PortXml(const PortModel& port) {
   const std::string type = TypeNameOf(port);
   std::string text = "      <" + std::string(element) + " name=\"" + Escaped(port.name) + "\"";
   if (!type.empty()) text += " type=\"" + Escaped(type) + "\"";
-  if (!port.otherwise.empty()) text += " default=\"" + Escaped(port.otherwise) + "\"";
+  // An input that may be missing has an empty default: without one it has to be set.
+  if (!port.otherwise.empty() || (port.direction == Direction::kIn && !port.required)) {
+    text += " default=\"" + Escaped(port.otherwise) + "\"";
+  }
   if (port.doc.empty()) return text + "/>\n";
   return text + ">" + Escaped(port.doc) + "</" + std::string(element) + ">\n";
 }

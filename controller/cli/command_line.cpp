@@ -19,6 +19,8 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter = R"(
 A first tour:
+  musher new robot rover           make a robot's config; new module NAME an actuator in C++
+  musher doctor robot.toml         check this computer for what the robot needs
   musher check robot.toml          report every error in a config
   musher up robot.toml             start the machine; Ctrl-C takes it down
   musher status --watch            (another terminal) watch it live

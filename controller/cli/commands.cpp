@@ -7,7 +7,10 @@ namespace musher::cli {
 void AddCommands(Grammar& grammar) {
   grammar.Group("Prepare a config");
   AddCheck(grammar);
+  AddDiff(grammar);
+  AddDoctor(grammar);
   AddGraph(grammar);
+  AddNew(grammar);
   AddSimulate(grammar);
   AddTree(grammar);
   grammar.Group("Start and stop");

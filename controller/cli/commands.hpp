@@ -8,7 +8,10 @@ namespace musher::cli {
 class Grammar;
 
 void AddCheck(Grammar& grammar);
+void AddDiff(Grammar& grammar);
+void AddDoctor(Grammar& grammar);
 void AddGraph(Grammar& grammar);
+void AddNew(Grammar& grammar);
 void AddSimulate(Grammar& grammar);
 void AddTree(Grammar& grammar);
 void AddUp(Grammar& grammar);

@@ -141,6 +141,7 @@ TEST_F(AGroot2Client, GetsTheBlackboardsOfSubtrees) {
   ASSERT_EQ(reply.size(), 2U);
   const auto boards = nlohmann::json::from_msgpack(reply[1]);
   EXPECT_EQ(boards.at("Main").at("ticks"), 3);
+  EXPECT_TRUE(boards.at("Main").at("ticks").is_number_integer()) << "Groot2 would show 3.0";
   EXPECT_EQ(boards.at("Main/Sequence/rest").at("long"), 7);
   EXPECT_EQ(boards.size(), 2U);
 }

@@ -25,7 +25,8 @@ std::string Discovery(Duration lease) {
 // The receive buffer is the requested size: the kernel may grant less. The linger is how long a
 // writer that is destroyed waits for readers that have not acknowledged everything.
 std::string Buffers(const std::string& linger) {
-  return "<SocketReceiveBufferSize max=\"4MB\"/>" + Element("WriterLingerDuration", linger);
+  return "<SocketReceiveBufferSize max=\"" + std::to_string(kReceiveBufferBytes >> 20) + "MB\"/>" +
+         Element("WriterLingerDuration", linger);
 }
 
 // Loopback loses only what overflows a buffer. A loss between two processes that have just

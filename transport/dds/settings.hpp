@@ -1,6 +1,7 @@
 #pragma once
 // Cyclone's configuration for the two network profiles.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,9 @@
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::transport::dds {
+
+// What both profiles request for receiving; the kernel may grant less (net.core.rmem_max).
+inline constexpr std::int64_t kReceiveBufferBytes = 4 << 20;
 
 // The profile to use: MUSHER_TRANSPORT's, else `configured`.
 Result<TransportProfile> ChosenProfile(TransportProfile configured);

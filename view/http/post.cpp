@@ -31,15 +31,15 @@ Result<PostReply> Post(const std::string& address, std::uint16_t port, const std
   client::asio::io_context io;
   boost::beast::tcp_stream stream(io);
   client::error_code error;
-  const auto nobody = [&] {
+  const auto no_answer = [&] {
     return Error{kCodeNetError,
                  "no reply from " + address + ":" + std::to_string(port) + ": " + error.message()};
   };
   const auto ip = client::asio::ip::make_address(address, error);
-  if (error) return nobody();
+  if (error) return no_answer();
   stream.expires_after(timeout);
   stream.async_connect({ip, port}, [&error](const client::error_code& e) { error = e; });
-  if (!Ran(io, error)) return nobody();
+  if (!Ran(io, error)) return no_answer();
   client::Request request(client::verb::post, path, 11);
   request.set(client::field::host, "localhost");
   request.set(client::field::content_type, "application/json");
@@ -47,12 +47,12 @@ Result<PostReply> Post(const std::string& address, std::uint16_t port, const std
   request.prepare_payload();
   boost::beast::http::async_write(
       stream, request, [&error](const client::error_code& e, std::size_t) { error = e; });
-  if (!Ran(io, error)) return nobody();
+  if (!Ran(io, error)) return no_answer();
   boost::beast::flat_buffer buffer;
   client::Reply reply;
   boost::beast::http::async_read(stream, buffer, reply,
                                  [&error](const client::error_code& e, std::size_t) { error = e; });
-  if (!Ran(io, error)) return nobody();
+  if (!Ran(io, error)) return no_answer();
   return PostReply{reply.result_int(), reply.body()};
 }
 

@@ -16,7 +16,7 @@ void CameraView::Get(const std::string& topic, std::int64_t after_ms, int width,
     return respond(
         http::ErrorResponse(404, kCodeParametersInvalid,
                             source ? topic + " has no pictures: its type is " + source->dds_type
-                                   : "nobody publishes " + topic));
+                                   : "no process publishes " + topic));
   }
   Camera& camera = cameras_[topic];
   if (!camera.reader || camera.source != *source) {

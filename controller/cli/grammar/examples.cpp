@@ -11,6 +11,9 @@ using Example = std::pair<std::string_view, std::string_view>;
 
 constexpr auto kExamples = std::to_array<Example>({
     {"check", "musher check robot.toml"},
+    {"new", "musher new gripper"},
+    {"doctor", "musher doctor robot.toml"},
+    {"diff", "musher diff old.toml robot.toml"},
     {"graph", "musher graph robot.toml --what actuators -o robot.svg"},
     {"simulate", "musher simulate robot.toml --seeds 10000"},
     {"tree", "musher tree check mission.xml"},

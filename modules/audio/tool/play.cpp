@@ -5,6 +5,7 @@
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/modules/audio/tool/call.hpp"
+#include "musher/transport/directed_publisher.hpp"
 
 namespace musher::audio::tool {
 namespace {
@@ -21,10 +22,11 @@ void Print(const GlobalOptions& global, int status, std::int32_t code, const std
 }
 
 ExitCode PlayNow(const GlobalOptions& global, const PlayOptions& options, program::ToolLink& link) {
-  const auto publisher =
-      transport::MakePublisher<msg::AudioPlayExtend>(link.node(), link.Name("speech_play_extend"));
+  const auto publisher = transport::MakeDirectedPublisher<msg::AudioPlayExtend>(
+      link.node(), link.Name("speech_play_extend"),
+      transport::ServerOf<msg::AudioTextPlay>(link.Name("speech_text_play")));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error());
-  if (!link.RunUntil([&] { return publisher.value()->MatchedReaders() > 0; }, link.discovery())) {
+  if (!link.RunUntil([&] { return publisher.value()->Ready(); }, link.discovery())) {
     if (link.interrupted()) return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted"});
     return Fail(ExitCode::kNotDone, link.NotFound("audio module"));
   }

@@ -14,6 +14,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/meilin/nodes/mission_board.hpp"
 #include "musher/modules/meilin/plan/plan_file.hpp"
+#include "musher/transport/directed_publisher.hpp"
 
 namespace musher::meilin {
 namespace {
@@ -80,16 +81,18 @@ void PrintState(const Watch& watch, bool json) {
             << (watch.last_error->empty() ? "" : ": " + *watch.last_error) << std::endl;
 }
 
+transport::ProgramMark Mission(const ToolLink& link) {
+  return transport::PublisherOf<msg::String>(link.Name("meilin/state"));
+}
+
 // Publishes a message once a mission subscribes it. Empty: done.
 template <msg::Message M>
 std::optional<int> PublishTo(ToolLink& link, const std::string& name, const M& message,
-                             std::unique_ptr<transport::Publisher<M>>& kept) {
-  auto made = transport::MakePublisher<M>(link.node(), link.Name(name), transport::kDefaultQos);
+                             std::unique_ptr<transport::DirectedPublisher<M>>& kept) {
+  auto made = transport::MakeDirectedPublisher<M>(link.node(), link.Name(name), Mission(link));
   if (!made) return FailTell(ExitCode::kUsage, made.error().message);
   kept = std::move(made).value();
-  if (!link.RunUntil([&] { return kept->MatchedReaders() > 0; }, link.discovery())) {
-    return NoMission(link);
-  }
+  if (!link.RunUntil([&] { return kept->Ready(); }, link.discovery())) return NoMission(link);
   Result<> sent = kept->Publish(message);
   if (sent) sent = kept->Flush(link.discovery());
   if (!sent) return FailTell(ExitCode::kNotDone, sent.error().message);
@@ -107,13 +110,11 @@ int TellPlan(ToolLink& link, const std::string& file, bool json) {
   if (!link.RunUntil([&] { return watch.complete(); }, link.discovery())) return NoMission(link);
   const std::string before = *watch.plan_id;
   const int states = watch.states;
-  auto made = transport::MakePublisher<msg::Float32MultiArray>(
-      link.node(), link.Name("mf_action_seq"), transport::kLatchedQos);
+  auto made = transport::MakeDirectedPublisher<msg::Float32MultiArray>(
+      link.node(), link.Name("mf_action_seq"), Mission(link), transport::kLatchedQos);
   if (!made) return FailTell(ExitCode::kUsage, made.error().message);
   const auto& publisher = made.value();
-  if (!link.RunUntil([&] { return publisher->MatchedReaders() > 0; }, link.discovery())) {
-    return NoMission(link);
-  }
+  if (!link.RunUntil([&] { return publisher->Ready(); }, link.discovery())) return NoMission(link);
   Result<> sent = publisher->Publish(ToActionSequence(reading.plan->steps));
   if (sent) sent = publisher->Flush(link.discovery());
   if (!sent) return FailTell(ExitCode::kNotDone, sent.error().message);
@@ -128,7 +129,7 @@ int TellPlan(ToolLink& link, const std::string& file, bool json) {
 }
 
 int TellReset(ToolLink& link) {
-  std::unique_ptr<transport::Publisher<msg::String>> publisher;
+  std::unique_ptr<transport::DirectedPublisher<msg::String>> publisher;
   return PublishTo<msg::String>(link, "meilin/command", {"RESET"}, publisher).value_or(0);
 }
 

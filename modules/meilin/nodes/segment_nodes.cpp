@@ -70,13 +70,13 @@ PopNextSegment::PopNextSegment(tree::Setup& setup)
       max_speed_(setup.Output<double>("max_speed", "m/s")),
       timeout_sec_(setup.Output<double>("timeout_sec", "s")),
       suspension_timeout_sec_(setup.Output<double>("suspension_timeout_sec", "s")),
-      climb_mode_(setup.Output<int>("climb_mode")),
-      climb_direction_(setup.Output<int>("climb_direction")),
+      climb_mode_(setup.Output<std::uint8_t>("climb_mode")),
+      climb_direction_(setup.Output<std::uint8_t>("climb_direction")),
       climb_height_(setup.Output<double>("climb_height", "mm")),
       height_diff_(setup.Output<double>("height_diff", "mm")),
-      arm_command_(setup.Output<int>("arm_command")),
+      arm_command_(setup.Output<std::uint8_t>("arm_command")),
       wait_result_(setup.Output<bool>("wait_result")),
-      spear_command_(setup.Output<int>("spear_command")),
+      spear_command_(setup.Output<std::uint8_t>("spear_command")),
       board_(setup.board()) {}
 
 Status PopNextSegment::Do(const tree::Tick&) {
@@ -95,13 +95,13 @@ Status PopNextSegment::Do(const tree::Tick&) {
   max_speed_.Set(next->max_speed);
   timeout_sec_.Set(next->timeout_sec);
   suspension_timeout_sec_.Set(next->suspension_timeout_sec);
-  climb_mode_.Set(next->climb_mode);
-  climb_direction_.Set(next->climb_direction);
+  climb_mode_.Set(static_cast<std::uint8_t>(next->climb_mode));
+  climb_direction_.Set(static_cast<std::uint8_t>(next->climb_direction));
   climb_height_.Set(next->climb_height);
   height_diff_.Set(next->height_diff);
-  arm_command_.Set(next->arm_command);
+  arm_command_.Set(static_cast<std::uint8_t>(next->arm_command));
   wait_result_.Set(next->wait_result);
-  spear_command_.Set(next->spear_command);
+  spear_command_.Set(static_cast<std::uint8_t>(next->spear_command));
   segment_type_.Set(next->segment_type);
   board_.segment_type.Set(next->segment_type);
   return Status::kSuccess;

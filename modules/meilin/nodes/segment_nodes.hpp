@@ -16,6 +16,7 @@
 //
 // Threads: one at a time, like the tree.
 
+#include <cstdint>
 #include <string>
 
 #include "musher/behavior/tree/node.hpp"
@@ -61,13 +62,13 @@ class PopNextSegment final : public tree::Action {
   tree::OutPort<double> max_speed_;
   tree::OutPort<double> timeout_sec_;
   tree::OutPort<double> suspension_timeout_sec_;
-  tree::OutPort<int> climb_mode_;
-  tree::OutPort<int> climb_direction_;
+  tree::OutPort<std::uint8_t> climb_mode_;
+  tree::OutPort<std::uint8_t> climb_direction_;
   tree::OutPort<double> climb_height_;
   tree::OutPort<double> height_diff_;
-  tree::OutPort<int> arm_command_;
+  tree::OutPort<std::uint8_t> arm_command_;
   tree::OutPort<bool> wait_result_;
-  tree::OutPort<int> spear_command_;
+  tree::OutPort<std::uint8_t> spear_command_;
   MissionBoard board_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,10 @@ struct Numbers {
 
 bool IsCell(double row, double col) {
   return row >= 0 && row < kRows && col >= 0 && col < kCols;
+}
+
+std::size_t IndexOf(Cell cell) {
+  return static_cast<std::size_t>(cell.row * kCols + cell.col);
 }
 
 std::string Area() {
@@ -114,6 +119,7 @@ class SequenceCheck {
     if (place_ && std::abs(height_mm - place_->height_mm) > tolerance_mm) {
       CheckClimb(*place_, cell, height_mm);
     }
+    entered_.at(IndexOf(cell)) = step_;
     const double yaw_rad = NormalizeYaw(to.yaw_rad);
     place_ = PlanStart{cell, height_mm, yaw_rad, true};
     Segment segment = Next(kMoveType, cell, yaw_rad);
@@ -143,6 +149,12 @@ class SequenceCheck {
     } else {
       const Cell cell{static_cast<int>(box.row), static_cast<int>(box.col)};
       if (place_) CheckReach(*place_, cell, box.yaw_rad);
+      if (const int before = entered_.at(IndexOf(cell)); before > 0) {
+        Fault(
+            fmt::format("fetch KFS grid {} is already driven over by step {}, where its box blocks "
+                        "the way: fetch it before",
+                        CellText(cell), before));
+      }
       Segment segment = Next(kFetchType, cell, NormalizeYaw(box.yaw_rad));
       segment.kfs_row = cell.row;
       segment.kfs_col = cell.col;
@@ -197,7 +209,9 @@ class SequenceCheck {
 
   const PlanRules& rules_;
   const std::size_t steps_;
-  int step_ = 0;                    // the present one, from 1
+  int step_ = 0;  // the present one, from 1
+  std::array<int, std::size_t{kRows} * kCols>
+      entered_{};                   // by cell: the step that last moved there; 0: none
   std::optional<PlanStart> place_;  // nothing: not known since a step that cannot be read
   PlanReading reading_;
 };

@@ -80,7 +80,7 @@ void PlannerEndpoint::OnMap(const std::string& text) {
   publish_paths_({RoutesJson(report_->routes)});
   const Route* best = BestRoute(report_->routes);
   if (best == nullptr)
-    return Report("there is no plan for the map of boxes: no way leads to row 5");
+    return Report(std::string("there is no plan for the map of boxes: ") + kNoWay);
   Report("");
   dependencies_.log(
       LogLevel::kInfo,

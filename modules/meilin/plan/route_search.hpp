@@ -60,6 +60,12 @@ struct RouteReport {
 
 RouteReport FindRoutes(const BoxMap& map, const RouteRules& rules = {});
 
+// Why a map has no plan.
+inline constexpr const char* kNoWay =
+    "no way leads to row 5: fake boxes, and boxes that the robot cannot fetch, are in the way (a "
+    "box on a "
+    "lower platform is out of reach)";
+
 // The plan that a team sends: the best with 2 KFS2, or 3, or 4, 1 and 0. Null: there is none.
 const Route* BestRoute(const Routes& routes);
 

@@ -105,7 +105,10 @@ int PlanOfMap(const PlanOptions& options) {
     route = index < routes.size() ? &routes.at(index) : nullptr;
   }
   if (route == nullptr) {
-    std::cerr << options.file << ": there is no such plan for this map\n";
+    const bool none = BestRoute(report.routes) == nullptr;
+    std::cerr << options.file << ": there is no "
+              << (none ? std::string("plan for this map: ") + kNoWay : "such plan for this map")
+              << "\n";
     return kErrors;
   }
   std::cout << RouteSummary(*route) << "\n\n";

@@ -9,8 +9,10 @@ namespace musher::motion::tool {
 Result<std::unique_ptr<ServoStream>> ServoStream::Open(program::ToolLink& link, std::int32_t id,
                                                        std::int32_t source) {
   std::unique_ptr<ServoStream> stream(new ServoStream(id, source));
-  auto commands = transport::MakePublisher<msg::MotionServoCmd>(
-      link.node(), link.Name("motion_servo_cmd"), transport::kSystemDefaultQos);
+  auto commands = transport::MakeDirectedPublisher<msg::MotionServoCmd>(
+      link.node(), link.Name("motion_servo_cmd"),
+      transport::PublisherOf<msg::MotionServoResponse>(link.Name("motion_servo_response")),
+      transport::kSystemDefaultQos);
   if (!commands) return commands.error();
   stream->commands_ = std::move(commands).value();
   auto responses = transport::MakeSubscription<msg::MotionServoResponse>(

@@ -7,7 +7,7 @@
 #include "musher/actuator/program/command_line_tool.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/modules/motion/motion_command.hpp"
-#include "musher/transport/endpoint.hpp"
+#include "musher/transport/directed_publisher.hpp"
 
 namespace musher::motion::tool {
 
@@ -24,7 +24,8 @@ class ServoStream {
   void Send(const SpeedLimit& speed);
   void End();
 
-  bool Ready() const { return commands_->MatchedReaders() > 0; }
+  // The motion manager is discovered.
+  bool Ready() const { return commands_->Ready(); }
   // The response to End() has been received.
   bool ended() const { return ended_; }
   // The body executes this motion now.
@@ -43,7 +44,7 @@ class ServoStream {
   bool ended_ = false;
   bool moving_ = false;
   std::optional<Error> refusal_;
-  std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> commands_;
+  std::unique_ptr<transport::DirectedPublisher<msg::MotionServoCmd>> commands_;
   std::unique_ptr<transport::Subscription> responses_;
 };
 

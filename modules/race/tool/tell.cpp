@@ -7,6 +7,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/race/tool/tool.hpp"
 #include "musher/modules/race/topic_names.hpp"
+#include "musher/transport/directed_publisher.hpp"
 
 namespace musher::race::tool {
 namespace {
@@ -22,7 +23,7 @@ Examples:
   musher-race tell SET_QR_A:A-2            the text of a board; SET_QR_B:B-1, SET_ARROW:left
   musher-race tell RESET                   to START, with all results forgotten
 
-Exit codes: 0 published; 1 no subscriber (reason on stderr); 2 usage; 130 interrupted.
+Exit codes: 0 published; 1 no race (reason on stderr); 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
 int Fail(ExitCode exit, const std::string& message) {
@@ -32,12 +33,12 @@ int Fail(ExitCode exit, const std::string& message) {
 
 int Publish(ToolLink& link, const std::string& text) {
   const std::string topic = link.Name(topic::kCommand);
-  const auto publisher = transport::MakePublisher<msg::String>(link.node(), topic);
+  const auto publisher = transport::MakeDirectedPublisher<msg::String>(
+      link.node(), topic, transport::PublisherOf<msg::String>(link.Name(topic::kInfo)));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
-  const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
-  if (!link.RunUntil(matched, link.discovery())) {
+  if (!link.RunUntil([&] { return publisher.value()->Ready(); }, link.discovery())) {
     if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
-    return Fail(ExitCode::kNotDone, "no subscriber of " + topic + "; is the race running?");
+    return Fail(ExitCode::kNotDone, "no race subscribes to " + topic + "; is it running?");
   }
   Result<> sent = publisher.value()->Publish({text});
   if (sent) sent = publisher.value()->Flush(link.discovery());

@@ -64,7 +64,7 @@ Result<std::string> PhotoPath(const std::string& folder, const std::string& name
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension != ".png") return Refused(name, "expected a name that ends with .png");
-  const std::string outside = "is outside of the photo folder " + root.string();
+  const std::string outside = "the path leads out of the photo folder " + root.string();
   if (!IsInside(root, path)) return Refused(name, outside);
   std::error_code error;
   const fs::path real_root = fs::weakly_canonical(root, error);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace musher::skills {
 namespace {
@@ -20,7 +21,9 @@ double ControlStep(Duration step) {
 }  // namespace
 
 std::string HeightText(double height_m) {
-  return fmt::format("{:.1f}m", height_m);
+  // A request may have any number.
+  return std::abs(height_m) < 1e6 ? fmt::format("{:.1f}m", height_m)
+                                  : fmt::format("{:.1e}m", height_m);
 }
 
 skill::Next FlightSkill::Step(skill::Tick& tick) {

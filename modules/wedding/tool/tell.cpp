@@ -11,6 +11,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/wedding/tool/tool.hpp"
 #include "musher/modules/wedding/topic_names.hpp"
+#include "musher/transport/directed_publisher.hpp"
 
 namespace musher::wedding::tool {
 namespace {
@@ -26,7 +27,7 @@ Examples:
   musher-wedding tell command photo            stop, idle, photo, tracking, reset
   musher-wedding tell voice stop               as if it had been spoken
 
-Exit codes: 0 published; 1 no subscriber, or /clock stands still (reason on stderr);
+Exit codes: 0 published; 1 no show, or /clock stands still (reason on stderr);
 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
@@ -54,12 +55,12 @@ bool RunWhileClockGoes(ToolLink& link, const std::function<bool()>& done) {
 
 template <msg::Message M>
 int Publish(ToolLink& link, const std::string& topic, const M& message, Duration time) {
-  const auto publisher = transport::MakePublisher<M>(link.node(), link.Name(topic));
+  const auto publisher = transport::MakeDirectedPublisher<M>(
+      link.node(), link.Name(topic), transport::PublisherOf<msg::String>(link.Name(topic::kState)));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
-  const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
-  if (!link.RunUntil(matched, link.discovery())) {
+  if (!link.RunUntil([&] { return publisher.value()->Ready(); }, link.discovery())) {
     if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
-    return Fail(ExitCode::kNotDone, "no subscriber of " + topic + "; is the show running?");
+    return Fail(ExitCode::kNotDone, "no show subscribes to " + topic + "; is it running?");
   }
   Result<> sent = publisher.value()->Publish(message);
   if (time > Duration(0)) {

@@ -1,8 +1,8 @@
 #include "musher/modules/world/process/world_control.hpp"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -13,6 +13,7 @@
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/directed_publisher.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
 
@@ -141,10 +142,10 @@ class CommandSender {
     return Publish<msg::Int32>("press", {command.state});
   }
   Result<std::string> operator()(const Speech& command) {
-    return Publish<msg::String>("speech_text", {command.text}, Reader::kAny);
+    return PublishToAny<msg::String>("speech_text", {command.text});
   }
   Result<std::string> operator()(const PowerKey& command) {
-    return Publish<msg::Bool>("power_key", {command.down}, Reader::kAny);
+    return PublishToAny<msg::Bool>("power_key", {command.down});
   }
   Result<std::string> operator()(const Fault& command) {
     return Publish<msg::String>("fault", {command.text});
@@ -197,28 +198,29 @@ class CommandSender {
                               "; is `musher up` running, in the same domain?"};
   }
 
-  enum class Reader { kWorld, kAny };
-
-  // Waits for the reader of the world itself: a recorder may read the topic, too, and be found
-  // first. kAny: the world does not read the topic.
   template <class M>
-  Result<std::string> Publish(const std::string& topic, const M& message,
-                              Reader reader = Reader::kWorld) {
-    auto world = transport::MakeClient<msg::Trigger>(node_, Name("draw"));
-    if (!world) return world.error();
-    auto writer = node_.MakeRawWriter("rt/" + Name(topic), std::string(M::kTypeName),
-                                      transport::kDefaultQos, {});
-    if (!writer) return writer.error();
-    const auto matched = [&] {
-      if (reader == Reader::kAny) return writer.value()->MatchedReaders() > 0;
-      const std::vector<transport::PeerId> servers = world.value()->Servers();
-      return std::any_of(servers.begin(), servers.end(), [&](transport::PeerId server) {
-        return writer.value()->HasReaderOf(server);
-      });
-    };
-    if (!loop_.RunUntil(matched, deadline_)) return NoWorld();
-    if (auto sent = writer.value()->Write(msg::Encode(message)); !sent) return sent.error();
-    if (auto got = writer.value()->Flush(deadline_ - loop_.Now()); !got) return got.error();
+  Result<std::string> Publish(const std::string& topic, const M& message) {
+    const auto publisher = transport::MakeDirectedPublisher<M>(
+        node_, Name(topic), transport::ServerOf<msg::Trigger>(Name("draw")));
+    if (!publisher) return publisher.error();
+    return Send(
+        *publisher.value(), [&] { return publisher.value()->Ready(); }, message);
+  }
+
+  // To what the world does not read itself, but another module does.
+  template <class M>
+  Result<std::string> PublishToAny(const std::string& topic, const M& message) {
+    const auto publisher = transport::MakePublisher<M>(node_, Name(topic));
+    if (!publisher) return publisher.error();
+    return Send(
+        *publisher.value(), [&] { return publisher.value()->MatchedReaders() > 0; }, message);
+  }
+
+  template <class P, class M>
+  Result<std::string> Send(P& publisher, const std::function<bool()>& ready, const M& message) {
+    if (!loop_.RunUntil(ready, deadline_)) return NoWorld();
+    if (auto sent = publisher.Publish(message); !sent) return sent.error();
+    if (auto got = publisher.Flush(deadline_ - loop_.Now()); !got) return got.error();
     return std::string();
   }
 

@@ -28,6 +28,15 @@ class Walk : public StatefulAction {
   OutPort<double> way_;
 };
 
+class Look : public Action {
+ public:
+  explicit Look(Setup& setup) : at_(setup.OptionalInput<double>("at_rad")) {}
+
+ private:
+  Status Do(const Tick&) override { return Status::kSuccess; }
+  InPort<double> at_;
+};
+
 // The diagnostics of a document whose nodes come from models: its own, or those of `models`.
 std::string Checked(const std::string& xml, const std::string& models = "") {
   Factory factory;
@@ -94,6 +103,16 @@ TEST(Models, ThatWereWrittenAreReadAgain) {
   EXPECT_EQ(ports[0].type, TypeOf<double>());
   EXPECT_EQ(ports[1].otherwise, "3");
   EXPECT_EQ(ports[2].direction, Direction::kOut);
+}
+
+// It warned of each optional input of a program's own nodes that a tree leaves out.
+TEST(Models, LeaveOptionalInputsOptional) {
+  Factory program;
+  ASSERT_TRUE(program.Add<Look>("Look"));
+  const std::string xml = ModelsXml(program);
+  EXPECT_THAT(xml, HasSubstr("<input_port name=\"at_rad\" type=\"double\" default=\"\"/>"));
+  EXPECT_EQ(Checked(Main("<Look/>"), xml), "");
+  EXPECT_THAT(Checked(Main("<Look at_rad=\"x,y\"/>"), xml), HasSubstr("'x,y' is not valid"));
 }
 
 TEST(Placeholders, HaveThePortsOfTheirModel) {

@@ -153,6 +153,28 @@ void MeasureReport(int turns, int nodes) {
               nodes, none * 1e4, unwatched * 1e4, published * 1e4);
 }
 
+// Timeouts whose children run. They have no timers: between two ticks nothing happens, and a tick
+// compares each with its time.
+void MeasureTimeouts(int turns, int count) {
+  const std::string leaf = "<Sleep msec=\"3600000\"/>\n";
+  const auto tick_ns = [&](const std::string& child) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += child;
+    const auto tree = Load(Document("<ParallelAll>" + text + "</ParallelAll>"));
+    std::int64_t ticks = 0;
+    const auto tick = [&] {
+      static_cast<void>(tree->TickExactlyOnce(Time(Milliseconds(10) * ++ticks)));
+    };
+    tick();
+    return Smallest(turns, tick) * 1e9;
+  };
+  const double bare = tick_ns(leaf);
+  const double limited = tick_ns("<Timeout msec=\"7200000\">" + leaf + "</Timeout>");
+  std::printf(
+      "%d running Timeouts: %.1f ns each a tick, of which the child %.1f; 0 between ticks\n", count,
+      limited / count, bare / count);
+}
+
 void MeasureLoad(int turns, int nodes) {
   const std::string xml = Mix(nodes);
   const double seconds = Smallest(turns, [&xml] { Load(xml); });
@@ -189,6 +211,7 @@ int main(int argc, char** argv) {
   std::printf("get and set of a port: %.2f ns\n", seconds / 100'000 * 1e9);
   MeasureScript(turns, "x < 3 && y != 1");
   MeasureScript(turns, "x := x + y * 2; x -= 4");
+  MeasureTimeouts(turns, 1000);
   MeasureReport(turns, 100);
   MeasureReport(turns, 1000);
   MeasureLoad(std::min(turns, 50), 100);

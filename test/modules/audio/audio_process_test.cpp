@@ -285,6 +285,21 @@ TEST_F(AudioManagerProcess, IsControlledByTheTool) {
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; }));
 }
 
+// The tool published once any reader was matched: with a recorder of the topic the audio module
+// missed it.
+TEST_F(AudioManagerProcess, ARequestOfTheToolIsForTheModuleAndNotForAnotherReader) {
+  int recorded = 0;
+  const auto recorder = transport::MakeSubscription<msg::AudioPlayExtend>(
+      peer_.node(), "speech_play_extend",
+      [&](const msg::AudioPlayExtend&, const transport::SampleInfo&) { ++recorded; });
+  ASSERT_TRUE(recorder);
+  const Ran ran = RunTool("say One --now");
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.output, HasSubstr("no audio module"));
+  peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
+  EXPECT_EQ(recorded, 0);
+}
+
 TEST(AudioTool, ReportsACommandLineError) {
   for (const std::string wrong :
        {"", "sing", "say", "play", "play hello", "play 70000", "volume 101", "volume -1",

@@ -314,6 +314,19 @@ TEST_F(RaceProcess, TakesCommandsOfItsTool) {
   EXPECT_EQ(Run({"tell"}), 2);
 }
 
+// The tool published once any reader was matched: with a recorder of the topic the race missed it.
+TEST_F(RaceProcess, ACommandOfTheToolIsForTheRaceAndNotForAnotherReader) {
+  int recorded = 0;
+  const auto recorder = transport::MakeSubscription<msg::String>(
+      peer_.node(), "state_machine/start_command",
+      [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
+  ASSERT_TRUE(recorder);
+  EXPECT_EQ(Run({"tell", "RESET"}), 1);
+  EXPECT_THAT(output_, HasSubstr("no race subscribes to state_machine/start_command"));
+  peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
+  EXPECT_EQ(recorded, 0);
+}
+
 TEST_F(RaceProcess, ChecksACourse) {
   EXPECT_EQ(Run({"check", SourceDir() + "/config/race/course.toml"}), 0);
   EXPECT_THAT(output_, HasSubstr("42 states"));

@@ -97,6 +97,10 @@ TEST_F(Flight, RefusesImpossibleRequests) {
        {{"altitude", 11.0}},
        1,
        "Invalid altitude: 11.0m is not between the ground and the ceiling of 10.0m"},
+      {"hover",
+       {{"altitude", 1e308}},
+       1,
+       "Invalid altitude: 1.0e+308m is not between the ground and the ceiling of 10.0m"},
       {"hover", {{"duration", -1.0}}, 1, "Invalid duration: it is negative"},
       {"hover", {}, 0, "The robot stands on the ground; take off first"}};
   for (const Refused& request : requests) {

@@ -23,6 +23,19 @@ TEST_F(WeddingTool, PublishesInputsWithoutRos) {
   EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
 }
 
+// The tool published once any reader was matched: with a recorder of the topic the show missed it.
+TEST_F(WeddingTool, AnInputIsForTheShowAndNotForAnotherReader) {
+  int recorded = 0;
+  const auto recorder = transport::MakeSubscription<msg::String>(
+      peer_.node(), "wedding/fsm/command",
+      [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
+  ASSERT_TRUE(recorder);
+  EXPECT_EQ(Run({"tell", "command", "reset"}), 1);
+  EXPECT_THAT(output_, HasSubstr("no show subscribes to /wedding/fsm/command"));
+  peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
+  EXPECT_EQ(recorded, 0);
+}
+
 TEST_F(WeddingTool, TimesOutOnAClockThatStandsStill) {
   StartActive();
   const auto clock = transport::MakePublisher<msg::Clock>(peer_.node(), transport::kClockTopic,

@@ -105,6 +105,8 @@ TEST(ActionSequence, RefusesEachFaultWithItsText) {
            Case{{to_front, {0, 1, 1}, {1, 1, 0, 200, 0}}, "fetch yaw mismatch: 0.00 rad"},
            Case{{to_front, {0, 1, 1}, {1, 2, 1, -200}}, "fetch suspension height is negative"},
            Case{{to_front, {1, 1, 1, 1e9}}, "fetch suspension height is out of range"},
+           Case{{to_front, {0, 1, 1}, {0, 1, 2}, {1, 1, 1, -200, -kPi / 2}},
+                "fetch KFS grid (1, 1) is already driven over by step 2"},
        }) {
     const std::string message = Refusal(one.rows);
     EXPECT_THAT(message, StartsWith(one.text));

@@ -1,0 +1,33 @@
+#pragma once
+// The checks of `musher doctor`: each is a function of the facts, and names what is wrong, the
+// numbers found, and the command that fixes it.
+//
+// Pure; threads: any.
+
+#include <string>
+#include <vector>
+
+#include "musher/controller/cli/doctor/facts.hpp"
+
+namespace musher::cli {
+
+enum class Health { kNotApplicable, kOk, kWarning, kError };  // the worst last
+
+struct DoctorCheck {
+  std::string name;
+  Health health = Health::kOk;
+  std::string reason = {};
+  std::string fix = {};  // a command, or what to change; empty: nothing to do
+};
+
+// All checks, in a fixed order.
+std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts);
+
+// The checks by subject; each list is part of Diagnose().
+std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts);
+std::vector<DoctorCheck> CheckHost(const DoctorFacts& facts);
+std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts);
+
+Health Worst(const std::vector<DoctorCheck>& checks);
+
+}  // namespace musher::cli

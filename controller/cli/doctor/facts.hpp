@@ -1,0 +1,116 @@
+#pragma once
+// What `musher doctor` knows about this computer. Facts only: checks.hpp decides what they mean.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/network_profile.hpp"
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/transport/ros_environment.hpp"
+#include "musher/transport/security/role.hpp"
+
+namespace musher::cli {
+
+struct NetworkInterface {
+  std::string name;
+  bool up = false;
+  bool loopback = false;
+  bool multicast = false;
+  std::vector<std::string> addresses;  // IPv4
+};
+
+// Two processes that exchange samples over the network that the machine uses.
+struct DdsTrial {
+  std::string error;    // why there was none; empty: there was
+  Duration meeting{};   // from the start of the processes until they were matched
+  Duration exchange{};  // a sample there and back
+};
+
+// The kernel's clock discipline, by adjtimex.
+struct ClockFacts {
+  std::string error;  // it is not readable
+  bool synchronised = false;
+  Duration max_error{};
+  std::string source;              // "tsc"
+  std::int64_t wall_s = 0;         // since 1970
+  std::int64_t newest_file_s = 0;  // the last write in the state folder; 0: none
+};
+
+struct FolderFacts {
+  std::string path;
+  std::string existing;  // the folder itself, or its nearest parent that exists
+  std::string error;     // why it cannot be inspected
+  bool is_folder = true;
+  bool writable = false;
+  bool in_memory = false;  // tmpfs
+  std::int64_t free_bytes = 0;
+  std::int64_t total_bytes = 0;
+  std::int64_t free_inodes = -1;  // -1: the file system has no limit
+};
+
+struct Limits {
+  std::uint64_t files = 0;  // RLIMIT_NOFILE
+  std::uint64_t files_hard = 0;
+  std::string tracer;  // "eu-stack" or "gdb"; empty: neither
+  std::optional<int> ptrace_scope;
+  bool may_trace = false;  // CAP_SYS_PTRACE
+};
+
+struct CpuFacts {
+  int cpus = 0;                 // that this process may use
+  std::optional<double> quota;  // CPUs that its cgroup permits
+  Duration throttled{};         // so far
+};
+
+struct KeyFacts {
+  std::string identity;
+  std::string error;  // empty: valid
+  transport::keys::WallTime until{};
+  std::string file;       // its private key
+  unsigned int mode = 0;  // permissions of that file; 0: none
+};
+
+// A running controller in this domain and namespace.
+struct ControllerFacts {
+  std::string machine;
+  std::string host;  // empty: this one
+  int pid = 0;
+  std::string version = {};      // of its program; empty: unknown
+  std::string config_file = {};  // only on this host
+  bool reachable = true;         // it answers in this environment
+};
+
+struct DoctorFacts {
+  std::optional<MachineConfig> config;
+  transport::Environment environment;
+  TransportProfile profile = TransportProfile::kLocal;
+  std::string profile_error;
+  int domain = 0;
+  std::string domain_error;
+  std::string name_space;
+
+  std::vector<NetworkInterface> interfaces;
+  std::optional<std::int64_t> rmem_max;  // bytes
+  std::optional<std::int64_t> wmem_max;
+  DdsTrial dds;
+  ClockFacts clock;
+  std::optional<FolderFacts> state_dir;  // none without a config
+  Limits limits;
+  CpuFacts cpu;
+  std::vector<KeyFacts> keys;        // of the identities that the machine needs on this host
+  std::vector<Diagnostic> programs;  // CheckPrograms()
+  std::vector<Diagnostic> ros;       // CheckRos()
+  std::vector<ControllerFacts> controllers;
+  std::string controllers_error;
+  std::string uri_text;  // of CYCLONEDDS_URI, also of the file that it names
+  std::string uri_error;
+  std::string version;  // of this program
+  transport::keys::WallTime now{};
+};
+
+}  // namespace musher::cli

@@ -1,0 +1,63 @@
+#include "musher/controller/cli/render/doctor.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/render/json_line.hpp"
+#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/render/words.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct Shown {
+  const char* text;
+  const char* json;
+  Style style;
+};
+
+Shown ShownAs(Health health) {
+  switch (health) {
+    case Health::kNotApplicable:
+      return {"-", "not_applicable", Style::kDim};
+    case Health::kOk:
+      return {"ok", "ok", Style::kGood};
+    case Health::kWarning:
+      return {"warning", "warning", Style::kBusy};
+    case Health::kError:
+      break;
+  }
+  return {"error", "error", Style::kBad};
+}
+
+std::size_t CountOf(const std::vector<DoctorCheck>& checks, Health health) {
+  return std::count_if(checks.begin(), checks.end(),
+                       [health](const auto& check) { return check.health == health; });
+}
+
+}  // namespace
+
+std::string DoctorText(const std::vector<DoctorCheck>& checks, bool colour) {
+  Table table({"CHECK", "RESULT", "REASON"});
+  for (const DoctorCheck& check : checks) {
+    const Shown shown = ShownAs(check.health);
+    table.Add({{check.name}, {shown.text, shown.style}, {Printable(check.reason)}});
+    if (!check.fix.empty()) table.Add({{""}, {"fix:", Style::kDim}, {Printable(check.fix)}});
+  }
+  return table.Text(colour) + Count(CountOf(checks, Health::kError), "error") + ", " +
+         Count(CountOf(checks, Health::kWarning), "warning") + "\n";
+}
+
+std::string DoctorJson(const std::vector<DoctorCheck>& checks) {
+  Json list = Json::array();
+  for (const DoctorCheck& check : checks) {
+    list.push_back({{"check", check.name},
+                    {"result", ShownAs(check.health).json},
+                    {"reason", check.reason},
+                    {"fix", check.fix}});
+  }
+  return JsonLine({{"result", ShownAs(Worst(checks)).json}, {"checks", list}});
+}
+
+}  // namespace musher::cli

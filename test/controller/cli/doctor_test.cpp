@@ -1,0 +1,279 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+
+#include "musher/controller/cli/doctor/checks.hpp"
+#include "musher/controller/cli/doctor/in_child.hpp"
+#include "musher/controller/cli/render/doctor.hpp"
+#include "musher/test/controller/cli/robot.hpp"
+
+namespace musher::cli::doctor_test {
+
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kNow = 1'790'000'000;
+
+// A computer without a fault, with a robot that needs keys.
+DoctorFacts Healthy() {
+  DoctorFacts facts;
+  facts.config = RobotConfig();
+  facts.config->keys = "/etc/keys";
+  facts.interfaces = {{"lo", true, true, false, {"127.0.0.1"}},
+                      {"eth0", true, false, true, {"192.168.1.7"}}};
+  facts.rmem_max = facts.wmem_max = 8 << 20;
+  facts.dds = {"", Milliseconds(20), Milliseconds(1)};
+  facts.clock = {"", true, Milliseconds(5), "tsc", kNow, kNow - 10};
+  facts.state_dir =
+      FolderFacts{"/state", "/state", "", true, true, false, 4ll << 30, 9ll << 30, 9999};
+  facts.limits = {1024, 4096, "gdb", 0, false};
+  facts.cpu = {4, std::nullopt, {}};
+  facts.version = "1.2.3";
+  facts.now = transport::keys::WallTime(std::chrono::seconds(kNow));
+  facts.keys = {{"controller", "", facts.now + std::chrono::days(300), "/etc/keys/c.key", 0600}};
+  return facts;
+}
+
+DoctorCheck Check(const DoctorFacts& facts, const std::string& name) {
+  const auto all = Diagnose(facts);
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const auto& check) { return check.name == name; });
+  if (found != all.end()) return *found;
+  ADD_FAILURE() << "no check '" << name << "'";
+  return {};
+}
+
+struct Planted {
+  const char* test;
+  const char* check;
+  Health health;
+  const char* reason;
+  const char* fix;
+  void (*plant)(DoctorFacts&);
+};
+
+void Uri(DoctorFacts& facts, const std::string& xml) {
+  facts.environment["CYCLONEDDS_URI"] = facts.uri_text = xml;
+}
+
+const Planted kPlanted[] = {
+    {"ABadDomain", "DDS environment", Health::kError, "ROS_DOMAIN_ID is 999", "unset ROS_DOMAIN_ID",
+     [](DoctorFacts& f) { f.domain_error = "ROS_DOMAIN_ID is 999"; }},
+    {"ABadProfile", "DDS environment", Health::kError, "MUSHER_TRANSPORT is wan",
+     "unset MUSHER_TRANSPORT", [](DoctorFacts& f) { f.profile_error = "MUSHER_TRANSPORT is wan"; }},
+    {"AnUnknownInterfaceInTheUri", "CYCLONEDDS_URI", Health::kError,
+     "names the interface eth7, which does not exist; interfaces are lo, eth0",
+     "unset CYCLONEDDS_URI",
+     [](DoctorFacts& f) { Uri(f, "<Interfaces><NetworkInterface name=\"eth7\"/></Interfaces>"); }},
+    {"AnInterfaceOfTheUriThatIsDown", "CYCLONEDDS_URI", Health::kError, "is down",
+     "sudo ip link set eth0 up",
+     [](DoctorFacts& f) {
+       f.interfaces[1].up = false;
+       Uri(f, "<NetworkInterfaceAddress>192.168.1.7</NetworkInterfaceAddress>");
+     }},
+    {"AMissingFileOfTheUri", "CYCLONEDDS_URI", Health::kError, "missing or empty",
+     "unset CYCLONEDDS_URI",
+     [](DoctorFacts& f) {
+       f.environment["CYCLONEDDS_URI"] = "file:///x.xml";
+       f.uri_error = "it names the file /x.xml, which is missing or empty";
+     }},
+    {"ATruncatedUri", "CYCLONEDDS_URI", Health::kWarning, "not closed", "unset CYCLONEDDS_URI",
+     [](DoctorFacts& f) { Uri(f, "<CycloneDDS><Domain>"); }},
+    {"NoLoopback", "network interface", Health::kError, "no loopback interface",
+     "ip link set lo up", [](DoctorFacts& f) { f.interfaces.erase(f.interfaces.begin()); }},
+    {"NoNetworkForLan", "network interface", Health::kError, "interfaces are lo, eth0 (down)",
+     "ip link set eth0 up",
+     [](DoctorFacts& f) {
+       f.profile = TransportProfile::kLan;
+       f.interfaces[1].up = false;
+     }},
+    {"NoMulticastForLan", "network interface", Health::kError,
+     "eth0 with 192.168.1.7, without multi", "ip link set eth0 multicast on",
+     [](DoctorFacts& f) {
+       f.profile = TransportProfile::kLan;
+       f.interfaces[1].multicast = false;
+     }},
+    {"NoDds", "DDS exchange", Health::kError, "was not discovered", "firewall",
+     [](DoctorFacts& f) { f.dds.error = "the other process was not discovered"; }},
+    {"SlowDds", "DDS exchange", Health::kWarning, "takes 120.00 ms, more than 50 ms", "top -H",
+     [](DoctorFacts& f) { f.dds.exchange = Milliseconds(120); }},
+    {"ASmallReceiveBuffer", "net.core.rmem_max", Health::kWarning,
+     "212992 bytes; the transport requests 4194304", "sysctl --system",
+     [](DoctorFacts& f) { f.rmem_max = 212992; }},
+    {"ASmallSendBuffer", "net.core.wmem_max", Health::kWarning, "4096 bytes", "sysctl --system",
+     [](DoctorFacts& f) { f.wmem_max = 4096; }},
+    {"RosOnLocalhost", "ROS 2 environment", Health::kWarning, "ROS_LOCALHOST_ONLY is 1",
+     "unset ROS_LOCALHOST_ONLY", [](DoctorFacts& f) { f.environment["ROS_LOCALHOST_ONLY"] = "1"; }},
+    {"AnotherRmw", "ROS 2 environment", Health::kWarning, "rmw_fastrtps_cpp",
+     "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
+     [](DoctorFacts& f) { f.environment["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"; }},
+    {"AClockOf1970", "clock", Health::kError, "1970-01-01 00:01:40", "timedatectl set-ntp true",
+     [](DoctorFacts& f) { f.clock.wall_s = 100; }},
+    {"AClockThatWasSetBack", "clock", Health::kWarning, "3600 s from now", "timedatectl",
+     [](DoctorFacts& f) { f.clock.newest_file_s = f.clock.wall_s + 3600; }},
+    {"AClockWithoutNtp", "clock", Health::kWarning, "not synchronised", "timedatectl set-ntp true",
+     [](DoctorFacts& f) { f.clock.synchronised = false; }},
+    {"ACoarseClock", "steady clock", Health::kWarning, "jiffies", "available_clocksource",
+     [](DoctorFacts& f) { f.clock.source = "jiffies"; }},
+    {"AnUnwritableStateFolder", "state folder", Health::kError,
+     "/ is not writable for this user, and", "sudo install -d -o",
+     [](DoctorFacts& f) {
+       f.state_dir->existing = "/";
+       f.state_dir->writable = false;
+     }},
+    {"AHungDisk", "state folder", Health::kError, "did not answer within", "a local disk",
+     [](DoctorFacts& f) { f.state_dir->error = "the disk did not answer within 2000 ms"; }},
+    {"AFileForAStateFolder", "state folder", Health::kError, "is not a folder", "another state_dir",
+     [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
+    {"AFullDisk", "disk", Health::kError, "5 of 9216 MiB free", "du -xh '/state'",
+     [](DoctorFacts& f) { f.state_dir->free_bytes = 5 << 20; }},
+    {"LittleDisk", "disk", Health::kWarning, "100 of 9216 MiB free", "du -xh",
+     [](DoctorFacts& f) { f.state_dir->free_bytes = 100 << 20; }},
+    {"LessDiskThanTheLogsMayTake", "disk", Health::kWarning, "logs_size_mb permit 564",
+     "lower logs_size_mb", [](DoctorFacts& f) { f.state_dir->free_bytes = 400 << 20; }},
+    {"NoInodes", "disk", Health::kWarning, "only 3 more files", "du -xh",
+     [](DoctorFacts& f) { f.state_dir->free_inodes = 3; }},
+    {"AStateFolderInMemory", "disk", Health::kWarning, "tmpfs", "set state_dir",
+     [](DoctorFacts& f) { f.state_dir->in_memory = true; }},
+    {"FewFiles", "open files", Health::kError, "64 permitted, 272 needed", "ulimit -n 272",
+     [](DoctorFacts& f) { f.limits.files = 64; }},
+    {"FewFilesByTheHardLimit", "open files", Health::kError, "64 permitted", "limits.d/musher.conf",
+     [](DoctorFacts& f) { f.limits.files = f.limits.files_hard = 64; }},
+    {"NoTracer", "backtraces", Health::kWarning, "neither eu-stack nor gdb", "install elfutils",
+     [](DoctorFacts& f) { f.limits.tracer.clear(); }},
+    {"NoPermissionToTrace", "backtraces", Health::kWarning, "ptrace_scope is 1",
+     "sysctl -w kernel.yama.ptrace_scope=0", [](DoctorFacts& f) { f.limits.ptrace_scope = 1; }},
+    {"ACpuQuota", "CPU", Health::kWarning, "limited to 0.5 by the cgroup", "CPUQuota",
+     [](DoctorFacts& f) { f.cpu.quota = 0.5; }},
+    {"AMissingCertificate", "keys", Health::kError, "legs: there is no certificate",
+     "musher keys add legs --force --keys '/etc/keys'",
+     [](DoctorFacts& f) {
+       f.keys.push_back({"legs", "there is no certificate", {}, "", 0});
+     }},
+    {"AReadableKey", "keys", Health::kError, "has the permissions 644",
+     "chmod 600 '/etc/keys/c.key'", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
+    {"ACertificateThatExpiresSoon", "keys", Health::kWarning, "within 30 days",
+     "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},
+    {"AMissingProgram", "programs", Health::kError, "dog.toml:3:1: warning: no such program",
+     "musher check 'dog.toml'",
+     [](DoctorFacts& f) {
+       f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
+     }},
+    {"AnotherMachineInTheNamespace", "machine", Health::kError,
+     "cat (pid 7) runs already in namespace '' of domain 0: dog cannot start there", "musher down",
+     [](DoctorFacts& f) {
+       f.controllers = {{"cat", "", 7, "", ""}};
+     }},
+    {"AControllerThatDoesNotAnswer", "machine", Health::kWarning, "process 7 leads a machine",
+     "CYCLONEDDS_URI, --transport and --keys",
+     [](DoctorFacts& f) {
+       f.controllers = {{"", "", 7, {}, {}, false}};
+     }},
+    {"AControllerOfAnotherVersion", "version", Health::kWarning,
+     "the controller (pid 7) is musher 1.2.2, this program is 1.2.3",
+     "musher up --detach --takeover '/dog.toml'",
+     [](DoctorFacts& f) {
+       f.controllers = {{"dog", "", 7, "1.2.2", "/dog.toml"}};
+     }},
+};
+
+class PlantedFault : public ::testing::TestWithParam<Planted> {};
+
+TEST_P(PlantedFault, IsFoundWithItsNumbersAndAFix) {
+  DoctorFacts facts = Healthy();
+  GetParam().plant(facts);
+  const DoctorCheck check = Check(facts, GetParam().check);
+  EXPECT_EQ(check.health, GetParam().health);
+  EXPECT_THAT(check.reason, HasSubstr(GetParam().reason));
+  EXPECT_THAT(check.fix, HasSubstr(GetParam().fix));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, PlantedFault, ::testing::ValuesIn(kPlanted),
+                         [](const auto& planted) { return std::string(planted.param.test); });
+
+TEST(Diagnose, AComputerWithoutAFaultHasNothingToFix) {
+  for (const DoctorCheck& check : Diagnose(Healthy())) {
+    EXPECT_LE(check.health, Health::kOk) << check.name << ": " << check.reason;
+    EXPECT_EQ(check.fix, "") << check.name;
+    EXPECT_NE(check.reason, "") << check.name;
+  }
+}
+
+TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {
+  DoctorFacts facts = Healthy();
+  facts.config.reset();
+  facts.state_dir.reset();
+  facts.keys.clear();
+  facts.rmem_max.reset();
+  facts.clock.error = "adjtimex: Operation not permitted";
+  for (const char* name : {"state folder", "disk", "keys", "programs", "net.core.rmem_max", "clock",
+                           "CYCLONEDDS_URI", "ROS 2 environment"}) {
+    EXPECT_EQ(Check(facts, name).health, Health::kNotApplicable) << name;
+  }
+  EXPECT_EQ(Worst(Diagnose(facts)), Health::kOk);
+}
+
+TEST(Diagnose, NamesOneCauseOnlyWhereTheEnvironmentIsInvalid) {
+  DoctorFacts facts = Healthy();
+  facts.domain_error = "ROS_DOMAIN_ID is 999";
+  EXPECT_EQ(Check(facts, "DDS exchange").health, Health::kNotApplicable);
+}
+
+TEST(Diagnose, TheMachineItselfMayRun) {
+  DoctorFacts facts = Healthy();
+  facts.controllers = {{"dog", "", 7, "1.2.3", "/dog.toml"}};
+  EXPECT_EQ(Worst(Diagnose(facts)), Health::kOk);
+}
+
+TEST(Diagnose, AnUnsynchronisedClockMattersBetweenHostsOnly) {
+  DoctorFacts facts = Healthy();
+  facts.keys.clear();
+  facts.clock.synchronised = false;
+  EXPECT_EQ(Check(facts, "clock").health, Health::kOk);
+}
+
+TEST(DoctorText, HasTheFixBelowItsCheck) {
+  const std::vector<DoctorCheck> checks = {{"clock", Health::kOk, "synchronised", ""},
+                                           {"disk", Health::kError, "full\x1b[2J", "rm x"}};
+  EXPECT_EQ(DoctorText(checks, false),
+            "CHECK  RESULT  REASON\n"
+            "clock  ok      synchronised\n"
+            "disk   error   full [2J\n"
+            "       fix:    rm x\n"
+            "1 error, 0 warnings\n");
+  EXPECT_EQ(DoctorJson({checks[0]}),
+            R"({"result":"ok","checks":[{"check":"clock","result":"ok","reason":"synchronised",)"
+            R"("fix":""}]})");
+}
+
+TEST(InChild, ReturnsWhatTheFunctionReturns) {
+  auto child = InChild::Start([] { return std::string(100'000, 'x'); });
+  ASSERT_TRUE(child);
+  const auto text = child.value().Await(std::chrono::steady_clock::now() + std::chrono::minutes(1));
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_EQ(text.value().size(), 100'000U);
+}
+
+TEST(InChild, IsGivenUpAtItsDeadline) {
+  auto child = InChild::Start([]() -> std::string {
+    for (;;) pause();
+  });
+  ASSERT_TRUE(child);
+  const auto text = child.value().Await(std::chrono::steady_clock::now() + Milliseconds(20));
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().code, kCodeTimeout);
+}
+
+TEST(InChild, ThatCrashesIsReported) {
+  auto child = InChild::Start([]() -> std::string { _exit((kill(getpid(), SIGKILL), 1)); });
+  ASSERT_TRUE(child);
+  const auto text = child.value().Await(std::chrono::steady_clock::now() + std::chrono::minutes(1));
+  ASSERT_FALSE(text);
+  EXPECT_THAT(text.error().message, HasSubstr("crashed"));
+}
+
+}  // namespace musher::cli::doctor_test

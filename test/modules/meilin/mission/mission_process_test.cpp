@@ -1,0 +1,274 @@
+// musher-meilin as a planner and the robot's action servers use it: the real program over DDS.
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/action_of_motion_interfaces/move_to_pose.hpp"
+#include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/r2_interfaces/arm_action.hpp"
+#include "musher/messages/r2_interfaces/get_action_seq.hpp"
+#include "musher/messages/r2_interfaces/spear_action.hpp"
+#include "musher/messages/r2_interfaces/suspension_control.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/meilin/plan/action_sequence.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/test/support/paths.hpp"
+#include "musher/transport/action.hpp"
+
+namespace musher::meilin::mission_process_test {
+
+using ::testing::HasSubstr;
+
+// An action server that ends each goal at once, or accepts it and never ends it.
+template <msg::Action A>
+class Peer {
+ public:
+  Peer(transport::Node& node, const std::string& name) {
+    transport::ActionHandlers<A> handlers;
+    handlers.start = [this](transport::ServerGoal<A> goal) {
+      goals.push_back(goal.goal());
+      if (silent) {
+        kept_.push_back(std::move(goal));
+        return;
+      }
+      typename A::Result result{};
+      result.success = true;
+      result.message = "done";
+      goal.Succeed(result);
+    };
+    handlers.cancel = [this](transport::ServerGoal<A> goal) {
+      ++cancelled;
+      goal.Canceled({});
+    };
+    server_ = transport::MakeActionServer<A>(node, name, std::move(handlers)).value();
+  }
+
+  bool silent = false;
+  int cancelled = 0;
+  std::vector<typename A::Goal> goals;
+
+ private:
+  std::vector<transport::ServerGoal<A>> kept_;
+  std::unique_ptr<transport::ActionServer<A>> server_;
+};
+
+class MissionProcess : public ::testing::Test {
+ protected:
+  MissionProcess()
+      : peer_("meilin", {"SetUp", "TearDown", "SelfCheck", "Active", "Protected"}, "musher-meilin"),
+        moves_(peer_.node(), "move_to_pose"),
+        suspension_(peer_.node(), "suspension_control"),
+        arm_(std::in_place, peer_.node(), "arm_action"),
+        spear_(peer_.node(), "spear_action") {
+    Follow("meilin/state", state_);
+    Follow("meilin/last_error", last_error_);
+    Follow("meilin/plan_id", plan_id_);
+    plans_ = Must(transport::MakePublisher<msg::Float32MultiArray>(peer_.node(), "mf_action_seq",
+                                                                   transport::kLatchedQos));
+    segments_ = Must(transport::MakePublisher<msg::String>(peer_.node(), "planning/segments",
+                                                           transport::kLatchedQos));
+    poses_ = Must(transport::MakePublisher<msg::PoseStamped>(peer_.node(), "transformed/pose"));
+  }
+  template <class T>
+  static T Must(Result<T> result) {
+    if (!result) ADD_FAILURE() << result.error().message;
+    return std::move(result).value();
+  }
+  void Follow(const std::string& topic, std::string& text) {
+    subscriptions_.push_back(Must(transport::MakeSubscription<msg::String>(
+        peer_.node(), topic,
+        [&text](const msg::String& sample, const auto&) { text = sample.data; },
+        transport::kLatchedQos)));
+  }
+  static std::string StageFile() { return SourceDir() + "/config/meilin/meilin_stage.xml"; }
+  void Start(const std::string& tree, const std::string& keys = "") {
+    peer_.Start("tree_file = \"" + tree + "\"\n" + keys);
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    ASSERT_TRUE(peer_.Switch("SelfCheck")) << peer_.Output();
+    ASSERT_TRUE(peer_.Switch("Active")) << peer_.Output();
+  }
+  // Until the match is in that state.
+  void Await(const std::string& state) {
+    ASSERT_TRUE(peer_.Until([&] { return state_ == state; }))
+        << state_ << " " << last_error_ << "\n"
+        << peer_.Output();
+  }
+  // The reason and the plan are on topics of their own, which may come later than the state.
+  bool AwaitError(const std::string& part) {
+    return peer_.Until([&] { return last_error_.find(part) != std::string::npos; });
+  }
+  bool AwaitPlan(const std::string& id) {
+    return peer_.Until([&] { return plan_id_ == id; });
+  }
+  // To (0, 1), up to (1, 1), and the box of (2, 1), 200 mm above it on both sides.
+  static msg::Float32MultiArray Plan() {
+    return ToActionSequence(
+        {{false, {0, 1}, 0, 0}, {false, {1, 1}, 200, 0}, {true, {2, 1}, 200, 0}});
+  }
+  void SendPose(double x_m, double y_m) {
+    msg::PoseStamped pose;
+    pose.header.frame_id = "map";
+    pose.pose.position = {x_m, y_m, 0};
+    pose.pose.orientation.w = 1;
+    EXPECT_TRUE(poses_->Publish(pose));
+  }
+
+  test::ActuatorPeer peer_;
+  std::string state_;
+  std::string last_error_;
+  std::string plan_id_;
+  Peer<msg::MoveToPose> moves_;
+  Peer<msg::SuspensionControl> suspension_;
+  std::optional<Peer<msg::ArmAction>> arm_;
+  Peer<msg::SpearAction> spear_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+  std::unique_ptr<transport::Publisher<msg::Float32MultiArray>> plans_;
+  std::unique_ptr<transport::Publisher<msg::String>> segments_;
+  std::unique_ptr<transport::Publisher<msg::PoseStamped>> poses_;
+};
+
+TEST_F(MissionProcess, CarriesOutAPlanByTheGoalsOfTheServers) {
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_MF_ACTION_SEQ"));
+  const Time sent = peer_.node().loop().Now();
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  RecordProperty("plan_to_goal_us",
+                 static_cast<int>((peer_.node().loop().Now() - sent).count() / 1000));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
+  ASSERT_EQ(moves_.goals.size(), 3U);
+  EXPECT_DOUBLE_EQ(moves_.goals[1].x, 2.4);
+  EXPECT_DOUBLE_EQ(moves_.goals[1].y, 2.4);
+  EXPECT_NEAR(moves_.goals[2].x, 2.6, 1e-9) << "1 m before the box";
+  ASSERT_EQ(suspension_.goals.size(), 2U);
+  EXPECT_EQ(suspension_.goals[0].mode, 1) << "up";
+  EXPECT_EQ(suspension_.goals[0].height, 200);
+  EXPECT_EQ(suspension_.goals[1].mode, 3) << "directly";
+  EXPECT_EQ(suspension_.goals[1].height, 230);
+  ASSERT_EQ(arm_->goals.size(), 1U);
+  EXPECT_EQ(arm_->goals[0].command, 1);
+  EXPECT_TRUE(arm_->goals[0].wait_result);
+  ASSERT_TRUE(peer_.Switch("TearDown"));
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+}
+
+TEST_F(MissionProcess, RequestsThePlanOfABufferWhereItIsConfigured) {
+  int requests = 0;
+  const auto buffer = Must(transport::MakeServer<msg::GetActionSeq>(
+      peer_.node(), "get_action_seq", [&](const msg::GetActionSeq::Request&, auto reply) {
+        ++requests;
+        msg::GetActionSeq::Response response;
+        response.has_data = requests == 2;
+        if (response.has_data) response.data = Plan();
+        reply(response);
+      }));
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "plan_service = true\n"));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_EQ(requests, 2) << "it does not ask while the plan runs";
+  EXPECT_TRUE(AwaitPlan("mf_action_seq_1"));
+}
+
+TEST_F(MissionProcess, CarriesOutAnOldPlanAndRefusesADamagedOne) {
+  const std::string tree = peer_.folder() / "old.xml";
+  std::ofstream(tree) << R"(<root BTCPP_format="4"><BehaviorTree ID="Old">
+    <KeepRunningUntilFailure><Sequence>
+      <PopNextSegment queue="{segment_queue}" segment_type="{segment_type}" target_x="{x}"
+                      target_y="{y}" target_yaw="{yaw}" arm_command="{arm}" timeout_sec="{limit}"/>
+      <SwitchSegmentType segment_type="{segment_type}">
+        <Align name="ALIGN" target_x="{x}" target_y="{y}" target_yaw="{yaw}"/>
+        <ArmAction name="default" command="{arm}" timeout_sec="{limit}"/>
+      </SwitchSegmentType>
+    </Sequence></KeepRunningUntilFailure></BehaviorTree></root>)";
+  ASSERT_NO_FATAL_FAILURE(Start(tree));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS")) << "nothing to do";
+  ASSERT_TRUE(segments_->Publish({R"({"plan_id": "p", "segments": [{"segment_type": "ALING"}]})"}));
+  ASSERT_NO_FATAL_FAILURE(Await("PLAN_REJECTED"));
+  ASSERT_TRUE(AwaitError("segments[0].segment_type")) << last_error_;
+  ASSERT_TRUE(segments_->Publish({R"({"stage": "MF", "plan_id": "seven", "segments": [
+    {"segment_type": "ALIGN", "move_target": {"x": 1.5, "y": -2, "yaw": 3.14159265358979}},
+    {"segment_type": "GRASP", "arm_command": 1}]})"}));
+  EXPECT_TRUE(AwaitPlan("seven"));
+  ASSERT_TRUE(peer_.Until([this] { return !arm_->goals.empty(); })) << peer_.Output();
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  ASSERT_EQ(moves_.goals.size(), 1U);
+  EXPECT_EQ(moves_.goals[0].y, -2);
+  EXPECT_NEAR(moves_.goals[0].yaw_deg, 180, 1e-6);
+  EXPECT_EQ(arm_->goals.size(), 1U);
+}
+
+TEST_F(MissionProcess, AServerThatNeverEndsAGoalFailsTheMatchAndANewPlanGoesOn) {
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_default_align_timeout = 0.2\n"));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_FAILED"));
+  ASSERT_TRUE(AwaitError("timed out")) << last_error_;
+  EXPECT_TRUE(peer_.Until([this] { return moves_.cancelled == 1; })) << "the robot is to stand";
+  moves_.silent = false;
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_TRUE(AwaitPlan("mf_action_seq_2"));
+}
+
+TEST_F(MissionProcess, LeavingActiveCancelsAndTheHaltedSegmentIsTheNext) {
+  moves_.silent = true;
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_TRUE(peer_.Until([this] { return !moves_.goals.empty(); })) << peer_.Output();
+  ASSERT_TRUE(peer_.Switch("Protected"));
+  EXPECT_TRUE(peer_.Until([this] { return moves_.cancelled == 1; })) << peer_.Output();
+  moves_.silent = false;
+  ASSERT_TRUE(peer_.Switch("Active"));
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  ASSERT_EQ(moves_.goals.size(), 4U);
+  EXPECT_EQ(moves_.goals[0], moves_.goals[1]);
+}
+
+TEST_F(MissionProcess, OfTwoPlansAtOnceTheLaterOneIsCarriedOut) {
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile()));
+  ASSERT_TRUE(plans_->Publish(Plan()));
+  ASSERT_TRUE(plans_->Publish(ToActionSequence({{false, {0, 2}, 0, 0}})));
+  EXPECT_TRUE(peer_.Until([this] {
+    return state_ == "MISSION_SUCCESS" && !moves_.goals.empty() && moves_.goals.back().y > 3.5;
+  })) << state_
+      << " " << peer_.Output();
+}
+
+TEST_F(MissionProcess, AFreshPoseDecidesWhereAPlanBeginsUnlessItIsNoNumber) {
+  ASSERT_NO_FATAL_FAILURE(Start(StageFile(), "meilin_pose_timeout_sec = 0\n"));
+  ASSERT_NO_FATAL_FAILURE(Await("WAITING_MF_ACTION_SEQ"));
+  ASSERT_TRUE(peer_.Until([this] { return poses_->MatchedReaders() > 0; }));
+  // From (1, 1); from the initial cell (0, 0) it is a climb across cells.
+  const auto plan = ToActionSequence({{false, {2, 1}, 400, 0}});
+  ASSERT_TRUE(plans_->Publish(plan));
+  ASSERT_NO_FATAL_FAILURE(Await("PLAN_REJECTED"));
+  ASSERT_TRUE(AwaitError("move with height change requires adjacent target grid")) << last_error_;
+  // Two topics have no order: until the pose is there the plan is refused.
+  const auto again = peer_.node().loop().Every(Milliseconds(50), [&] {
+    if (!plan_id_.empty()) return;
+    SendPose(2.4, 2.4);
+    SendPose(std::numeric_limits<double>::quiet_NaN(), 2.4);
+    EXPECT_TRUE(plans_->Publish(plan));
+  });
+  ASSERT_NO_FATAL_FAILURE(Await("MISSION_SUCCESS"));
+  EXPECT_EQ(suspension_.goals.at(0).height, 200);
+}
+
+TEST_F(MissionProcess, FailsItsSelfCheckWhereAServerIsMissing) {
+  arm_.reset();
+  peer_.Start("tree_file = \"" + StageFile() + "\"\nself_check_sec = 0.2\n");
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  const auto done = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictFailed);
+  EXPECT_THAT(done.value().message, HasSubstr("no server of arm_action"));
+}
+
+}  // namespace musher::meilin::mission_process_test
