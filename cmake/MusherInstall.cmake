@@ -1,5 +1,7 @@
-# find_package(musher) for robot projects: libraries, headers, programs, configs.
+# What an installation has besides programs: find_package(musher) for robot projects, configs, examples, the
+# unit of systemd.
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 
 get_property(targets GLOBAL PROPERTY MUSHER_INSTALLED_TARGETS)
 install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -53,22 +55,28 @@ install(FILES ${PROJECT_SOURCE_DIR}/transport/dds/dds_node.hpp ${PROJECT_SOURCE_
 
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/musher/ros DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
-        USE_SOURCE_PERMISSIONS)
+        USE_SOURCE_PERMISSIONS COMPONENT modules)
+# A robot that needs no compiler and no modules, and the projects of the tutorials.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/robot DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples
+        COMPONENT core)
+install(FILES ${PROJECT_SOURCE_DIR}/examples/robot.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples
+        COMPONENT core)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
-        USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+        USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE
+        PATTERN "examples/robot" EXCLUDE PATTERN "examples/robot.toml" EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)
 
 # The unit names the installed program, wherever that is by then.
 install(CODE "
   get_filename_component(MUSHER_BIN \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\" ABSOLUTE)
   configure_file(\"${PROJECT_SOURCE_DIR}/scripts/systemd/musher@.service.in\"
-                 \"${PROJECT_BINARY_DIR}/musher@.service\" @ONLY)")
-install(FILES ${PROJECT_BINARY_DIR}/musher@.service DESTINATION lib/systemd/system)
+                 \"${PROJECT_BINARY_DIR}/musher@.service\" @ONLY)" COMPONENT core)
+install(FILES ${PROJECT_BINARY_DIR}/musher@.service DESTINATION lib/systemd/system COMPONENT core)
 # Where the unit looks for configs. An install into a folder of one's own leaves the system alone.
 install(CODE "
   if(CMAKE_INSTALL_PREFIX MATCHES \"^/usr(/|$)\")
     file(MAKE_DIRECTORY \"\$ENV{DESTDIR}/etc/musher\")
-  endif()")
+  endif()" COMPONENT core)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)

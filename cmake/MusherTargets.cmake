@@ -4,7 +4,7 @@
 # build tree has a folder "musher" of links to the source folders, and of messages/, whose headers are generated.
 set(MUSHER_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
-foreach(folder base lifecycle wire transport actuator controller cyberdog simulation behavior application navigation modules view test)
+foreach(folder base lifecycle wire transport actuator controller cyberdog simulation behavior application navigation modules view python test)
   if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${folder})
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
   endif()
@@ -81,11 +81,28 @@ function(musher_program name)
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CROSSCOMPILING)
+    musher_man_page(${name})
+  endif()
   if(MUSHER_TESTS)
     add_test(NAME ${name}.PrintsTheVersion COMMAND ${name} --version)
     set_tests_properties(${name}.PrintsTheVersion PROPERTIES
       PASS_REGULAR_EXPRESSION "^${name} ${PROJECT_VERSION}\n$" TIMEOUT 60 LABELS version)
   endif()
+endfunction()
+
+# The manual page of a program, from its help.
+if(PROJECT_IS_TOP_LEVEL)
+  add_custom_target(man_pages ALL)
+endif()
+function(musher_man_page name)
+  set(generator ${PROJECT_SOURCE_DIR}/cmake/packages/man_page.py)
+  set(page ${PROJECT_BINARY_DIR}/share/man/${name}.1)
+  add_custom_command(OUTPUT ${page} DEPENDS ${name} ${generator} VERBATIM
+    COMMAND ${Python3_EXECUTABLE} ${generator} $<TARGET_FILE:${name}> ${page})
+  add_custom_target(${name}_man_page DEPENDS ${page})
+  add_dependencies(man_pages ${name}_man_page)
+  install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endfunction()
 
 # musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s] [SUITES]) makes a

@@ -30,6 +30,7 @@ struct ViewOptions {
   std::vector<std::string> hosts;
   std::string token_file;  // empty: view.token in the folder of Musher's state
   std::string logs;
+  std::string docs;  // empty: as FindDocs() finds it
   std::string name;  // of the person for whom the link is; empty: the user of this process
   bool link = false;
   bool no_link = false;
@@ -113,6 +114,7 @@ int Serve(const ViewOptions& options, const std::string& token) {
   live.name_space = options.name_space;
   live.token = token;
   live.logs = options.logs;
+  live.docs = options.docs.empty() ? FindDocs() : options.docs;
   const auto server = LiveServer::Make(*node.value(), live);
   if (!server) {
     // Perhaps `musher up` has started one: then its link is what the person wants.
@@ -166,6 +168,9 @@ int Main(int argc, char** argv) {
                  "Default: ~/.local/state/musher/view_token");
   app.add_option("--logs", options.logs,
                  "Folder of the actuators' logs; default: as the machine's config says");
+  app.add_option("--docs", options.docs,
+                 "Folder of the documentation, served under /docs; default: the installed one")
+      ->check(CLI::ExistingDirectory.description(""));
   app.add_flag("--link", options.link,
                "Print a link for acting, of the musher-view that runs, and exit");
   app.add_flag("--no-link", options.no_link, "Print no link at the start, for logs");

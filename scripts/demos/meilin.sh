@@ -72,15 +72,19 @@ lose_arm() {
   step "The arm's server is killed: the match fails with the reason, the robot stands, a new plan goes on"
   local process
   await_mission '.state == "WAITING_MF_ACTION_SEQ"' 90
+  # A stuck arm stays busy until it is killed, however slowly this script looks.
+  shown musher-world tell fault "arm stuck"
   send_plan "$scratch/config/meilin/plan_red.toml"
-  for _ in {1..200}; do
+  for _ in {1..600}; do
     [[ $(field .arm.busy) == true ]] && break
     sleep 0.1
   done
+  expect "the arm is busy" true "$(field .arm.busy)"
   process=$(status .actuators.arm.pid)
   say "\$ kill -KILL $process  # arm"
   kill -KILL "$process"
   fails ArmAction
+  shown musher-world tell fault none
   await ".actuators.arm | .pid > 0 and .pid != $process and .state == \"Active\""
 }
 

@@ -10,7 +10,9 @@
 #include "musher/test/house/doc_rules.hpp"
 #include "musher/test/house/include_rules.hpp"
 #include "musher/test/house/interface_rules.hpp"
+#include "musher/test/house/message_rules.hpp"
 #include "musher/test/house/reference_rules.hpp"
+#include "musher/test/house/site_rules.hpp"
 #include "musher/test/house/text_rules.hpp"
 #include "musher/test/support/paths.hpp"
 
@@ -168,6 +170,25 @@ TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {
     if (!file.In("messages/musher_msgs/") || !file.Is(".idl")) continue;
     EXPECT_THAT(Unexplained(File("docs/reference.md"), file), IsEmpty()) << file.path;
   }
+}
+
+TEST(House, TroubleshootingExplainsEveryRecordFindingAndCode) {
+  const SourceFile page = File("docs/troubleshooting.md");
+  EXPECT_THAT(UnexplainedRecords(page, Tree()), IsEmpty());
+  EXPECT_THAT(UnexplainedFindings(page, Tree()), IsEmpty());
+  EXPECT_THAT(UnexplainedCodes(page, Tree()), IsEmpty());
+  EXPECT_THAT(SentencesOfNoProgram(page, Tree()), IsEmpty());
+}
+
+TEST(House, EveryPageIsInTheContentsOfTheSite) {
+  EXPECT_THAT(PagesOutsideTheContents(Tree()), IsEmpty());
+}
+
+TEST(House, TheChinesePagesHaveTheCodeOfTheEnglishOnes) {
+  EXPECT_THAT(DifferingBlocks(File("README.md"), "", File("README.zh.md")), IsEmpty());
+  EXPECT_THAT(DifferingBlocks(File("docs/guide.md"), "Your first module in ten minutes",
+                              File("docs/zh/first-module.md")),
+              IsEmpty());
 }
 
 }  // namespace musher::house::house_test

@@ -71,6 +71,7 @@ void LiveServer::OnRequest(const http::Request& request, const http::Respond& re
   // The page's files tell nothing of the robot, and show how to log in.
   if (request.method == "GET") {
     if (auto file = http::AssetResponse(PageFiles(), request)) return respond(*std::move(file));
+    if (auto file = docs_.Respond(request)) return respond(*std::move(file));
   }
   if (!MayLook(request)) {
     return respond(http::ErrorResponse(

@@ -28,6 +28,7 @@ LiveServer::LiveServer(transport::Node& node, Options options)
     : node_(node),
       options_(std::move(options)),
       login_(http::KernelRandom, options_.token),
+      docs_(options_.docs),
       cameras_(node, table_),
       watched_(node, table_, [this](const std::string& topic, const SharedText& message) {
         for (Page& page : pages_) {

@@ -24,6 +24,7 @@
 #include "musher/view/http/login.hpp"
 #include "musher/view/http/server.hpp"
 #include "musher/view/live/camera_view.hpp"
+#include "musher/view/live/docs.hpp"
 #include "musher/view/live/machine_feed.hpp"
 #include "musher/view/live/robot_requests.hpp"
 #include "musher/view/live/watched_topics.hpp"
@@ -41,6 +42,7 @@ class LiveServer {
     bool with_keys = false;  // the machine has [security]
     std::string token;       // of ReadOrMakeToken()
     std::string logs;        // folder of the actuators' logs; empty: as the machine's config says
+    std::string docs;        // folder of the documentation; empty: none
   };
 
   // Fails if DDS or the address cannot be used. The node must outlive it.
@@ -90,6 +92,7 @@ class LiveServer {
   transport::Node& node_;
   const Options options_;
   http::Login login_;
+  const Docs docs_;
   TopicTable table_;
   CameraView cameras_;
   WatchedTopics watched_;

@@ -92,7 +92,9 @@ function headerPart(fresh) {
         lang: language() === 'en' ? 'zh-CN' : 'en'}, t('language')),
       stopButton(ctx)),
     h('nav', {'aria-label': t('nav')}, Object.keys(VIEWS).map(name => h('a', {key: name, href: `#${name}`,
-      'aria-current': ctx.route.name === name ? 'page' : null}, t(`nav.${name}`)))),
+      'aria-current': ctx.route.name === name ? 'page' : null}, t(`nav.${name}`))),
+    h('a', {key: 'docs', class: 'docs', href: language() === 'en' ? 'docs/' : 'docs/README.zh.html', target: '_blank',
+      rel: 'noopener'}, t('nav.docs'))),
   ];
 }
 

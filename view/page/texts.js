@@ -12,6 +12,7 @@ export const TEXTS = {
   'nav.application': ['Apps', '应用'],
   'nav.cameras': ['Cameras', '相机'],
   'nav.log': ['Log', '日志'],
+  'nav.docs': ['Help ↗', '文档 ↗'],
   'cancel': ['Cancel', '取消'],
   'close': ['Close', '关闭'],
   'now': ['now', '现在'],

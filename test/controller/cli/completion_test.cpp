@@ -161,4 +161,19 @@ TEST(CompletionScripts, AreCorrectForZsh) {
   EXPECT_EQ(Shell("zsh -n", folder, kZshCompletion), "");
 }
 
+TEST(CompletionScripts, CompleteInZsh) {
+  if (std::system("command -v zsh >/dev/null") != 0) GTEST_SKIP() << "there is no zsh here";
+  const TempFolder folder;
+  // zsh completes at a prompt only: its functions that show what is offered print it here.
+  const std::string prompt = "PATH=" + BinDir() +
+                             ":$PATH\ncompdef() { }\n_describe() { print -l -- ${(P)2} }\n" +
+                             kZshCompletion;
+  EXPECT_EQ(Shell("zsh -f", folder, prompt + "\nwords=(musher stat) CURRENT=2\n_musher\n"),
+            "status:Show the machine and its actuators\n");
+  EXPECT_EQ(
+      Shell("zsh -f", folder,
+            prompt + "\n_files() { print files $@ }\nwords=(musher check '') CURRENT=3\n_musher\n"),
+      "files -g *.toml\n");
+}
+
 }  // namespace musher::cli::completion_test

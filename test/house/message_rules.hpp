@@ -1,0 +1,30 @@
+#pragma once
+// docs/troubleshooting.md explains every message: a row begins with the sentence as it is printed,
+// "…" for what differs, and has a cause and a cure.
+
+#include "musher/test/house/source_tree.hpp"
+
+namespace musher::house {
+
+// Whether `text` is `pattern`, whose "…" stand for any text, also none.
+bool FitsPattern(std::string_view text, std::string_view pattern);
+
+// Events of lifecycle/event_name.hpp and sentences of test/golden/record_texts.expected that no row
+// of "Records and faults" explains; rows of an unknown event; rows without a cause or a cure.
+std::vector<std::string> UnexplainedRecords(const SourceFile& page,
+                                            const std::vector<SourceFile>& tree);
+
+// Findings of test/golden/configs that no row of "Errors of a config" explains, and rows that
+// explain none.
+std::vector<std::string> UnexplainedFindings(const SourceFile& page,
+                                             const std::vector<SourceFile>& tree);
+
+// Codes of the machine and of the modules that "Codes" does not have in the first column of a row.
+std::vector<std::string> UnexplainedCodes(const SourceFile& page,
+                                          const std::vector<SourceFile>& tree);
+
+// Sentences of "Refusals" and "The command line and the start" that no program prints.
+std::vector<std::string> SentencesOfNoProgram(const SourceFile& page,
+                                              const std::vector<SourceFile>& tree);
+
+}  // namespace musher::house

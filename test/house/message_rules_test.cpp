@@ -1,0 +1,72 @@
+#include "musher/test/house/message_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::house::message_rules_test {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+SourceFile PageWith(const std::string& section, const std::string& rows) {
+  return {"docs/troubleshooting.md", "# Page\n\n## " + section +
+                                         "\n\n| a | b | c | d |\n|---|---|---|---|\n" + rows +
+                                         "\n## Next\n"};
+}
+
+TEST(MessageRules, APatternFitsWithAnyTextInItsPlaces) {
+  EXPECT_TRUE(FitsPattern("legs is in Walk", "… is in …"));
+  EXPECT_TRUE(FitsPattern("has no state 'Walk'", "has no state '…'"));
+  EXPECT_TRUE(FitsPattern("is up", "is up"));
+  EXPECT_TRUE(FitsPattern("is up", "is up…"));
+  EXPECT_FALSE(FitsPattern("is up again", "is up"));
+  EXPECT_FALSE(FitsPattern("legs was in Walk", "… is in …"));
+  EXPECT_FALSE(FitsPattern("has no state 'Walk' now", "has no state '…'"));
+}
+
+const std::vector<SourceFile> kRecords = {
+    {"lifecycle/event_name.hpp", "{\n    \"\",\n    \"lost\",\n    \"found\",\n});"},
+    {"test/golden/record_texts.expected", "Lost\n  lost\n  legs are lost\n"}};
+
+TEST(MessageRules, AcceptAPageWithEverySentence) {
+  const SourceFile page = PageWith("Records and faults",
+                                   "| `… are lost` | `lost` | why | do |\n"
+                                   "| `found` | `found` | why | – |\n");
+  EXPECT_THAT(UnexplainedRecords(page, kRecords), IsEmpty());
+}
+
+TEST(MessageRules, ReportAnEventASentenceAndACureThatAreMissing) {
+  const SourceFile page = PageWith("Records and faults",
+                                   "| `… is lost` | `lost` | why | do |\n"
+                                   "| `gone` | `gone` | why | do |\n"
+                                   "| `found` | `found` | why | |\n");
+  EXPECT_THAT(
+      UnexplainedRecords(page, kRecords),
+      ElementsAre("there is no event gone", "not a sentence, an event, a cause and a cure: found",
+                  "no row explains the event found", "no row of lost explains: legs are lost"));
+}
+
+TEST(MessageRules, ReportAFindingWithoutARowAndARowWithoutAFinding) {
+  const SourceFile page = PageWith("Errors of a config",
+                                   "| `unknown key \"…\"` | why | do |\n"
+                                   "| `too many legs` | why | do |\n");
+  const std::vector<SourceFile> tree = {
+      {"test/golden/configs/bad/a.expected",
+       "a.toml:1:1: error: legs: unknown key \"x\"\na.toml:2:1: warning: arms: too short\n"}};
+  EXPECT_THAT(
+      UnexplainedFindings(page, tree),
+      ElementsAre("no row explains: arms: too short", "no example of a config has: too many legs"));
+}
+
+TEST(MessageRules, ReportASentenceThatNoProgramPrints) {
+  const std::vector<SourceFile> tree = {
+      {"controller/a.cpp", "Print(\"no controller in \"\n      \"namespace '\" + name);"}};
+  EXPECT_THAT(SentencesOfNoProgram(
+                  PageWith("Refusals", "| `no controller in namespace '…'` | why | do |\n"), tree),
+              IsEmpty());
+  EXPECT_THAT(SentencesOfNoProgram(
+                  PageWith("Refusals", "| `no controller in … the house` | why | do |\n"), tree),
+              ElementsAre("no program prints ' the house'"));
+}
+
+}  // namespace musher::house::message_rules_test

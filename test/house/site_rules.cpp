@@ -1,0 +1,91 @@
+#include "musher/test/house/site_rules.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <set>
+
+#include "musher/test/house/reference_rules.hpp"
+
+namespace musher::house {
+namespace {
+
+constexpr const char* kContents = "docs/site/contents.py";
+
+// The fenced blocks, each with its language and the comment above that names its source.
+std::vector<std::string> BlocksOf(const std::string& text) {
+  std::vector<std::string> blocks;
+  bool inside = false;
+  std::string above;
+  for (const Line& line : Lines(text)) {
+    const bool fence = line.text.starts_with("```");
+    if (fence && !inside) {
+      blocks.push_back(above.starts_with("<!--") ? above + "\n" : "");
+      inside = true;
+    } else if (fence) {
+      inside = false;
+    }
+    if (inside) blocks.back() += line.text + "\n";
+    above = line.text;
+  }
+  return blocks;
+}
+
+std::string FirstLines(const std::string& block) {
+  return block.substr(0, 60);
+}
+
+}  // namespace
+
+std::vector<std::string> PagesOutsideTheContents(const std::vector<SourceFile>& tree) {
+  static const std::regex branches(R"re("((?:\w+/)+\w+)")re");
+  static const std::regex item(R"(^(?:-|\d+\.) \[[^\]]*\]\(([^)#]+\.md)\))");
+  std::set<std::string> branch_pages;
+  for (const SourceFile& file : tree) {
+    if (file.path != kContents) continue;
+    const std::size_t begin = file.text.find("BRANCHES = {");
+    const std::string names = file.text.substr(begin, file.text.find('}', begin) - begin);
+    for (std::sregex_iterator i(names.begin(), names.end(), branches), end; i != end; ++i) {
+      branch_pages.insert((*i)[1].str() + ".md");
+    }
+  }
+  if (branch_pages.empty()) return {std::string("there are no BRANCHES in ") + kContents};
+  std::set<std::string> listed = {"docs/README.md"};
+  for (const SourceFile& file : tree) {
+    if (!branch_pages.contains(file.path)) continue;
+    const auto folder = std::filesystem::path(file.path).parent_path();
+    for (const Line& line : Lines(file.text)) {
+      std::smatch match;
+      if (!std::regex_search(line.text, match, item)) continue;
+      listed.insert((folder / match[1].str()).lexically_normal().string());
+    }
+  }
+  std::vector<std::string> missing;
+  for (const SourceFile& file : tree) {
+    if (file.Is(".md") && !listed.contains(file.path)) {
+      missing.push_back(file.path + " is in no list of links of a page of the contents");
+    }
+  }
+  return missing;
+}
+
+std::vector<std::string> DifferingBlocks(const SourceFile& original, const std::string& section,
+                                         const SourceFile& translated) {
+  const auto expected = BlocksOf(section.empty() ? original.text : SectionOf(original, section));
+  const auto found = BlocksOf(translated.text);
+  std::vector<std::string> wrong;
+  if (expected.empty()) wrong.push_back(original.path + ": there is no code in '" + section + "'");
+  for (std::size_t i = 0; i < std::max(expected.size(), found.size()); ++i) {
+    const std::string number = translated.path + ": code block " + std::to_string(i + 1) + ": ";
+    if (i >= found.size()) {
+      wrong.push_back(number + "missing: " + FirstLines(expected[i]));
+    } else if (i >= expected.size()) {
+      wrong.push_back(number + "not in " + original.path + ": " + FirstLines(found[i]));
+    } else if (found[i] != expected[i]) {
+      wrong.push_back(number + "differs from " + original.path + ", which has:\n" + expected[i]);
+    }
+  }
+  return wrong;
+}
+
+}  // namespace musher::house

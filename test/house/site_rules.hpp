@@ -1,0 +1,17 @@
+#pragma once
+// The site of the documentation, as far as it can be checked without building it.
+
+#include "musher/test/house/source_tree.hpp"
+
+namespace musher::house {
+
+// Pages (*.md) that no list of links of a branch page has: those named in BRANCHES of
+// docs/site/contents.py, from which the tree of contents is made.
+std::vector<std::string> PagesOutsideTheContents(const std::vector<SourceFile>& tree);
+
+// Code blocks of `translated` that are not those of `section` of `original`, in the same order.
+// `section` empty: of all of it.
+std::vector<std::string> DifferingBlocks(const SourceFile& original, const std::string& section,
+                                         const SourceFile& translated);
+
+}  // namespace musher::house

@@ -1,0 +1,49 @@
+#include "musher/test/house/site_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::house::site_rules_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(SiteRules, ReportAPageThatNoListHas) {
+  const std::vector<SourceFile> tree = {
+      {"README.md", "text"},
+      {"docs/README.md",
+       "## Learn\n\n- [What](../README.md)\n- [Choices](choices/README.md): why\n"},
+      {"docs/choices/README.md", "1. [One](01-one.md)\n"},
+      {"docs/choices/01-one.md", "see [two](02-two.md)\n- [two](02-two.md)\n"},
+      {"docs/choices/02-two.md", "text"},
+      {"docs/site/contents.py", "BRANCHES = {\"docs/README\", \"docs/choices/README\"}\n"}};
+  EXPECT_THAT(
+      PagesOutsideTheContents(tree),
+      ElementsAre("docs/choices/02-two.md is in no list of links of a page of the contents"));
+}
+
+const SourceFile kEnglish = {
+    "a.md",
+    "# A\n\n## One\n\nRun it:\n\n```sh\nmake # all\n```\n\n<!-- a.cpp -->\n"
+    "```cpp\nint a;\n```\n\n## Two\n\n```sh\nmake two\n```\n"};
+
+TEST(SiteRules, AcceptATranslationWithTheSameCode) {
+  const SourceFile chinese = {
+      "a.zh.md",
+      "# 甲\n\n运行：\n\n```sh\nmake # all\n```\n\n<!-- a.cpp -->\n```cpp\nint a;\n```\n"};
+  EXPECT_THAT(DifferingBlocks(kEnglish, "One", chinese), IsEmpty());
+}
+
+TEST(SiteRules, ReportCodeThatDiffersOrIsMissingInATranslation) {
+  const SourceFile chinese = {"a.zh.md",
+                              "```sh\nmake\n```\n\n<!-- a.cpp -->\n```cpp\nint a;\n```\n"};
+  EXPECT_THAT(DifferingBlocks(kEnglish, "", chinese),
+              ElementsAre(HasSubstr("a.zh.md: code block 1: differs"),
+                          HasSubstr("a.zh.md: code block 3: missing")));
+  EXPECT_THAT(DifferingBlocks(kEnglish, "Three", chinese),
+              ElementsAre("a.md: there is no code in 'Three'", HasSubstr("block 1: not in a.md"),
+                          HasSubstr("block 2: not in a.md")));
+}
+
+}  // namespace musher::house::site_rules_test
