@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <iostream>
 
 namespace musher {
@@ -25,6 +28,27 @@ LogLevel LevelFromEnvironment() {
               "\": expected debug, info, warning or error; info is used\n");
   }
   return level.value_or(LogLevel::kInfo);
+}
+
+bool WantsTime() {
+  static const bool wants = [] {
+    const char* set = std::getenv("MUSHER_LOG_TIME");  // NOLINT(concurrency-mt-unsafe)
+    return set != nullptr && *set != '\0';
+  }();
+  return wants;
+}
+
+// "2026-03-01 13:00:05.250 "
+std::string LocalNow() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  const auto seconds = static_cast<std::time_t>(ms / 1000);
+  std::tm parts{};
+  localtime_r(&seconds, &parts);
+  std::array<char, 40> text{};
+  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts);
+  std::snprintf(text.data() + size, text.size() - size, ".%03d ", static_cast<int>(ms % 1000));
+  return text.data();
 }
 
 }  // namespace
@@ -54,7 +78,8 @@ LogLevel LowestLogLevel() {
 }
 
 void WriteLog(LogLevel level, std::string_view name, std::string_view text) {
-  if (level >= LowestLogLevel()) WriteLine(LogLine(level, name, text));
+  if (level < LowestLogLevel()) return;
+  WriteLine((WantsTime() ? LocalNow() : "") + LogLine(level, name, text));
 }
 
 }  // namespace musher

@@ -6,7 +6,10 @@
 //   gripper: warning: the jaw is at 71 °C
 //
 // MUSHER_LOG=debug|info|warning|error in the environment is the lowest level that is written; info
-// if it is not set.
+// if it is not set. With MUSHER_LOG_TIME each line begins with the local time; the controller sets
+// it for the processes that it starts.
+//
+//   2026-03-01 13:00:05.250 gripper: warning: the jaw is at 71 °C
 
 #include <optional>
 #include <string>

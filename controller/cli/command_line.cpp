@@ -7,6 +7,7 @@
 #include "musher/base/suggest.hpp"
 #include "musher/base/version.hpp"
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/grammar/examples.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
@@ -23,6 +24,9 @@ A first tour:
   musher check robot.toml          report every error in a config
   musher up robot.toml             start the machine; Ctrl-C takes it down
   musher status --watch            (another terminal) watch it live
+  musher top                       who uses the CPU, live
+  musher describe audio            all about one actuator, and what to do next
+  musher logs -f audio             what its process prints
   musher capabilities              what the robot can do now, and why not
   musher plan LowPower             show what a switch would do; changes nothing
   musher set LowPower              switch the machine
@@ -84,6 +88,11 @@ Grammar::Grammar() : app_(std::make_unique<CLI::App>(kDescription, "musher")) {
   app_->set_help_flag("-h,--help", "Print this help");
   AddGlobalOptions();
   AddCommands(*this);
+  for (CLI::App* command : app_->get_subcommands({})) {
+    const std::string_view example = ExampleOf(command->get_name());
+    if (example.empty()) continue;
+    command->footer("\nExample: " + std::string(example) + "\n" + kCommandFooter);
+  }
 }
 
 std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* argv) {

@@ -20,6 +20,8 @@ void AddCommands(Grammar& grammar) {
   AddReboot(grammar);
   grammar.Group("Operate the machine");
   AddStatus(grammar);
+  AddDescribe(grammar);
+  AddTop(grammar);
   AddCapabilities(grammar);
   AddSet(grammar);
   AddRestart(grammar);
@@ -32,6 +34,7 @@ void AddCommands(Grammar& grammar) {
   AddSkill(grammar);
   grammar.Group("Inspect the past");
   AddHistory(grammar);
+  AddLogs(grammar);
   AddReplay(grammar);
   grammar.Group("Look and record");
   AddExternal(grammar);

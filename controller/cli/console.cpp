@@ -48,6 +48,11 @@ std::string Printable(std::string_view text) {
   std::replace_if(
       printable.begin(), printable.end(),
       [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  // U+0080 to U+009F, some of which begin a control sequence as ESC [ does.
+  for (std::size_t i = 0; i + 1 < printable.size(); ++i) {
+    const auto next = static_cast<unsigned char>(printable[i + 1]);
+    if (printable[i] == '\xc2' && next >= 0x80 && next < 0xa0) printable.replace(i, 2, "  ");
+  }
   return printable;
 }
 

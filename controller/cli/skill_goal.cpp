@@ -1,5 +1,7 @@
 #include "musher/controller/cli/skill_goal.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 
 #include "musher/transport/goal_id_text.hpp"

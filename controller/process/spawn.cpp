@@ -35,6 +35,7 @@ Result<ForkedProgram> Spawn(const ProcessSpec& spec) {
   // the name of the whole robot; a program with systemd support does so on its own.
   program.without = {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"};
   program.output = spec.output;
+  program.env.emplace("MUSHER_LOG_TIME", "1");  // `musher logs` merges the lines by their times
   const bool marked = !spec.mark.empty();
   if (marked) program.env[kChildMark] = std::string(kMarkDigits, '0') + "/" + spec.mark;
   program.after_fork = [marked](char* const* environment) {

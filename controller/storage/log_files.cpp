@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -19,6 +18,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/controller/storage/log_parts.hpp"
 #include "musher/controller/storage/log_rotation.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 
@@ -97,36 +97,6 @@ class PartWriter {
   gzFile file_ = nullptr;
   bool done_ = false;
 };
-
-// The number of "<file>.<n>.gz"; nullopt: another file.
-std::optional<std::uint64_t> PartNumber(const std::string& name, const std::string& file) {
-  if (!name.starts_with(file + ".") || !name.ends_with(".gz")) return std::nullopt;
-  const char* begin = name.data() + file.size() + 1;
-  const char* end = name.data() + name.size() - 3;
-  std::uint64_t number = 0;
-  const auto [rest, error] = std::from_chars(begin, end, number);
-  if (error != std::errc() || rest != end) return std::nullopt;
-  return number;
-}
-
-std::string PartPath(const std::string& path, std::uint64_t number) {
-  return path + "." + std::to_string(number) + ".gz";
-}
-
-std::vector<LogPart> PartsOf(const std::string& path) {
-  std::vector<LogPart> parts;
-  const std::string file = fs::path(path).filename();
-  for (const fs::path& entry : EntriesOf(fs::path(path).parent_path())) {
-    const auto number = PartNumber(entry.filename(), file);
-    struct stat info {};
-    if (!number || stat(entry.c_str(), &info) != 0) continue;
-    parts.push_back({*number, info.st_size,
-                     std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec});
-  }
-  std::sort(parts.begin(), parts.end(),
-            [](const LogPart& a, const LogPart& b) { return a.number < b.number; });
-  return parts;
-}
 
 }  // namespace
 
@@ -208,7 +178,7 @@ struct LogFiles::State {
     for (Log& log : logs) took |= Rotate(log);
     for (Log& log : logs) sizes.push_back(SizesOf(log));
     for (const auto& [log, number] : PartsBeyond(max_total_bytes, sizes)) {
-      unlink(PartPath(logs[log].file.path, number).c_str());
+      unlink(LogPartPath(logs[log].file.path, number).c_str());
     }
     const std::lock_guard lock(mutex);
     busy = took;
@@ -217,7 +187,7 @@ struct LogFiles::State {
   LogSizes SizesOf(const Log& log) const {
     struct stat info {};
     const bool there = stat(log.file.path.c_str(), &info) == 0 && S_ISREG(info.st_mode);
-    return {log.max_bytes, there ? info.st_size : 0, PartsOf(log.file.path), log.no_room};
+    return {log.max_bytes, there ? info.st_size : 0, LogPartsOf(log.file.path), log.no_room};
   }
 
   // Returns whether the live file was too large.
@@ -225,7 +195,7 @@ struct LogFiles::State {
     const LogSizes sizes = SizesOf(log);
     const LogActions actions = RotationOf(sizes);
     for (const std::uint64_t number : actions.remove) {
-      unlink(PartPath(log.file.path, number).c_str());
+      unlink(LogPartPath(log.file.path, number).c_str());
     }
     if (actions.save == 0 && actions.drop == 0) {
       ReportDrop(log);
@@ -264,7 +234,7 @@ struct LogFiles::State {
     if (auto saved = Save(log, file, actions, number, false); !saved) return saved.error();
     if (fallocate(file, FALLOC_FL_COLLAPSE_RANGE, 0, actions.save + actions.drop) != 0) {
       const int error = errno;
-      unlink(PartPath(log.file.path, number).c_str());
+      unlink(LogPartPath(log.file.path, number).c_str());
       if (error == EOPNOTSUPP || error == EINVAL || error == ENOSYS) return false;
       return SystemError("can't shorten " + log.file.path, error);
     }
@@ -288,7 +258,7 @@ struct LogFiles::State {
   Result<> Save(const Log& log, int file, const LogActions& actions, std::uint64_t number,
                 bool to_the_end) {
     if (actions.save == 0) return Ok();
-    const std::string path = PartPath(log.file.path, number);
+    const std::string path = LogPartPath(log.file.path, number);
     PartWriter part(path);
     bool written = part.Copy(file, 0, actions.save) == actions.save;
     if (to_the_end) written = written && part.Copy(file, actions.save, INT64_MAX) >= 0;

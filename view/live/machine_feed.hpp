@@ -14,13 +14,13 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/process_usage.hpp"
 #include "musher/controller/client/leader_watch.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/view/json/message_json.hpp"
 #include "musher/view/live/page_queue.hpp"
-#include "musher/view/metrics/process_usage.hpp"
 #include "musher/view/record/journal_recorder.hpp"
 
 namespace musher::view {

@@ -23,12 +23,12 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/process_usage.hpp"
 #include "musher/base/time.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/view/metrics/exposition.hpp"
-#include "musher/view/metrics/process_usage.hpp"
 
 namespace musher::view {
 

@@ -52,15 +52,17 @@ std::string SwitchProgressText(const msg::MachineStatus& shown, const std::strin
   constexpr std::size_t kMostNames = 4;
   constexpr std::size_t kWidth = 78;
   std::vector<std::string> switching;
+  std::size_t done = 0;
   for (const msg::ActuatorInfo& actuator : shown.actuators) {
+    if (actuator.target.empty() && actuator.state == target) ++done;
     if (!actuator.target.empty()) switching.push_back(Printable(actuator.name));
   }
   if (switching.empty()) return "";
   const std::size_t more = switching.size() - std::min(switching.size(), kMostNames);
   switching.resize(switching.size() - more);
-  std::string text =
-      fmt::format("{}, {} s: still switching {}{}", Printable(target), seconds,
-                  fmt::join(switching, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
+  std::string text = fmt::format("{}, {} s: {} of {} done, still switching {}{}", Printable(target),
+                                 seconds, done, shown.actuators.size(), fmt::join(switching, ", "),
+                                 more == 0 ? "" : fmt::format(" and {} more", more));
   if (text.size() > kWidth) text = text.substr(0, kWidth - 3) + "...";
   return text;
 }

@@ -64,7 +64,7 @@ void Fill(RobotMetrics& metrics, const msg::MachineStatus& status, Time now) {
     beat.name = info.name;
     beat.period_ns = 100'000'000;
     metrics.On(beat, now);
-    metrics.OnProcess(info.name, view::ProcessUsage{1, 1, 1.25, 12 << 20});
+    metrics.OnProcess(info.name, ProcessUsage{1, 1, 1.25, 12 << 20});
   }
 }
 
@@ -88,7 +88,7 @@ void Measure(int actuators, int scrapes) {
     std::string text;
     text_us.push_back(UsOf([&] { text = metrics.Text(now, MetricsFormat::kOpenMetrics); }));
     status_us.push_back(UsOf([&] { metrics.On(status, now); }));
-    process_us.push_back(UsOf([] { static_cast<void>(view::UsageOf(1)); }));
+    process_us.push_back(UsOf([] { static_cast<void>(UsageOf(1)); }));
     bytes.push_back(static_cast<double>(text.size()));
   }
   const Table table("GET /metrics of " + std::to_string(actuators) + " actuators");

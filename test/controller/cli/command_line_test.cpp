@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 #include <vector>
 
+#include "musher/controller/cli/grammar/examples.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli::command_line_test {
@@ -178,6 +180,34 @@ TEST(CommandLine, GroupsTheCommandsByWhatTheyAreFor) {
     at = found;
   }
   EXPECT_THAT(help, Not(HasSubstr("\n  complete ")));
+}
+
+TEST(CommandLine, HasAnExampleOfEachCommandThatItUnderstands) {
+  for (const std::string& line : GrammarLines()) {
+    if (line.starts_with('-')) continue;
+    const std::string command = line.substr(0, line.find(' '));
+    const std::string example(ExampleOf(command));
+    ASSERT_NE(example, "") << "grammar/examples.cpp has none of " << command;
+    std::istringstream in(example);
+    std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
+    Words arguments;
+    for (std::size_t i = 1; i < words.size(); ++i) arguments.push_back(words[i].c_str());
+    EXPECT_TRUE(std::holds_alternative<CommandLine>(Parse(arguments))) << example;
+  }
+}
+
+TEST(CommandLine, OffersTheCommandsForAnActuatorWithTheirOptions) {
+  for (const Words& line :
+       {Words{"logs"},
+        Words{"logs", "legs", "eyes", "-f", "-n", "5", "--level", "warning", "--since", "5m"},
+        Words{"top", "--once"}, Words{"top", "--interval", "0.5", "--json"},
+        Words{"describe", "legs", "--config", "robot.toml"}}) {
+    Parsed(line);
+  }
+  EXPECT_THAT(Wrong({"logs", "--level", "loud"}), HasSubstr("loud"));
+  EXPECT_THAT(Wrong({"logs", "--since", "yesterday"}), HasSubstr("invalid time 'yesterday'"));
+  EXPECT_THAT(Wrong({"top", "--interval", "0"}), HasSubstr("not between 0.1 and 3600"));
+  EXPECT_THAT(Wrong({"describe"}), HasSubstr("ACTUATOR"));
 }
 
 TEST(CommandLine, ReportsThatJsonWasRequestedInAWrongCommandLine) {

@@ -1,4 +1,4 @@
-#include "musher/view/metrics/process_usage.hpp"
+#include "musher/base/process_usage.hpp"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 
 #include "musher/base/files.hpp"
 
-namespace musher::view {
+namespace musher {
 namespace {
 
 // Fields of /proc/<pid>/stat after the name of the program, counted from 0 (proc(5) counts from 3).
@@ -57,4 +57,4 @@ std::optional<ProcessUsage> UsageOf(pid_t pid) {
                     static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)));
 }
 
-}  // namespace musher::view
+}  // namespace musher

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string_view>
 
-namespace musher::view {
+namespace musher {
 
 struct ProcessUsage {
   pid_t pid = 0;
@@ -27,4 +27,4 @@ std::optional<ProcessUsage> UsageOf(pid_t pid);
 std::optional<ProcessUsage> ParseUsage(pid_t pid, std::string_view stat, double ticks_per_second,
                                        std::uint64_t page_bytes);
 
-}  // namespace musher::view
+}  // namespace musher

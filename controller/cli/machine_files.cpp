@@ -1,0 +1,108 @@
+#include "musher/controller/cli/machine_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "musher/base/diagnostic.hpp"
+#include "musher/base/files.hpp"
+#include "musher/base/host.hpp"
+#include "musher/base/toml/names.hpp"
+#include "musher/controller/storage/machine_origin.hpp"
+#include "musher/controller/storage/state_store.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::variant<MachineFiles, Failure> FromConfig(const std::string& file) {
+  ConfigReading reading = ReadConfigFile(file);
+  if (!reading.config) {
+    const auto first = std::find_if(reading.diagnostics.begin(), reading.diagnostics.end(),
+                                    [](const auto& d) { return d.severity == Severity::kError; });
+    return Failure{
+        ExitCode::kUsage,
+        {kCodeParametersInvalid,
+         first == reading.diagnostics.end() ? "can't read " + file : FormatDiagnostic(*first)}};
+  }
+  const std::string name = reading.config->name;
+  const std::string state_dir = reading.config->state_dir;
+  return MachineFiles{name, state_dir, fs::absolute(file), std::move(reading.config), false};
+}
+
+MachineFiles FromFolder(const std::string& state_dir, const MachineOrigin& origin) {
+  MachineFiles files{origin.name, state_dir, origin.file, std::nullopt, false};
+  if (fs::is_directory(origin.file)) return files;  // an upgrade root
+  files.config = ReadConfigFile(origin.file).config;
+  if (files.config && files.config->state_dir != state_dir) files.config.reset();
+  return files;
+}
+
+// The folders below the default place of a machine of that namespace and domain; newest first.
+std::vector<MachineFiles> Stopped(const std::string& name_space, int domain) {
+  const fs::path place = fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
+  std::vector<std::pair<fs::file_time_type, MachineFiles>> found;
+  for (const fs::path& folder : EntriesOf(place)) {
+    const auto origin = LoadOrigin(folder);
+    if (!origin || origin->name_space != name_space || origin->domain != domain) continue;
+    std::error_code error;
+    const auto used = fs::last_write_time(folder / "journal.sqlite", error);
+    found.emplace_back(error ? fs::file_time_type::min() : used, FromFolder(folder, *origin));
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<MachineFiles> files;
+  for (auto& [used, one] : found) files.push_back(std::move(one));
+  return files;
+}
+
+}  // namespace
+
+std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
+                                                     const GlobalOptions& global) {
+  const auto domain = transport::DomainId({});
+  if (!domain) return Failure{ExitCode::kUsage, domain.error()};
+  const pid_t leader =
+      NameLock::HolderOf(NameLock::NameOf(domain.value(), global.name_space, "musher/controller"))
+          .pid;
+  const std::string led_dir = leader == 0 ? "" : StateDirOfProcess(leader);
+  if (!config.empty()) {
+    auto files = FromConfig(config);
+    if (auto* found = std::get_if<MachineFiles>(&files)) {
+      found->led = !led_dir.empty() && found->state_dir == led_dir;
+    }
+    return files;
+  }
+  if (!led_dir.empty()) {
+    if (const auto origin = LoadOrigin(led_dir)) {
+      MachineFiles files = FromFolder(led_dir, *origin);
+      files.led = true;
+      return files;
+    }
+  }
+  auto stopped = Stopped(global.name_space, domain.value());
+  if (!stopped.empty()) return std::move(stopped.front());
+  return Failure{
+      ExitCode::kNoController,
+      {kCodeNetError,
+       fmt::format("no machine in namespace '{}' of DDS domain {} has files on this host: no "
+                   "controller leads here, and none has its state folder below {}; --config FILE "
+                   "names the config of a machine, --namespace and --domain another one",
+                   global.name_space, domain.value(),
+                   fs::path(config_toml::DefaultStateDir("any", "")).parent_path().string())}};
+}
+
+std::string LogPathOf(const MachineFiles& files, const std::string& actuator) {
+  const bool is_actuator = files.config && files.config->IndexOf(actuator).has_value();
+  if (actuator != kControllerWord || is_actuator) {
+    return files.state_dir + "/logs/" + actuator + ".log";
+  }
+  return files.config ? ControllerLogFile(*files.config) : files.state_dir + "/controller.log";
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,102 @@
+// `musher logs`, `describe` and `top` of real processes: with the machine up, with a killed or
+// stopped actuator, with the controller dead and with the machine down.
+
+#include <signal.h>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing::inspect_test {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Inspect : public MachineByCli {
+ protected:
+  static pid_t PidOf(const std::string& actuator) {
+    return Status()["actuators"][actuator]["pid"].get<pid_t>();
+  }
+};
+
+TEST_F(Inspect, LogsAreFollowedAcrossARestartAndReadWithTheMachineDown) {
+  Does("voice", "[state.SelfCheck]\nshell = \"echo tuned\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process follow(Command({"logs", "-f", "--lines", "1", "voice", "controller"}));
+  ASSERT_NE(follow.LineWith("controller"), "");
+  ASSERT_EQ(Musher({"restart", "voice"}).exit, 0);
+  EXPECT_NE(follow.LineWith("tuned"), "") << "printed after the restart";
+  follow.Signal(SIGINT);
+  EXPECT_EQ(follow.Wait().exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+
+  const Ended down = Musher({"logs", "voice", "--config", config_});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_THAT(down.out, HasSubstr("tuned"));
+  EXPECT_THAT(down.err, HasSubstr("reading " + (folder_ / "state/logs/voice.log")));
+  const Ended json = Musher({"logs", "controller", "--config", config_, "--json", "--lines", "1"});
+  EXPECT_EQ(Json(json.out)["actuator"], "controller");
+  EXPECT_TRUE(Json(json.out)["time"].is_string());
+}
+
+TEST_F(Inspect, LogsExplainWhyThereAreNone) {
+  const std::string command = "command = [\"musher-exec\", \"" + (folder_ / "eyes") + ".toml\"]\n";
+  Drop(command);
+  const Ended never = Musher({"logs", "--config", config_});
+  EXPECT_EQ(never.exit, 1);
+  EXPECT_THAT(never.err, HasSubstr("was never started on this host"));
+  EXPECT_THAT(Musher({"logs", "eyes", "--config", config_}).err,
+              HasSubstr("gives it no `command`"));
+  const Ended wrong = Musher({"logs", "vioce", "--config", config_});
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean 'voice'?"));
+}
+
+TEST_F(Inspect, DescribeShowsAnActuatorAndItsStoppedProcess) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended well = Musher({"describe", "legs"});
+  EXPECT_EQ(well.exit, 0) << well.err;
+  EXPECT_THAT(
+      well.out,
+      AllOf(HasSubstr("state         Active, for "), HasSubstr("health        well (present)"),
+            HasSubstr("can go to     "), HasSubstr("LowPower"), HasSubstr("robot.toml:"),
+            HasSubstr("capability    guide: allowed now"), HasSubstr("legs started (pid")));
+  EXPECT_TRUE(Json(Musher({"describe", "legs", "--json"}).out)["heartbeat"].is_object());
+
+  const pid_t voice = PidOf("voice");
+  kill(voice, SIGSTOP);
+  const Ended stopped = Musher({"describe", "voice"});
+  EXPECT_THAT(stopped.out, AllOf(HasSubstr("STOPPED by a signal"),
+                                 HasSubstr("kill -CONT " + std::to_string(voice))));
+  kill(voice, SIGCONT);
+  const Ended wrong = Musher({"describe", "lgs"});
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean 'legs'?"));
+}
+
+TEST_F(Inspect, DescribeOfAMachineThatIsDownShowsWhatTheFilesKnow) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended legs = Musher({"describe", "legs", "--config", config_});
+  EXPECT_EQ(legs.exit, 3);
+  EXPECT_THAT(legs.out, AllOf(HasSubstr("machine       no controller leads robot now\n"),
+                              HasSubstr("legs started (pid"), HasSubstr("musher up " + config_)));
+}
+
+TEST_F(Inspect, TopShowsWhatTheProcessesUse) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended once = Musher({"top", "--once"});
+  EXPECT_EQ(once.exit, 0) << once.err;
+  EXPECT_THAT(once.out, AllOf(HasSubstr("robot  Active"), HasSubstr("(controller)"),
+                              HasSubstr("legs*"), Not(HasSubstr("\x1b"))));
+  const auto json = Json(Musher({"top", "--once", "--json"}).out);
+  ASSERT_EQ(json["processes"].size(), 4U);
+  for (const auto& process : json["processes"]) {
+    EXPECT_GT(process["memory_bytes"], 0) << process;
+    EXPECT_GE(process["cpu_percent"], 0) << process;
+    if (process["name"] != "(controller)") {
+      EXPECT_GE(process["heartbeat_age_s"], 0) << process;
+    }
+  }
+}
+
+}  // namespace musher::testing::inspect_test
