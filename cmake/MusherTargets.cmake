@@ -4,7 +4,7 @@
 # build tree has a folder "musher" of links to the source folders, and of messages/, whose headers are generated.
 set(MUSHER_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
-foreach(folder base lifecycle wire transport actuator controller cyberdog simulation behavior application navigation modules view test)
+foreach(folder base lifecycle wire transport actuator controller cyberdog simulation behavior application navigation modules view python test)
   if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${folder})
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
   endif()

@@ -149,6 +149,7 @@ void AddStatesAndFlow(const MachineConfig& config, WordList& words) {
   if (config.flow == DefaultFlow(config.states)) return;
   words.Table("transition");
   Strings edges;
+  edges.reserve(config.flow.size());
   for (const FlowEdge& edge : config.flow) edges.push_back(edge.from + " → " + edge.to);
   words.Set("from → to", std::move(edges));
 }

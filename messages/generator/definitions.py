@@ -34,10 +34,6 @@ def text(struct, structs):
                                              for other in others)
 
 
-def appended(struct):
-    return sum(field.appended for field in struct.fields)
-
-
 def envelope(struct):
     return "true" if len(struct.own_fields) != len(struct.fields) else "false"
 
@@ -46,7 +42,7 @@ def cpp_source(files):
     """The C++ of the table, sorted by the bytes of the DDS names."""
     structs = {struct.dds_name: struct for file in files for struct in file.structs}
     rows = [f'    {{"{name}", "{struct.ros_name}",\n     R"msg({text(struct, structs)})msg",\n'
-            f'     {envelope(struct)}, {appended(struct)}}},'
+            f'     {envelope(struct)}, {struct.appended}}},'
             for name, struct in sorted(structs.items())]
     return "\n".join([
         "// Made from the IDL in messages/ when Musher is built; do not edit.",

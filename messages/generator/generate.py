@@ -7,6 +7,7 @@
     generate.py definitions --root … --out F.cpp …      the table of definitions (definitions.hpp)
     generate.py idlc --root … --out F.idl …             one file for idlc, which makes plain C structs of it
     generate.py ros --root … --out F --package P …      a ROS 2 interface package in F/P
+    generate.py python --root … --out F …           the Python classes in F/<package>/{msg,srv,action}.py
     generate.py wire-tests --root … --out F …           the tests that compare the headers with idlc's structs
 
 An .idl is given by its path below the root. A file that would not change is not written.
@@ -22,6 +23,7 @@ import cpp_headers
 import definitions
 import idl
 import joined_idl
+import python_classes
 import ros_package
 import type_hashes
 import wire_tests
@@ -52,7 +54,7 @@ def remove_others(folder, made):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["headers", "hashes", "definitions", "idlc", "ros", "wire-tests"])
+    parser.add_argument("what", choices=["headers", "hashes", "definitions", "idlc", "ros", "python", "wire-tests"])
     parser.add_argument("--root", required=True)
     parser.add_argument("--out")
     parser.add_argument("--package")
@@ -81,6 +83,8 @@ def main():
             made = ros_package.Package(given.package, files).files(given.version)
             shutil.rmtree(folder, ignore_errors=True)  # what is not made any more
             write_all(folder, made)
+        elif given.what == "python":
+            write_all(given.out, python_classes.sources(files))
         else:
             write_all(given.out, wire_tests.sources(files))
     except (idl.Fault, OSError) as fault:

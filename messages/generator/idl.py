@@ -95,6 +95,12 @@ class Struct:
         return self.fields[2:] if named == ENVELOPE else self.fields
 
     @property
+    def appended(self):
+        """How many of its last fields an older peer does not send."""
+        first = next((i for i, field in enumerate(self.fields) if field.appended), len(self.fields))
+        return len(self.fields) - first
+
+    @property
     def empty(self):
         return [field.name for field in self.own_fields] == [PLACEHOLDER]
 

@@ -35,6 +35,9 @@ const std::map<std::string, Folders>& MayInclude() {
        {"modules", "application", "actuator", "base", "lifecycle", "messages", "transport", "wire",
         "behavior", "navigation"}},
       {"view", {"view", "controller", "base", "lifecycle", "messages", "transport", "wire"}},
+      {"python",
+       {"python", "application", "actuator", "controller", "simulation", "base", "lifecycle",
+        "messages", "transport", "wire", "behavior"}},
       {"examples",
        {"application", "actuator", "controller", "cyberdog", "simulation", "base", "lifecycle",
         "messages", "transport", "wire", "behavior"}},
@@ -77,6 +80,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"ompl/", {"navigation/planner/smoothing.cpp", "test/benchmark/navigation/"}},
       {"octomap/", {"navigation/planner/octree_map.cpp"}},
       {"dlib/", {"navigation/controller/axis_control.cpp"}},
+      {"pybind11/", {"python/"}},
       {"zmq.h", {"application/groot2/", "test/application/"}},
   };
   return table;

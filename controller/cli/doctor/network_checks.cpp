@@ -32,6 +32,7 @@ bool HasOwnSettings(const DoctorFacts& facts) {
 
 std::string NamesOf(const std::vector<NetworkInterface>& interfaces) {
   std::vector<std::string> names;
+  names.reserve(interfaces.size());
   for (const NetworkInterface& one : interfaces) {
     names.push_back(one.name + (one.up ? "" : " (down)"));
   }
@@ -203,6 +204,7 @@ DoctorCheck CheckRos2(const DoctorFacts& facts) {
                    !ValueOf(facts, "ROS_AUTOMATIC_DISCOVERY_RANGE").empty();
   if (!set && !nodes) return check;
   std::vector<std::string> obstacles;
+  obstacles.reserve(facts.ros.size());
   for (const Diagnostic& d : facts.ros) obstacles.push_back(d.message);
   if (obstacles.empty() && set) {
     obstacles = transport::RosObstacles(facts.profile, facts.environment, facts.environment);

@@ -1,0 +1,50 @@
+"""Musher in Python: modules of a robot, clients of a machine, topics, services and actions.
+
+    import musher
+
+    class Gripper(musher.Actuator):
+        def on_active(self) -> None: ...
+
+    musher.run(Gripper)
+"""
+
+try:
+    from musher import _native
+except ImportError as error:
+    import sys as _sys
+    raise ImportError(f"musher's extension does not fit this interpreter, {_sys.executable} (Python "
+                      f"{_sys.version_info.major}.{_sys.version_info.minor}); it is built for the system's, "
+                      f"/usr/bin/python3: {error}") from error
+
+from typing import TYPE_CHECKING, Any
+
+from musher._actuator import Actuator, run, state
+from musher._errors import ConfigError, Failure, Key, NotAllowed
+from musher._log import log
+from musher._native import VERSION as __version__
+from musher._node import Node, Publisher, ServiceClient, ServiceServer, Subscription
+
+if TYPE_CHECKING:
+    from musher._action import ActionClient, ActionServer, Goal, GoalCanceled, GoalFailed, ServerGoal
+    from musher._machine import ActuatorOutcome, Machine, Outcome, SwitchFailed
+
+# Loaded at their first use: an actuator mostly does not need them.
+_LATER = {
+    "_action": ("ActionClient", "ActionServer", "Goal", "GoalCanceled", "GoalFailed", "ServerGoal"),
+    "_machine": ("ActuatorOutcome", "Machine", "Outcome", "SwitchFailed"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    import importlib
+    for module, names in _LATER.items():
+        if name in names:
+            return getattr(importlib.import_module(f"musher.{module}"), name)
+    raise AttributeError(f"module 'musher' has no attribute '{name}'")
+
+
+__all__ = [
+    "ActionClient", "ActionServer", "Actuator", "ActuatorOutcome", "ConfigError", "Failure", "Goal", "GoalCanceled",
+    "GoalFailed", "Key", "Machine", "Node", "NotAllowed", "Outcome", "Publisher", "ServerGoal", "ServiceClient",
+    "ServiceServer", "Subscription", "SwitchFailed", "__version__", "log", "run", "state",
+]

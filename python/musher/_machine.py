@@ -1,0 +1,236 @@
+"""A client of a machine: what `musher status`, `set`, `plan`, `history`, `watch` and `estop` do."""
+
+import dataclasses
+import datetime
+import os
+import time
+from typing import Any, Iterator, List, Optional
+
+from musher import _native
+from musher._errors import Failure
+from musher._message import codec_of
+from musher._node import Node, Subscription, default_by
+from musher.musher_msgs.msg import HistoryEntry, MachineStatus
+from musher.musher_msgs.srv import (GetHistory, GetPlan, ReleaseEmergencyStop, RestartActuator, SetState)
+
+_NEWS, _END = range(2)  # as in native/client.cpp
+_TIMEOUT = 107  # Robot (100) + TIMEOUT
+_NET_ERROR = 105
+
+
+@dataclasses.dataclass(frozen=True)
+class ActuatorOutcome:
+    """What a switch did to one actuator."""
+
+    name: str
+    outcome: str  # "done", "refused", "failed", "overdue", "lost", "undone", "skipped", "unsupported"
+    code: int
+    reason: str
+    duration_ms: float
+    state: str  # it is in now
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """The definite outcome of a switch."""
+
+    outcome: str  # "done", "refused", "undone", "done-degraded", "superseded", "interrupted", or "" (unknown)
+    state: str  # the machine is in now
+    code: int
+    reason: str
+    number: int  # of the switch
+    degraded: List[str]  # left out
+    actuators: List[ActuatorOutcome]
+
+    @property
+    def done(self) -> bool:
+        return self.outcome == "done"
+
+
+class SwitchFailed(Failure):
+    """A switch did not end as done; `outcome` has all that is known."""
+
+    outcome: Outcome
+
+    def __init__(self, outcome: Outcome) -> None:
+        text = outcome.reason or f"the machine is in {outcome.state}"
+        super().__init__(outcome.code or 101, f"{outcome.outcome or 'unknown'}: {text}")
+        self.outcome = outcome
+
+
+class Machine:
+    """A machine and its controller.
+
+        with musher.Machine("robot.toml") as machine:
+            machine.set("Active")
+
+    `config`: its state config, which has the namespace; or pass the namespace itself. The defaults are those of
+    the `musher` program: $MUSHER_NAMESPACE, $ROS_DOMAIN_ID, $MUSHER_KEYS.
+    """
+
+    def __init__(self, config: "str | os.PathLike[str]" = "", *, namespace: Optional[str] = None,
+                 domain: Optional[int] = None, keys: str = "", identity: str = "") -> None:
+        path = os.fspath(config)
+        if path and namespace is None:
+            namespace = _native.read_machine(path)[0]
+        self.node = Node(namespace=namespace, domain=domain, keys=keys, identity=identity)
+        self._service = lambda name: "/" + _native.machine_service(self.node.namespace, name)
+        self._status_topic = "/" + _native.machine_status_topic(self.node.namespace)
+        self._find_s = 4.0 if keys or os.environ.get("MUSHER_KEYS") else 1.2
+
+    def status(self) -> MachineStatus:
+        """Raises musher.Failure if no controller is found."""
+        with _Closing(self._watch()) as statuses:
+            found = statuses.take(self._find_s)
+        if found is None:
+            raise self._not_found()
+        return found
+
+    def watch(self) -> Iterator[MachineStatus]:
+        """Each new status of the machine, the present one first."""
+        with _Closing(self._watch()) as statuses:
+            yield from statuses
+
+    def wait_until(self, condition: Any, timeout_s: float = 60.0) -> MachineStatus:
+        """The first status for which condition(status) holds; or pass the name of a state that it is in."""
+        end = time.monotonic() + timeout_s
+        holds = (lambda status: status.state == condition) if isinstance(condition, str) else condition
+        last: Optional[MachineStatus] = None
+        with _Closing(self._watch()) as statuses:
+            while True:
+                left = end - time.monotonic()
+                status = statuses.take(max(left, 0.0)) if left > 0 else None
+                if status is None:
+                    if last is None:
+                        raise self._not_found()
+                    raise Failure(_TIMEOUT, f"after {timeout_s} s the machine is in {last.state} ({last.phase})")
+                last = status
+                if holds(status):
+                    return status
+
+    def set(self, state: str, actuator: str = "", *, timeout_s: float = 60.0, by: str = "") -> Outcome:
+        """Switches the machine, or one actuator, and waits for the outcome, also if the controller that was
+        called exits meanwhile. Raises musher.SwitchFailed unless it is done."""
+        outcome = self.request(state, actuator, timeout_s=timeout_s, by=by)
+        if not outcome.done:
+            raise SwitchFailed(outcome)
+        return outcome
+
+    def request(self, state: str, actuator: str = "", *, timeout_s: float = 60.0, by: str = "") -> Outcome:
+        """As set(), but returns any outcome. Raises musher.Failure if no controller is found."""
+        for given in (state, actuator):
+            if not isinstance(given, str):
+                raise TypeError(f"a state and an actuator are names, not {given!r}")
+        mailbox = _native.Mailbox()
+        switch = _native.Switch(self._native(), state, actuator, by or default_by(), timeout_s,
+                                min(self._find_s, timeout_s), mailbox)
+        try:
+            while True:
+                item = mailbox.pop(None)
+                if item is not None and item.kind == _END:
+                    break
+        finally:
+            switch.close()
+        response = item.decode(codec_of(SetState.Response), False)
+        if response.outcome == "" and not self._leads():
+            raise Failure(_NET_ERROR, response.reason or self._not_found().reason)
+        return Outcome(response.outcome, response.state, response.code, response.reason, response.switch_number,
+                       list(response.degraded),
+                       [ActuatorOutcome(one.name, one.outcome, one.code, one.message, one.duration_ms, one.state)
+                        for one in response.actuators])
+
+    def plan(self, state: str, actuator: str = "") -> "GetPlan.Response":
+        """What a switch would do; changes nothing."""
+        return self._call("get_plan", GetPlan, GetPlan.Request(state, actuator))
+
+    def history(self, limit: int = 1000, since: Optional[datetime.datetime] = None) -> List[HistoryEntry]:
+        """The machine's journal, oldest first: the newest so many entries, after this time."""
+        since_ns = 0 if since is None else int(since.timestamp() * 1e9)
+        reply = self._call("get_history", GetHistory, GetHistory.Request(since_ns, limit))
+        if reply.error:
+            raise Failure(_NET_ERROR, reply.error)
+        return list(reply.entries)
+
+    def restart(self, actuator: str, *, timeout_s: float = 60.0, by: str = "") -> None:
+        """Starts an actuator's process again; returns when it is back where the machine is."""
+        reply = self._call("restart_actuator", RestartActuator, RestartActuator.Request(actuator, by or default_by()),
+                           timeout_s)
+        if reply.code != 0:
+            raise Failure(reply.code, reply.reason)
+
+    def estop(self, reason: str = "", *, timeout_s: float = 2.0, by: str = "") -> List[str]:
+        """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
+        raises musher.Failure if one has not confirmed it in time. The stop stays engaged in any case."""
+        stop = _native.Stop(self._native(), by or default_by(), reason)
+        end = time.monotonic() + timeout_s
+        try:
+            with _Closing(self._watch()) as statuses:
+                status: Optional[bytes] = None
+                while True:
+                    new = statuses.take(0.005)
+                    status = new.to_bytes() if new is not None else status
+                    settled, actuators = stop.report(status)
+                    if (settled and actuators) or time.monotonic() >= end:
+                        break
+        finally:
+            stop.close()
+        missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
+        if missing:
+            raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
+        if not actuators:
+            raise self._not_found("no actuator")
+        return [name for name, _, _, _ in actuators]
+
+    def release_estop(self, by: str = "") -> None:
+        """Releases the emergency stop; changes no state."""
+        reply = self._call("release_emergency_stop", ReleaseEmergencyStop,
+                           ReleaseEmergencyStop.Request(by or default_by()))
+        if reply.code != 0:
+            raise Failure(reply.code, reply.reason)
+
+    def close(self) -> None:
+        self.node.close()
+
+    def __enter__(self) -> "Machine":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _native(self) -> _native.Node:
+        self.node._check("musher")
+        assert self.node._native is not None
+        return self.node._native
+
+    def _watch(self) -> "Subscription[MachineStatus]":
+        return self.node.subscribe(self._status_topic, MachineStatus, latched=True, depth=1)
+
+    def _leads(self) -> bool:
+        with _Closing(self._watch()) as statuses:
+            return statuses.take(self._find_s) is not None
+
+    def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0) -> Any:
+        with _Closing(self.node.client(self._service(name), service)) as client:
+            end = time.monotonic() + self._find_s
+            while not client.ready:
+                if time.monotonic() >= end:
+                    raise self._not_found()
+                time.sleep(0.005)
+            return client.call(request, timeout_s)
+
+    def _not_found(self, what: str = "no controller") -> Failure:
+        return Failure(_NET_ERROR, f"{what} in namespace '{self.node.namespace}'; is the machine up "
+                                   "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
+
+
+class _Closing:
+    """contextlib.closing, with the type of what it closes."""
+
+    def __init__(self, endpoint: Any) -> None:
+        self._endpoint = endpoint
+
+    def __enter__(self) -> Any:
+        return self._endpoint
+
+    def __exit__(self, *_: object) -> None:
+        self._endpoint.close()

@@ -1,0 +1,98 @@
+#include "musher/python/native/client.hpp"
+
+#include <pybind11/stl.h>
+
+#include "musher/base/host.hpp"
+#include "musher/controller/client/latching.hpp"
+#include "musher/controller/client/switch_client.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/python/native/node.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::python {
+namespace {
+
+enum SwitchKind : int { kSwitchNews, kSwitchEnd };  // of items; musher/_machine.py has the same
+
+// A requested switch; its outcome goes into the mailbox: a SetState.Response in bytes, and how it
+// is known.
+class Switch : public OnLoop<SwitchClient> {
+ public:
+  Switch(const PyNodePtr& node, const std::string& target, const std::string& actuator,
+         const std::string& by, double timeout_s, double find_s, const MailboxPtr& mailbox)
+      : OnLoop(node, [&](transport::Node& on) {
+          SwitchClient::Options options;
+          options.leader = {node->name_space, HostId(), WatchByPidfd(on.loop())};
+          options.by = by;
+          options.timeout = Seconds(timeout_s);
+          options.find = Seconds(find_s);
+          return SwitchClient::Make(
+              on, options, target, actuator,
+              [mailbox](const std::string& news) {
+                Item item;
+                item.kind = kSwitchNews;
+                item.text = news;
+                mailbox->Push(std::move(item));
+              },
+              [mailbox](const SwitchEnd& end) {
+                Item item;
+                item.kind = kSwitchEnd;
+                item.code = static_cast<std::int32_t>(end.kind);
+                item.bytes = msg::Encode(end.result);
+                mailbox->Push(std::move(item));
+              });
+        }) {}
+};
+
+// An emergency stop that is published as long as this exists.
+class Stop : public OnLoop<Latching> {
+ public:
+  Stop(const PyNodePtr& node, const std::string& by, const std::string& reason)
+      : OnLoop(node, [&](transport::Node& on) {
+          return Latching::Begin(on, node->name_space, NewEmergencyStop(by, reason));
+        }) {}
+
+  // Which actuators are stopped: (all that can have latched it, [(name, stopped, after_s,
+  // trouble)]).
+  using Actuators = std::vector<std::tuple<std::string, bool, double, std::string>>;
+  std::pair<bool, Actuators> Report(const std::optional<py::bytes>& machine_status) {
+    std::optional<msg::MachineStatus> status;
+    if (machine_status) {
+      const std::string_view bytes = *machine_status;
+      status = msg::Decode<msg::MachineStatus>(std::as_bytes(std::span(bytes)));
+    }
+    EstopReport report;
+    Run([&](Latching& latching) { report = latching.Report(status); });
+    Actuators actuators;
+    for (const EstopReport::Actuator& one : report.actuators) {
+      actuators.emplace_back(one.name, one.stopped,
+                             std::chrono::duration<double>(one.after).count(), one.trouble);
+    }
+    return {report.settled(), std::move(actuators)};
+  }
+};
+
+// (namespace, name) of a valid config.
+std::pair<std::string, std::string> ReadMachine(const std::string& file) {
+  const auto config = ReadValidConfig(file);
+  if (!config) Raise("ConfigError", config.error());
+  return {config.value().name_space, config.value().name};
+}
+
+}  // namespace
+
+void AddClient(py::module_& native) {
+  native.def("read_machine", &ReadMachine);
+  native.def("machine_service", &transport::MachineService);
+  native.def("machine_status_topic", &transport::MachineStatusTopic);
+  py::class_<Switch>(native, "Switch")
+      .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const std::string&,
+                    double, double, const MailboxPtr&>())
+      .def("close", &Switch::Close);
+  py::class_<Stop>(native, "Stop")
+      .def(py::init<const PyNodePtr&, const std::string&, const std::string&>())
+      .def("report", &Stop::Report)
+      .def("close", &Stop::Close);
+}
+
+}  // namespace musher::python

@@ -1,0 +1,89 @@
+#pragma once
+// A participant of the robot's domain for Python, and how an endpoint of it lives on its loop.
+//
+// Threads: with the GIL, which is released while the loop works.
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "musher/python/native/mailbox.hpp"
+#include "musher/python/native/parts.hpp"
+#include "musher/transport/dds/node_thread.hpp"
+
+namespace musher::python {
+
+struct PyNode {
+  std::shared_ptr<transport::NodeThread> thread;
+  std::string name_space;
+
+  std::string Resolve(const std::string& name) const {
+    return transport::ResolveName(name_space, name);
+  }
+};
+using PyNodePtr = std::shared_ptr<PyNode>;
+using MailboxPtr = std::shared_ptr<Mailbox>;
+
+// An object of the transport that is made, used and dropped on the loop.
+template <class T>
+class OnLoop {
+ public:
+  // `make(node)` returns a Result of a unique_ptr.
+  template <class Make>
+  OnLoop(PyNodePtr node, const Make& make) : node_(std::move(node)) {
+    const Result<> made = WithoutGil([&] {
+      Result<> result;
+      node_->thread->RunOnLoop([&] {
+        auto object = make(node_->thread->node());
+        if (!object) {
+          result = object.error();
+        } else {
+          object_ = std::move(object).value();
+        }
+      });
+      return result;
+    });
+    Check(made);
+  }
+  ~OnLoop() { Close(); }
+  OnLoop(const OnLoop&) = delete;
+  OnLoop& operator=(const OnLoop&) = delete;
+
+  void Close() {
+    if (!node_) return;
+    const PyNodePtr node = std::exchange(node_, nullptr);
+    WithoutGil([&] { node->thread->RunOnLoop([&] { object_.reset(); }); });
+  }
+  // Runs `work(object)` on the loop and waits for it. Raises musher.Failure after Close().
+  template <class Work>
+  void Run(const Work& work) {
+    const PyNodePtr node = node_;
+    if (!node) Raise("Failure", {kCodeStateInvalid, "it is closed"});
+    bool closed = false;
+    WithoutGil([&] {
+      node->thread->RunOnLoop([&] {
+        if (object_) {
+          work(*object_);
+        } else {
+          closed = true;  // by another thread meanwhile
+        }
+      });
+    });
+    if (closed) Raise("Failure", {kCodeStateInvalid, "it is closed"});
+  }
+
+ private:
+  PyNodePtr node_;
+  std::unique_ptr<T> object_;  // used on the loop
+};
+
+// An encoded body behind an id: what a service sends.
+msg::Bytes WithEnvelope(const msg::RequestId& id, std::span<const std::byte> message);
+
+Duration Seconds(double seconds);
+
+void AddNode(py::module_& native);
+void AddServices(py::module_& native);
+void AddActions(py::module_& native);
+
+}  // namespace musher::python

@@ -1,0 +1,248 @@
+"""Actuators in Python in real processes: their callbacks, failures, ends."""
+
+import os
+import signal
+import subprocess
+import sys
+import unittest
+
+import musher
+from robot import DEADLINE_S, DOMAIN, Robot, run_python
+
+ALL = """
+class A(musher.Actuator):
+    def on_set_up(self): pass
+    def on_self_check(self): pass
+    def on_active(self): pass
+    def on_low_power(self): pass
+    def on_tear_down(self): pass
+"""
+RUN = "musher.run(A)"
+
+
+def program(methods=""):
+    return ALL + "".join(f"    {line}\n" for line in methods.splitlines()) + RUN
+
+
+class Actuators(unittest.TestCase):
+    def start(self, programs, more="", config=""):
+        if isinstance(programs, str):
+            programs = {"a": programs}
+        robot = Robot(programs, more, config)
+        self.addCleanup(robot.close)
+        robot.up()
+        machine = musher.Machine(robot.file)
+        self.addCleanup(machine.close)
+        self.assertTrue(machine.wait_until(lambda status: status.phase in ("running", "failed"), DEADLINE_S))
+        return robot, machine
+
+    def test_a_failure_has_its_code_and_reason(self):
+        robot, machine = self.start(program('def on_low_power(self): raise musher.Failure(6112, "the valve is stuck")'))
+        with self.assertRaises(musher.SwitchFailed) as raised:
+            machine.set("LowPower")
+        self.assertEqual(raised.exception.outcome.outcome, "done-degraded")
+        self.assertEqual([(one.code, one.reason) for one in raised.exception.outcome.actuators],
+                         [(6112, "the valve is stuck")])
+
+    def test_an_exception_is_a_failure_with_its_type_text_and_line_and_a_traceback_in_the_log(self):
+        robot, machine = self.start(program('def on_low_power(self):\n    return {}["valve"]'))
+        outcome = machine.request("LowPower")
+        self.assertRegex(outcome.actuators[0].reason, r"^on_low_power raised KeyError: 'valve' \(a\.py:\d+\)$")
+        self.assertIn("Traceback (most recent call last)", robot.log("a"))
+
+    def test_nonsense_that_a_callback_returns_is_a_failure(self):
+        robot, machine = self.start(program("def on_low_power(self): return 5"))
+        self.assertRegex(machine.request("LowPower").actuators[0].reason, "on_low_power returned 5; a callback returns")
+
+    def test_a_callback_that_exits_is_a_failure_and_the_process_continues(self):
+        robot, machine = self.start(program("def on_low_power(self):\n    import sys; sys.exit(3)"))
+        self.assertIn("SystemExit: 3", machine.request("LowPower").actuators[0].reason)
+        self.assertTrue(machine.set("Active").done)
+
+    def test_a_failed_self_check_keeps_the_machine_in_self_check_and_a_degraded_one_does_not(self):
+        robot, machine = self.start({
+            "a": program('def on_self_check(self): self.report_degraded(6105, "one finger is weak")')})
+        status = machine.status()
+        self.assertEqual(status.state, "Active")
+        self.assertIn("one finger is weak", status.actuators[0].message)
+
+    def test_the_gate_refuses_a_function_outside_of_its_states(self):
+        robot, machine = self.start(program(
+            'def on_low_power(self):\n    try:\n        with self.allowed("grip"): pass\n'
+            "    except musher.NotAllowed as refusal: self.log.info(f'refused {refusal.code} {refusal.reason}')"),
+            config='\n[capability.grip]\ndescription = "grip"\nactuators = ["a"]\nstates = ["Active"]\n')
+        machine.set("LowPower")
+        self.assertRegex(robot.log("a"), r"a: refused 1(03|13) \S+")
+
+    def test_an_emergency_stop_runs_beside_a_callback(self):
+        robot, machine = self.start(program(
+            "import threading\nstopped = threading.Event()\n"
+            "def on_emergency_stop(self): self.stopped.set()\n"
+            f"def on_low_power(self):\n    if not self.stopped.wait({DEADLINE_S}): raise musher.Failure(1, 'no stop')"),
+            )
+        client = musher.Machine(robot.file)
+        self.addCleanup(client.close)
+        import threading
+        outcome = []
+        switch = threading.Thread(target=lambda: outcome.append(machine.request("LowPower")))
+        switch.start()
+        client.wait_until(lambda status: status.actuators[0].target == "LowPower", DEADLINE_S)
+        self.assertEqual(client.estop("test"), ["a"])
+        switch.join(DEADLINE_S)
+        self.assertEqual(outcome[0].outcome, "done")
+        client.release_estop()
+
+    def test_the_status_is_answered_while_a_callback_computes_and_without_checkpoints_it_is_hung(self):
+        robot, machine = self.start(
+            program("def on_low_power(self):\n    while not __import__('os').path.exists('end'): pass"),
+            more="checkpoint_ms = 300")
+        first = machine.status().actuators[0].pid
+        import threading
+        switch = threading.Thread(target=lambda: machine.request("LowPower"))
+        switch.start()
+        hung = machine.wait_until(
+            lambda status: status.actuators[0].health == "hung" or status.actuators[0].restarts > 0, DEADLINE_S)
+        self.assertTrue(hung)
+        machine.wait_until(lambda status: status.actuators[0].pid not in (0, first), DEADLINE_S)
+        robot.write("end", "")
+        machine.wait_until(lambda status: not status.degraded and status.actuators[0].state == "LowPower", DEADLINE_S)
+        self.assertTrue(any("hung" in entry.message for entry in machine.history()))
+        switch.join(DEADLINE_S)
+
+    def test_checkpoints_keep_a_long_callback_well(self):
+        robot, machine = self.start(
+            program("def on_low_power(self):\n    import time\n    end = time.monotonic() + 1\n"
+                    "    while time.monotonic() < end: self.checkpoint()"),
+            more="checkpoint_ms = 300")
+        self.assertTrue(machine.set("LowPower").done)
+        self.assertFalse(any("hung" in entry.message for entry in machine.history()))
+
+    def test_topics_of_an_actuator_are_opened_in_set_up(self):
+        robot, machine = self.start(
+            "from musher.std_msgs.msg import String\n" +
+            program("def on_set_up(self):\n    self.echo = self.node.publisher('echo', String, latched=True)\n"
+                    "    self.node.subscribe('say', String, lambda said: self.echo.publish(String(said.data + '!')),"
+                    " latched=True)"))
+        from musher.std_msgs.msg import String
+        with musher.Node() as node:
+            heard = node.subscribe("echo", String, latched=True)
+            node.publisher("say", String, latched=True).publish(String("hello"))
+            self.assertEqual(heard.take(DEADLINE_S), String("hello!"))
+
+    def test_an_own_state_and_several_states_have_a_method_by_decorator(self):
+        robot, machine = self.start(program(
+            '@musher.state("LowPower")\ndef rest(self): self.log.info("rests")').replace(
+                "    def on_low_power(self): pass\n", ""))
+        machine.set("LowPower")
+        self.assertIn("a: rests", robot.log("a"))
+
+
+class Ends(unittest.TestCase):
+    """How a program ends."""
+
+    def robot(self):
+        robot = Robot({"a": program()})
+        self.addCleanup(robot.close)
+        return robot
+
+    def test_an_invalid_config_is_exit_code_2(self):
+        ended = run_python(ALL + RUN, MUSHER_CONFIG="/nowhere.toml", MUSHER_ACTUATOR="a")
+        self.assertEqual(ended.returncode, 2, ended.stderr)
+        self.assertIn("/nowhere.toml", ended.stderr)
+
+    def test_a_missing_callback_is_exit_code_2_with_the_method_to_write(self):
+        ended = run_python("class A(musher.Actuator):\n    def on_set_up(self): pass\n    def on_selfcheck(self): pass\n"
+                           + RUN, MUSHER_CONFIG=self.robot().file, MUSHER_ACTUATOR="a")
+        self.assertEqual(ended.returncode, 2, ended.stderr)
+        self.assertIn("write on_self_check(self) (its on_selfcheck is not one)", ended.stderr)
+
+    def test_another_name_than_the_configs_is_exit_code_2_with_the_nearest_one(self):
+        robot = Robot({"gripper": program()})
+        self.addCleanup(robot.close)
+        ended = run_python(ALL + '    name = "griper"\n' + RUN, MUSHER_CONFIG=robot.file)
+        self.assertEqual(ended.returncode, 2, ended.stderr)
+        self.assertIn("did you mean 'gripper'?", ended.stderr)
+
+    def test_a_failed_set_up_is_exit_code_1(self):
+        ended = run_python(ALL + "    def on_set_up(self): raise musher.Failure(6101, 'no port')\n" + RUN,
+                           MUSHER_CONFIG=self.robot().file, MUSHER_ACTUATOR="a")
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("no port", ended.stderr)
+
+    def test_giving_up_is_exit_code_1(self):
+        ended = run_python(ALL + "    def on_set_up(self): self.give_up(6101, 'the arm is gone')\n" + RUN,
+                           MUSHER_CONFIG=self.robot().file, MUSHER_ACTUATOR="a")
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("gives up: the arm is gone", ended.stderr)
+
+    def test_signals_end_the_program_also_while_a_callback_is_stuck(self):
+        stuck = "    def on_set_up(self):\n        print('stuck', flush=True)\n        while True: pass\n"
+        for number in (signal.SIGTERM, signal.SIGINT):
+            process = subprocess.Popen([sys.executable, "-c", "import musher\n" + ALL + stuck + RUN],
+                                       stdout=subprocess.PIPE, text=True,
+                                       env={**os.environ, "MUSHER_CONFIG": self.robot().file, "MUSHER_ACTUATOR": "a"})
+            self.assertEqual(process.stdout.readline(), "stuck\n")
+            process.send_signal(number)
+            self.assertEqual(process.wait(DEADLINE_S), -number)
+            process.stdout.close()
+
+    def test_a_program_ends_with_a_stuck_callback_and_without_a_shutdown(self):
+        started = ("import threading\nstarted = threading.Event()\n" + ALL +
+                   "    def on_set_up(self):\n        started.set()\n        while True: pass\n"
+                   "a = A('a')\nthreading.Thread(target=a.start, daemon=True).start()\nstarted.wait()\n")
+        ended = run_python(started, MUSHER_CONFIG=self.robot().file)
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("the program ends while a callback is still running", ended.stderr)
+
+    def test_a_program_ends_that_neither_waits_nor_shuts_down(self):
+        ended = run_python(ALL + "a = A('a')\na.start()\nprint(a.current_state)", MUSHER_CONFIG=self.robot().file)
+        self.assertEqual((ended.returncode, ended.stdout), (0, "SetUp\n"), ended.stderr)
+
+    def test_use_before_the_constructor_and_after_the_end_has_a_sentence(self):
+        ended = run_python(
+            ALL + "a = A('a')\ntry: a.node\nexcept musher.Failure as e: print(e.reason)\n"
+            "a.start()\na.shutdown()\ntry: a.node\nexcept musher.Failure as e: print(e.reason)\n"
+            "class B(musher.Actuator):\n    def __init__(self): self.allowed('x')\n"
+            "try: B()\nexcept RuntimeError as e: print(e)\n", MUSHER_CONFIG=self.robot().file)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertEqual(ended.stdout.splitlines(),
+                         ["a is not started: open its topics in on_set_up"] * 2 +
+                         ["B.__init__ has not called super().__init__() yet"])
+
+
+class Arguments(unittest.TestCase):
+    def test_wrong_arguments_are_refused_with_a_sentence(self):
+        for call, text in ((lambda: musher.Failure("6112"), "the code of a Failure is an int"),
+                           (lambda: musher.Failure(0, "x"), "code 0 means success"),
+                           (lambda: musher.Failure(1, 5), "the reason of a Failure is a str"),
+                           (lambda: musher.state(), "takes names of states"),
+                           (lambda: musher.Actuator("a").checkpoint(-1), "a time above 0 s"),
+                           (lambda: musher.Actuator("a").report_degraded(0, "x"), "code 0 means success"),
+                           (lambda: musher.run(5), "musher.run\\(\\) takes a class"),
+                           (lambda: musher.Machine("/nowhere.toml"), "/nowhere.toml: error")):
+            with self.assertRaisesRegex((TypeError, ValueError, musher.Failure), text):
+                call()
+
+    def test_two_callbacks_of_a_state_are_refused(self):
+        class Twice(musher.Actuator):
+            def on_active(self):
+                pass
+
+            @musher.state("Active")
+            def run_it(self):
+                pass
+
+        with self.assertRaisesRegex(TypeError, "two callbacks for the state Active"):
+            Twice("a")
+
+    def test_without_a_controller_a_client_says_so(self):
+        with musher.Machine(namespace="nobody") as machine:
+            with self.assertRaisesRegex(musher.Failure, "no controller in namespace 'nobody'"):
+                machine.status()
+            with self.assertRaisesRegex(musher.Failure, "no controller"):
+                machine.set("Active")
+        self.assertGreater(DOMAIN, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,118 @@
+"""A robot of Python actuators that a test runs: its own folder and DDS domain, real processes."""
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+from typing import Dict, Optional
+
+SOURCE = os.environ["MUSHER_SOURCE"]
+BIN = os.environ["MUSHER_BIN"]
+DEADLINE_S = 60.0
+
+
+def lock_domain() -> "tuple[int, socket.socket]":
+    """A domain of this process, locked as test/support/domain.hpp does."""
+    for offset in range(10_000):
+        domain = 1 + (os.getpid() + offset) % 101
+        name = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            name.bind(f"\0musher/musher-test-domain/{domain}")
+        except OSError:
+            name.close()
+            continue
+        with open("/proc/net/unix", encoding="utf-8") as table:
+            if f" @musher/{domain}/" not in table.read():
+                return domain, name
+        name.close()
+    raise RuntimeError("no DDS domain is free")
+
+
+DOMAIN, _LOCK = lock_domain()
+os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
+os.environ.pop("MUSHER_NAMESPACE", None)
+os.environ["PATH"] = BIN + ":" + os.environ["PATH"]
+
+CONFIG = """[controller]
+name = "robot"
+actuators = [{names}]
+states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+default_time = 2000
+default_state = "Uninitialized"
+state_dir = "state"
+"""
+ACTUATOR = """
+[actuator.{name}]
+states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+times = [10000, 2000, 2000, 2000, 2000]
+command = ["{python}", "{name}.py"]
+cwd = "."
+critical = true
+restart_delay_ms = 10
+{more}
+"""
+
+
+class Robot:
+    """`programs`: the source of each actuator's program by its name, `more`: more keys of its table."""
+
+    def __init__(self, programs: Dict[str, str], more: str = "", config: str = "") -> None:
+        self.folder = tempfile.mkdtemp(prefix="musher-python-")
+        self.file = os.path.join(self.folder, "robot.toml")
+        text = CONFIG.format(names=", ".join(f'"{name}"' for name in programs)) + config
+        for name, program in programs.items():
+            text += ACTUATOR.format(name=name, python=sys.executable, more=more)
+            self.write(f"{name}.py", "import musher\n" + program + "\n")
+        self.write("robot.toml", text)
+        self._up: Optional[subprocess.Popen[str]] = None
+
+    def write(self, name: str, text: str) -> None:
+        with open(os.path.join(self.folder, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def read(self, name: str) -> str:
+        try:
+            with open(os.path.join(self.folder, name), encoding="utf-8") as file:
+                return file.read()
+        except FileNotFoundError:
+            return ""
+
+    def log(self, name: str) -> str:
+        for folder, _, files in os.walk(os.path.join(self.folder, "state")):
+            if f"{name}.log" in files:
+                return self.read(os.path.join(folder, f"{name}.log"))
+        return ""
+
+    def up(self) -> "subprocess.Popen[str]":
+        with open(os.path.join(self.folder, "up.err"), "w", encoding="utf-8") as err:
+            self._up = subprocess.Popen(["musher", "up", self.file], stdout=subprocess.DEVNULL, stderr=err, text=True)
+        return self._up
+
+    def run(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(["musher", *arguments], capture_output=True, text=True, timeout=DEADLINE_S, check=False)
+
+    def close(self) -> None:
+        if self._up is not None:
+            self.run("down")
+            try:
+                self._up.wait(DEADLINE_S)
+            except subprocess.TimeoutExpired:
+                self._up.kill()
+                self._up.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def __enter__(self) -> "Robot":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def run_python(program: str, **more: str) -> "subprocess.CompletedProcess[str]":
+    """Runs a program of its own to its end."""
+    return subprocess.run([sys.executable, "-X", "faulthandler", "-c", "import musher\n" + program],
+                          capture_output=True, text=True, timeout=DEADLINE_S, check=False, env={**os.environ, **more})
+
+
