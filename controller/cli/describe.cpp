@@ -167,7 +167,7 @@ class Questions {
   void Subscribe() {
     transport::Qos qos = transport::kHeartbeatQos;
     qos.partition = transport::ReaderPartition(!global_.keys.empty());
-    auto beats = transport::MakeSubscription<msg::ActuatorBeat>(
+    auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
         link_.node(), transport::ActuatorBeatTopic(global_.name_space),
         [this](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
           if (beat.name != d_.name || !transport::IsFrom(beat.name, info)) return;
@@ -175,7 +175,7 @@ class Questions {
           beat_at_ = link_.loop().Now();
         },
         qos);
-    if (beats) beats_ = std::move(beats).value();
+    if (heartbeats) heartbeats_ = std::move(heartbeats).value();
   }
 
   void FindServices() {
@@ -203,7 +203,7 @@ class Questions {
   std::unique_ptr<transport::Client<msg::GetCapabilities>> capabilities_;
   std::unique_ptr<transport::Client<msg::GetBehavior>> behavior_;
   std::unique_ptr<transport::Client<msg::GetTree>> tree_;
-  std::unique_ptr<transport::Subscription> beats_;
+  std::unique_ptr<transport::Subscription> heartbeats_;
 };
 
 std::vector<std::string> StatesToAsk(const Description& d) {

@@ -43,16 +43,16 @@ class TopWatch {
     if (!followed) return followed.error();
     transport::Qos qos = transport::kHeartbeatQos;
     qos.partition = transport::ReaderPartition(!global_.keys.empty());
-    auto beats = transport::MakeSubscription<msg::ActuatorBeat>(
+    auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
         link_.node(), transport::ActuatorBeatTopic(global_.name_space),
         [this](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
           if (transport::IsFrom(beat.name, info)) {
-            beats_[beat.name] = {beat, link_.loop().Now()};
+            heartbeats_[beat.name] = {beat, link_.loop().Now()};
           }
         },
         qos);
-    if (!beats) return beats.error();
-    beats_subscription_ = std::move(beats).value();
+    if (!heartbeats) return heartbeats.error();
+    heartbeat_subscription_ = std::move(heartbeats).value();
     auto history = transport::MakeClient<msg::GetHistory>(
         link_.node(), transport::MachineService(global_.name_space, "get_history"));
     if (!history) return history.error();
@@ -129,7 +129,7 @@ class TopWatch {
     row.pid = a.pid;
     row.restarts = a.restarts;
     row.elsewhere = a.pid != 0 && (a.host.empty() || a.host != HostId());
-    if (const auto beat = beats_.find(a.name); beat != beats_.end()) {
+    if (const auto beat = heartbeats_.find(a.name); beat != heartbeats_.end()) {
       row.beat_age_s = ToSeconds(now - beat->second.second);
       const std::int64_t silent = beat->second.first.silent_ns;
       if (silent > 0) row.checkpoint_age_s = static_cast<double>(silent) / 1e9 + *row.beat_age_s;
@@ -162,14 +162,14 @@ class TopWatch {
 
   Link& link_;
   const GlobalOptions& global_;
-  std::map<std::string, std::pair<msg::ActuatorBeat, Time>> beats_;
+  std::map<std::string, std::pair<msg::ActuatorBeat, Time>> heartbeats_;
   std::map<std::string, Event> events_;
   std::map<pid_t, ProcessUsage> usages_;  // of the last sample
   Time sampled_{};
   bool history_due_ = true;
   bool events_known_ = false;
   std::unique_ptr<transport::Client<msg::GetHistory>> history_;
-  std::unique_ptr<transport::Subscription> beats_subscription_;
+  std::unique_ptr<transport::Subscription> heartbeat_subscription_;
 };
 
 // Redraws the table on the terminal until q or Ctrl-C.

@@ -64,6 +64,16 @@ TEST_F(LogDeathTest, WritesInfoAndAboveByDefault) {
                     Not(HasSubstr("12 N"))));
 }
 
+TEST_F(LogDeathTest, BeginsEachLineWithTheTimeWhereItIsRequested) {
+  const auto write = [] {
+    setenv("MUSHER_LOG_TIME", "1", 1);
+    WriteEach(nullptr);
+  };
+  EXPECT_EXIT(write(), ExitedWithCode(0),
+              ::testing::ContainsRegex("20[0-9][0-9]-[0-9][0-9]-[0-9][0-9] [0-9:]{8}[.][0-9]{3} "
+                                       "gripper: grips\n20.* gripper: warning: hot"));
+}
+
 TEST_F(LogDeathTest, WritesFromTheLevelInTheEnvironmentOn) {
   EXPECT_EXIT(WriteEach("debug"), ExitedWithCode(0), HasSubstr("gripper: debug: 12 N\n"));
   EXPECT_EXIT(

@@ -2,8 +2,10 @@
 // control characters for the terminal.
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/log_lines.hpp"
 #include "musher/controller/cli/render/skill.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/render/tree.hpp"
@@ -33,7 +35,7 @@ std::optional<M> Take(std::span<const std::byte> bytes) {
 }
 
 void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
-  switch (kind % 9) {
+  switch (kind % 10) {
     case 0:
       if (const auto status = Take<msg::MachineStatus>(bytes)) {
         RequireJson(StatusJson(*status));
@@ -99,6 +101,17 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
         RequirePrintable(TreeMermaid(*report));
       }
       return;
+    case 9: {
+      LogLines log("legs");
+      std::istringstream text(
+          std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+      for (std::string line; std::getline(text, line);) {
+        const LogEntry entry = log.Take(line);
+        RequireJson(LogJson(entry));
+        RequirePrintable(LogText(entry, 6, false));
+      }
+      return;
+    }
     default:
       if (const auto progress = Take<Progress>(bytes)) {
         RequireJson(ProgressJson(*progress));

@@ -60,7 +60,7 @@ std::string SwitchProgressText(const msg::MachineStatus& shown, const std::strin
   if (switching.empty()) return "";
   const std::size_t more = switching.size() - std::min(switching.size(), kMostNames);
   switching.resize(switching.size() - more);
-  std::string text = fmt::format("{}, {} s: {} of {} done, still switching {}{}", Printable(target),
+  std::string text = fmt::format("{}, {} s: {} of {} done, waiting for {}{}", Printable(target),
                                  seconds, done, shown.actuators.size(), fmt::join(switching, ", "),
                                  more == 0 ? "" : fmt::format(" and {} more", more));
   if (text.size() > kWidth) text = text.substr(0, kWidth - 3) + "...";

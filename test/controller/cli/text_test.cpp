@@ -216,10 +216,10 @@ TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
 TEST_F(Text, ShowsWhatASwitchStillWaitsForOnLessThanALine) {
   msg::MachineStatus status = RobotStatus();
   EXPECT_EQ(SwitchProgressText(status, "LowPower", 3),
-            "LowPower, 3 s: 0 of 2 done, still switching legs");
+            "LowPower, 3 s: 0 of 2 done, waiting for legs");
   for (int i = 0; i < 9; ++i) status.actuators.push_back(status.actuators[0]);
   EXPECT_EQ(SwitchProgressText(status, "LowPower", 12),
-            "LowPower, 12 s: 0 of 11 done, still switching legs, legs, legs, legs and 6 more");
+            "LowPower, 12 s: 0 of 11 done, waiting for legs, legs, legs, legs and 6 more");
   status.actuators[0].name = std::string(90, 'x');
   EXPECT_EQ(SwitchProgressText(status, "LowPower", 0).size(), 78U);
   for (msg::ActuatorInfo& actuator : status.actuators) actuator.target.clear();
