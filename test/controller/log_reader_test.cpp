@@ -40,7 +40,7 @@ class Reading : public ::testing::Test {
     return lines;
   }
 
-  const testing::TempFolder folder_;
+  const TempFolder folder_;
   const std::string log_ = folder_ / "legs.log";
 };
 
