@@ -21,7 +21,7 @@ extensions = ["myst_parser", "sphinx_copybutton", "contents", "diagrams", "sourc
 root_doc = "docs/README"
 include_patterns = ["*.md", "docs/**", "examples/**", "lifecycle/**", "messages/**", "modules/**", "navigation/**", "test/**",
                     "view/**"]
-exclude_patterns = ["build", "**/node_modules", ".*"]
+exclude_patterns = ["build", "**/node_modules", ".*", "examples/new_*"]  # those are templates of `musher new`
 source_suffix = {".md": "markdown"}
 
 myst_heading_anchors = 4
