@@ -1,0 +1,114 @@
+"""Topics, services and actions between two nodes of a process."""
+
+import threading
+import unittest
+
+import musher
+from musher.example_interfaces.action import Fibonacci
+from musher.std_msgs.msg import String
+from musher.std_srvs.srv import Trigger
+from robot import DEADLINE_S, run_python
+
+
+class Nodes(unittest.TestCase):
+    def setUp(self):
+        self.here, self.there = musher.Node(), musher.Node()
+        self.addCleanup(self.here.close)
+        self.addCleanup(self.there.close)
+
+    def test_a_handler_gets_the_messages_and_an_exception_of_it_does_not_stop_the_next(self):
+        heard, all_there = [], threading.Event()
+
+        def hear(message):
+            heard.append(message.data)
+            if len(heard) == 2:
+                all_there.set()
+            raise ValueError("expected by the test")
+
+        self.there.subscribe("chat", String, hear, latched=True)
+        publisher = self.here.publisher("chat", String, latched=True)
+        publisher.publish(String("one"))
+        publisher.publish(String("two"))
+        self.assertTrue(all_there.wait(DEADLINE_S))
+        self.assertEqual(heard, ["one", "two"])
+
+    def test_a_subscription_without_a_handler_is_iterated_until_it_is_closed(self):
+        subscription = self.there.subscribe("chat", String, latched=True)
+        self.assertIsNone(subscription.take(0))
+        self.here.publisher("chat", String, latched=True).publish(String("one"))
+        for message in subscription:
+            self.assertEqual(message, String("one"))
+            subscription.close()
+
+    def test_a_service_replies_and_a_bad_handler_leaves_its_client_to_the_timeout(self):
+        self.there.serve("good", Trigger, lambda request: Trigger.Response(True, "fine"))
+        self.there.serve("bad", Trigger, lambda request: 5)
+        reply = self.here.client("good", Trigger).call(Trigger.Request(), DEADLINE_S)
+        self.assertEqual(reply, Trigger.Response(True, "fine"))
+        with self.assertRaisesRegex(musher.Failure, "no reply in time"):
+            self.here.client("bad", Trigger).call(Trigger.Request(), 0.2)
+        with self.assertRaisesRegex(TypeError, "a std_srvs/srv/Trigger_Request is expected, not 5"):
+            self.here.client("good", Trigger).call(5)
+
+    def test_a_call_inside_of_a_handler_does_not_block_the_loop(self):
+        self.there.serve("inner", Trigger, lambda request: Trigger.Response(True, "inner"))
+        client = self.here.client("inner", Trigger)
+        self.here.serve("outer", Trigger, lambda request: client.call(request, DEADLINE_S))
+        reply = self.there.client("outer", Trigger).call(Trigger.Request(), DEADLINE_S)
+        self.assertEqual(reply.message, "inner")
+
+    def test_an_action_has_feedback_a_result_and_cancellation(self):
+        def compute(goal):
+            sequence = [0, 1]
+            for _ in range(goal.goal.order):
+                sequence.append(sequence[-1] + sequence[-2])
+                goal.feedback(Fibonacci.Feedback(sequence))
+                if goal.goal.order > 20 and goal.wait_for_cancel(DEADLINE_S):
+                    raise musher.GoalCanceled(Fibonacci.Result(sequence))
+            if goal.goal.order == 0:
+                raise ValueError("expected by the test")
+            return Fibonacci.Result(sequence)
+
+        self.there.serve_action("fibonacci", Fibonacci, compute)
+        client = self.here.action_client("fibonacci", Fibonacci)
+        self.assertEqual(list(client.send(Fibonacci.Goal(3), DEADLINE_S).result(DEADLINE_S).sequence), [0, 1, 1, 2, 3])
+        goal = client.send(Fibonacci.Goal(30), DEADLINE_S)
+        self.assertEqual(list(next(iter(goal)).sequence), [0, 1, 1])
+        goal.cancel(DEADLINE_S)
+        with self.assertRaises(musher.GoalFailed) as raised:
+            goal.result(DEADLINE_S)
+        self.assertEqual((raised.exception.end, list(raised.exception.result.sequence)), ("canceled", [0, 1, 1]))
+        with self.assertRaisesRegex(musher.GoalFailed, "the goal was aborted"):
+            client.send(Fibonacci.Goal(0), DEADLINE_S).result(DEADLINE_S)
+
+    def test_wrong_arguments_and_use_after_the_end_are_refused_with_a_sentence(self):
+        publisher = self.here.publisher("chat", String)
+        for call, text in ((lambda: self.here.publisher("chat", str), "a message class is expected"),
+                           (lambda: self.here.publisher("", String), "the name of a topic or service"),
+                           (lambda: self.here.subscribe("chat", String, 5), "the handler of a subscription"),
+                           (lambda: self.here.subscribe("chat", String, depth=-1), "depth is how many samples"),
+                           (lambda: self.here.client("x", String), "a service class is expected"),
+                           (lambda: publisher.publish("hello"), "a std_msgs/msg/String is expected, not 'hello'")):
+            with self.assertRaisesRegex((TypeError, ValueError), text):
+                call()
+        self.here.close()
+        with self.assertRaisesRegex(musher.Failure, "this Publisher is closed"):
+            publisher.publish(String("late"))
+        with self.assertRaisesRegex(musher.Failure, "the node is closed"):
+            self.here.publisher("chat", String)
+
+    def test_a_program_ends_while_its_threads_wait_and_its_handler_computes(self):
+        ended = run_python(
+            "import threading\nfrom musher.std_msgs.msg import String\n"
+            "node = musher.Node()\ncomputing = threading.Event()\n"
+            "def compute(message):\n    computing.set()\n    while True: pass\n"
+            "node.subscribe('chat', String, compute, latched=True)\n"
+            "silent = node.subscribe('silent', String)\n"
+            "threading.Thread(target=lambda: list(silent), daemon=True).start()\n"
+            "node.publisher('chat', String, latched=True).publish(String('x'))\n"
+            "computing.wait()\nprint('ends')")
+        self.assertEqual((ended.returncode, ended.stdout), (0, "ends\n"), ended.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
