@@ -76,10 +76,11 @@ Result<ReadLogs> ReadLog(const std::string& source, const std::string& path,
       break;
     }
   }
+  std::reverse(pieces.begin(), pieces.end());
   std::vector<std::string> all;
-  for (auto piece = pieces.rbegin(); piece != pieces.rend(); ++piece) {
-    all.insert(all.end(), std::make_move_iterator(piece->begin()),
-               std::make_move_iterator(piece->end()));
+  for (auto& piece : pieces) {
+    all.insert(all.end(), std::make_move_iterator(piece.begin()),
+               std::make_move_iterator(piece.end()));
   }
   read.entries = LogEntriesOf(source, all);
   if (!reader.value().damage().empty()) read.note = reader.value().damage();

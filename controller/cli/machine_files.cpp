@@ -57,6 +57,7 @@ std::vector<MachineFiles> Stopped(const std::string& name_space, int domain) {
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<MachineFiles> files;
+  files.reserve(found.size());
   for (auto& [used, one] : found) files.push_back(std::move(one));
   return files;
 }

@@ -48,7 +48,7 @@ std::optional<std::string> Uncompressed(const std::string& path) {
   return text;
 }
 
-std::int64_t SizeOf(int file) {
+std::int64_t SizeOfLog(int file) {
   struct stat info {};
   return fstat(file, &info) == 0 ? info.st_size : 0;
 }
@@ -77,7 +77,7 @@ Result<LogReader> LogReader::Open(const std::string& path) {
   errno = 0;
   UniqueFd file = OpenLog(path);
   if (!file.valid()) return SystemError("can't read " + path, errno == 0 ? EINVAL : errno);
-  const std::int64_t size = SizeOf(file.get());
+  const std::int64_t size = SizeOfLog(file.get());
   return LogReader(path, std::move(file), size);
 }
 
@@ -135,7 +135,7 @@ LogTail::LogTail(std::string path, std::int64_t at) : path_(std::move(path)), at
 std::vector<std::string> LogTail::Read() {
   Reopen();
   if (!file_.valid()) return {};
-  FindPlace(SizeOf(file_.get()));
+  FindPlace(SizeOfLog(file_.get()));
   std::vector<std::string> lines;
   for (;;) {
     const std::string text = ReadAt(file_.get(), at_, static_cast<std::size_t>(kPiece));
