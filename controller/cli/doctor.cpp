@@ -27,7 +27,7 @@ ExitCode Doctor(const DoctorOptions& options, const GlobalOptions& global, Conso
   const std::vector<DoctorCheck> checks = Diagnose(ReadFacts(std::move(config), global));
   console.Print(console.mode().json ? DoctorJson(checks)
                                     : DoctorText(checks, console.mode().colour));
-  return Worst(checks) == Health::kError ? ExitCode::kNotDone : ExitCode::kDone;
+  return Worst(checks) == CheckStatus::kError ? ExitCode::kNotDone : ExitCode::kDone;
 }
 
 }  // namespace

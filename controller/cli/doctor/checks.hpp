@@ -11,11 +11,11 @@
 
 namespace musher::cli {
 
-enum class Health { kNotApplicable, kOk, kWarning, kError };  // the worst last
+enum class CheckStatus { kNotApplicable, kOk, kWarning, kError };  // the worst last
 
 struct DoctorCheck {
   std::string name;
-  Health health = Health::kOk;
+  CheckStatus health = CheckStatus::kOk;
   std::string reason = {};
   std::string fix = {};  // a command, or what to change; empty: nothing to do
 };
@@ -28,6 +28,6 @@ std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckHost(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts);
 
-Health Worst(const std::vector<DoctorCheck>& checks);
+CheckStatus Worst(const std::vector<DoctorCheck>& checks);
 
 }  // namespace musher::cli

@@ -6,7 +6,7 @@
 namespace musher::cli {
 namespace {
 
-using enum Health;
+using enum CheckStatus;
 
 // A process needs some 30 descriptors, and the controller 4 more for each actuator.
 constexpr std::uint64_t kFilesOfAProcess = 256;

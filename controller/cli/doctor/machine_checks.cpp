@@ -10,7 +10,7 @@
 namespace musher::cli {
 namespace {
 
-using enum Health;
+using enum CheckStatus;
 
 constexpr std::chrono::days kExpiresSoon(30);
 constexpr unsigned int kGroupAndOthers = 077;  // permissions of the group and of others
@@ -148,8 +148,8 @@ std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts) {
   return all;
 }
 
-Health Worst(const std::vector<DoctorCheck>& checks) {
-  Health worst = kNotApplicable;
+CheckStatus Worst(const std::vector<DoctorCheck>& checks) {
+  CheckStatus worst = kNotApplicable;
   for (const DoctorCheck& check : checks) worst = std::max(worst, check.health);
   return worst;
 }

@@ -10,7 +10,7 @@
 namespace musher::cli {
 namespace {
 
-using enum Health;
+using enum CheckStatus;
 
 // Cyclone's own send buffer, which the profiles do not change.
 constexpr std::int64_t kSendBufferBytes = 64 << 10;

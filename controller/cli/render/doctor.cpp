@@ -17,21 +17,21 @@ struct Shown {
   Style style;
 };
 
-Shown ShownAs(Health health) {
+Shown ShownAs(CheckStatus health) {
   switch (health) {
-    case Health::kNotApplicable:
+    case CheckStatus::kNotApplicable:
       return {"-", "not_applicable", Style::kDim};
-    case Health::kOk:
+    case CheckStatus::kOk:
       return {"ok", "ok", Style::kGood};
-    case Health::kWarning:
+    case CheckStatus::kWarning:
       return {"warning", "warning", Style::kBusy};
-    case Health::kError:
+    case CheckStatus::kError:
       break;
   }
   return {"error", "error", Style::kBad};
 }
 
-std::size_t CountOf(const std::vector<DoctorCheck>& checks, Health health) {
+std::size_t CountOf(const std::vector<DoctorCheck>& checks, CheckStatus health) {
   return std::count_if(checks.begin(), checks.end(),
                        [health](const auto& check) { return check.health == health; });
 }
@@ -45,8 +45,8 @@ std::string DoctorText(const std::vector<DoctorCheck>& checks, bool colour) {
     table.Add({{check.name}, {shown.text, shown.style}, {Printable(check.reason)}});
     if (!check.fix.empty()) table.Add({{""}, {"fix:", Style::kDim}, {Printable(check.fix)}});
   }
-  return table.Text(colour) + Count(CountOf(checks, Health::kError), "error") + ", " +
-         Count(CountOf(checks, Health::kWarning), "warning") + "\n";
+  return table.Text(colour) + Count(CountOf(checks, CheckStatus::kError), "error") + ", " +
+         Count(CountOf(checks, CheckStatus::kWarning), "warning") + "\n";
 }
 
 std::string DoctorJson(const std::vector<DoctorCheck>& checks) {

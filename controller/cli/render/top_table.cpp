@@ -22,10 +22,10 @@ struct Column {
   bool right;
 };
 
-constexpr std::array kColumns = {Column{"ACTUATOR", 17, false}, Column{"STATE", 10, false},
-                                 Column{"CPU%", 5, true},       Column{"MEM", 6, true},
-                                 Column{"THR", 3, true},        Column{"BEAT", 5, true},
-                                 Column{"CHKPT", 5, true},      Column{"RST", 3, true}};
+constexpr std::array kTopColumns = {Column{"ACTUATOR", 17, false}, Column{"STATE", 10, false},
+                                    Column{"CPU%", 5, true},       Column{"MEM", 6, true},
+                                    Column{"THR", 3, true},        Column{"BEAT", 5, true},
+                                    Column{"CHKPT", 5, true},      Column{"RST", 3, true}};
 
 // The first `columns` characters; a cut is shown by "~".
 std::string CutTo(const std::string& text, std::size_t columns) {
@@ -79,7 +79,7 @@ std::string RowText(const TopRow& row, std::size_t width, bool colour) {
   const auto number = [](const auto& value, auto text) { return value ? text(*value) : "-"; };
   const std::string state =
       row.target.empty() || row.target == row.state ? row.state : "\u2192" + row.target;
-  const std::array<std::string, kColumns.size()> cells = {
+  const std::array<std::string, kTopColumns.size()> cells = {
       Printable(row.name),
       Printable(state),
       number(row.cpu_percent, [](double cpu) { return fmt::format("{:.1f}", cpu); }),
@@ -95,8 +95,8 @@ std::string RowText(const TopRow& row, std::size_t width, bool colour) {
     Style style = i == 1 ? StyleOfState(row.state) : Style::kPlain;
     if (i == 0 && IsBad(row)) style = Style::kBad;
     if (i == 6 && row.checkpoint_age_s) style = Style::kBad;
-    text += Paint(Padded(cells.at(i), kColumns.at(i)), style, colour) + " ";
-    used += kColumns.at(i).width + 1;
+    text += Paint(Padded(cells.at(i), kTopColumns.at(i)), style, colour) + " ";
+    used += kTopColumns.at(i).width + 1;
   }
   const std::string note = NoteOfRow(row);
   if (note.empty()) return text.substr(0, text.size() - 1);
@@ -106,7 +106,7 @@ std::string RowText(const TopRow& row, std::size_t width, bool colour) {
 
 std::string HeaderText(std::size_t width, bool colour) {
   std::string header;
-  for (const Column& column : kColumns) header += Padded(column.title, column) + " ";
+  for (const Column& column : kTopColumns) header += Padded(column.title, column) + " ";
   header += "LAST EVENT";
   return Paint(width == 0 ? header : CutTo(header, width), Style::kDim, colour);
 }

@@ -50,7 +50,7 @@ DoctorCheck Check(const DoctorFacts& facts, const std::string& name) {
 struct Planted {
   const char* test;
   const char* check;
-  Health health;
+  CheckStatus health;
   const char* reason;
   const char* fix;
   void (*plant)(DoctorFacts&);
@@ -61,119 +61,119 @@ void Uri(DoctorFacts& facts, const std::string& xml) {
 }
 
 const Planted kPlanted[] = {
-    {"ABadDomain", "DDS environment", Health::kError, "ROS_DOMAIN_ID is 999", "unset ROS_DOMAIN_ID",
-     [](DoctorFacts& f) { f.domain_error = "ROS_DOMAIN_ID is 999"; }},
-    {"ABadProfile", "DDS environment", Health::kError, "MUSHER_TRANSPORT is wan",
+    {"ABadDomain", "DDS environment", CheckStatus::kError, "ROS_DOMAIN_ID is 999",
+     "unset ROS_DOMAIN_ID", [](DoctorFacts& f) { f.domain_error = "ROS_DOMAIN_ID is 999"; }},
+    {"ABadProfile", "DDS environment", CheckStatus::kError, "MUSHER_TRANSPORT is wan",
      "unset MUSHER_TRANSPORT", [](DoctorFacts& f) { f.profile_error = "MUSHER_TRANSPORT is wan"; }},
-    {"AnUnknownInterfaceInTheUri", "CYCLONEDDS_URI", Health::kError,
+    {"AnUnknownInterfaceInTheUri", "CYCLONEDDS_URI", CheckStatus::kError,
      "names the interface eth7, which does not exist; interfaces are lo, eth0",
      "unset CYCLONEDDS_URI",
      [](DoctorFacts& f) { Uri(f, "<Interfaces><NetworkInterface name=\"eth7\"/></Interfaces>"); }},
-    {"AnInterfaceOfTheUriThatIsDown", "CYCLONEDDS_URI", Health::kError, "is down",
+    {"AnInterfaceOfTheUriThatIsDown", "CYCLONEDDS_URI", CheckStatus::kError, "is down",
      "sudo ip link set eth0 up",
      [](DoctorFacts& f) {
        f.interfaces[1].up = false;
        Uri(f, "<NetworkInterfaceAddress>192.168.1.7</NetworkInterfaceAddress>");
      }},
-    {"AMissingFileOfTheUri", "CYCLONEDDS_URI", Health::kError, "missing or empty",
+    {"AMissingFileOfTheUri", "CYCLONEDDS_URI", CheckStatus::kError, "missing or empty",
      "unset CYCLONEDDS_URI",
      [](DoctorFacts& f) {
        f.environment["CYCLONEDDS_URI"] = "file:///x.xml";
        f.uri_error = "it names the file /x.xml, which is missing or empty";
      }},
-    {"ATruncatedUri", "CYCLONEDDS_URI", Health::kWarning, "not closed", "unset CYCLONEDDS_URI",
+    {"ATruncatedUri", "CYCLONEDDS_URI", CheckStatus::kWarning, "not closed", "unset CYCLONEDDS_URI",
      [](DoctorFacts& f) { Uri(f, "<CycloneDDS><Domain>"); }},
-    {"NoLoopback", "network interface", Health::kError, "no loopback interface",
+    {"NoLoopback", "network interface", CheckStatus::kError, "no loopback interface",
      "ip link set lo up", [](DoctorFacts& f) { f.interfaces.erase(f.interfaces.begin()); }},
-    {"NoNetworkForLan", "network interface", Health::kError, "interfaces are lo, eth0 (down)",
+    {"NoNetworkForLan", "network interface", CheckStatus::kError, "interfaces are lo, eth0 (down)",
      "ip link set eth0 up",
      [](DoctorFacts& f) {
        f.profile = TransportProfile::kLan;
        f.interfaces[1].up = false;
      }},
-    {"NoMulticastForLan", "network interface", Health::kError,
+    {"NoMulticastForLan", "network interface", CheckStatus::kError,
      "eth0 with 192.168.1.7, without multi", "ip link set eth0 multicast on",
      [](DoctorFacts& f) {
        f.profile = TransportProfile::kLan;
        f.interfaces[1].multicast = false;
      }},
-    {"NoDds", "DDS exchange", Health::kError, "was not discovered", "firewall",
+    {"NoDds", "DDS exchange", CheckStatus::kError, "was not discovered", "firewall",
      [](DoctorFacts& f) { f.dds.error = "the other process was not discovered"; }},
-    {"SlowDds", "DDS exchange", Health::kWarning, "takes 120.00 ms, more than 50 ms", "top -H",
+    {"SlowDds", "DDS exchange", CheckStatus::kWarning, "takes 120.00 ms, more than 50 ms", "top -H",
      [](DoctorFacts& f) { f.dds.exchange = Milliseconds(120); }},
-    {"ASmallReceiveBuffer", "net.core.rmem_max", Health::kWarning,
+    {"ASmallReceiveBuffer", "net.core.rmem_max", CheckStatus::kWarning,
      "212992 bytes; the transport requests 4194304", "sysctl --system",
      [](DoctorFacts& f) { f.rmem_max = 212992; }},
-    {"ASmallSendBuffer", "net.core.wmem_max", Health::kWarning, "4096 bytes", "sysctl --system",
-     [](DoctorFacts& f) { f.wmem_max = 4096; }},
-    {"RosOnLocalhost", "ROS 2 environment", Health::kWarning, "ROS_LOCALHOST_ONLY is 1",
+    {"ASmallSendBuffer", "net.core.wmem_max", CheckStatus::kWarning, "4096 bytes",
+     "sysctl --system", [](DoctorFacts& f) { f.wmem_max = 4096; }},
+    {"RosOnLocalhost", "ROS 2 environment", CheckStatus::kWarning, "ROS_LOCALHOST_ONLY is 1",
      "unset ROS_LOCALHOST_ONLY", [](DoctorFacts& f) { f.environment["ROS_LOCALHOST_ONLY"] = "1"; }},
-    {"AnotherRmw", "ROS 2 environment", Health::kWarning, "rmw_fastrtps_cpp",
+    {"AnotherRmw", "ROS 2 environment", CheckStatus::kWarning, "rmw_fastrtps_cpp",
      "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp",
      [](DoctorFacts& f) { f.environment["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"; }},
-    {"AClockOf1970", "clock", Health::kError, "1970-01-01 00:01:40", "timedatectl set-ntp true",
-     [](DoctorFacts& f) { f.clock.wall_s = 100; }},
-    {"AClockThatWasSetBack", "clock", Health::kWarning, "3600 s from now", "timedatectl",
+    {"AClockOf1970", "clock", CheckStatus::kError, "1970-01-01 00:01:40",
+     "timedatectl set-ntp true", [](DoctorFacts& f) { f.clock.wall_s = 100; }},
+    {"AClockThatWasSetBack", "clock", CheckStatus::kWarning, "3600 s from now", "timedatectl",
      [](DoctorFacts& f) { f.clock.newest_file_s = f.clock.wall_s + 3600; }},
-    {"AClockWithoutNtp", "clock", Health::kWarning, "not synchronised", "timedatectl set-ntp true",
-     [](DoctorFacts& f) { f.clock.synchronised = false; }},
-    {"ACoarseClock", "steady clock", Health::kWarning, "jiffies", "available_clocksource",
+    {"AClockWithoutNtp", "clock", CheckStatus::kWarning, "not synchronised",
+     "timedatectl set-ntp true", [](DoctorFacts& f) { f.clock.synchronised = false; }},
+    {"ACoarseClock", "steady clock", CheckStatus::kWarning, "jiffies", "available_clocksource",
      [](DoctorFacts& f) { f.clock.source = "jiffies"; }},
-    {"AnUnwritableStateFolder", "state folder", Health::kError,
+    {"AnUnwritableStateFolder", "state folder", CheckStatus::kError,
      "/ is not writable for this user, and", "sudo install -d -o",
      [](DoctorFacts& f) {
        f.state_dir->existing = "/";
        f.state_dir->writable = false;
      }},
-    {"AHungDisk", "state folder", Health::kError, "did not answer within", "a local disk",
+    {"AHungDisk", "state folder", CheckStatus::kError, "did not answer within", "a local disk",
      [](DoctorFacts& f) { f.state_dir->error = "the disk did not answer within 2000 ms"; }},
-    {"AFileForAStateFolder", "state folder", Health::kError, "is not a folder", "another state_dir",
-     [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
-    {"AFullDisk", "disk", Health::kError, "5 of 9216 MiB free", "du -xh '/state'",
+    {"AFileForAStateFolder", "state folder", CheckStatus::kError, "is not a folder",
+     "another state_dir", [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
+    {"AFullDisk", "disk", CheckStatus::kError, "5 of 9216 MiB free", "du -xh '/state'",
      [](DoctorFacts& f) { f.state_dir->free_bytes = 5 << 20; }},
-    {"LittleDisk", "disk", Health::kWarning, "100 of 9216 MiB free", "du -xh",
+    {"LittleDisk", "disk", CheckStatus::kWarning, "100 of 9216 MiB free", "du -xh",
      [](DoctorFacts& f) { f.state_dir->free_bytes = 100 << 20; }},
-    {"LessDiskThanTheLogsMayTake", "disk", Health::kWarning, "logs_size_mb permit 564",
+    {"LessDiskThanTheLogsMayTake", "disk", CheckStatus::kWarning, "logs_size_mb permit 564",
      "lower logs_size_mb", [](DoctorFacts& f) { f.state_dir->free_bytes = 400 << 20; }},
-    {"NoInodes", "disk", Health::kWarning, "only 3 more files", "du -xh",
+    {"NoInodes", "disk", CheckStatus::kWarning, "only 3 more files", "du -xh",
      [](DoctorFacts& f) { f.state_dir->free_inodes = 3; }},
-    {"AStateFolderInMemory", "disk", Health::kWarning, "tmpfs", "set state_dir",
+    {"AStateFolderInMemory", "disk", CheckStatus::kWarning, "tmpfs", "set state_dir",
      [](DoctorFacts& f) { f.state_dir->in_memory = true; }},
-    {"FewFiles", "open files", Health::kError, "64 permitted, 272 needed", "ulimit -n 272",
+    {"FewFiles", "open files", CheckStatus::kError, "64 permitted, 272 needed", "ulimit -n 272",
      [](DoctorFacts& f) { f.limits.files = 64; }},
-    {"FewFilesByTheHardLimit", "open files", Health::kError, "64 permitted", "limits.d/musher.conf",
-     [](DoctorFacts& f) { f.limits.files = f.limits.files_hard = 64; }},
-    {"NoTracer", "backtraces", Health::kWarning, "neither eu-stack nor gdb", "install elfutils",
-     [](DoctorFacts& f) { f.limits.tracer.clear(); }},
-    {"NoPermissionToTrace", "backtraces", Health::kWarning, "ptrace_scope is 1",
+    {"FewFilesByTheHardLimit", "open files", CheckStatus::kError, "64 permitted",
+     "limits.d/musher.conf", [](DoctorFacts& f) { f.limits.files = f.limits.files_hard = 64; }},
+    {"NoTracer", "backtraces", CheckStatus::kWarning, "neither eu-stack nor gdb",
+     "install elfutils", [](DoctorFacts& f) { f.limits.tracer.clear(); }},
+    {"NoPermissionToTrace", "backtraces", CheckStatus::kWarning, "ptrace_scope is 1",
      "sysctl -w kernel.yama.ptrace_scope=0", [](DoctorFacts& f) { f.limits.ptrace_scope = 1; }},
-    {"ACpuQuota", "CPU", Health::kWarning, "limited to 0.5 by the cgroup", "CPUQuota",
+    {"ACpuQuota", "CPU", CheckStatus::kWarning, "limited to 0.5 by the cgroup", "CPUQuota",
      [](DoctorFacts& f) { f.cpu.quota = 0.5; }},
-    {"AMissingCertificate", "keys", Health::kError, "legs: there is no certificate",
+    {"AMissingCertificate", "keys", CheckStatus::kError, "legs: there is no certificate",
      "musher keys add legs --force --keys '/etc/keys'",
      [](DoctorFacts& f) {
        f.keys.push_back({"legs", "there is no certificate", {}, "", 0});
      }},
-    {"AReadableKey", "keys", Health::kError, "has the permissions 644",
+    {"AReadableKey", "keys", CheckStatus::kError, "has the permissions 644",
      "chmod 600 '/etc/keys/c.key'", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
-    {"ACertificateThatExpiresSoon", "keys", Health::kWarning, "within 30 days",
+    {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",
      "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},
-    {"AMissingProgram", "programs", Health::kError, "dog.toml:3:1: warning: no such program",
+    {"AMissingProgram", "programs", CheckStatus::kError, "dog.toml:3:1: warning: no such program",
      "musher check 'dog.toml'",
      [](DoctorFacts& f) {
        f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
      }},
-    {"AnotherMachineInTheNamespace", "machine", Health::kError,
+    {"AnotherMachineInTheNamespace", "machine", CheckStatus::kError,
      "cat (pid 7) runs already in namespace '' of domain 0: dog cannot start there", "musher down",
      [](DoctorFacts& f) {
        f.controllers = {{"cat", "", 7, "", ""}};
      }},
-    {"AControllerThatDoesNotAnswer", "machine", Health::kWarning, "process 7 leads a machine",
+    {"AControllerThatDoesNotAnswer", "machine", CheckStatus::kWarning, "process 7 leads a machine",
      "CYCLONEDDS_URI, --transport and --keys",
      [](DoctorFacts& f) {
        f.controllers = {{"", "", 7, {}, {}, false}};
      }},
-    {"AControllerOfAnotherVersion", "version", Health::kWarning,
+    {"AControllerOfAnotherVersion", "version", CheckStatus::kWarning,
      "the controller (pid 7) is musher 1.2.2, this program is 1.2.3",
      "musher up --detach --takeover '/dog.toml'",
      [](DoctorFacts& f) {
@@ -197,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(Each, PlantedFault, ::testing::ValuesIn(kPlanted),
 
 TEST(Diagnose, AComputerWithoutAFaultHasNothingToFix) {
   for (const DoctorCheck& check : Diagnose(Healthy())) {
-    EXPECT_LE(check.health, Health::kOk) << check.name << ": " << check.reason;
+    EXPECT_LE(check.health, CheckStatus::kOk) << check.name << ": " << check.reason;
     EXPECT_EQ(check.fix, "") << check.name;
     EXPECT_NE(check.reason, "") << check.name;
   }
@@ -212,33 +212,33 @@ TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {
   facts.clock.error = "adjtimex: Operation not permitted";
   for (const char* name : {"state folder", "disk", "keys", "programs", "net.core.rmem_max", "clock",
                            "CYCLONEDDS_URI", "ROS 2 environment"}) {
-    EXPECT_EQ(Check(facts, name).health, Health::kNotApplicable) << name;
+    EXPECT_EQ(Check(facts, name).health, CheckStatus::kNotApplicable) << name;
   }
-  EXPECT_EQ(Worst(Diagnose(facts)), Health::kOk);
+  EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
 }
 
 TEST(Diagnose, NamesOneCauseOnlyWhereTheEnvironmentIsInvalid) {
   DoctorFacts facts = Healthy();
   facts.domain_error = "ROS_DOMAIN_ID is 999";
-  EXPECT_EQ(Check(facts, "DDS exchange").health, Health::kNotApplicable);
+  EXPECT_EQ(Check(facts, "DDS exchange").health, CheckStatus::kNotApplicable);
 }
 
 TEST(Diagnose, TheMachineItselfMayRun) {
   DoctorFacts facts = Healthy();
   facts.controllers = {{"dog", "", 7, "1.2.3", "/dog.toml"}};
-  EXPECT_EQ(Worst(Diagnose(facts)), Health::kOk);
+  EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
 }
 
 TEST(Diagnose, AnUnsynchronisedClockMattersBetweenHostsOnly) {
   DoctorFacts facts = Healthy();
   facts.keys.clear();
   facts.clock.synchronised = false;
-  EXPECT_EQ(Check(facts, "clock").health, Health::kOk);
+  EXPECT_EQ(Check(facts, "clock").health, CheckStatus::kOk);
 }
 
 TEST(DoctorText, HasTheFixBelowItsCheck) {
-  const std::vector<DoctorCheck> checks = {{"clock", Health::kOk, "synchronised", ""},
-                                           {"disk", Health::kError, "full\x1b[2J", "rm x"}};
+  const std::vector<DoctorCheck> checks = {{"clock", CheckStatus::kOk, "synchronised", ""},
+                                           {"disk", CheckStatus::kError, "full\x1b[2J", "rm x"}};
   EXPECT_EQ(DoctorText(checks, false),
             "CHECK  RESULT  REASON\n"
             "clock  ok      synchronised\n"
