@@ -23,8 +23,8 @@ bool IsRequested(const Switch& s) {
 Checker::Checker(SimRobot& robot)
     : robot_(robot), config_(robot.config()), lost_at_(config_.actuators.size()) {
   robot_.on_input = [this] { dirty_ = true; };
-  robot_.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
-    OnSend(machine, command);
+  robot_.on_send = [this](const Machine& machine, const action::SendSwitch& send) {
+    OnSend(machine, send);
   };
   robot_.on_start = [this](const ControllerProcess& controller, const std::string& name) {
     OnStart(controller, name);
@@ -175,8 +175,9 @@ void Checker::CheckController(const ControllerProcess& controller) {
   CheckStaysDown(controller);
 }
 
-void Checker::OnSend(const Machine& machine, const action::SendSwitch& command) {
-  sent_commands_[{machine.epoch, command.actuator, command.number}] = {
+void Checker::OnSend(const Machine& machine, const action::SendSwitch& send) {
+  const SwitchCommand& command = send.command;
+  sent_commands_[{command.epoch, send.actuator, command.number}] = {
       robot_.network().now(), command.budget, MayRise(machine, command.target), SerialOf(machine)};
 }
 

@@ -98,7 +98,7 @@ class Checker {
                const msg::Bytes& bytes);
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
   void CheckController(const ControllerProcess& controller);
-  void OnSend(const Machine& machine, const action::SendSwitch& command);
+  void OnSend(const Machine& machine, const action::SendSwitch& send);
   std::uint64_t SerialOf(const Machine& machine) const;
   void CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to);
   void OnStart(const ControllerProcess& controller, const std::string& name);

@@ -231,17 +231,13 @@ ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
 
 void ControllerShell::Do(const action::SendSwitch& a) {
   if (hooks_.on_send) hooks_.on_send(a);
-  const ActuatorRecord& record = machine_.actuators[a.actuator];
-  LinkTo(a.actuator)
-      .Switch({machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
-               dependencies_.node->loop().Now() - record.clock_ours, record.report.incarnation,
-               a.apart});
+  LinkTo(a.actuator).Switch(a.command);
 }
 
 void ControllerShell::Do(const action::SendQuery& a) {
   // A new actuator obeys only a controller whose heartbeat it has received.
   if (machine_.actuators[a.actuator].presence != Presence::kPresent) presence_->Repeat();
-  LinkTo(a.actuator).Query({machine_.epoch, a.number, a.stop});
+  LinkTo(a.actuator).Query(a.command);
 }
 
 void ControllerShell::Do(const action::AnswerSetState& a) {

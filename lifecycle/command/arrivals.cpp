@@ -199,7 +199,7 @@ void Arrivals::EvaluateFoundBusy(std::size_t i) {
   if (!record.report.busy() || record.command || record.presence != Presence::kPresent) return;
   const State& target = record.report.target;
   Degrade(i, kCodeTimeout, texts::FoundBusy(target, config_.TimeFor(i, target)));
-  Do(action::SendQuery{i, record.report.number, true});
+  Do(action::SendQuery{i, {machine_.epoch, record.report.number, true}});
   FallBack(i);
 }
 

@@ -13,9 +13,12 @@ constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 void Commands::Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
                      bool apart) {
   machine_.number = std::max(machine_.number, number);
-  Of(i).command = PendingCommand{number, target, now_, now_ + budget, 0};
-  if (target == kSelfCheck) Of(i).join_tried = true;
-  Do(action::SendSwitch{i, number, target, budget, apart});
+  ActuatorRecord& record = Of(i);
+  record.command = PendingCommand{number, target, now_, now_ + budget, 0};
+  if (target == kSelfCheck) record.join_tried = true;
+  Do(action::SendSwitch{i,
+                        {machine_.epoch, number, target, budget, record.clock_theirs,
+                         now_ - record.clock_ours, record.report.incarnation, apart}});
 }
 
 // Stores a newer report. A callback that ended without a command of this controller (an overdue
@@ -90,7 +93,7 @@ void Commands::QueryOrLose(std::size_t i) {
   }
   ++command.queries;
   command.deadline = now_ + kQueryTimeout;
-  Do(action::SendQuery{i, command.number, true});
+  Do(action::SendQuery{i, {machine_.epoch, command.number, true}});
 }
 
 CommandResult Commands::EvaluateReport(std::size_t i, const PendingCommand& command) const {

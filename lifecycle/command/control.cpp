@@ -28,7 +28,7 @@ void Control::Take(std::size_t i) {
   record.outbid_at.reset();
   record.controlled = record.report.incarnation;
   record.take_control_again = now_ + kTakeControlPeriod;
-  Do(action::SendQuery{i, record.report.number, false});
+  Do(action::SendQuery{i, {machine_.epoch, record.report.number, false}});
 }
 
 // An earlier controller was here. The attached actuators get the new epoch at once.
@@ -39,7 +39,8 @@ void Control::RaiseEpoch(Epoch epoch, std::size_t because_of) {
   RecordMachine(kCodeOk, texts::EpochRaised(epoch, ConfigOf(because_of).name));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendQuery{other, 0, false});  // a waiting command there keeps waiting
+    Do(action::SendQuery{other,
+                         {machine_.epoch, 0, false}});  // a waiting command there keeps waiting
   }
 }
 

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "musher/lifecycle/machine/actuator_command.hpp"
 #include "musher/lifecycle/step/event.hpp"
 
 namespace musher {
@@ -15,16 +16,12 @@ namespace action {
 
 struct SendSwitch {
   std::size_t actuator = 0;
-  CommandNumber number = 0;
-  State target;
-  Duration budget{};
-  bool apart = false;  // for this actuator alone, detached from the machine
+  SwitchCommand command;
   friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
 };
 struct SendQuery {
   std::size_t actuator = 0;
-  CommandNumber number = 0;
-  bool stop = false;
+  QueryCommand command;
   friend bool operator==(const SendQuery&, const SendQuery&) = default;
 };
 struct StartProcess {

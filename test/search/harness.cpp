@@ -244,12 +244,9 @@ void Harness::Apply(const Action& action) {
   World& w = world_;
   if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
     CheckCommand(model_, w, *send, notes_);
-    const ActuatorRecord& record = w.machine.actuators[send->actuator];
-    Send(send->actuator, SwitchCommand{w.machine.epoch, send->number, send->target, send->budget,
-                                       record.clock_theirs, w.now - record.clock_ours,
-                                       record.report.incarnation, send->apart});
+    Send(send->actuator, send->command);
   } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
-    Send(query->actuator, QueryCommand{w.machine.epoch, query->number, query->stop});
+    Send(query->actuator, query->command);
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(start->actuator);
     Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].core.report.pid});

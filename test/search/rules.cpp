@@ -134,15 +134,15 @@ void CheckOrder(const Model& model, const World& world, const action::SendSwitch
     const ActuatorReport& report = other.core.report;
     const bool sent = std::any_of(world.outbox.begin(), world.outbox.end(), [&](const Message& m) {
       const auto* command = std::get_if<SwitchCommand>(&m.what);
-      return m.to == k && command != nullptr && command->number == send.number;
+      return m.to == k && command != nullptr && command->number == send.command.number;
     });
     const bool takes_part = std::any_of(current->legs.begin(), current->legs.end(),
                                         [k](const Leg& leg) { return leg.actuator == k; });
     if (!other.alive || !takes_part) continue;
-    const bool runs = other.work == Work::kRunning && report.busy_number == send.number;
-    if (sent || runs || (later && report.outcome_number == send.number)) {
+    const bool runs = other.work == Work::kRunning && report.busy_number == send.command.number;
+    if (sent || runs || (later && report.outcome_number == send.command.number)) {
       notes.violations.push_back(model.config.actuators[send.actuator].name + " is commanded to " +
-                                 send.target + " out of order with " +
+                                 send.command.target + " out of order with " +
                                  model.config.actuators[k].name);
     }
   }
@@ -218,13 +218,14 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
   CheckOrder(model, world, send, notes);
   const Machine& machine = world.machine;
   const State& state = machine.actuators[send.actuator].state();
-  if (!IsHigher(model.config, send.target, state) || send.target == machine.state) return;
+  if (!IsHigher(model.config, send.command.target, state) || send.command.target == machine.state)
+    return;
   const auto& current = machine.current;
-  const bool wanted = current && current->target == send.target && !current->rolling_back &&
-                      IsRequested(world, send.target);
+  const bool wanted = current && current->target == send.command.target && !current->rolling_back &&
+                      IsRequested(world, send.command.target);
   if (wanted || IsStarting(world)) return;
   notes.violations.push_back(model.config.actuators[send.actuator].name + " is commanded up from " +
-                             state + " to " + send.target + ", which was not requested");
+                             state + " to " + send.command.target + ", which was not requested");
 }
 
 void CheckBegin(const Model& model, const World& world, std::size_t i, const State& target,

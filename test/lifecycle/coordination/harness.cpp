@@ -328,23 +328,15 @@ void Harness::Do(const Action& action) {
   };
   const Sender sender = ControllerId();
   if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
-    const ActuatorRecord& record = machine_.actuators[send->actuator];
-    const SwitchCommand command{machine_.epoch,
-                                send->number,
-                                send->target,
-                                send->budget,
-                                record.clock_theirs,
-                                now_ - record.clock_ours,
-                                record.report.incarnation,
-                                send->apart};
-    deliver(send->actuator, send->number, false, [command, sender](RequestToken token) {
-      return ActuatorEvent{actuator_event::SwitchArrived{token, command, sender}};
-    });
+    deliver(send->actuator, send->command.number, false,
+            [command = send->command, sender](RequestToken token) {
+              return ActuatorEvent{actuator_event::SwitchArrived{token, command, sender}};
+            });
   } else if (const auto* query = std::get_if<action::SendQuery>(&action)) {
-    const QueryCommand command{machine_.epoch, query->number, query->stop};
-    deliver(query->actuator, query->number, true, [command, sender](RequestToken token) {
-      return ActuatorEvent{actuator_event::QueryArrived{token, command, sender}};
-    });
+    deliver(query->actuator, query->command.number, true,
+            [command = query->command, sender](RequestToken token) {
+              return ActuatorEvent{actuator_event::QueryArrived{token, command, sender}};
+            });
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     const Behaviour exec = fakes_[start->actuator].script["exec"];
     if (exec.code != kCodeOk) return Feed(event::ProcessNotStarted{start->actuator, exec.message});

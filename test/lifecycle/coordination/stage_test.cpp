@@ -190,7 +190,7 @@ TEST_F(Ends, GiveTearDownSevenTenthsOfTheBudget) {
   StartUp();
   Do(event::SetStateRequested{1, "TearDown", {}});
   ASSERT_THAT(Did<action::SendSwitch>(), SizeIs(2));
-  EXPECT_EQ(Did<action::SendSwitch>()[0].budget, std::chrono::seconds(7));
+  EXPECT_EQ(Did<action::SendSwitch>()[0].command.budget, std::chrono::seconds(7));
 }
 
 TEST_F(Ends, DoNotWaitForProcessesThatAreNotOurs) {
