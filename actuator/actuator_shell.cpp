@@ -41,7 +41,7 @@ SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   command.status_stamp = transport::FromNanoseconds(request.status_stamp_ns);
   command.since_status = Duration(request.since_status_ns);
   command.incarnation = request.incarnation;
-  command.apart = request.apart;
+  command.detached = request.apart;
   return command;
 }
 

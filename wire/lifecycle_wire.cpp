@@ -64,7 +64,7 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.pid = report.pid;
   status.host = report.host;
   status.config_hash = report.config_hash;
-  status.apart = report.apart;
+  status.apart = report.detached;
   status.emergency_stop = report.emergency_stop.value();
   status.held_by_stop = report.held_by_stop;
   status.degraded_code = report.degraded_code;
@@ -89,7 +89,7 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.pid = status.pid;
   report.host = status.host;
   report.config_hash = status.config_hash;
-  report.apart = status.apart;
+  report.detached = status.apart;
   report.emergency_stop = status.emergency_stop;
   report.held_by_stop = status.held_by_stop;
   report.degraded_code = status.degraded_code;

@@ -90,7 +90,7 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"pid", &ActuatorReport::pid},
     Field{"host", &ActuatorReport::host},
     Field{"config_hash", &ActuatorReport::config_hash},
-    Field{"apart", &ActuatorReport::apart},
+    Field{"apart", &ActuatorReport::detached},
     Field{"emergency_stop", &ActuatorReport::emergency_stop},
     Field{"held_by_stop", &ActuatorReport::held_by_stop},
     Field{"degraded_code", &ActuatorReport::degraded_code},

@@ -30,7 +30,7 @@ void MusherLink::Switch(const SwitchCommand& command) {
   request.status_stamp_ns = transport::ToNanoseconds(command.status_stamp);
   request.since_status_ns = command.since_status.count();
   request.incarnation = command.incarnation.value();
-  request.apart = command.apart;
+  request.apart = command.detached;
   SendOrHold(request);
 }
 

@@ -98,7 +98,7 @@ class Deciding {
     } else if (end.code == kCodeOk && !core_.under_stop && !down) {
       report_.held_by_stop = false;
     }
-    if (target != kSelfCheck && end.code != kCodeOk) report_.apart = core_.was_apart;
+    if (target != kSelfCheck && end.code != kCodeOk) report_.detached = core_.was_detached;
     for (const RequestToken token : tokens) {
       Do(Answer{token, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, end.code,
                 end.message});
@@ -146,7 +146,7 @@ class Deciding {
     const auto deadline = NextDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_last_heartbeat = now_;  // if it fails, it is retried after the same time
-    core_.was_apart = report_.apart;
+    core_.was_detached = report_.detached;
     report_.busy_number = 0;
     Run(*SafeState(machine_, index_, core_));
   }
@@ -326,14 +326,14 @@ class Deciding {
     const bool there = command.target == report_.state && command.target != kSelfCheck;
     if (there && !core_.unsettled && !report_.held_by_stop) {
       EndCommand(command.number, command.target, kCodeOk, "");
-      report_.apart = command.apart;
+      report_.detached = command.detached;
       for (const RequestToken token : tokens) Do(Answer{token, Verdict::kDone, kCodeOk, ""});
       return Do(PublishStatus{});
     }
     report_.busy_number = command.number;
     core_.running_for = tokens;
-    core_.was_apart = report_.apart;
-    if (command.target != kSelfCheck) report_.apart = command.apart;
+    core_.was_detached = report_.detached;
+    if (command.target != kSelfCheck) report_.detached = command.detached;
     Run(command.target);
   }
 

@@ -138,7 +138,7 @@ using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_actio
 struct ActuatorCore {
   ActuatorReport report;                  // all but `stamp`, which the shell sets when it publishes
   std::vector<RequestToken> running_for;  // answered when the running callback ends
-  bool was_apart = false;                 // before the running callback; restored if it fails
+  bool was_detached = false;              // before the running callback; restored if it fails
   struct Waiting {
     SwitchCommand command;
     std::vector<RequestToken> tokens;

@@ -120,7 +120,7 @@ void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
 void Commands::AssumeTornDown(std::size_t i) {
   if (!Of(i).command || Of(i).command->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
-  Of(i).report.apart = true;  // it was commanded alone, the machine continues
+  Of(i).report.detached = true;  // it was commanded alone, the machine continues
   End(i, {ActuatorOutcome::kDone, kCodeOk, {}, true});
 }
 

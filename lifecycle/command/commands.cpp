@@ -11,14 +11,14 @@ constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 }  // namespace
 
 void Commands::Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
-                     bool apart) {
+                     bool detached) {
   machine_.number = std::max(machine_.number, number);
   ActuatorRecord& record = Of(i);
   record.command = PendingCommand{number, target, now_, now_ + budget, 0};
   if (target == kSelfCheck) record.join_tried = true;
   Do(action::SendSwitch{i,
                         {machine_.epoch, number, target, budget, record.clock_theirs,
-                         now_ - record.clock_ours, record.report.incarnation, apart}});
+                         now_ - record.clock_ours, record.report.incarnation, detached}});
 }
 
 // Stores a newer report. A callback that ended without a command of this controller (an overdue

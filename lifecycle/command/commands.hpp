@@ -31,7 +31,7 @@ class Commands : StepPart {
       : StepPart(step), stops_(stops), processes_(processes) {}
 
   void Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
-             bool apart = false);
+             bool detached = false);
   // Stores a newer report.
   void Accept(std::size_t i, const ActuatorReport& report);
   // The deadline of its command has passed.

@@ -57,7 +57,7 @@ void Control::Attach(std::size_t i) {
   const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
   record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
-  record.held = record.report.apart;
+  record.held = record.report.detached;
   record.suspended = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;

@@ -17,7 +17,7 @@ struct SwitchCommand {
   Time status_stamp{};      // the stamp of the last status that its sender had of this actuator,
   Duration since_status{};  // and the time since the sender received it: the command's age
   Incarnation incarnation = 0;  // of the process it is meant for
-  bool apart = false;           // for this actuator alone, detached from the machine
+  bool detached = false;        // for this actuator alone, not to the state of the machine
 
   friend bool operator==(const SwitchCommand&, const SwitchCommand&) = default;
 };

@@ -44,7 +44,7 @@ struct ActuatorReport {
   std::string config_hash;
   // Detached: its state, or the one it is switching to, was set for it alone and is independent of
   // the machine's state.
-  bool apart = false;
+  bool detached = false;
   StopId emergency_stop = 0;  // the one that it has latched; 0: none
   // A stop has switched off what its state had switched on, and since then no callback has
   // succeeded without a stop, except one that leads down. It outlasts the release.

@@ -31,7 +31,7 @@ void Processes::Recover(std::size_t i, const event::ProcessEnded& ended) {
     return;
   }
   // An actuator that was torn down alone stays down.
-  if (record.state() == kTearDown && record.report.apart) return;
+  if (record.state() == kTearDown && record.report.detached) return;
   const bool content = ended.clean && config.restart.policy == RestartPolicy::kOnFailure;
   if (!MayRestart(i) || content) return FallBack(i);
   if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));

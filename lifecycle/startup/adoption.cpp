@@ -13,9 +13,9 @@ namespace musher {
 // undoes an upward one. A detached actuator says nothing about the machine, unless all are
 // detached.
 std::optional<State> Adoption::LowestFound() const {
-  const bool all_apart =
+  const bool all_detached =
       std::all_of(view_.actuators.begin(), view_.actuators.end(), [](const ActuatorRecord& record) {
-        return record.presence != Presence::kPresent || record.report.apart;
+        return record.presence != Presence::kPresent || record.report.detached;
       });
   std::vector<Found> found;
   const auto consider = [&](std::size_t i, const State& state) {
@@ -26,7 +26,8 @@ std::optional<State> Adoption::LowestFound() const {
     for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
       const ActuatorRecord& record = Of(i);
       const bool is_ros2 = ConfigOf(i).protocol == Protocol::kRos2Lifecycle;
-      if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
+      if (record.presence != Presence::kPresent || (record.report.detached && !all_detached))
+        continue;
       if (is_ros2 != ros2) continue;
       // While the Musher actuators are still in SetUp or SelfCheck, the machine was starting.
       if (ros2 && !found.empty() && AgreesWith(i, Lowest(found))) continue;
@@ -34,7 +35,7 @@ std::optional<State> Adoption::LowestFound() const {
       musher_present |= ConfigOf(i).protocol == Protocol::kMusher;
       // An actuator that is being torn down alone will exit, and is restarted if it should be.
       const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
-      if (ends && record.report.apart) continue;
+      if (ends && record.report.detached) continue;
       consider(i, record.state());
       // Also out of a check, which has no rank of its own. On the same level the state counts.
       const State& target = record.report.target;

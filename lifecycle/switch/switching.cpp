@@ -127,9 +127,9 @@ bool Switching::StartLegs(std::vector<Leg>& legs) {
     }
     leg.progress = Leg::Progress::kUnderWay;
     leg.started = now_;
-    const bool apart = s.only.has_value() && !s.rolling_back && leg.target != machine_.state;
+    const bool detached = s.only.has_value() && !s.rolling_back && leg.target != machine_.state;
     commands_.Issue(leg.actuator, s.rolling_back ? s.back_number : s.number, leg.target, budget,
-                    apart);
+                    detached);
   }
   return changed;
 }

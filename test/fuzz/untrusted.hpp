@@ -64,7 +64,7 @@ inline SwitchCommand AnyCommand(Input& input, const ActuatorReport& truth, Time 
   if ((changes & 8) != 0) command.status_stamp = transport::FromNanoseconds(AnyTime(input, now));
   if ((changes & 16) != 0) command.since_status = Duration(AnyTime(input, now));
   if ((changes & 32) != 0) command.incarnation = input.Number(truth.incarnation.value(), 1);
-  if ((changes & 64) != 0) command.apart = input.Bool();
+  if ((changes & 64) != 0) command.detached = input.Bool();
   return command;
 }
 

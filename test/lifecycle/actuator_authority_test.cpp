@@ -228,12 +228,12 @@ TEST_F(ControllerLost, ACommandOfItsControllerWaitsBehindTheWayToTheSafeState) {
 
 TEST_F(ControllerLost, StaysDetachedWhenTheWayToItsSafeStateFails) {
   SwitchArrived alone = Command(2, "Active");
-  alone.command.apart = true;
+  alone.command.detached = true;
   Do(alone);
-  ASSERT_TRUE(core_.report.apart);
+  ASSERT_TRUE(core_.report.detached);
   After(Milliseconds(2000));
   Do(CallbackEnded{5001, "stuck"});
-  EXPECT_TRUE(core_.report.apart);
+  EXPECT_TRUE(core_.report.detached);
 }
 
 class NeverControlled : public testing::OneActuator {};

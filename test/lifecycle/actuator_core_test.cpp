@@ -322,13 +322,13 @@ TEST_F(Actuator, RefusesAManagerWhatGoesUpWhileAnEmergencyStopIsLatched) {
 TEST_F(Actuator, ReportsWhetherItIsDetachedAlsoWhereItWasInThatStateAlready) {
   SetUpIt();
   Switch(1, "LowPower");
-  EXPECT_FALSE(core_.report.apart);
+  EXPECT_FALSE(core_.report.detached);
   auto alone = Command(2, "LowPower");
-  alone.command.apart = true;
+  alone.command.detached = true;
   Do(alone);
-  EXPECT_TRUE(core_.report.apart);
+  EXPECT_TRUE(core_.report.detached);
   Do(Command(3, "LowPower"));
-  EXPECT_FALSE(core_.report.apart);
+  EXPECT_FALSE(core_.report.detached);
 }
 
 }  // namespace musher::actuator_core_test

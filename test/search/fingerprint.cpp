@@ -62,7 +62,7 @@ class Mixer {
   // released.
   void One(const ActuatorReport& r) {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
-    Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
+    Add(r.incarnation, r.detached, r.held_by_stop, r.degraded_code);
   }
   void One(const EmergencyStop& stop) { Add(stop.id); }
   void One(const Termination& t) { Add(t.pid, t.terminate_at, t.kill_at, t.killed); }
@@ -75,7 +75,7 @@ class Mixer {
   }
   void One(const SwitchCommand& c) {
     // Its age by the actuator's clock.
-    Add(c.epoch, c.number, c.target, c.budget, c.incarnation, c.apart);
+    Add(c.epoch, c.number, c.target, c.budget, c.incarnation, c.detached);
     Add(ToMilliseconds(now_ - c.status_stamp - c.since_status));
   }
   void One(const QueryCommand& a) { Add(a.epoch, a.number, a.stop); }
@@ -157,9 +157,9 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
   mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
             a.begun, a.queried);
   const ActuatorCore& c = a.core;
-  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
-            c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile,
-            c.under_stop);
+  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_detached, c.waiting,
+            c.unsettled, c.half_way_down, c.controller, c.announced, c.released, c.stops,
+            c.stopped_meanwhile, c.under_stop);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);

@@ -62,7 +62,7 @@ class LiveServer {
   LiveServer(transport::Node& node, Options options);
   Result<> Open();
 
-  // Who has sent the request; empty: nobody who has logged in.
+  // The person who has sent the request; empty: a session without login.
   std::string PersonOf(const http::Request& request);
   bool MayLook(const http::Request& request);
   // Whether the request has the token: for programs that keep no cookies.

@@ -101,7 +101,7 @@ TEST_F(TakeControl, IsNotAnsweredByTheLateReplyToACommand) {
 TEST_F(TakeControl, OfADetachedActuatorThatIsTornDownMeanwhileDegradesIt) {
   Begin();
   ActuatorReport report = Report(1, "Active");
-  report.apart = true;
+  report.detached = true;
   report.target = "TearDown";
   Say(1, report);
   report.state = "TearDown";
