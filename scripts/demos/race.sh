@@ -66,7 +66,9 @@ make_files() {
     -e "0,/^\[follows/s/^\[follows/[chosen]\nqr_a = \"$qr_a\"\narrow = \"$arrow\"\nqr_b = \"$qr_b\"\n\n[follows/" \
     -e '0,/^\[camera\.front\]/s/^\[camera\.front\]/[cameras]\nlate = "wait"\n\n[camera.front]/' \
     "$files/scenes/course.toml"
-  sed -i "s/^record = \"\" /record = \"race.record\" /" "$files/race/course.toml"
+  sed -i -e "s/^record = \"\" /record = \"race.record\" /" \
+    -e "/^\[body\]/,/^\[/s/^silent_ms = 2000 /silent_ms = $((2000 * speed)) /" \
+    -e "s/^refused_ms = 1000 /refused_ms = $((1000 * speed)) /" "$files/race/course.toml"
   sed -i -e "s/^self_check_ms = 5000 /self_check_ms = 15000 /" -e "s/^letters = true /letters = false /" \
     "$files/vision/course.toml"
   sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \
