@@ -5,7 +5,7 @@
 namespace musher::tree {
 namespace {
 
-std::string Escaped(std::string_view text) {
+std::string DotEscaped(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -51,14 +51,14 @@ std::string_view Colour(Status status) {
 }  // namespace
 
 std::string ToDot(const Tree& tree) {
-  std::string text = "digraph \"" + Escaped(tree.name()) +
+  std::string text = "digraph \"" + DotEscaped(tree.name()) +
                      "\" {\n"
                      "  ordering=out;\n"
                      "  node [shape=box, style=filled, fontname=\"sans-serif\"];\n";
   for (NodeId id = 0; id < tree.size(); ++id) {
     const NodeInfo& info = tree.info(id);
-    const std::string kind = info.name == info.id ? "" : "\\n" + Escaped(info.id);
-    text += "  n" + std::to_string(id) + " [label=\"" + Escaped(info.name) + kind +
+    const std::string kind = info.name == info.id ? "" : "\\n" + DotEscaped(info.id);
+    text += "  n" + std::to_string(id) + " [label=\"" + DotEscaped(info.name) + kind +
             "\", shape=" + std::string(Shape(info.kind)) +
             ", fillcolor=" + std::string(Colour(tree.status(id))) + "];\n";
     if (info.parent != kNoNode) {

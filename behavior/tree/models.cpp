@@ -17,7 +17,7 @@ std::vector<std::string> NamesOf(const Factory& factory, NodeKind kind) {
   return names;
 }
 
-std::string Escaped(std::string_view text) {
+std::string XmlEscaped(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
     switch (c) {
@@ -43,14 +43,14 @@ std::string Escaped(std::string_view text) {
 std::string PortXml(const PortModel& port) {
   const std::string_view element = PortElement(port.direction);
   const std::string type = TypeNameOf(port);
-  std::string text = "      <" + std::string(element) + " name=\"" + Escaped(port.name) + "\"";
-  if (!type.empty()) text += " type=\"" + Escaped(type) + "\"";
+  std::string text = "      <" + std::string(element) + " name=\"" + XmlEscaped(port.name) + "\"";
+  if (!type.empty()) text += " type=\"" + XmlEscaped(type) + "\"";
   // An input that may be missing has an empty default: without one it has to be set.
   if (!port.otherwise.empty() || (port.direction == Direction::kIn && !port.required)) {
-    text += " default=\"" + Escaped(port.otherwise) + "\"";
+    text += " default=\"" + XmlEscaped(port.otherwise) + "\"";
   }
   if (port.doc.empty()) return text + "/>\n";
-  return text + ">" + Escaped(port.doc) + "</" + std::string(element) + ">\n";
+  return text + ">" + XmlEscaped(port.doc) + "</" + std::string(element) + ">\n";
 }
 
 std::string NodeXml(const Factory& factory, const std::string& name, NodeKind kind) {
@@ -59,10 +59,10 @@ std::string NodeXml(const Factory& factory, const std::string& name, NodeKind ki
   for (const PortModel& port : factory.PortsOf(name)) inside += PortXml(port);
   const std::string_view does = DescriptionOf(name);
   if (!does.empty()) {
-    inside += "      <MetadataFields>\n        <Metadata description=\"" + Escaped(does) +
+    inside += "      <MetadataFields>\n        <Metadata description=\"" + XmlEscaped(does) +
               "\"/>\n      </MetadataFields>\n";
   }
-  const std::string begin = "    <" + element + " ID=\"" + Escaped(name) + "\"";
+  const std::string begin = "    <" + element + " ID=\"" + XmlEscaped(name) + "\"";
   return inside.empty() ? begin + "/>\n" : begin + ">\n" + inside + "    </" + element + ">\n";
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <sstream>
 #include <unordered_set>
 #include <utility>
@@ -45,7 +46,7 @@ class Explorer {
     std::uint32_t choice = 0;
   };
 
-  void Expand(const Node& node) {
+  void Expand(Node& node) {
     const std::vector<Choice> choices = Choices(model_, node.world);
     if (IsQuiet(node.world, choices)) {
       ++searched_.figures.leaves;
@@ -55,7 +56,7 @@ class Explorer {
     }
     for (std::uint32_t k = 0; k < choices.size(); ++k) {
       if ((node.twins >> choices[k].actuator & 1U) != 0) continue;
-      World world = node.world;
+      World world = k + 1 < choices.size() ? node.world : std::move(node.world);
       Notes notes;
       Make(model_, world, choices[k], notes);
       ++searched_.figures.transitions;
@@ -84,8 +85,8 @@ class Explorer {
   Searched searched_;
   std::unordered_set<Fingerprint, FingerprintHash> seen_;
   std::vector<Origin> origins_;
-  std::vector<Node> layer_;
-  std::vector<Node> next_;
+  std::deque<Node> layer_;  // grows without a move of its nodes
+  std::deque<Node> next_;
 };
 
 }  // namespace
