@@ -1,7 +1,5 @@
 #include "musher/python/native/client.hpp"
 
-#include <pybind11/stl.h>
-
 #include "musher/base/host.hpp"
 #include "musher/controller/client/latching.hpp"
 #include "musher/controller/client/switch_client.hpp"

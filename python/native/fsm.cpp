@@ -1,7 +1,5 @@
 // Python: state machines (musher/fsm.py).
 
-#include <pybind11/stl.h>
-
 #include "musher/application/behavior_report.hpp"
 #include "musher/base/code.hpp"
 #include "musher/behavior/fsm/graph.hpp"

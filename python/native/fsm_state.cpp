@@ -37,6 +37,7 @@ py::object Exceptions::Call(const py::object& function, const py::object& argume
       py::reinterpret_steal<py::object>(CallPython(function.ptr(), py::make_tuple(argument).ptr()));
   if (result) return result;
   py::error_already_set raised;
+  if (raised.trace()) PyException_SetTraceback(raised.value().ptr(), raised.trace().ptr());
   const std::string text =
       py::module_::import("musher._log").attr("where")(raised.value()).cast<std::string>();
   if (!report_.is_none()) report_(raised.value());
