@@ -50,6 +50,6 @@ def __getattr__(name: str) -> Any:
 
 __all__ = [
     "ActionClient", "ActionServer", "Actuator", "ActuatorOutcome", "ConfigError", "Failure", "FsmActuator", "Goal",
-    "GoalCanceled", "GoalFailed", "Key", "Machine", "Node", "NotAllowed", "Outcome", "Publisher", "ServerGoal", "ServiceClient",
-    "ServiceServer", "Subscription", "SwitchFailed", "__version__", "fsm", "log", "run", "state",
+    "GoalCanceled", "GoalFailed", "Key", "Machine", "Node", "NotAllowed", "Outcome", "Publisher", "ServerGoal",
+    "ServiceClient", "ServiceServer", "Subscription", "SwitchFailed", "__version__", "fsm", "log", "run", "state",
 ]
