@@ -9,6 +9,7 @@ import collections
 import getpass
 import os
 import threading
+import time
 import weakref
 from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, Generic, Iterator, Optional, Type, TypeVar
 
@@ -161,14 +162,25 @@ class ServiceClient(Endpoint):
         _check_type(service, Service, "a service class")
         super().__init__(node)
         self._service: Any = service
+        self._matches = _native.Mailbox()
         if node._native is not None:
-            self._native = _native.ServiceClient(node._native, name, service._dds_type)
+            self._native = _native.ServiceClient(node._native, name, service._dds_type, self._matches)
 
     @property
     def ready(self) -> bool:
         """Whether a server is connected; a call waits for one."""
         native = self._open()
         return native is not None and bool(native.ready())
+
+    def wait_until_ready(self, timeout_s: float) -> bool:
+        """Waits for a server, at most so long; returns whether there is one."""
+        end = time.monotonic() + timeout_s
+        while not self.ready:
+            left = end - time.monotonic()
+            if left <= 0:
+                return False
+            self._matches.pop(left)
+        return True
 
     def call(self, request: Message, timeout_s: float = 5.0) -> Any:
         """Returns the Response. Raises musher.Failure: no server, or no reply in time."""
