@@ -15,10 +15,12 @@ namespace {
 struct NewOptions {
   std::string name;
   std::string folder;  // empty: the name
+  std::string language = "cpp";
 };
 
 ExitCode Make(const std::string& kind, const NewOptions& options, Console& console) {
-  const auto name = ProjectName::From(options.name);
+  const Project project{kind, kind == "robot" ? "" : options.language};
+  const auto name = ProjectName::From(options.name, project);
   if (!name) return console.Fail(name.error());
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -32,11 +34,11 @@ ExitCode Make(const std::string& kind, const NewOptions& options, Console& conso
   std::filesystem::path folder = options.folder.empty() ? name.value().snake : options.folder;
   folder = folder.lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();  // "arm/"
-  const auto files = MakeProject(templates, kind, name.value(), folder);
+  const auto files = MakeProject(templates, project, name.value(), folder);
   if (!files) return console.Fail(files.error());
   console.Print(console.mode().json
-                    ? NewProjectJson(kind, name.value(), folder.string(), files.value())
-                    : NewProjectText(kind, name.value(), folder.string(), files.value()));
+                    ? NewProjectJson(project, name.value(), folder.string(), files.value())
+                    : NewProjectText(project, name.value(), folder.string(), files.value()));
   return ExitCode::kDone;
 }
 
@@ -56,6 +58,10 @@ void AddKind(Grammar& grammar, CLI::App& family, const char* kind, const char* w
   app.add_option("NAME", options.name, "left_arm or LeftArm: letters, digits and '_'")
       ->required()
       ->type_name("");
+  if (std::string_view(kind) != "robot") {
+    grammar.OneOf(app.add_option("--language", options.language, "Default cpp"), {"cpp", "python"})
+        ->type_name("LANGUAGE");
+  }
   grammar
       .Offer(app.add_option("--folder", options.folder, "The folder to make; default NAME, here"),
              Names::kFolders)
@@ -66,10 +72,9 @@ void AddKind(Grammar& grammar, CLI::App& family, const char* kind, const char* w
 
 void AddNew(Grammar& grammar) {
   CLI::App& family = grammar.AddFamily("new", "Make a project that builds and passes its own test");
-  AddKind(grammar, family, "module", "An actuator in C++: a class with a callback for each state",
+  AddKind(grammar, family, "module", "An actuator: a class with a callback for each state",
           NewModule);
-  AddKind(grammar, family, "app", "An application in C++: a state machine that is an actuator",
-          NewApp);
+  AddKind(grammar, family, "app", "An application: a state machine that is an actuator", NewApp);
   AddKind(grammar, family, "robot", "A state config that starts at once, without a program",
           NewRobot);
 }

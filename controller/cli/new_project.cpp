@@ -50,6 +50,34 @@ const std::set<std::string, std::less<>>& ReservedNames() {
   return names;
 }
 
+// Whether a file of this name would hide a module of Python's library, which `import musher` may
+// need.
+bool HidesPythonModule(const std::string& name) {
+  static constexpr std::string_view kModules =
+      " "
+      "abc aifc antigravity argparse array ast asynchat asyncio asyncore atexit audioop "
+      "base64 bdb binascii bisect builtins bz2 cProfile calendar cgi cgitb chunk cmath cmd "
+      "code codecs codeop collections colorsys compileall concurrent configparser contextlib "
+      "contextvars copy copyreg crypt csv ctypes curses dataclasses datetime dbm decimal "
+      "difflib dis distutils doctest email encodings ensurepip enum errno faulthandler fcntl "
+      "filecmp fileinput fnmatch fractions ftplib functools gc genericpath getopt getpass "
+      "gettext glob graphlib grp gzip hashlib heapq hmac html http idlelib imaplib imghdr imp "
+      "importlib inspect io ipaddress itertools json keyword lib2to3 linecache locale logging "
+      "lzma mailbox mailcap marshal math mimetypes mmap modulefinder msilib msvcrt "
+      "multiprocessing netrc nis nntplib nt ntpath nturl2path numbers opcode operator "
+      "optparse os ossaudiodev pathlib pdb pickle pickletools pipes pkgutil platform plistlib "
+      "poplib posix posixpath pprint profile pstats pty pwd py_compile pyclbr pydoc "
+      "pydoc_data pyexpat queue quopri random re readline reprlib resource rlcompleter runpy "
+      "sched secrets select selectors shelve shlex shutil signal site smtpd smtplib sndhdr "
+      "socket socketserver spwd sqlite3 sre_compile sre_constants sre_parse ssl stat "
+      "statistics string stringprep struct subprocess sunau symtable sys sysconfig syslog "
+      "tabnanny tarfile telnetlib tempfile termios textwrap this threading time timeit "
+      "tkinter token tokenize tomllib trace traceback tracemalloc tty turtle turtledemo types "
+      "typing unicodedata unittest urllib uu uuid venv warnings wave weakref webbrowser "
+      "winreg winsound wsgiref xdrlib xml xmlrpc zipapp zipfile zipimport zlib zoneinfo ";
+  return kModules.find(" " + name + " ") != std::string_view::npos;
+}
+
 // "LeftArm2" → "left_arm2"
 std::string Snake(std::string_view name) {
   std::string snake;
@@ -123,18 +151,26 @@ Result<> CheckDestination(const fs::path& folder) {
                                            "one with --folder, or remove it first"};
 }
 
-Result<> WriteRenamed(const fs::path& from, const fs::path& to, const std::string& kind,
+Result<> WriteRenamed(const fs::path& from, const fs::path& to, const Project& project,
                       const ProjectName& name) {
   std::ofstream out(to, std::ios::binary);
-  out << Renamed(ReadFile(from), kind, name);
+  out << Renamed(ReadFile(from), project, name);
   out.close();
   if (!out) return Error{kCodeFailed, "cannot write " + to.string()};
+  constexpr auto kRuns = fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec;
+  std::error_code ignored;  // without it, a script is run by its interpreter
+  fs::permissions(to, fs::status(from, ignored).permissions() & kRuns, fs::perm_options::add,
+                  ignored);
   return Ok();
 }
 
 }  // namespace
 
-Result<ProjectName> ProjectName::From(std::string_view name) {
+std::string Project::Template() const {
+  return (python() ? "new_python_" : "new_") + kind;
+}
+
+Result<ProjectName> ProjectName::From(std::string_view name, const Project& project) {
   const auto invalid = [name](const std::string& why) {
     return Error{kCodeParametersInvalid, fmt::format("invalid name '{}': {}", name, why)};
   };
@@ -145,7 +181,7 @@ Result<ProjectName> ProjectName::From(std::string_view name) {
   if (bad != name.end()) {
     std::string near(name);
     std::replace(near.begin(), near.end(), '-', '_');
-    const bool hyphens = near != name && From(near).ok();
+    const bool hyphens = near != name && From(near, project).ok();
     return invalid("it may have letters, digits and '_' only" +
                    (hyphens ? "; did you mean '" + near + "'?" : std::string()));
   }
@@ -163,12 +199,15 @@ Result<ProjectName> ProjectName::From(std::string_view name) {
     return invalid("'" + snake +
                    "' is a word of C++, Python, CMake or the new project itself; add another word");
   }
+  if (project.python() && HidesPythonModule(snake)) {
+    return invalid("'" + snake + ".py' would hide a module of Python's library; add another word");
+  }
   return ProjectName{snake, Camel(snake)};
 }
 
-std::string Renamed(std::string text, const std::string& kind, const ProjectName& name) {
-  ReplaceAll(text, "new_" + kind, name.snake);
-  ReplaceAll(text, "New" + Camel(kind), name.camel);
+std::string Renamed(std::string text, const Project& project, const ProjectName& name) {
+  ReplaceAll(text, project.Template(), name.snake);
+  ReplaceAll(text, Camel(project.Template()), name.camel);
   return text;
 }
 
@@ -178,10 +217,10 @@ fs::path TemplatesFolder(const fs::path& program) {
   return fs::is_directory(folder, error) ? folder.lexically_normal() : fs::path();
 }
 
-Result<std::vector<std::string>> MakeProject(const fs::path& templates, const std::string& kind,
+Result<std::vector<std::string>> MakeProject(const fs::path& templates, const Project& project,
                                              const ProjectName& name, const fs::path& folder) {
   if (auto free = CheckDestination(folder); !free) return free.error();
-  const fs::path from = templates / ("new_" + kind);
+  const fs::path from = templates / project.Template();
   std::error_code error;
   const fs::path parent = folder.parent_path().empty() ? "." : folder.parent_path();
   if (!fs::is_directory(parent, error)) {
@@ -192,8 +231,9 @@ Result<std::vector<std::string>> MakeProject(const fs::path& templates, const st
     return FileError("make a folder in", parent, error);
   std::vector<std::string> files;
   for (const fs::path& file : EntriesOf(from, error)) {
-    files.push_back(Renamed(file.filename().string(), kind, name));
-    const auto written = WriteRenamed(file, draft.path() / files.back(), kind, name);
+    if (fs::is_directory(file)) continue;  // Python's cache
+    files.push_back(Renamed(file.filename().string(), project, name));
+    const auto written = WriteRenamed(file, draft.path() / files.back(), project, name);
     if (!written) return written.error();
   }
   if (error || files.empty()) {

@@ -1,5 +1,5 @@
 #pragma once
-// A project from a template: the example new_<kind>, with its names replaced.
+// A project from a template: the example new_<kind> or new_python_<kind>, with its names replaced.
 
 #include <filesystem>
 #include <string>
@@ -10,25 +10,34 @@
 
 namespace musher::cli {
 
+struct Project {
+  std::string kind;      // "module", "app", "robot"
+  std::string language;  // "cpp", "python"; empty: none
+
+  bool python() const { return language == "python"; }
+  // "new_module", "new_python_module"
+  std::string Template() const;
+};
+
 // A name in the spellings that a project uses.
 struct ProjectName {
   std::string snake;  // "left_arm": actuator, files, targets
   std::string camel;  // "LeftArm": class
 
   // From either spelling. The error says which part of `name` is not permitted.
-  static Result<ProjectName> From(std::string_view name);
+  static Result<ProjectName> From(std::string_view name, const Project& project);
 };
 
-// The text with new_<kind> and New<Kind> replaced.
-std::string Renamed(std::string text, const std::string& kind, const ProjectName& name);
+// The text with the name of the template replaced in both spellings.
+std::string Renamed(std::string text, const Project& project, const ProjectName& name);
 
 // The folder with the templates, found from that of the program; empty: not installed.
 std::filesystem::path TemplatesFolder(const std::filesystem::path& program);
 
-// Makes `folder` from the template of `kind` ("module", "app", "robot"): all of it or nothing. The
-// folder must not exist, or be empty. Returns its files, relative to it, sorted.
+// Makes `folder` from the template: all of it or nothing. The folder must not exist, or be empty.
+// Returns its files, relative to it, sorted.
 Result<std::vector<std::string>> MakeProject(const std::filesystem::path& templates,
-                                             const std::string& kind, const ProjectName& name,
+                                             const Project& project, const ProjectName& name,
                                              const std::filesystem::path& folder);
 
 }  // namespace musher::cli

@@ -42,13 +42,17 @@ msg::EmergencyStop NewEmergencyStop(std::string by, std::string_view reason) {
   return {id, true, std::move(by), std::string(reason.substr(0, kLongestStopReason))};
 }
 
-Latching::Latching(transport::Node& node, msg::EmergencyStop stop)
-    : loop_(node.loop()), stop_(std::move(stop)), begun_(loop_.Now()) {}
+Latching::Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change)
+    : loop_(node.loop()),
+      stop_(std::move(stop)),
+      on_change_(std::move(on_change)),
+      begun_(loop_.Now()) {}
 
 Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
                                                   const std::string& name_space,
-                                                  const msg::EmergencyStop& stop, bool with_keys) {
-  std::unique_ptr<Latching> latching(new Latching(node, stop));
+                                                  const msg::EmergencyStop& stop, bool with_keys,
+                                                  std::function<void()> on_change) {
+  std::unique_ptr<Latching> latching(new Latching(node, stop, std::move(on_change)));
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
       node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
   if (!stops) return stops.error();
@@ -58,6 +62,7 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
   events.on_writer_lost = [self = latching.get()](transport::PeerId writer) {
     std::erase_if(self->received_,
                   [writer](const auto& received) { return received.second.writer == writer; });
+    if (self->on_change_) self->on_change_();
   };
   transport::Qos qos = transport::kLatchedFromManyQos;
   qos.partition = transport::ReaderPartition(with_keys);
@@ -76,7 +81,9 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
 void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   Received& last = received_[status.name];
   const bool changed = last.writer != info.writer || last.latched != status.emergency_stop;
-  if (changed) last = {info.writer, status.emergency_stop, loop_.Now() - begun_};
+  if (!changed) return;
+  last = {info.writer, status.emergency_stop, loop_.Now() - begun_};
+  if (on_change_) on_change_();
 }
 
 EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller) const {

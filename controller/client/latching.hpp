@@ -4,6 +4,7 @@
 //
 // Threads: loop thread only.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -58,11 +59,13 @@ class Latching {
  public:
   // Publishes the stop at once and, while this object exists, to actuators that join later. `node`
   // must outlive it.
-  // `with_keys`: the machine has [security], and so has `node`.
+  // `with_keys`: the machine has [security], and so has `node`. `on_change`: an actuator's part of
+  // the report has changed.
   static Result<std::unique_ptr<Latching>> Begin(transport::Node& node,
                                                  const std::string& name_space,
                                                  const msg::EmergencyStop& stop,
-                                                 bool with_keys = false);
+                                                 bool with_keys = false,
+                                                 std::function<void()> on_change = {});
 
   // The actuators whose status was received, and those that the controller's status lists as
   // present, in its order.
@@ -75,13 +78,14 @@ class Latching {
     Duration after{};
   };
 
-  Latching(transport::Node& node, msg::EmergencyStop stop);
+  Latching(transport::Node& node, msg::EmergencyStop stop, std::function<void()> on_change);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
                               const std::string& trouble) const;
 
   transport::EventLoop& loop_;
   const msg::EmergencyStop stop_;
+  const std::function<void()> on_change_;
   const Time begun_;
   std::map<std::string, Received> received_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;

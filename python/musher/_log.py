@@ -36,6 +36,10 @@ class Log:
         """An error with the traceback of the exception that is handled."""
         self._write(ERROR, f"{text}\n{traceback.format_exc().rstrip()}")
 
+    def traceback(self, error: BaseException) -> None:
+        """An error: the traceback of this exception."""
+        self._write(ERROR, "".join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip())
+
     def _write(self, level: int, text: str) -> None:
         if not muted and level >= _native.lowest_log_level():
             _native.write_log(level, self._name or _program_name, _printable(str(text)))

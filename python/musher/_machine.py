@@ -14,6 +14,7 @@ from musher.musher_msgs.msg import HistoryEntry, MachineStatus
 from musher.musher_msgs.srv import (GetHistory, GetPlan, ReleaseEmergencyStop, RestartActuator, SetState)
 
 _NEWS, _END = range(2)  # as in native/client.cpp
+_STOPPED = 1  # key of the items of an emergency stop beside those of the status
 _TIMEOUT = 107  # Robot (100) + TIMEOUT
 _NET_ERROR = 105
 
@@ -161,19 +162,19 @@ class Machine:
     def estop(self, reason: str = "", *, timeout_s: float = 2.0, by: str = "") -> List[str]:
         """Engages the emergency stop, with or without a controller. Returns the actuators that have stopped;
         raises musher.Failure if one has not confirmed it in time. The stop stays engaged in any case."""
-        stop = _native.Stop(self._native(), by or default_by(), reason)
         end = time.monotonic() + timeout_s
-        try:
-            with _Closing(self._watch()) as statuses:
-                status: Optional[bytes] = None
-                while True:
-                    new = statuses.take(0.005)
+        with _Closing(self._watch()) as statuses, \
+                _Closing(_native.Stop(self._native(), by or default_by(), reason, statuses._mailbox, _STOPPED)) as stop:
+            status: Optional[bytes] = None
+            while True:
+                settled, actuators = stop.report(status)
+                left = end - time.monotonic()
+                if (settled and actuators) or left <= 0:
+                    break
+                item = statuses._mailbox.pop(left)  # of the machine, or of an actuator
+                if item is not None and item.key != _STOPPED:
+                    new = statuses._decode(item)
                     status = new.to_bytes() if new is not None else status
-                    settled, actuators = stop.report(status)
-                    if (settled and actuators) or time.monotonic() >= end:
-                        break
-        finally:
-            stop.close()
         missing = [f"{name} ({trouble})" if trouble else name for name, stopped, _, trouble in actuators if not stopped]
         if missing:
             raise Failure(_TIMEOUT, f"the emergency stop is engaged, but not confirmed by {', '.join(missing)}")
@@ -211,11 +212,8 @@ class Machine:
 
     def _call(self, name: str, service: Any, request: Any, timeout_s: float = 5.0) -> Any:
         with _Closing(self.node.client("/" + _native.machine_service(self.node.namespace, name), service)) as client:
-            end = time.monotonic() + self._find_s
-            while not client.ready:
-                if time.monotonic() >= end:
-                    raise self._not_found()
-                time.sleep(0.005)
+            if not client.wait_until_ready(self._find_s):
+                raise self._not_found()
             return client.call(request, timeout_s)
 
     def _not_found(self, what: str = "no controller") -> Failure:

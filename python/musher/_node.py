@@ -5,11 +5,13 @@ Python thread, one at a time. A subscription without a handler is an iterator in
 """
 
 import atexit
+import collections
 import getpass
 import os
 import threading
+import time
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Dict, Generic, Iterator, Optional, Type, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, Generic, Iterator, Optional, Type, TypeVar
 
 from musher import _native
 from musher._errors import Failure
@@ -160,14 +162,25 @@ class ServiceClient(Endpoint):
         _check_type(service, Service, "a service class")
         super().__init__(node)
         self._service: Any = service
+        self._matches = _native.Mailbox()
         if node._native is not None:
-            self._native = _native.ServiceClient(node._native, name, service._dds_type)
+            self._native = _native.ServiceClient(node._native, name, service._dds_type, self._matches)
 
     @property
     def ready(self) -> bool:
         """Whether a server is connected; a call waits for one."""
         native = self._open()
         return native is not None and bool(native.ready())
+
+    def wait_until_ready(self, timeout_s: float) -> bool:
+        """Waits for a server, at most so long; returns whether there is one."""
+        end = time.monotonic() + timeout_s
+        while not self.ready:
+            left = end - time.monotonic()
+            if left <= 0:
+                return False
+            self._matches.pop(left)
+        return True
 
     def call(self, request: Message, timeout_s: float = 5.0) -> Any:
         """Returns the Response. Raises musher.Failure: no server, or no reply in time."""
@@ -252,7 +265,7 @@ class Node:
         self._native = native  # None: of a fault-injection test, which has no transport
         self.log = log
         self._mailbox = _native.Mailbox()
-        self._handlers: Dict[int, Callable[[_native.Item], None]] = {}
+        self._delivery = _Delivery(self._mailbox, log)
         self._endpoints: "set[Endpoint]" = set()
         self._thread: Optional[threading.Thread] = None
         self._lock = threading.Lock()
@@ -323,27 +336,107 @@ class Node:
 
     def _handle(self, on_item: Callable[[_native.Item], None]) -> int:
         with self._lock:
-            key = len(self._handlers) + 1
-            self._handlers[key] = on_item
+            key = self._delivery.add(on_item)
             if self._thread is None and self._native is not None:
-                self._thread = threading.Thread(target=_deliver, daemon=True, name="musher node",
-                                                args=(self._mailbox, self._handlers, self.log))
+                self._thread = threading.Thread(target=self._delivery.run, daemon=True, name="musher node")
                 self._thread.start()
         return key
 
+    def _run(self, work: Callable[[], None], first: bool = False) -> None:
+        """Runs work on the node's thread, between two handlers or as the next thing there, and waits for it. In a
+        fault-injection test, which has no such thread, here."""
+        if self._native is None or threading.current_thread() is self._thread:
+            return work()
+        job = self._post(work, first)
+        job.done.wait()
+        if job.error is not None:
+            raise job.error
 
-def _deliver(mailbox: _native.Mailbox, handlers: Dict[int, Callable[[_native.Item], None]], log: Log) -> None:
-    while True:
+    def _post(self, work: Callable[[], None], first: bool = False) -> "_Job":
+        """The same without waiting; in a fault-injection test it does not run."""
+        job = _Job(work)
+        if self._native is not None:
+            if self._thread is None:
+                self._handle(lambda item: None)  # starts the thread
+            self._delivery.post(job, first)
+        return job
+
+
+class _Job:
+    """Work for a node's thread."""
+
+    def __init__(self, work: Callable[[], None]) -> None:
+        self._work = work
+        self.done = threading.Event()
+        self.error: Optional[BaseException] = None
+
+    def run(self) -> None:
         try:
-            item = mailbox.pop(None)
-        except StopIteration:
-            return
-        if item is None:
-            continue
-        try:
-            handlers[item.key](item)
-        except Exception:
-            log.exception("a handler raised an exception")
+            self._work()
+        except BaseException as error:
+            self.error = error
+        self.done.set()
+
+    def abandon(self) -> None:
+        self.error = Failure(_CLOSED, "the node is closed")
+        self.done.set()
+
+
+class _Delivery:
+    """What a node's thread does: handles the items of the mailbox and the jobs, one at a time. It does not refer to the
+    node, which thus can end."""
+
+    _JOBS = 0  # the key of their items
+
+    def __init__(self, mailbox: _native.Mailbox, log: Log) -> None:
+        self._mailbox = mailbox
+        self._log = log
+        self._handlers: Dict[int, Callable[[_native.Item], None]] = {self._JOBS: self._run_job}
+        self._jobs: Deque[_Job] = collections.deque()
+        self._lock = threading.Lock()
+        self._ended = False
+        #: Called around each handler, with whether it begins.
+        self.watch: Callable[[bool], None] = lambda busy: None
+
+    def add(self, on_item: Callable[[_native.Item], None]) -> int:
+        """Returns the key of its items. Not from two threads at a time."""
+        key = len(self._handlers)
+        self._handlers[key] = on_item
+        return key
+
+    def post(self, job: _Job, first: bool) -> None:
+        with self._lock:
+            if self._ended:
+                return job.abandon()
+            if first:
+                self._jobs.appendleft(job)
+            else:
+                self._jobs.append(job)
+            self._mailbox.wake(self._JOBS, first)
+
+    def run(self) -> None:
+        while True:
+            try:
+                item = self._mailbox.pop(None)
+            except StopIteration:
+                break
+            if item is None:
+                continue
+            self.watch(True)
+            try:
+                self._handlers[item.key](item)
+            except Exception:
+                self._log.exception("a handler raised an exception")
+            self.watch(False)
+        with self._lock:
+            self._ended = True
+            for job in self._jobs:
+                job.abandon()
+
+    def _run_job(self, item: _native.Item) -> None:
+        with self._lock:
+            job = self._jobs.popleft()
+        job.run()
 
 
 def _check_type(given: Any, base: type, what: str) -> None:

@@ -1,7 +1,5 @@
 // Python: the handle of an actuator.
 
-#include <pybind11/stl.h>
-
 #include "musher/base/code.hpp"
 #include "musher/base/log.hpp"
 #include "musher/python/native/node.hpp"

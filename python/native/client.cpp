@@ -1,7 +1,5 @@
 #include "musher/python/native/client.hpp"
 
-#include <pybind11/stl.h>
-
 #include "musher/base/host.hpp"
 #include "musher/controller/client/latching.hpp"
 #include "musher/controller/client/switch_client.hpp"
@@ -47,9 +45,16 @@ class Switch : public OnLoop<SwitchClient> {
 // An emergency stop that is published as long as this exists.
 class Stop : public OnLoop<Latching> {
  public:
-  Stop(const PyNodePtr& node, const std::string& by, const std::string& reason)
+  // An item of `key` goes into the mailbox when the report has changed.
+  Stop(const PyNodePtr& node, const std::string& by, const std::string& reason,
+       const MailboxPtr& mailbox, std::int64_t key)
       : OnLoop(node, [&](transport::Node& on) {
-          return Latching::Begin(on, node->name_space, NewEmergencyStop(by, reason));
+          return Latching::Begin(on, node->name_space, NewEmergencyStop(by, reason),
+                                 node->thread->credentials().has_value(), [mailbox, key] {
+                                   Item item;
+                                   item.key = key;
+                                   mailbox->PushLatest(std::move(item));
+                                 });
         }) {}
 
   // Which actuators are stopped: (all that can have latched it, [(name, stopped, after_s,
@@ -90,7 +95,8 @@ void AddClient(py::module_& native) {
                     double, double, const MailboxPtr&>())
       .def("close", &Switch::Close);
   py::class_<Stop>(native, "Stop")
-      .def(py::init<const PyNodePtr&, const std::string&, const std::string&>())
+      .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&,
+                    std::int64_t>())
       .def("report", &Stop::Report)
       .def("close", &Stop::Close);
 }

@@ -1,7 +1,5 @@
 #include "musher/python/native/fault_test.hpp"
 
-#include <pybind11/stl.h>
-
 #include <deque>
 #include <map>
 #include <mutex>

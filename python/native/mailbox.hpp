@@ -1,7 +1,7 @@
 #pragma once
 // Passes what the loop receives to a Python thread, so that the loop never waits for the GIL.
 //
-// Threads: Push() and Close() from any; Pop() from any, without the GIL.
+// Threads: Push…() and Close() from any; Pop() from any, without the GIL.
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -38,6 +38,23 @@ class Mailbox {
     const std::lock_guard lock(mutex_);
     if (limit > 0) Limit(item.key, limit);
     items_.push_back(std::move(item));
+    Wake();
+  }
+  // Takes the place of a waiting item of this key, if there is one.
+  void PushLatest(Item item) {
+    const std::lock_guard lock(mutex_);
+    for (Item& waiting : items_) {
+      if (waiting.key != item.key) continue;
+      waiting = std::move(item);
+      return;
+    }
+    items_.push_back(std::move(item));
+    Wake();
+  }
+  // Before all others.
+  void PushFirst(Item item) {
+    const std::lock_guard lock(mutex_);
+    items_.push_front(std::move(item));
     Wake();
   }
   void Close() {

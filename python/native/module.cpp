@@ -4,6 +4,7 @@
 #include "musher/python/native/client.hpp"
 #include "musher/python/native/codec.hpp"
 #include "musher/python/native/fault_test.hpp"
+#include "musher/python/native/fsm_machine.hpp"
 #include "musher/python/native/node.hpp"
 #include "musher/python/native/parts.hpp"
 
@@ -30,5 +31,7 @@ PYBIND11_MODULE(_native, native) {
   musher::python::AddActions(native);
   musher::python::AddClient(native);
   musher::python::AddActuator(native);
+  musher::python::AddFsm(native);
+  musher::python::AddFsmTicks(native);
   musher::python::AddFaultTest(native);
 }

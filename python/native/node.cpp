@@ -132,6 +132,13 @@ void AddNode(py::module_& native) {
       .def(py::init<>())
       .def("pop", &Pop)
       .def("close", &Mailbox::Close)
+      // An item without content, for the thread that takes them: work of this key waits for it.
+      .def("wake",
+           [](Mailbox& mailbox, std::int64_t key, bool first) {
+             Item item;
+             item.key = key;
+             return first ? mailbox.PushFirst(std::move(item)) : mailbox.Push(std::move(item));
+           })
       .def("dropped", &Mailbox::dropped);
   py::class_<PyNode, PyNodePtr>(native, "Node")
       .def(py::init(&MakeNode))

@@ -12,6 +12,7 @@
 //   - No Python exception passes through Musher: the Python layer catches it and returns a reason.
 
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>  // in each source: the conversions of a type are the same in all
 
 #include <string>
 

@@ -12,9 +12,12 @@ namespace {
 
 class ServiceClient : public OnLoop<transport::RawClient> {
  public:
-  ServiceClient(const PyNodePtr& node, const std::string& name, const std::string& type)
+  // An item goes into `matches` when a server was found or lost.
+  ServiceClient(const PyNodePtr& node, const std::string& name, const std::string& type,
+                const MailboxPtr& matches)
       : OnLoop(node, [&](transport::Node& on) {
-          return transport::RawClient::Make(on, node->Resolve(name), type, {});
+          return transport::RawClient::Make(on, node->Resolve(name), type,
+                                            [matches] { matches->PushLatest({}); });
         }) {}
 
   bool Ready() {
@@ -104,7 +107,7 @@ class ServiceServer : public OnLoop<transport::RawServer> {
 
 void AddServices(py::module_& native) {
   py::class_<ServiceClient>(native, "ServiceClient")
-      .def(py::init<const PyNodePtr&, const std::string&, const std::string&>())
+      .def(py::init<const PyNodePtr&, const std::string&, const std::string&, const MailboxPtr&>())
       .def("ready", &ServiceClient::Ready)
       .def("call", &ServiceClient::Call)
       .def("close", &ServiceClient::Close);

@@ -57,7 +57,7 @@ struct Snippet {
 
 std::vector<Snippet> Snippets(const SourceFile& document) {
   static const std::regex origin(R"(^<!-- (\S+?)(?: \[(\w+)\])? -->$)");
-  static const std::regex code("^```(cpp|cmake|toml)$");
+  static const std::regex code("^```(cpp|python|cmake|toml)$");
   std::vector<Snippet> snippets;
   std::smatch from;
   std::string last;

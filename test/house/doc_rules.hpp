@@ -12,7 +12,7 @@
 
 namespace musher::house {
 
-// C++, CMake and TOML in `document` that differ from their file in `tree`, or name none.
+// C++, Python, CMake and TOML in `document` that differ from their file in `tree`, or name none.
 std::vector<std::string> StaleSnippets(const SourceFile& document,
                                        const std::vector<SourceFile>& tree);
 

@@ -43,6 +43,8 @@ TEST(DocRules, FindCodeThatDiffersAndPrintTheSource) {
 TEST(DocRules, FindCodeOfUnknownOrigin) {
   EXPECT_THAT(StaleSnippets(Document("text\n```cpp\nint b;\n```\n"), kTree),
               ElementsAre(HasSubstr("without a source")));
+  EXPECT_THAT(StaleSnippets(Document("text\n```python\nimport musher\n```\n"), kTree),
+              ElementsAre(HasSubstr("without a source")));
   EXPECT_THAT(StaleSnippets(Document("<!-- a/b.cpp -->\n```cpp\n```\n"), kTree),
               ElementsAre(HasSubstr("there is no a/b.cpp")));
   EXPECT_THAT(StaleSnippets(Document("<!-- a/main.cpp [gone] -->\n```cpp\n```\n"), kTree),

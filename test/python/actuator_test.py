@@ -92,6 +92,17 @@ class Actuators(unittest.TestCase):
         self.assertEqual(outcome[0].outcome, "done")
         client.release_estop()
 
+    def test_with_keys_an_emergency_stop_is_confirmed_too(self):
+        robot = Robot({"a": program()}, config='\n[security]\nkeys = "keys"\n')
+        self.addCleanup(os.environ.pop, "MUSHER_KEYS", None)
+        self.addCleanup(robot.close)
+        self.assertEqual(robot.run("keys", "init", robot.file).returncode, 0)
+        os.environ["MUSHER_KEYS"] = os.path.join(robot.folder, "keys")
+        robot.up()
+        with musher.Machine(robot.file) as machine:
+            machine.wait_until("Active", DEADLINE_S)
+            self.assertEqual(machine.estop("test", timeout_s=DEADLINE_S), ["a"])
+
     def test_the_status_is_answered_while_a_callback_computes_and_without_checkpoints_it_is_hung(self):
         robot, machine = self.start(
             program("def on_low_power(self):\n    while not __import__('os').path.exists('end'): pass"),

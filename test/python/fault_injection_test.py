@@ -32,6 +32,18 @@ class Motor(musher.Actuator):
         self.powered = False
 
 
+STATES = """[controller]
+actuators = ["{name}"]
+states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+default_time = 1000
+default_state = "Uninitialized"
+[actuator.{name}]
+states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+times = [1000, 1000, 1000, 1000, 1000]
+command = ["true"]
+"""
+
+
 class FaultTests(unittest.TestCase):
     def failure_of(self, motor, scenarios=300):
         test = ActuatorFaultTest(motor)
@@ -72,6 +84,26 @@ class FaultTests(unittest.TestCase):
                 raise ValueError("no brake")
 
         self.assertIn("its OnEmergencyStop() failed: the callback threw: ValueError: no brake", self.failure_of(Raises))
+
+    def test_an_application_that_goes_on_in_an_emergency_stop_is_found(self):
+        class Show(musher.FsmActuator):
+            name = "show"
+
+            def build_machine(self, machine):
+                machine.add("STOP", musher.fsm.State(), musher.fsm.Role.SAFE)
+                machine.build("STOP")
+
+        class Moves(Show):
+            def on_emergency_stop(self):
+                pass
+
+        for application, error in ((Show, None), (Moves, AssertionError)):
+            test = ActuatorFaultTest(application, STATES.format(name="show"))
+            test.after_emergency_stop(lambda made, report: not made.ticking)
+            if error is None:
+                test.run()
+            else:
+                self.assertRaises(error, test.run)
 
     def test_a_config_that_does_not_fit_is_refused(self):
         class Nothing(musher.Actuator):

@@ -16,6 +16,17 @@ class Nodes(unittest.TestCase):
         self.addCleanup(self.here.close)
         self.addCleanup(self.there.close)
 
+    def test_a_client_waits_for_its_server_as_long_as_it_is_told(self):
+        client = self.here.client("begin", Trigger)
+        self.assertFalse(client.wait_until_ready(0.05))
+        waited = []
+        waiting = threading.Thread(target=lambda: waited.append(client.wait_until_ready(DEADLINE_S)))
+        waiting.start()
+        self.there.serve("begin", Trigger, lambda request: Trigger.Response(True, "begun"))
+        waiting.join(DEADLINE_S)
+        self.assertEqual(waited, [True])
+        self.assertEqual(client.call(Trigger.Request()).message, "begun")
+
     def test_a_handler_gets_the_messages_and_an_exception_of_it_does_not_stop_the_next(self):
         heard, all_there = [], threading.Event()
 

@@ -11,7 +11,7 @@ using Example = std::pair<std::string_view, std::string_view>;
 
 constexpr auto kExamples = std::to_array<Example>({
     {"check", "musher check robot.toml"},
-    {"new", "musher new module gripper"},
+    {"new", "musher new module gripper --language python"},
     {"doctor", "musher doctor robot.toml"},
     {"diff", "musher diff old.toml robot.toml"},
     {"graph", "musher graph robot.toml --what actuators -o robot.svg"},

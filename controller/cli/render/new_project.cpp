@@ -9,23 +9,29 @@
 
 namespace musher::cli {
 
-std::string NewProjectText(const std::string& kind, const ProjectName& name,
+std::string NewProjectText(const Project& project, const ProjectName& name,
                            const std::string& folder, const std::vector<std::string>& files) {
-  std::string text = fmt::format("{} {} in {}: {}\n\nnext:\n  cd {}\n", kind, name.snake, folder,
-                                 Join(files), folder);
-  if (kind != "robot") {
+  std::string text = fmt::format("{} {} in {}: {}\n\nnext:\n  cd {}\n", project.kind, name.snake,
+                                 folder, Join(files), folder);
+  if (project.python()) {
+    text += "  python3 " + name.snake + "_test.py\n";
+  } else if (project.kind != "robot") {
     text +=
         "  cmake -B build && cmake --build build\n  ctest --test-dir build --output-on-failure\n";
   }
   text += "  musher check robot.toml\n  musher up --detach robot.toml\n";
-  text += kind == "app" ? "  musher behavior " + name.snake + " --send go\n"
-                        : std::string("  musher set LowPower\n");
+  text += project.kind == "app" ? "  musher behavior " + name.snake + " --send go\n"
+                                : std::string("  musher set LowPower\n");
   return text + "  musher down\n";
 }
 
-std::string NewProjectJson(const std::string& kind, const ProjectName& name,
+std::string NewProjectJson(const Project& project, const ProjectName& name,
                            const std::string& folder, const std::vector<std::string>& files) {
-  return JsonLine({{"kind", kind}, {"name", name.snake}, {"folder", folder}, {"files", files}});
+  return JsonLine({{"kind", project.kind},
+                   {"language", project.language},
+                   {"name", name.snake},
+                   {"folder", folder},
+                   {"files", files}});
 }
 
 }  // namespace musher::cli

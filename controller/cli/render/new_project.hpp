@@ -9,9 +9,9 @@
 namespace musher::cli {
 
 // The files, and the commands to type next.
-std::string NewProjectText(const std::string& kind, const ProjectName& name,
+std::string NewProjectText(const Project& project, const ProjectName& name,
                            const std::string& folder, const std::vector<std::string>& files);
-std::string NewProjectJson(const std::string& kind, const ProjectName& name,
+std::string NewProjectJson(const Project& project, const ProjectName& name,
                            const std::string& folder, const std::vector<std::string>& files);
 
 }  // namespace musher::cli

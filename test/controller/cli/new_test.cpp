@@ -18,8 +18,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-std::string Spelt(std::string_view name) {
-  const auto both = ProjectName::From(name);
+std::string Spelt(std::string_view name, const Project& project = {"module", "cpp"}) {
+  const auto both = ProjectName::From(name, project);
   return both ? both.value().snake + " " + both.value().camel : both.error().message;
 }
 
@@ -45,11 +45,20 @@ TEST(ProjectName, IsRefusedWithTheReason) {
   EXPECT_THAT(Spelt(std::string(65, 'a')), HasSubstr("more than 64"));
 }
 
+TEST(ProjectName, DoesNotHideAModuleOfPythonsLibraryInAProjectInPython) {
+  for (const char* name : {"signal", "Logging", "zlib", "abc"}) {
+    EXPECT_THAT(Spelt(name, {"app", "python"}), HasSubstr(".py' would hide a module of Python's"));
+  }
+  EXPECT_EQ(Spelt("signal"), "signal Signal");
+  EXPECT_EQ(Spelt("zip", {"module", "python"}), "zip Zip");
+}
+
 class MakeProjectTest : public ::testing::Test {
  protected:
-  static Result<std::vector<std::string>> Make(const std::string& kind, const std::string& name,
+  static Result<std::vector<std::string>> Make(const Project& project, const std::string& name,
                                                const fs::path& folder) {
-    return MakeProject(SourceDir() + "/examples", kind, ProjectName::From(name).value(), folder);
+    return MakeProject(SourceDir() + "/examples", project, ProjectName::From(name, project).value(),
+                       folder);
   }
   // No folder and no draft is left.
   std::vector<std::string> Contents() const {
@@ -62,7 +71,7 @@ class MakeProjectTest : public ::testing::Test {
 };
 
 TEST_F(MakeProjectTest, ReplacesEachSpellingOfTheName) {
-  const auto files = Make("module", "LeftArm", folder_ / "arm");
+  const auto files = Make({"module", "cpp"}, "LeftArm", folder_ / "arm");
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_THAT(files.value(), ElementsAre("CMakeLists.txt", "README.md", "left_arm.cpp",
                                          "left_arm.hpp", "left_arm_test.cpp", "robot.toml"));
@@ -75,21 +84,40 @@ TEST_F(MakeProjectTest, ReplacesEachSpellingOfTheName) {
   EXPECT_THAT(ReadFile(folder_ / "arm/left_arm.hpp"), HasSubstr("class LeftArm : public"));
 }
 
+TEST_F(MakeProjectTest, MakesAProjectInPython) {
+  for (const char* kind : {"module", "app"}) {
+    const auto files = Make({kind, "python"}, "LeftArm", folder_ / kind);
+    ASSERT_TRUE(files) << files.error().message;
+    EXPECT_THAT(files.value(), ::testing::IsSupersetOf(
+                                   {"README.md", "left_arm.py", "left_arm_test.py", "robot.toml"}));
+    for (const std::string& file : files.value()) {
+      const std::string text = ReadFile(folder_ / kind + "/" + file);
+      EXPECT_THAT(text, ::testing::AnyOf(HasSubstr("left_arm"), HasSubstr("LeftArm"))) << file;
+      EXPECT_THAT(text, Not(HasSubstr("new_python"))) << file;
+      EXPECT_THAT(text, Not(HasSubstr("NewPython"))) << file;
+    }
+    const fs::perms perms = fs::status(folder_ / kind + "/left_arm.py").permissions();
+    EXPECT_NE(perms & fs::perms::owner_exec, fs::perms::none);
+  }
+}
+
 TEST_F(MakeProjectTest, AcceptsAnEmptyFolderOnly) {
   fs::create_directory(folder_ / "arm");
-  EXPECT_TRUE(Make("robot", "arm", folder_ / "arm"));
-  const auto again = Make("robot", "arm", folder_ / "arm");
+  EXPECT_TRUE(Make({"robot", ""}, "arm", folder_ / "arm"));
+  const auto again = Make({"robot", ""}, "arm", folder_ / "arm");
   ASSERT_FALSE(again);
   EXPECT_THAT(again.error().message, HasSubstr("exists and is not empty"));
   std::ofstream(folder_ / "file") << "x";
-  EXPECT_THAT(Make("robot", "arm", folder_ / "file").error().message, HasSubstr("is not a folder"));
-  EXPECT_THAT(Make("robot", "arm", folder_ / "no/arm").error().message,
+  EXPECT_THAT(Make({"robot", ""}, "arm", folder_ / "file").error().message,
+              HasSubstr("is not a folder"));
+  EXPECT_THAT(Make({"robot", ""}, "arm", folder_ / "no/arm").error().message,
               HasSubstr("there is no folder"));
 }
 
 TEST_F(MakeProjectTest, LeavesNothingBehindOnAFailure) {
-  const auto made = MakeProject(folder_ / "no_templates", "module",
-                                ProjectName::From("arm").value(), folder_ / "arm");
+  const Project module{"module", "cpp"};
+  const auto made = MakeProject(folder_ / "no_templates", module,
+                                ProjectName::From("arm", module).value(), folder_ / "arm");
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message, HasSubstr("cannot be read"));
   EXPECT_THAT(Contents(), IsEmpty());
@@ -98,11 +126,20 @@ TEST_F(MakeProjectTest, LeavesNothingBehindOnAFailure) {
 class NewCommand : public MakeProjectTest {};
 
 TEST_F(NewCommand, MakesAConfigOfEachKindThatCheckAccepts) {
-  for (const char* kind : {"module", "app", "robot"}) {
-    const std::string made = folder_ / kind;
-    const Ran ran = RunProgram({"new", kind, "arm", "--folder", made});
+  const std::vector<std::vector<std::string>> kinds = {{"module"},
+                                                       {"app"},
+                                                       {"robot"},
+                                                       {"module", "--language", "python"},
+                                                       {"app", "--language", "python"}};
+  for (const auto& kind : kinds) {
+    const std::string made = folder_ / (kind.front() + kind.back());
+    std::vector<std::string> line = {"new", kind.front(), "arm", "--folder", made};
+    line.insert(line.end(), kind.begin() + 1, kind.end());
+    const Ran ran = RunProgram(line);
     ASSERT_EQ(ran.exit, 0) << ran.err;
     EXPECT_THAT(ran.out, HasSubstr("next:\n  cd " + made + "\n"));
+    EXPECT_EQ(ran.out.find("  python3 arm_test.py\n") != std::string::npos,
+              kind.back() == "python");
     const Ran check = RunProgram({"check", made + "/robot.toml"});
     EXPECT_EQ(check.exit, 0) << check.out;
   }
@@ -111,6 +148,8 @@ TEST_F(NewCommand, MakesAConfigOfEachKindThatCheckAccepts) {
 TEST_F(NewCommand, IsRefusedWithASentence) {
   EXPECT_EQ(RunProgram({"new", "module"}).exit, 2);
   EXPECT_EQ(RunProgram({"new", "gadget", "arm"}).exit, 2);
+  EXPECT_EQ(RunProgram({"new", "module", "arm", "--language", "pyhton"}).exit, 2);
+  EXPECT_EQ(RunProgram({"new", "robot", "arm", "--language", "python"}).exit, 2);
   const Ran keyword = RunProgram({"new", "app", "class", "--folder", folder_ / "x"});
   EXPECT_EQ(keyword.exit, 2);
   EXPECT_THAT(keyword.err, HasSubstr("musher: invalid name 'class'"));
@@ -120,7 +159,7 @@ TEST_F(NewCommand, IsRefusedWithASentence) {
 TEST_F(NewCommand, IsOneJsonDocument) {
   const Ran ran = RunProgram({"--json", "new", "robot", "rover", "--folder", folder_ / "rover/"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
-  EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"kind":"robot","name":"rover","folder":")"));
+  EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"kind":"robot","language":"","name":"rover",")"));
   EXPECT_THAT(ran.out,
               HasSubstr(R"("files":["README.md","base.toml","lights.toml","robot.toml"])"));
 }

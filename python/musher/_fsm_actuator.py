@@ -1,0 +1,392 @@
+"""The base class of an application that is a state machine: an actuator that runs it while the robot is Active."""
+
+import math
+import time
+from typing import Callable, Dict, List, Optional
+
+from musher import _native
+from musher._actuator import Actuator
+from musher._errors import Failure, ProcessKilled
+from musher._log import ERROR, INFO, WARNING, where
+from musher._node import Endpoint
+from musher.fsm import Change, Listener, Machine
+from musher.musher_msgs.srv import GetBehavior, SendCommand
+from musher.std_msgs.msg import String
+from musher.builtin_interfaces.msg import Time
+
+_FAILED = 101  # Robot (100) + FAILED
+_STATE_INVALID = 103
+
+
+class FsmActuator(Actuator):
+    """Derive from it, and build the machine in build_machine():
+
+        class Show(musher.FsmActuator):
+            name = "show"
+
+            def build_machine(self, machine: musher.fsm.Machine) -> None:
+                machine.add("IDLE", Idle(self.data))
+                ...
+                machine.build("IDLE")
+
+        musher.run(Show)
+
+        robot          machine
+        SetUp          is built; topics are opened
+        SelfCheck      self_check() is called
+        Active         is started, or continues in its state (or from the start: resumes = False); ticks
+        TearDown       is stopped: its state is left; on_pause()
+        all others     is paused, its time stands still; on_pause()
+        an emergency stop: on_pause() as soon as the tick that runs has ended, and it is paused until the stop is
+                       released and Active is set again
+
+    A machine that stops because its safe state failed, or because it has none, ends the process with a non-zero exit
+    code, so that its restart policy applies. Musher's loop never waits for a state; a tick that computes for ever is
+    hung, if checkpoint_ms is in the config.
+
+    Interfaces: service <name>/get_behavior (musher behavior, musher graph --behavior), topic <name>/behavior_state
+    (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not run), and service <name>/send_command for its
+    commands (musher behavior --send).
+
+    In a fault-injection test there is neither transport nor clock: the machine is built, started, paused and stopped,
+    and is not ticked.
+
+    Threads: the machine, the hooks but self_check(), and the handlers of topics run on the node's thread, one at a
+    time, so they share data without locks. All times are the machine's, see [controller] clock.
+    """
+
+    #: Of ticks.
+    rate_hz: float = 50.0
+    #: Whether the machine continues where it was when the robot is Active again; else from its start state, without
+    #: commands.
+    resumes: bool = True
+
+    def __init__(self, name: str = "") -> None:
+        super().__init__(name)
+        if not self.rate_hz > 0:
+            raise ValueError(f"the rate of ticks is more than 0 Hz, not {self.rate_hz}")
+        self._machine: Optional[Machine] = None
+        self._ticks: Optional[_native.FsmTicks] = None
+        self._opened: List[Endpoint] = []
+        self._is_set_up = False
+        self._ticking = False
+        self._in_tick = False
+        self._published: Optional[str] = None
+        self._last_raised: Dict[str, str] = {}  # by the hook around a tick
+        self._limited = _LimitedLog(self)
+
+    # What a derived class writes.
+
+    def build_machine(self, machine: Machine) -> None:
+        """In SetUp: registers states, commands and safety checks, and calls machine.build(). What it raises fails
+        SetUp. Runs on the worker."""
+        raise NotImplementedError(f"write {type(self).__name__}.build_machine(self, machine)")
+
+    def open_topics(self) -> None:
+        """After that: topics and services of self.node. Their handlers may read the machine, send() commands, force and
+        reset it."""
+
+    def self_check(self) -> None:
+        """Whether its dependencies are available; raises musher.Failure if not. May block: it runs on the worker."""
+
+    def before_tick(self) -> None:
+        """An exception is logged, and the machine goes to its safe state as if one of its states had failed."""
+
+    def after_tick(self) -> None:
+        """As before_tick()."""
+
+    def on_pause(self) -> None:
+        """The robot is in a state in which the machine is paused, or an emergency stop was engaged: bring the outputs
+        to neutral. Must return at once and be idempotent. An exception is logged."""
+
+    def on_resume(self) -> None:
+        """The robot goes to Active; called before the machine is started or continues. An exception fails the switch to
+        Active, after on_pause()."""
+
+    # What it uses.
+
+    @property
+    def machine(self) -> Machine:
+        """From SetUp on."""
+        if self._machine is None:
+            raise Failure(_STATE_INVALID, f"{self.name} has no machine before SetUp")
+        return self._machine
+
+    @property
+    def ticking(self) -> bool:
+        """Whether the machine is ticked now."""
+        return self._ticking
+
+    def send(self, command: str) -> None:
+        """A command for the machine, of <name>/send_command or of a topic. Raises musher.Failure when the machine is
+        paused, so that no command is executed hours later, and when machine.send() does."""
+        if not self._ticking:
+            held = ", held by the emergency stop" if self.held_by_stop else ""
+            raise Failure(_STATE_INVALID, f"{self.name} is paused in {self.current_state}{held}")
+        self.machine.send(command)
+
+    def stamp(self) -> Time:
+        """The time of the machine's clock, for messages; zero in a fault-injection test."""
+        sec, nanosec = self._ticks.stamp() if self._ticks is not None else (0, 0)
+        return Time(sec, nanosec)
+
+    # Inside.
+
+    def _callbacks(self) -> Dict[str, str]:
+        callbacks = super()._callbacks()
+        for state, method in callbacks.items():
+            if state or getattr(type(self), method) is not FsmActuator.on_state:
+                raise TypeError(f"{type(self).__name__}.{method} would replace the callback that runs the machine; "
+                                "override on_pause(), on_resume() or self_check()")
+        return callbacks
+
+    def on_state(self, state: str) -> None:
+        """Runs the machine: do not override it."""
+        if state == "SetUp":
+            self._set_up()
+        elif state == "SelfCheck":
+            self._named("self_check", self.self_check)
+        else:
+            self.node._run(lambda: self._enter(state))
+
+    def on_emergency_stop(self) -> None:
+        """Pauses the machine: do not override it, but on_pause()."""
+        if not self._is_set_up:
+            return  # nothing moves yet, and the machine belongs to the worker
+        self._ticking = False  # at once: no further tick begins
+        self.node._run(self._pause, first=True)
+
+    def _set_up(self) -> None:
+        self._is_set_up = False
+        machine = Machine(self.name)
+        machine._log_to(self.log)
+        machine.listen(_Reports(self, machine))
+        self._named("build_machine", lambda: self.build_machine(machine))
+        if not machine.built:
+            raise Failure(_FAILED, "build_machine() has not called machine.build()")
+        for warning in machine.warnings:
+            self.log.warning(warning)
+        self._machine = machine
+        self.node._run(self._open_all)
+        self._is_set_up = True
+
+    def _open_all(self) -> None:
+        node = self.node
+        for endpoint in self._opened:
+            endpoint.close()
+        node._delivery.watch = self._watch
+        before = set(node._endpoints)
+        try:
+            self._ticks = _native.FsmTicks(self._actuator, node._mailbox, node._handle(self._on_tick))
+            self._state_topic = node.publisher(f"{self.name}/behavior_state", String, latched=True, depth=1)
+            node.serve(f"{self.name}/get_behavior", GetBehavior, self._report)
+            node.serve(f"{self.name}/send_command", SendCommand, self._send_requested)
+            self._published = None
+            self._publish()
+            self._named("open_topics", self.open_topics)
+        finally:
+            self._opened = [endpoint for endpoint in node._endpoints if endpoint not in before]
+
+    def _enter(self, state: str) -> None:
+        try:
+            if state == "Active":
+                self._start_or_resume()
+            elif state == "TearDown":
+                self._pause_machine()
+                self._quietly(self.machine.stop)
+                self._guard("on_pause", self.on_pause)
+            else:
+                self._pause()
+        finally:
+            self._publish()
+
+    def _start_or_resume(self) -> None:
+        try:
+            self._resume()
+        except BaseException:
+            self._pause()  # an incomplete start is not left running
+            raise
+
+    def _resume(self) -> None:
+        if self.emergency_stopped:
+            raise Failure(_STATE_INVALID, "an emergency stop was engaged meanwhile")
+        if self._ticking:
+            return
+        self._named("on_resume", self.on_resume)
+        machine, ticks = self.machine, self._ticks
+        assert ticks is not None
+        now_ns = ticks.now_ns()
+        if not machine.running:
+            self._quietly(lambda: machine._native.start(now_ns, ""))
+            if not machine.running:
+                raise Failure(_FAILED, f"the machine stopped at its start: {machine.fault}")
+        elif not self.resumes:
+            self._quietly(machine.reset)
+        if now_ns == 0:
+            machine.pause()  # the first time received from /clock may have any value
+        self._ticking = True
+        ticks.start(self.rate_hz)
+
+    def _on_tick(self, item: _native.Item) -> None:
+        if not self._ticking:
+            return
+        machine = self.machine
+        self._in_tick = True
+        well = self._guard_tick("before_tick", self.before_tick)
+        if self._ticking:
+            machine._native.run_once(item.token)
+        if not well:
+            self._go_safe()  # also when the tick has just left it
+        self._guard_tick("after_tick", self.after_tick)
+        self._in_tick = False
+        self._publish()
+        if not machine.running:
+            self._ended()
+
+    def _ended(self) -> None:
+        """The machine stopped: by a fault, or by the application."""
+        by_fault = self.machine.fault != "" and self.machine.mode == "SAFE_STOP"
+        self._pause()
+        if by_fault:
+            self.give_up(_FAILED, self.machine.fault)
+        else:
+            self.log.info("the machine has ended")
+
+    def _pause(self) -> None:
+        self._pause_machine()
+        self._guard("on_pause", self.on_pause)
+
+    def _pause_machine(self) -> None:
+        self._ticking = False
+        if self._ticks is not None:
+            self._ticks.stop()
+        if self._machine is not None:
+            self._machine.pause()
+
+    def _named(self, name: str, hook: Callable[[], None]) -> None:
+        """An exception becomes the failure of the state's callback, with the name of the hook."""
+        try:
+            hook()
+        except (Failure, ProcessKilled):
+            raise
+        except BaseException as error:
+            self.log.exception(f"{name} raised an exception")
+            raise Failure(_FAILED, f"{name} raised {where(error)}") from None
+
+    def _quietly(self, work: Callable[[], None]) -> None:
+        """A fault is reported by on_fault, and by the state of the machine."""
+        try:
+            work()
+        except Failure:
+            pass
+
+    def _guard(self, name: str, hook: Callable[[], None]) -> bool:
+        try:
+            hook()
+        except ProcessKilled:
+            raise
+        except BaseException:
+            self.log.exception(f"fault: {name}")
+            return False
+        return True
+
+    def _guard_tick(self, name: str, hook: Callable[[], None]) -> bool:
+        """An exception counts as a failed state; it is logged once as long as it is the same."""
+        last = self._last_raised.pop(name, "")
+        try:
+            hook()
+            return True
+        except BaseException as error:
+            raised = f"{name}: {where(error)}"
+            self._last_raised[name] = raised
+            if raised != last:
+                self.log.exception(f"fault: {raised}")
+        if not self._go_safe():
+            self._pause()
+            self.give_up(_FAILED, f"{raised}; and there is no safe state to go to")
+        return False
+
+    def _go_safe(self) -> bool:
+        """False when there is no safe state."""
+        machine = self.machine
+        safe = machine._native.safe_state()
+        if safe and machine.mode != "SAFE_STOP":
+            self._quietly(lambda: machine.force(safe))
+        return safe != ""
+
+    def _publish(self) -> None:
+        path = self.machine.path
+        if self._published != path:
+            self._published = path
+            self._state_topic.publish(String(path))
+
+    def _publish_soon(self) -> None:
+        """Once the state has been entered: a machine in it has a state only then."""
+        if self._is_set_up:
+            self.node._post(self._publish)
+
+    def _report(self, request: "GetBehavior.Request") -> "GetBehavior.Response":
+        encoded = self.machine._native.report(self._ticking, request.history, request.format)
+        report = GetBehavior.Response.from_bytes(encoded)
+        report.held_by_stop = self.held_by_stop
+        return report
+
+    def _send_requested(self, request: "SendCommand.Request") -> "SendCommand.Response":
+        try:
+            self.send(request.command)
+        except Failure as failure:
+            return SendCommand.Response(False, failure.reason)
+        return SendCommand.Response(True, "")
+
+    def _watch(self, busy: bool) -> None:
+        """The node's thread makes progress: it begins to handle something, or waits for more."""
+        self.checkpoint(None if busy else math.inf)
+
+
+class _Reports(Listener):
+    """Logs what the machine reports."""
+
+    def __init__(self, actuator: FsmActuator, machine: Machine) -> None:
+        self._actuator = actuator
+        self._machine = machine
+
+    def on_change(self, change: Change) -> None:
+        actuator = self._actuator
+        line = f"{change.from_state} -> {change.to_state}: {change.cause}"
+        if change.command:
+            line += f" by {change.command}"
+        if change.cause == "unsafe":
+            line += f", {self._machine.unsafe}"
+        actuator._limited(INFO, line)
+        if not actuator._in_tick:
+            actuator._publish_soon()
+
+    def on_unhandled(self, command: str, state: str) -> None:
+        self._actuator._limited(WARNING, f"command {command} is not handled in {state}")
+
+    def on_fault(self, fault: str) -> None:
+        self._actuator._limited(ERROR, f"fault: {fault}")
+
+
+class _LimitedLog:
+    """At most so many lines within a second, so that a fault in each tick does not fill the disk."""
+
+    _MOST = 20
+
+    def __init__(self, actuator: FsmActuator) -> None:
+        self._actuator = actuator
+        self._since = -1.0
+        self._lines = 0
+
+    def __call__(self, level: int, line: str) -> None:
+        now = time.monotonic()
+        if self._since < 0 or now - self._since >= 1:
+            self._since, self._lines = now, 0
+        self._lines += 1
+        if self._lines <= self._MOST:
+            self._actuator.log._write(level, line)
+        if self._lines == self._MOST:
+            self._actuator.log._write(level, "further messages within this second are suppressed")
+
+
+__all__ = ["FsmActuator"]

@@ -1,0 +1,172 @@
+#include "musher/python/native/fsm_machine.hpp"
+
+#include <utility>
+
+#include "musher/base/code.hpp"
+
+namespace musher::python {
+namespace {
+
+fsm::Role RoleOf(int role) {
+  constexpr std::array kRoles{fsm::Role::kNormal, fsm::Role::kSafe, fsm::Role::kFinal};
+  return kRoles.at(static_cast<std::size_t>(role));
+}
+
+}  // namespace
+
+class FsmMachine::PyListener final : public fsm::Listener {
+ public:
+  PyListener(std::shared_ptr<Exceptions> exceptions, py::object changed, py::object unhandled,
+             py::object failed)
+      : exceptions_(std::move(exceptions)),
+        changed_(std::move(changed)),
+        unhandled_(std::move(unhandled)),
+        failed_(std::move(failed)) {}
+
+  void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
+    if (!changed_.is_none()) exceptions_->Call(changed_, MakeChange(machine, change));
+  }
+  void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    if (unhandled_.is_none()) return;
+    exceptions_->Call(unhandled_, py::make_tuple(std::string(machine.Name(command)),
+                                                 std::string(machine.Name(state))));
+  }
+  void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
+    if (!failed_.is_none()) exceptions_->Call(failed_, py::str(machine.Describe(fault)));
+  }
+  int Visit(visitproc visit, void* arg) const {
+    Py_VISIT(changed_.ptr());
+    Py_VISIT(unhandled_.ptr());
+    Py_VISIT(failed_.ptr());
+    return 0;
+  }
+
+ private:
+  const std::shared_ptr<Exceptions> exceptions_;
+  const py::object changed_;
+  const py::object unhandled_;
+  const py::object failed_;
+};
+
+FsmMachine::FsmMachine(fsm::Machine::Options options)
+    : owned_(std::make_unique<fsm::Machine>(std::move(options))), machine_(owned_.get()) {}
+
+FsmMachine::~FsmMachine() {
+  Clear();
+}
+
+void FsmMachine::Add(const std::string& name, int role, const py::tuple& hooks) {
+  fsm::Machine& machine = Unbuilt();
+  auto calls = CallsOf(hooks);
+  machine.Add(name, std::make_unique<PyState>(std::move(calls)), RoleOf(role));
+}
+
+void FsmMachine::AddNested(const std::string& name, int role, const py::tuple& hooks,
+                           const Inside& inside) {
+  fsm::Machine& machine = Unbuilt();
+  if (inside.machine.get() == this) throw py::value_error("a machine cannot be inside itself");
+  inside.machine->Unbuilt();
+  auto calls = CallsOf(hooks);
+  machine.Add(name,
+              std::make_unique<PyNested>(std::move(calls), std::move(inside.machine->owned_),
+                                         inside.start, inside.options),
+              RoleOf(role));
+  inside_.push_back(inside.machine);
+}
+
+void FsmMachine::AddEvent(const std::string& name, bool urgent) {
+  Unbuilt().AddEvent(name, urgent ? fsm::Urgency::kUrgent : fsm::Urgency::kNormal);
+}
+
+void FsmMachine::AddSafetyCheck(const std::string& name, const py::object& is_safe) {
+  fsm::Machine& machine = Unbuilt();
+  auto function = std::make_shared<py::object>(is_safe);
+  checks_.push_back(function);
+  machine.AddSafetyCheck(
+      name, [&machine, function, exceptions = exceptions_](const fsm::Tick& tick) {
+        const py::object safe = exceptions->Call(*function, MakeTick(machine, tick));
+        if (py::isinstance<py::bool_>(safe)) return safe.cast<bool>();
+        throw std::runtime_error("it returned a " +
+                                 py::type::of(safe).attr("__name__").cast<std::string>() +
+                                 ", not whether it is safe");
+      });
+}
+
+void FsmMachine::Build(const std::string& start) {
+  const Result<> result = Unbuilt().Build(start);
+  exceptions_->RaiseKept();
+  Check(result);
+  built_ = true;
+}
+
+const fsm::Machine& FsmMachine::machine() const {
+  if (machine_ == nullptr) {
+    Raise("Failure", {kCodeStateInvalid, "the machine around this one has ended"});
+  }
+  return *machine_;
+}
+
+void FsmMachine::Listen(const py::object& changed, const py::object& unhandled,
+                        const py::object& failed) {
+  static_cast<void>(machine());
+  listeners_.push_back(std::make_unique<PyListener>(exceptions_, changed, unhandled, failed));
+  machine_->Listen(listeners_.back().get());
+}
+
+int FsmMachine::Visit(visitproc visit, void* arg) const {
+  if (!owned_) return 0;  // visited by that of the machine around it
+  return VisitAll(visit, arg);
+}
+
+int FsmMachine::VisitAll(visitproc visit, void* arg) const {
+  const auto all = [&](const auto& things) {
+    for (const auto& thing : things) {
+      if (const int result = thing->Visit(visit, arg); result != 0) return result;
+    }
+    return 0;
+  };
+  if (const int result = exceptions_->Visit(visit, arg); result != 0) return result;
+  if (const int result = all(listeners_); result != 0) return result;
+  if (const int result = all(states_); result != 0) return result;
+  for (const auto& check : checks_) Py_VISIT(check->ptr());
+  for (const auto& inside : inside_) {
+    if (const int result = inside->VisitAll(visit, arg); result != 0) return result;
+  }
+  return 0;
+}
+
+void FsmMachine::Clear() {
+  for (const auto& inside : inside_) inside->Clear();
+  machine_ = nullptr;
+  owned_.reset();
+  listeners_.clear();
+  states_.clear();
+  checks_.clear();
+  inside_.clear();
+  exceptions_->Report(py::none());
+}
+
+fsm::Machine& FsmMachine::Own() const {
+  if (!owned_) {
+    Raise("Failure", {kCodeStateInvalid,
+                      machine().name() + " is inside a state, which starts, ticks and stops it"});
+  }
+  return *owned_;
+}
+
+// Only a machine that has neither been built nor taken by a state: the engine counts on it.
+fsm::Machine& FsmMachine::Unbuilt() const {
+  fsm::Machine& machine = Own();
+  if (built_) {
+    Raise("Failure", {kCodeStateInvalid,
+                      machine.name() + " is built already: states, events and checks come before"});
+  }
+  return machine;
+}
+
+std::shared_ptr<StateCalls> FsmMachine::CallsOf(const py::tuple& hooks) {
+  states_.push_back(std::make_shared<StateCalls>(*machine_, exceptions_, hooks));
+  return states_.back();
+}
+
+}  // namespace musher::python

@@ -1,0 +1,86 @@
+#pragma once
+// A state machine (behavior/fsm) with states of Python.
+//
+//   Python's Machine ──▶ FsmMachine ──owns──▶ fsm::Machine ──owns──▶ PyState ──▶ Python's State
+//
+// A state that holds a machine takes it over: its FsmMachine then only reads it.
+//
+// Threads: with the GIL. A state's function may let another Python thread run; the machine refuses
+// what that thread must not do then.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/python/native/fsm_state.hpp"
+
+namespace musher::python {
+
+class FsmMachine {
+ public:
+  explicit FsmMachine(fsm::Machine::Options options);
+  ~FsmMachine();
+  FsmMachine(const FsmMachine&) = delete;
+  FsmMachine& operator=(const FsmMachine&) = delete;
+
+  // --- before build ---
+  void Add(const std::string& name, int role, const py::tuple& hooks);
+  struct Inside {
+    std::shared_ptr<FsmMachine> machine;
+    std::string start;
+    fsm::Nested::Options options;
+  };
+  void AddNested(const std::string& name, int role, const py::tuple& hooks, const Inside& inside);
+  void AddEvent(const std::string& name, bool urgent);
+  void AddSafetyCheck(const std::string& name, const py::object& is_safe);
+  void Build(const std::string& start);
+  bool built() const { return built_; }
+
+  // Runs `work(fsm::Machine&)`, which returns a Result or nothing and changes the machine; raises
+  // musher.Failure unless it is good.
+  template <class Work>
+  void Change(const Work& work) {
+    fsm::Machine& machine = Own();
+    if (!built_) Raise("Failure", {kCodeStateInvalid, machine.name() + ": build() comes first"});
+    if constexpr (std::is_void_v<decltype(work(machine))>) {
+      work(machine);
+      exceptions_->RaiseKept();
+    } else {
+      const Result<> result = work(machine);
+      exceptions_->RaiseKept();
+      Check(result);
+    }
+  }
+  // Raises musher.Failure if it ended with the machine around it.
+  const fsm::Machine& machine() const;
+
+  void Listen(const py::object& changed, const py::object& unhandled, const py::object& failed);
+  // Gets each exception of a state, a check or a listener.
+  void ReportExceptions(const py::object& function) { exceptions_->Report(function); }
+
+  // For Python's garbage collection: a state often refers to what has the machine.
+  int Visit(visitproc visit, void* arg) const;
+  void Clear();
+
+ private:
+  class PyListener;
+
+  int VisitAll(visitproc visit, void* arg) const;
+  fsm::Machine& Own() const;
+  fsm::Machine& Unbuilt() const;
+  std::shared_ptr<StateCalls> CallsOf(const py::tuple& hooks);
+
+  std::shared_ptr<Exceptions> exceptions_ = std::make_shared<Exceptions>();
+  std::vector<std::unique_ptr<PyListener>> listeners_;
+  std::vector<std::shared_ptr<StateCalls>> states_;
+  std::vector<std::shared_ptr<py::object>> checks_;
+  std::vector<std::shared_ptr<FsmMachine>> inside_;
+  std::unique_ptr<fsm::Machine> owned_;  // none: a state of another machine has it
+  fsm::Machine* machine_ = nullptr;      // none: that machine has ended
+  bool built_ = false;
+};
+
+void AddFsm(py::module_& native);
+void AddFsmTicks(py::module_& native);
+
+}  // namespace musher::python

@@ -1,0 +1,145 @@
+#include "musher/python/native/fsm_state.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "musher/base/code.hpp"
+
+namespace musher::python {
+namespace {
+
+const char* NameOf(StateCalls::Hook hook) {
+  constexpr std::array<const char*, StateCalls::kHooks> kNames{
+      "declare", "on_enter", "run", "check_transition", "transition", "on_exit"};
+  return kNames[hook];
+}
+
+std::string Shown(const py::object& value) {
+  return py::module_::import("musher._actuator").attr("_short")(value).cast<std::string>();
+}
+
+[[noreturn]] void ThrowReturned(const std::string& function, const py::object& returned,
+                                const char* expected) {
+  throw std::runtime_error(function + " returned " + Shown(returned) + "; " + expected);
+}
+
+}  // namespace
+
+fsm::Transitions& FsmTransitions::Get() const {
+  if (transitions == nullptr) {
+    Raise("Failure", {kCodeStateInvalid, "transitions are declared in declare() only"});
+  }
+  return *transitions;
+}
+
+py::object Exceptions::Call(const py::object& function, const py::object& argument) {
+  auto result =
+      py::reinterpret_steal<py::object>(CallPython(function.ptr(), py::make_tuple(argument).ptr()));
+  if (result) return result;
+  py::error_already_set raised;
+  if (raised.trace()) PyException_SetTraceback(raised.value().ptr(), raised.trace().ptr());
+  const std::string text =
+      py::module_::import("musher._log").attr("where")(raised.value()).cast<std::string>();
+  if (!report_.is_none()) report_(raised.value());
+  if (!raised.matches(PyExc_Exception) && !kept_) kept_ = raised;
+  throw std::runtime_error(text);
+}
+
+void Exceptions::RaiseKept() {
+  if (!kept_) return;
+  const py::error_already_set kept = *std::exchange(kept_, std::nullopt);
+  throw kept;
+}
+
+int Exceptions::Visit(visitproc visit, void* arg) const {
+  Py_VISIT(report_.ptr());
+  return 0;
+}
+
+StateCalls::StateCalls(const fsm::Machine& machine, std::shared_ptr<Exceptions> exceptions,
+                       const py::tuple& hooks)
+    : machine_(machine), exceptions_(std::move(exceptions)) {
+  for (std::size_t i = 0; i < kHooks; ++i) hooks_[i] = hooks[i];
+}
+
+void StateCalls::Declare(fsm::Transitions& transitions) const {
+  if (!Has(kDeclare)) return;
+  const py::object passed = py::cast(FsmTransitions{&transitions});
+  const auto end = [&] { passed.cast<FsmTransitions&>().transitions = nullptr; };
+  try {
+    exceptions_->Call(hooks_[kDeclare], passed);
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+}
+
+void StateCalls::Call(Hook hook, const fsm::Tick& tick) const {
+  if (!Has(hook)) return;
+  const py::object returned = exceptions_->Call(hooks_[hook], TickOf(tick));
+  if (!returned.is_none()) ThrowReturned(NameOf(hook), returned, "it returns nothing");
+}
+
+fsm::Next StateCalls::Check(const fsm::Tick& tick) const {
+  if (!Has(kCheck)) return fsm::Next::Stay();
+  return ToNext(exceptions_->Call(hooks_[kCheck], TickOf(tick)));
+}
+
+fsm::Next StateCalls::ToNext(const py::object& returned) const {
+  if (returned.is_none()) return fsm::Next::Stay();
+  if (!py::isinstance<FsmNext>(returned)) {
+    ThrowReturned(NameOf(kCheck), returned, "it returns a musher.fsm.Next, or nothing to stay");
+  }
+  const auto& next = returned.cast<const FsmNext&>();
+  const auto with_use = [&next](const fsm::Next& decided) {
+    return next.use == FsmNext::Use::kKept ? decided.KeepCommand() : decided;
+  };
+  if (next.target.empty()) {
+    return next.use == FsmNext::Use::kHandled ? fsm::Next::Handle() : with_use(fsm::Next::Stay());
+  }
+  const auto target = machine_.FindState(next.target);
+  if (!target) throw std::runtime_error("it went to " + next.target + ", which is no state");
+  return with_use(fsm::Next::To(*target, next.gradually));
+}
+
+bool StateCalls::Transition(const fsm::Tick& tick) const {
+  if (!Has(kTransition)) return tick.transition_elapsed >= tick.transition_time;
+  const py::object returned = exceptions_->Call(hooks_[kTransition], TickOf(tick));
+  if (!py::isinstance<py::bool_>(returned)) {
+    ThrowReturned(NameOf(kTransition), returned, "it returns whether the transition is complete");
+  }
+  return returned.cast<bool>();
+}
+
+int StateCalls::Visit(visitproc visit, void* arg) const {
+  for (const py::object& hook : hooks_) Py_VISIT(hook.ptr());
+  return 0;
+}
+
+py::object StateCalls::TickOf(const fsm::Tick& tick) const {
+  return MakeTick(machine_, tick);
+}
+
+py::object MakeTick(const fsm::Machine& machine, const fsm::Tick& tick) {
+  FsmTick made{tick};
+  if (tick.command != fsm::kNoEvent)
+    made.command = py::str(std::string(machine.Name(tick.command)));
+  if (tick.target != fsm::kNoState) made.target = py::str(std::string(machine.Name(tick.target)));
+  return py::cast(std::move(made));
+}
+
+void PyNested::OnExit(const fsm::Tick& tick) {
+  try {
+    Nested::OnExit(tick);
+  } catch (...) {
+    try {
+      calls_->Call(StateCalls::kExit, tick);
+    } catch (const std::exception&) {  // the first failure is reported
+    }
+    throw;
+  }
+  calls_->Call(StateCalls::kExit, tick);
+}
+
+}  // namespace musher::python

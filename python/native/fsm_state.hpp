@@ -1,0 +1,141 @@
+#pragma once
+// A state of a machine (behavior/fsm) whose functions are those of a Python object (musher/fsm.py),
+// and what they get and return.
+//
+// Threads: with the GIL.
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/behavior/fsm/nested.hpp"
+#include "musher/python/native/parts.hpp"
+
+namespace musher::python {
+
+// fsm::Tick with names for ids.
+struct FsmTick {
+  fsm::Tick tick;
+  py::object command = py::none();  // a str, or None
+  py::object target = py::none();
+};
+
+// fsm::Next with a name for its target.
+struct FsmNext {
+  enum class Use { kUnhandled, kHandled, kKept };
+
+  std::string target;  // empty: stays
+  Duration gradually{};
+  Use use = Use::kUnhandled;
+};
+
+// fsm::Change with names for ids.
+struct FsmChange {
+  double at_s = 0;
+  std::uint64_t tick = 0;
+  std::string from;
+  std::string to;
+  std::string cause;
+  std::string command;
+};
+
+// fsm::Transitions, as long as the state declares itself.
+struct FsmTransitions {
+  fsm::Transitions* transitions = nullptr;
+
+  fsm::Transitions& Get() const;
+};
+
+// What a machine's Python objects raise. Its text is that of musher._log.where().
+class Exceptions {
+ public:
+  // `function` of Python with one argument; throws std::runtime_error with the text of what it
+  // raised.
+  py::object Call(const py::object& function, const py::object& argument);
+  // An exception that is none of a fault but ends the program, such as KeyboardInterrupt, is raised
+  // once the machine has handled it.
+  void RaiseKept();
+  // Gets each exception; None: no function.
+  void Report(py::object function) { report_ = std::move(function); }
+  int Visit(visitproc visit, void* arg) const;
+
+ private:
+  py::object report_ = py::none();
+  std::optional<py::error_already_set> kept_;
+};
+
+// The functions of the Python object of a state. Those that its class does not have are None.
+class StateCalls {
+ public:
+  enum Hook { kDeclare, kEnter, kRun, kCheck, kTransition, kExit };
+  static constexpr std::size_t kHooks = 6;
+
+  // `machine` owns the state.
+  StateCalls(const fsm::Machine& machine, std::shared_ptr<Exceptions> exceptions,
+             const py::tuple& hooks);
+
+  bool Has(Hook hook) const { return !hooks_[hook].is_none(); }
+  void Declare(fsm::Transitions& transitions) const;
+  void Call(Hook hook, const fsm::Tick& tick) const;
+  fsm::Next Check(const fsm::Tick& tick) const;
+  bool Transition(const fsm::Tick& tick) const;
+  int Visit(visitproc visit, void* arg) const;
+
+ private:
+  py::object TickOf(const fsm::Tick& tick) const;
+  fsm::Next ToNext(const py::object& returned) const;
+
+  const fsm::Machine& machine_;
+  const std::shared_ptr<Exceptions> exceptions_;
+  std::array<py::object, kHooks> hooks_;
+};
+
+py::object MakeTick(const fsm::Machine& machine, const fsm::Tick& tick);
+py::object MakeChange(const fsm::Machine& machine, const fsm::Change& change);
+
+class PyState final : public fsm::State {
+ public:
+  explicit PyState(std::shared_ptr<StateCalls> calls) : calls_(std::move(calls)) {}
+
+  void Declare(fsm::Transitions& transitions) override { calls_->Declare(transitions); }
+  void OnEnter(const fsm::Tick& tick) override { calls_->Call(StateCalls::kEnter, tick); }
+  void Run(const fsm::Tick& tick) override { calls_->Call(StateCalls::kRun, tick); }
+  fsm::Next CheckTransition(const fsm::Tick& tick) override { return calls_->Check(tick); }
+  bool Transition(const fsm::Tick& tick) override { return calls_->Transition(tick); }
+  void OnExit(const fsm::Tick& tick) override { calls_->Call(StateCalls::kExit, tick); }
+
+ private:
+  const std::shared_ptr<StateCalls> calls_;
+};
+
+// Python's on_enter and run come before the machine inside, its on_exit after it.
+class PyNested final : public fsm::Nested {
+ public:
+  PyNested(std::shared_ptr<StateCalls> calls, std::unique_ptr<fsm::Machine> inner,
+           std::string start, Options options)
+      : Nested(std::move(inner), std::move(start), std::move(options)), calls_(std::move(calls)) {}
+
+  void Declare(fsm::Transitions& transitions) override {
+    Nested::Declare(transitions);
+    calls_->Declare(transitions);
+  }
+  void OnEnter(const fsm::Tick& tick) override {
+    calls_->Call(StateCalls::kEnter, tick);
+    Nested::OnEnter(tick);
+  }
+  void Run(const fsm::Tick& tick) override {
+    calls_->Call(StateCalls::kRun, tick);
+    Nested::Run(tick);
+  }
+  bool Transition(const fsm::Tick& tick) override { return calls_->Transition(tick); }
+  void OnExit(const fsm::Tick& tick) override;
+
+ protected:
+  fsm::Next Decide(const fsm::Tick& tick) override { return calls_->Check(tick); }
+
+ private:
+  const std::shared_ptr<StateCalls> calls_;
+};
+
+}  // namespace musher::python

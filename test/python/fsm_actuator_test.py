@@ -1,0 +1,244 @@
+"""Applications in Python that are state machines: in real processes, with the commands of `musher`."""
+
+import json
+import os
+import shutil
+import time
+import unittest
+
+import musher
+from musher.std_msgs.msg import Bool, Float32, String
+from robot import DEADLINE_S, SOURCE, Robot, run_python
+
+SHOW = """
+from musher import fsm
+from musher.std_msgs.msg import String
+
+class Scene(fsm.State):
+    def __init__(self, show, name, next):
+        self.show, self.name, self.next = show, name, next
+
+    def declare(self, transitions):
+        transitions.to(self.next, "next")
+        transitions.on("next")
+
+    def check_transition(self, tick):
+        return fsm.Next.to(self.next) if tick.command == "next" else None
+
+    def run(self, tick):
+        self.show.in_scene(self.name, tick)
+
+class Show(musher.FsmActuator):
+    name = "show"
+    safe = True
+
+    def in_scene(self, name, tick): pass
+
+    def build_machine(self, machine):
+        machine.add_event("next")
+        machine.add("GREET", Scene(self, "GREET", "PLAY"))
+        machine.add("PLAY", Scene(self, "PLAY", "GREET"))
+        if self.safe:
+            machine.add("STOP", Scene(self, "STOP", "GREET"), fsm.Role.SAFE)
+        machine.build("GREET")
+"""
+
+
+def program(methods=""):
+    return SHOW + "".join(f"    {line}\n" for line in methods.splitlines()) + "musher.run(Show)\n"
+
+
+class WithRobot(unittest.TestCase):
+    def start(self, robot):
+        self.addCleanup(robot.close)
+        robot.up()
+        machine = musher.Machine(robot.file)
+        self.addCleanup(machine.close)
+        machine.wait_until(lambda status: status.phase in ("running", "failed"), DEADLINE_S)
+        self.robot, self.machine = robot, machine
+        self.node = musher.Node()
+        self.addCleanup(self.node.close)
+
+    def behavior(self, name):
+        ran = self.robot.run("behavior", name, "--json")
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        return json.loads(ran.stdout)
+
+    def await_behavior(self, name, holds):
+        end = time.monotonic() + DEADLINE_S
+        while True:
+            report = self.behavior(name)
+            if holds(report):
+                return report
+            self.assertLess(time.monotonic(), end, report)
+
+    def states_of(self, name):
+        return self.node.subscribe(f"{name}/behavior_state", String, latched=True, depth=100)
+
+    def await_state(self, states, path):
+        while True:
+            state = states.take(DEADLINE_S)
+            self.assertIsNotNone(state, f"it does not become {path}")
+            if state.data == path:
+                return
+
+
+class Door(WithRobot):
+    """The example."""
+
+    def setUp(self):
+        robot = Robot({})
+        shutil.copytree(os.path.join(SOURCE, "examples/python_application"), robot.folder, dirs_exist_ok=True)
+        self.start(robot)
+
+    def test_it_is_commanded_and_drawn_by_the_commands_of_musher(self):
+        states = self.states_of("door")
+        self.await_state(states, "CLOSED")
+        report = self.behavior("door")
+        self.assertEqual((report["state"], report["mode"]), ("CLOSED", "NORMAL"))
+        self.assertEqual(self.robot.run("behavior", "door", "--send", "open").returncode, 0)
+        self.await_state(states, "OPEN")
+        report = self.behavior("door")
+        self.assertEqual([(change["from"], change["to"], change["cause"], change["command"])
+                          for change in report["history"]],
+                         [("", "CLOSED", "started", ""), ("CLOSED", "OPEN", "decided", "open")])
+        refused = self.robot.run("behavior", "door", "--send", "opne")
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("did you mean open", refused.stderr)
+        picture = self.robot.run("graph", "--behavior", "door")
+        self.assertIn("digraph", picture.stdout)
+        self.assertIn("BLOCKED", picture.stdout)
+
+    def test_its_topics_and_its_states_share_data(self):
+        opening = self.node.subscribe("door/opening", Float32)
+        obstacle = self.node.publisher("door/obstacle", Bool, latched=True)
+        states = self.states_of("door")
+        obstacle.publish(Bool(True))
+        self.await_state(states, "BLOCKED")
+        self.assertEqual(self.behavior("door")["unsafe"], "an obstacle")
+        obstacle.publish(Bool(False))
+        self.await_state(states, "OPEN")
+        sample = Float32()
+        while sample.data != 1:
+            sample = opening.take(DEADLINE_S)
+            self.assertIsNotNone(sample)
+
+
+class Applications(WithRobot):
+    def show(self, methods="", more="", config=""):
+        self.start(Robot({"show": program(methods)}, more, config))
+
+    def test_the_machine_is_paused_outside_of_active_and_continues_where_it_was(self):
+        self.show("def on_pause(self): self.log.info('pauses')\ndef on_resume(self): self.log.info('resumes')")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_state(states, "PLAY")
+        self.machine.set("LowPower")
+        paused = self.behavior("show")
+        self.assertEqual((paused["ticking"], paused["state"]), (False, "PLAY"))
+        self.assertIn("show is paused in LowPower", self.robot.run("behavior", "show", "--send", "next").stderr)
+        self.assertEqual(self.behavior("show")["ticks"], paused["ticks"])
+        self.machine.set("Active")
+        resumed = self.behavior("show")
+        self.assertEqual((resumed["ticking"], resumed["state"]), (True, "PLAY"))
+        lines = [line.split("show: ")[-1] for line in self.robot.log("show").splitlines()]
+        self.assertEqual([line for line in lines if line in ("pauses", "resumes")], ["resumes", "pauses", "resumes"])
+
+    def test_a_machine_that_does_not_resume_begins_again(self):
+        self.show("resumes = False")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_state(states, "PLAY")
+        self.machine.set("LowPower")
+        self.machine.set("Active")
+        self.assertEqual(self.behavior("show")["state"], "GREET")
+
+    def test_an_emergency_stop_pauses_the_machine_until_active_is_set_again(self):
+        self.show("def on_pause(self): self.log.info('pauses')")
+        self.await_state(self.states_of("show"), "GREET")
+        self.assertEqual(self.machine.estop("test"), ["show"])
+        self.assertTrue(self.await_behavior("show", lambda report: not report["ticking"])["held_by_stop"])
+        self.machine.release_estop()
+        self.assertFalse(self.behavior("show")["ticking"])
+        self.machine.set("Active")
+        self.assertTrue(self.behavior("show")["ticking"])
+
+    def test_a_state_that_raises_leads_to_the_safe_state_with_a_traceback_in_the_log(self):
+        self.show("def in_scene(self, name, tick):\n    if name == 'PLAY': raise ValueError('no music')")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_state(states, "STOP")
+        self.assertRegex(self.behavior("show")["last_fault"], r"^PLAY: Run: ValueError: no music \(show\.py:\d+\)$")
+        self.assertIn("Traceback (most recent call last)", self.robot.log("show"))
+
+    def test_without_a_safe_state_the_process_ends_and_is_restarted(self):
+        self.show("safe = False\ndef in_scene(self, name, tick):\n    if name == 'PLAY': raise ValueError('no music')")
+        self.await_state(self.states_of("show"), "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.machine.wait_until(lambda status: status.actuators[0].restarts > 0, DEADLINE_S)
+        self.assertIn("gives up: PLAY: Run: ValueError: no music", self.robot.log("show"))
+
+    def test_a_hook_around_the_tick_that_raises_is_logged_once_and_leads_to_the_safe_state(self):
+        self.show("def after_tick(self):\n    if self.machine.ticks < 20: raise ValueError('no camera')")
+        self.await_state(self.states_of("show"), "STOP")
+        self.await_behavior("show", lambda report: report["ticks"] >= 20)
+        self.assertEqual(self.robot.log("show").count("fault: after_tick: ValueError: no camera"), 1)
+
+    def test_a_tick_that_computes_for_ever_is_hung_and_the_status_is_answered_meanwhile(self):
+        self.show("def in_scene(self, name, tick):\n"
+                  "    import os\n"
+                  "    while name == 'PLAY' and not os.path.exists('end'): pass", more="checkpoint_ms = 300")
+        first = self.machine.status().actuators[0].pid
+        self.await_state(self.states_of("show"), "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.machine.wait_until(lambda status: status.actuators[0].pid not in (0, first), DEADLINE_S)
+        self.robot.write("end", "")
+        self.assertTrue(any("hung" in entry.message for entry in self.machine.history()))
+
+    def test_a_slow_rate_is_not_hung_between_its_ticks(self):
+        self.show("rate_hz = 1", more="checkpoint_ms = 100")
+        self.await_state(self.states_of("show"), "GREET")
+        self.await_behavior("show", lambda report: report["ticks"] >= 2)
+        self.assertFalse(any("hung" in entry.message for entry in self.machine.history()))
+
+    def test_the_time_of_the_machine_is_the_worlds(self):
+        from musher.builtin_interfaces.msg import Time
+        from musher.rosgraph_msgs.msg import Clock
+        self.show(config='clock = "topic"\n')
+        self.await_state(self.states_of("show"), "GREET")
+        clock = self.node.publisher("/clock", Clock, reliable=False)
+        seconds = 1000
+
+        def passed(report):
+            nonlocal seconds
+            seconds += 30
+            clock.publish(Clock(Time(seconds, 0)))
+            return report["time_s"] >= 100
+
+        self.assertLess(self.await_behavior("show", passed)["time_s"], seconds - 1000 + 1)
+
+    def test_set_up_fails_with_all_errors_of_the_machine(self):
+        robot = Robot({"show": program()})
+        self.addCleanup(robot.close)
+        for method, text in (("def build_machine(self, machine): machine.build('A')", "no states are registered"),
+                             ("def build_machine(self, machine): pass", "has not called machine.build\\(\\)"),
+                             ("def build_machine(self, machine): 1 / 0",
+                              r"build_machine raised ZeroDivisionError: division by zero \(<string>:\d+\)"),
+                             ("def open_topics(self): raise musher.Failure(6105, 'no camera')", "no camera")):
+            ended = run_python(program(method), MUSHER_CONFIG=robot.file, MUSHER_ACTUATOR="show")
+            self.assertEqual(ended.returncode, 1, ended.stderr)
+            self.assertRegex(ended.stderr, text)
+
+    def test_a_callback_that_would_replace_the_machines_is_refused(self):
+        for method in ("def on_active(self): pass", "def on_state(self, state): pass",
+                       "@musher.state('Docked')\ndef rest(self): pass"):
+            ended = run_python(program(method))
+            self.assertEqual(ended.returncode, 1)
+            self.assertIn("override on_pause(), on_resume() or self_check()", ended.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

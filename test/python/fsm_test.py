@@ -1,0 +1,368 @@
+"""State machines with states of Python, in virtual time."""
+
+import gc
+import unittest
+import weakref
+
+import musher
+from musher import fsm
+
+LOG = []
+
+
+class Scene(fsm.State):
+    """Goes to `next` after `time_s`, or by the command "skip"; writes what is called into LOG."""
+
+    def __init__(self, name, next, time_s=1.0, raises=()):
+        self.name, self.next, self.time_s, self.raises = name, next, time_s, raises
+
+    def note(self, call):
+        LOG.append(f"{self.name} {call}")
+        if call in self.raises:
+            raise ValueError(f"no {call}")
+
+    def declare(self, transitions):
+        if self.next:
+            transitions.to(self.next, f"after {self.time_s} s")
+        if transitions.find("skip"):
+            transitions.on("skip")
+
+    def on_enter(self, tick):
+        self.note("on_enter")
+
+    def run(self, tick):
+        self.note("run")
+
+    def check_transition(self, tick):
+        if self.next and (tick.command == "skip" or tick.elapsed_s >= self.time_s):
+            return fsm.Next.to(self.next)
+
+    def on_exit(self, tick):
+        self.note("on_exit")
+
+
+class WithMachine(unittest.TestCase):
+    def setUp(self):
+        LOG.clear()
+        self.now_s = 100.0
+
+    def machine(self, *states, name="show", start=None, safe=None, begin=True, **options):
+        machine = fsm.Machine(name, **options)
+        machine.add_event("skip")
+        for state in states:
+            machine.add(state.name, state, fsm.Role.SAFE if state is safe else fsm.Role.NORMAL)
+        machine.build(start or states[0].name)
+        if begin:
+            machine.start(self.now_s)
+        return machine
+
+    def tick(self, machine, times=1, step_s=0.1):
+        for _ in range(times):
+            self.now_s += step_s
+            machine.run_once(self.now_s)
+
+
+class Machines(WithMachine):
+    def test_the_functions_of_a_state_are_called_in_the_order_of_the_engine(self):
+        machine = self.machine(Scene("A", "B", 0.15), Scene("B", "A", 9))
+        self.tick(machine, 3)
+        self.assertEqual(LOG, ["A on_enter", "A run", "A on_exit", "B on_enter", "B run"])
+        self.assertEqual([(change.from_state, change.to_state, change.cause) for change in machine.history],
+                         [("", "A", "started"), ("A", "B", "decided")])
+        machine.stop()
+        self.assertEqual((LOG[-1], machine.running, machine.path), ("B on_exit", False, ""))
+
+    def test_a_tick_has_the_times_of_the_machine_and_the_command(self):
+        seen = []
+
+        class Sees(Scene):
+            def check_transition(self, tick):
+                seen.append((round(tick.now_s, 3), round(tick.step_s, 3), round(tick.elapsed_s, 3), tick.command,
+                             tick.target))
+
+        machine = self.machine(Sees("A", "A"))
+        self.tick(machine)
+        machine.send("skip")
+        self.tick(machine, step_s=0.5)
+        machine.pause()
+        self.tick(machine, step_s=60)
+        self.assertEqual(seen, [(0.1, 0.1, 0.1, None, None), (0.6, 0.5, 0.6, "skip", None), (0.6, 0, 0.6, None, None)])
+        self.assertEqual(machine.counts["unhandled"], 1)
+
+    def test_a_gradual_transition_has_its_progress_and_ends_after_its_time(self):
+        progress = []
+
+        class Slow(Scene):
+            def check_transition(self, tick):
+                return fsm.Next.to("B", gradually_s=0.2)
+
+            def transition(self, tick):
+                progress.append((tick.target, round(tick.progress, 3)))
+                return super().transition(tick)
+
+        machine = self.machine(Slow("A", "B"), Scene("B", "A"))
+        self.tick(machine, 2)
+        self.assertEqual((machine.path, machine.mode), ("A", "TRANSITIONING"))
+        self.tick(machine)
+        self.assertEqual((machine.path, machine.mode), ("B", "NORMAL"))
+        self.assertEqual(progress, [("B", 0.0), ("B", 0.5), ("B", 1.0)])
+
+    def test_a_command_is_handled_kept_or_reported_as_unhandled(self):
+        class Keeps(Scene):
+            next_answer = fsm.Next.stay().keep_command()
+
+            def check_transition(self, tick):
+                return self.next_answer if tick.command else None
+
+        state = Keeps("A", "A")
+        machine = self.machine(state)
+        machine.send("skip")
+        self.tick(machine, 3)
+        self.assertEqual(machine.waiting_commands, 1)
+        state.next_answer = fsm.Next.handle()
+        self.tick(machine)
+        self.assertEqual((machine.waiting_commands, machine.counts["unhandled"]), (0, 0))
+
+    def test_an_urgent_command_drops_the_others_and_a_full_queue_refuses(self):
+        machine = fsm.Machine(commands=2)
+        machine.add_event("go")
+        machine.add_event("stop", urgent=True)
+        machine.add("A", Scene("A", "A", 9))
+        machine.build("A")
+        machine.start(0)
+        machine.send("go")
+        machine.send("go")
+        with self.assertRaisesRegex(musher.Failure, "the queue is full"):
+            machine.send("go")
+        machine.send("stop")
+        self.assertEqual(machine.waiting_commands, 1)
+        with self.assertRaisesRegex(musher.Failure, "did you mean stop"):
+            machine.send("stopp")
+
+    def test_what_a_state_raises_leads_to_the_safe_state_with_its_type_text_and_line(self):
+        safe = Scene("STOP", "A", 0.15)
+        machine = self.machine(Scene("A", "STOP", 9, raises=("run",)), safe, safe=safe)
+        self.tick(machine)
+        self.assertEqual((machine.path, machine.mode), ("STOP", "SAFE_STOP"))
+        self.assertRegex(machine.fault, r"^A: Run: ValueError: no run \(fsm_test\.py:\d+\)$")
+        self.tick(machine, 2)
+        self.assertEqual(machine.path, "A")
+
+    def test_a_failure_of_the_safe_state_stops_the_machine(self):
+        safe = Scene("STOP", "A", raises=("on_enter",))
+        machine = self.machine(Scene("A", "STOP", 9, raises=("on_enter",)), safe, safe=safe, begin=False)
+        with self.assertRaisesRegex(musher.Failure, "STOP: OnEnter: ValueError: no on_enter"):
+            machine.start(0)
+        self.assertFalse(machine.running)
+
+    def test_a_safety_check_that_fails_or_raises_leads_to_the_safe_state(self):
+        for check, cause in (((lambda tick: False), "unsafe"), ((lambda tick: 1 / 0), "fault"),
+                             ((lambda tick: "yes"), "fault")):
+            machine = fsm.Machine()
+            machine.add("A", Scene("A", "STOP", 9))
+            machine.add("STOP", Scene("STOP", "A", 0), fsm.Role.SAFE)
+            machine.add_safety_check("too close", check)
+            machine.build("A")
+            machine.start(0)
+            machine.run_once(0.1)
+            machine.run_once(0.2)
+            self.assertEqual((machine.path, machine.unsafe, machine.history[-1].cause), ("STOP", "too close", cause))
+
+    def test_nonsense_that_a_state_returns_is_a_fault_with_a_sentence(self):
+        class Wrong(Scene):
+            def check_transition(self, tick):
+                return self.answer
+
+            def transition(self, tick):
+                return None
+
+            def run(self, tick):
+                return 5
+
+        for answer, text in (("B", "check_transition returned 'B'; it returns a musher.fsm.Next, or nothing"),
+                             (fsm.Next.to("C"), "it went to C, which is no state"),
+                             (fsm.Next.to("A"), "it went to A, which it has not declared"),
+                             (fsm.Next.to("B", gradually_s=1), "transition returned None; it returns whether"),
+                             (None, "run returned 5; it returns nothing")):
+            state = Wrong("A", "B")
+            state.answer = answer
+            machine = self.machine(state, Scene("B", "A"))
+            self.tick(machine)
+            self.assertIn(text, machine.fault)
+
+    def test_an_exception_that_ends_the_program_ends_it(self):
+        class Interrupted(Scene):
+            def run(self, tick):
+                raise KeyboardInterrupt
+
+        machine = self.machine(Interrupted("A", "A", 9))
+        with self.assertRaises(KeyboardInterrupt):
+            self.tick(machine)
+        self.assertFalse(machine.running)
+
+    def test_build_reports_all_errors(self):
+        machine = fsm.Machine("show")
+        machine.add("A", Scene("A", "B"))
+        machine.add("END", Scene("END", "A"), fsm.Role.FINAL)
+        machine.add_safety_check("too close", lambda tick: True)
+        with self.assertRaises(musher.Failure) as raised:
+            machine.build("AA")
+        self.assertEqual(raised.exception.reason.splitlines(),
+                         ["show: A: there is no state B; did you mean A?",
+                          "show: the start state: there is no state AA; did you mean A?",
+                          "show: the safety check too close has no safe state to go to"])
+        self.assertFalse(machine.built)
+
+    def test_a_listener_gets_changes_faults_and_unhandled_commands_and_cannot_disturb(self):
+        heard = []
+
+        class Hears(fsm.Listener):
+            def on_change(self, change):
+                heard.append(repr(change))
+                raise ValueError("a listener")
+
+            def on_unhandled(self, command, state):
+                heard.append((command, state))
+
+            def on_fault(self, fault):
+                heard.append(fault.partition(" (")[0])
+
+        safe = Scene("STOP", "A", 9)
+        machine = self.machine(Scene("A", "STOP", 9, raises=("run",)), safe, safe=safe, begin=False)
+        machine.listen(Hears())
+        machine.start(0)
+        machine.run_once(0.1)
+        machine.send("skip")
+        machine.run_once(0.2)
+        self.assertEqual(heard, ["Change(0.000000 s:  -> A, started)", "A: Run: ValueError: no run",
+                                 "Change(0.100000 s: A -> STOP, fault)", "Change(0.200000 s: STOP -> A, decided by skip)"])
+        self.assertEqual(machine.counts["listener_faults"], 3)
+
+    def test_a_picture_marks_the_present_state(self):
+        machine = self.machine(Scene("A", "B"), Scene("B", "A"))
+        self.assertIn("digraph", machine.picture())
+        self.assertIn("stateDiagram", machine.picture("mermaid"))
+        with self.assertRaisesRegex(ValueError, '"dot" or "mermaid", not "svg"'):
+            machine.picture("svg")
+        before = machine.picture()
+        machine.force("B")
+        self.assertNotEqual(machine.picture(), before)
+
+    def test_calls_at_the_wrong_time_have_a_sentence(self):
+        kept = []
+
+        class Keeps(Scene):
+            def declare(self, transitions):
+                super().declare(transitions)
+                kept.append(transitions)
+
+        unbuilt = fsm.Machine("show")
+        machine = self.machine(Keeps("A", "A", 9))
+        for call, text in ((lambda: unbuilt.start(0), "build\\(\\) comes first"),
+                           (lambda: unbuilt.run_once(0), "build\\(\\) comes first"),
+                           (lambda: machine.add("B", Scene("B", "A")), "is built already"),
+                           (lambda: machine.build("A"), "is built already"),
+                           (lambda: machine.start(0), "runs already"),
+                           (lambda: machine.force("B"), "there is no state B"),
+                           (lambda: kept[0].to("A", "x"), "in declare\\(\\) only"),
+                           (lambda: machine.add("B", Scene), "an object of a class derived from"),
+                           (lambda: machine.add_safety_check("x", 5), "is a function, not 5"),
+                           (lambda: machine.listen(print), "an object of a class derived from"),
+                           (lambda: fsm.Next.to(""), "the name of a state"),
+                           (lambda: fsm.Next.to("A", gradually_s=-1), "0 or more")):
+            with self.assertRaisesRegex((musher.Failure, TypeError, ValueError), text):
+                call()
+
+    def test_a_machine_whose_state_refers_to_it_is_collected(self):
+        scene = Scene("A", "A")
+        scene.machine = self.machine(scene)
+        gone = weakref.ref(scene)
+        del scene
+        gc.collect()
+        self.assertIsNone(gone())
+
+
+class NestedMachines(WithMachine):
+    def show(self, resumes=False, nested=fsm.Nested, **inner):
+        scenes = fsm.Machine("scenes")
+        scenes.add_event("skip")
+        scenes.add("FIRST", Scene("FIRST", "LAST", **inner))
+        scenes.add("LAST", Scene("LAST", "END"))
+        scenes.add("END", fsm.State(), fsm.Role.FINAL)
+        machine = fsm.Machine("show")
+        machine.add_event("skip")
+        machine.add("SHOW", nested(scenes, "FIRST", finished="IDLE", resumes=resumes))
+        machine.add("IDLE", Scene("IDLE", "SHOW"))
+        machine.build("SHOW")
+        machine.start(self.now_s)
+        return machine, scenes
+
+    def test_the_inner_machine_is_ticked_gets_commands_and_finishes(self):
+        machine, scenes = self.show()
+        self.assertEqual(machine.path, "SHOW/FIRST")
+        machine.send("skip")
+        self.tick(machine)
+        self.assertEqual((machine.path, scenes.path), ("SHOW/LAST", "LAST"))
+        machine.send("skip")
+        self.tick(machine, 2)
+        self.assertEqual(machine.path, "IDLE")
+        self.assertFalse(scenes.running)
+
+    def test_it_resumes_where_it_was_left(self):
+        machine, scenes = self.show(resumes=True)
+        machine.send("skip")
+        self.tick(machine)
+        machine.force("IDLE")
+        machine.force("SHOW")
+        self.assertEqual(machine.path, "SHOW/LAST")
+
+    def test_a_fault_inside_has_the_whole_path(self):
+        machine, scenes = self.show(raises=("run",))
+        self.tick(machine)
+        self.assertRegex(machine.fault, "^SHOW/FIRST: Run: ValueError: no run")
+
+    def test_the_outer_state_decides_first_and_its_functions_surround_those_inside(self):
+        class Outer(fsm.Nested):
+            def on_enter(self, tick):
+                LOG.append("SHOW on_enter")
+
+            def run(self, tick):
+                LOG.append("SHOW run")
+
+            def decide(self, tick):
+                return fsm.Next.to("IDLE") if tick.command == "skip" else None
+
+            def on_exit(self, tick):
+                LOG.append("SHOW on_exit")
+
+        machine, scenes = self.show(nested=Outer)
+        self.tick(machine)
+        machine.send("skip")
+        self.tick(machine)
+        self.assertEqual(LOG, ["SHOW on_enter", "FIRST on_enter", "SHOW run", "FIRST run", "FIRST on_exit",
+                               "SHOW on_exit", "IDLE on_enter"])
+
+    def test_the_inner_machine_belongs_to_its_state(self):
+        machine, scenes = self.show()
+        with self.assertRaisesRegex(musher.Failure, "scenes is inside a state"):
+            scenes.force("LAST")
+        with self.assertRaisesRegex(musher.Failure, "scenes is inside a state"):
+            fsm.Machine().add("AGAIN", fsm.Nested(scenes, "FIRST"))
+        del machine
+        gc.collect()
+        with self.assertRaisesRegex(musher.Failure, "the machine around this one has ended"):
+            scenes.path
+
+    def test_a_nested_state_overrides_decide_only(self):
+        class Wrong(fsm.Nested):
+            def check_transition(self, tick):
+                return None
+
+        with self.assertRaisesRegex(TypeError, "override decide\\(\\)"):
+            self.show(nested=Wrong)
+        with self.assertRaisesRegex(TypeError, "a state holds a musher.fsm.Machine"):
+            fsm.Nested(5, "A")
+
+
+if __name__ == "__main__":
+    unittest.main()
