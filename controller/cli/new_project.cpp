@@ -192,7 +192,9 @@ Result<std::vector<std::string>> MakeProject(const fs::path& templates, const st
     return FileError("make a folder in", parent, error);
   std::vector<std::string> files;
   for (const fs::path& file : EntriesOf(from, error)) {
-    files.push_back(Renamed(file.filename().string(), kind, name));
+    const std::string template_name = file.filename().string();
+    // A template with a leading dot would be a file of the repository that has the templates.
+    files.push_back(template_name == "gitignore" ? ".gitignore" : Renamed(template_name, kind, name));
     const auto written = WriteRenamed(file, draft.path() / files.back(), kind, name);
     if (!written) return written.error();
   }
