@@ -10,7 +10,10 @@
 #   python     python3-musher  the Python package
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Musher")
-set(CPACK_PACKAGE_CONTACT "Musher developers <musher@example.org>")
+# .invalid never exists (RFC 2606): who distributes packages names an address that is read.
+set(MUSHER_PACKAGE_CONTACT "Musher developers <noreply@musher.invalid>" CACHE STRING
+    "Maintainer of the Debian packages, as Name <address>")
+set(CPACK_PACKAGE_CONTACT "${MUSHER_PACKAGE_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # the first line of each description is its summary
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
