@@ -63,7 +63,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/examples/robot.toml DESTINATION ${CMAKE_INST
         COMPONENT core)
 # The templates of `musher new`.
 file(GLOB templates CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/examples/new_*)
-install(DIRECTORY ${templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT core)
+install(DIRECTORY ${templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT core
+        USE_SOURCE_PERMISSIONS PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE PATTERN "examples/new_*" EXCLUDE
         PATTERN "examples/robot" EXCLUDE PATTERN "examples/robot.toml" EXCLUDE)
