@@ -97,7 +97,9 @@ set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
 
 musher_package(python python3-musher python "Python package of Musher"
-"Modules and clients of Musher in Python." DEPENDS core)
+"Modules, applications and clients of Musher in Python: import musher. The
+projects of the tutorials are in libmusher-dev." DEPENDS core)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${folder}/python/postinst ${folder}/python/prerm)
 if(MUSHER_PYTHON_EXECUTABLE)  # its extension is built for one version of Python
   execute_process(COMMAND ${MUSHER_PYTHON_EXECUTABLE} -c
     "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}~), python3 (<< {a}.{b + 1})', end='')"
