@@ -61,8 +61,12 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/robot DESTINATION ${CMAKE_INSTA
         COMPONENT core)
 install(FILES ${PROJECT_SOURCE_DIR}/examples/robot.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples
         COMPONENT core)
+# The templates of `musher new`.
+file(GLOB templates CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/examples/new_*)
+install(DIRECTORY ${templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT core
+        USE_SOURCE_PERMISSIONS PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
-        USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE
+        USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE PATTERN "examples/new_*" EXCLUDE
         PATTERN "examples/robot" EXCLUDE PATTERN "examples/robot.toml" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)
 

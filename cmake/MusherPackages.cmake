@@ -10,7 +10,10 @@
 #   python     python3-musher  the Python package
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Musher")
-set(CPACK_PACKAGE_CONTACT "Musher developers <musher@example.org>")
+# .invalid never exists (RFC 2606): who distributes packages names an address that is read.
+set(MUSHER_PACKAGE_CONTACT "Musher developers <noreply@musher.invalid>" CACHE STRING
+    "Maintainer of the Debian packages, as Name <address>")
+set(CPACK_PACKAGE_CONTACT "${MUSHER_PACKAGE_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # the first line of each description is its summary
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -94,7 +97,9 @@ set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
 
 musher_package(python python3-musher python "Python package of Musher"
-"Modules and clients of Musher in Python." DEPENDS core)
+"Modules, applications and clients of Musher in Python: import musher. The
+projects of the tutorials are in libmusher-dev." DEPENDS core)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${folder}/python/postinst ${folder}/python/prerm)
 if(MUSHER_PYTHON_EXECUTABLE)  # its extension is built for one version of Python
   execute_process(COMMAND ${MUSHER_PYTHON_EXECUTABLE} -c
     "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}~), python3 (<< {a}.{b + 1})', end='')"

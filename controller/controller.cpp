@@ -9,6 +9,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 
@@ -145,10 +146,7 @@ Result<> Controller::TakeName() {
                              [&] { return NameLock::HolderOf(name).pid; });
   if (!lock && lock.error().code == kCodeTargetBusy) {
     const NameLock::Holder holder = NameLock::HolderOf(name);
-    const std::string leads =
-        "the actuators of " + (config_.name_space.empty()
-                                   ? std::string("the empty namespace")
-                                   : "namespace '" + config_.name_space + "'");
+    const std::string leads = "the actuators of " + NamespaceText(config_.name_space);
     if (holder.trusted) {
       if (auto may = MayTakeOver(holder.pid); !may) return may;
     }

@@ -1,4 +1,5 @@
 #include "musher/simulation/search.hpp"
+#include "musher/base/words.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -30,9 +31,9 @@ Result<Injections> InjectionsOf(const MachineConfig& config, const ScenarioId& i
   Injections some;
   for (const std::size_t number : *id.only) {
     if (number == 0 || number > all.size()) {
-      return Error{kCodeParametersInvalid,
-                   "seed " + std::to_string(id.seed) + " has " + std::to_string(all.size()) +
-                       " injected events, and no " + std::to_string(number)};
+      return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
+                                               Counted(all.size(), "injected event") + ", and no " +
+                                               std::to_string(number)};
     }
     some.push_back(all[number - 1]);
   }

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "musher/base/version.hpp"
+#include "musher/base/words.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::program {
@@ -158,8 +159,8 @@ bool ToolLink::AwaitClock() {
 }
 
 Error ToolLink::NotFound(const std::string& what) const {
-  return {kCodeNetError, "no " + what + " in namespace '" + options_.name_space +
-                             "'; use --namespace and --domain, or --transport lan for other hosts"};
+  return {kCodeNetError, "no " + what + " in " + NamespaceText(options_.name_space) +
+                             "; use --namespace and --domain, or --transport lan for other hosts"};
 }
 
 }  // namespace musher::program

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "musher/base/suggest.hpp"
+#include "musher/base/words.hpp"
 #include "musher/behavior/tree/building.hpp"
 #include "musher/behavior/tree/conditions.hpp"
 
@@ -81,8 +82,8 @@ Node* Building::MakeContent(const Document::Tree& tree, const Around& around) {
   used_.push_back(tree.id);
   if (tree.content.children.size() != 1) {
     Report(tree.content.at, Severity::kError,
-           "tree " + Quoted(tree.id) + " has " + std::to_string(tree.content.children.size()) +
-               " nodes at its top; expected 1");
+           "tree " + Quoted(tree.id) + " has " + Counted(tree.content.children.size(), "node") +
+               " at its top; expected 1");
   }
   inside_.push_back(tree.id);
   Node* root = nullptr;
@@ -232,9 +233,9 @@ void Building::CheckChildren(const Element& element, const Node& node, std::stri
   std::string expected = std::to_string(least);
   if (most == Control::kAny) expected = "at least " + expected;
   if (most != Control::kAny && most != least) expected += " to " + std::to_string(most);
-  Report(
-      element.at, Severity::kError,
-      "node " + Quoted(id) + " has " + std::to_string(count) + " children; expected " + expected);
+  Report(element.at, Severity::kError,
+         "node " + Quoted(id) + " has " + Counted(count, "child", "children") + "; expected " +
+             expected);
 }
 
 Node* Building::MakeSubtree(const Element& element, const Around& around) {

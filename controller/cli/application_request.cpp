@@ -6,6 +6,7 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/toml/names.hpp"
+#include "musher/base/words.hpp"
 
 namespace musher::cli {
 
@@ -14,16 +15,16 @@ Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std:
   if (present.empty() && !link.HasMachine()) return link.NotFound("actuator");
   if (present.empty()) {
     return {ExitCode::kNoController,
-            {kCodeNetError, fmt::format("no actuator '{}' in namespace '{}': none runs there", name,
-                                        global.name_space)}};
+            {kCodeNetError, fmt::format("no actuator '{}' in {}: none runs there", name,
+                                        NamespaceText(global.name_space))}};
   }
   const std::vector<std::string> names(present.begin(), present.end());
   const std::string near = Nearest(name, names);
-  return {
-      ExitCode::kNoController,
-      {kCodeNetError, fmt::format("no actuator '{}' in namespace '{}'; {}", name, global.name_space,
-                                  near.empty() ? fmt::format("running: {}", fmt::join(names, ", "))
-                                               : fmt::format("did you mean '{}'?", near))}};
+  return {ExitCode::kNoController,
+          {kCodeNetError,
+           fmt::format("no actuator '{}' in {}; {}", name, NamespaceText(global.name_space),
+                       near.empty() ? fmt::format("running: {}", fmt::join(names, ", "))
+                                    : fmt::format("did you mean '{}'?", near))}};
 }
 
 namespace internal {

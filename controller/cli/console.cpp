@@ -57,9 +57,35 @@ std::string Printable(std::string_view text) {
 }
 
 void Console::Print(std::string_view text) {
+  EraseBlock();
   out_ << text;
   if (!text.empty() && text.back() != '\n') out_ << '\n';
+  DrawBlock();
   out_.flush();
+}
+
+void Console::ShowBlock(std::string lines) {
+  if (!mode_.terminal) return;
+  while (lines.ends_with('\n')) lines.pop_back();
+  if (lines == block_) return;
+  EraseBlock();
+  block_ = std::move(lines);
+  DrawBlock();
+  out_.flush();
+}
+
+// The cursor is at the end of the block's last line.
+void Console::EraseBlock() {
+  if (block_.empty()) return;
+  out_ << "\r\x1b[K";
+  for (const char c : block_) {
+    if (c == '\n') out_ << "\x1b[A\x1b[K";
+  }
+}
+
+// Without line wrap, so that a line of the block is one of the terminal.
+void Console::DrawBlock() {
+  if (!block_.empty()) out_ << "\x1b[?7l" << block_ << "\x1b[?7h";
 }
 
 void Console::Redraw(std::string_view text) {
@@ -68,8 +94,12 @@ void Console::Redraw(std::string_view text) {
 }
 
 void Console::Note(std::string_view text) {
+  EraseBlock();
+  out_.flush();
   err_ << Printable(text) << '\n';
   err_.flush();
+  DrawBlock();
+  out_.flush();
 }
 
 void Console::PrintError(std::string_view text) {

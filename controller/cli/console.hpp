@@ -34,12 +34,17 @@ class Console {
 
   const Mode& mode() const { return mode_; }
 
-  // Prints a line, a block of lines or a JSON document to the result stream and flushes it.
+  // Prints a line, a block of lines or a JSON document to the result stream and flushes it, above
+  // the block that is redrawn.
   void Print(std::string_view text);
   // False once output was lost because the reader of the pipe has exited.
   bool HasReader() const { return !out_.fail(); }
   // Print() without a newline, for a line that is redrawn; on a terminal only.
   void Redraw(std::string_view text);
+  // Lines below everything that is printed, until HideBlock() or another block replaces them; a
+  // line that is too long for the terminal is cut. On a terminal only.
+  void ShowBlock(std::string lines);
+  void HideBlock() { ShowBlock(""); }
   // Prints "musher: <text>" to the error stream.
   void PrintError(std::string_view text);
   // Prints the text unchanged to the error stream, for example a diagnostic.
@@ -50,9 +55,13 @@ class Console {
   ExitCode Fail(const Error& error);
 
  private:
+  void EraseBlock();
+  void DrawBlock();
+
   std::ostream& out_;
   std::ostream& err_;
   Mode mode_;
+  std::string block_;  // without a newline at its end; empty: none
 };
 
 }  // namespace musher::cli

@@ -12,6 +12,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/controller/storage/private_folder.hpp"
 
@@ -54,7 +55,7 @@ struct ControllerLog::State {
   std::string TakeDropNote() {
     if (dropped == 0) return "";
     return LogLine(
-        std::to_string(std::exchange(dropped, 0)) + " lines dropped here: the disk was too slow",
+        Counted(std::exchange(dropped, 0), "line") + " dropped here: the disk was too slow",
         kCodeFailed);
   }
 

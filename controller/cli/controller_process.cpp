@@ -185,7 +185,9 @@ void ControllerProcess::OnRecord(const action::Record& record) {
   progress.event = NameOf(record.event);
   progress_.Send(progress);
   log_.Write(record.message, record.code);
-  if (controller_) service_manager_.Update(controller_->shell().machine());
+  if (!controller_) return;
+  service_manager_.Update(controller_->shell().machine());
+  progress_.Send(controller_->shell().Status());
 }
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {

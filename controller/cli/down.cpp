@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/ending.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
@@ -33,8 +34,9 @@ ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
   if (link.value()->HasMachine() || link.value()->LeaderHere() != 0) {
     return console.Fail(
         {ExitCode::kNotDone,
-         {kCodeTargetBusy, "a controller leads the actuators of namespace '" + global.name_space +
-                               "': `musher down` stops them in their order, and it"}});
+         {kCodeTargetBusy, "a controller leads the actuators of " +
+                               NamespaceText(global.name_space) +
+                               ": `musher down` stops them in their order, and it"}});
   }
   if (running.value()->Now().empty()) {
     return console.Fail(link.value()->NotFound("controller or actuator"));

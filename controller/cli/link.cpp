@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
@@ -129,7 +130,7 @@ bool Link::HasMachine() const {
 }
 
 Failure Link::NotFound(const std::string& what) const {
-  std::string message = "no " + what + " in namespace '" + global_.name_space + "'";
+  std::string message = "no " + what + " in " + NamespaceText(global_.name_space);
   if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, --transport lan searches other hosts",

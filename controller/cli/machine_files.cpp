@@ -10,6 +10,7 @@
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -41,6 +42,18 @@ MachineFiles FromFolder(const std::string& state_dir, const MachineOrigin& origi
   files.config = ReadConfigFile(origin.file).config;
   if (files.config && files.config->state_dir != state_dir) files.config.reset();
   return files;
+}
+
+// The machine of a project, as `musher new` makes them: its state folder is inside.
+std::optional<MachineFiles> InWorkingDirectory(const std::string& name_space, int domain) {
+  std::error_code error;
+  if (!fs::exists("robot.toml", error)) return std::nullopt;
+  auto files = FromConfig("robot.toml");
+  auto* found = std::get_if<MachineFiles>(&files);
+  if (found == nullptr || found->config->name_space != name_space) return std::nullopt;
+  const auto origin = LoadOrigin(found->state_dir);
+  if (!origin || origin->name != found->name || origin->domain != domain) return std::nullopt;
+  return std::move(*found);
 }
 
 // The folders below the default place of a machine of that namespace and domain; newest first.
@@ -86,15 +99,16 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
       return files;
     }
   }
+  if (auto here = InWorkingDirectory(global.name_space, domain.value())) return std::move(*here);
   auto stopped = Stopped(global.name_space, domain.value());
   if (!stopped.empty()) return std::move(stopped.front());
   return Failure{
       ExitCode::kNoController,
       {kCodeNetError,
-       fmt::format("no machine in namespace '{}' of DDS domain {} has files on this host: no "
+       fmt::format("no machine in {} of DDS domain {} has files on this host: no "
                    "controller leads here, and none has its state folder below {}; --config FILE "
                    "names the config of a machine, --namespace and --domain another one",
-                   global.name_space, domain.value(),
+                   NamespaceText(global.name_space), domain.value(),
                    fs::path(config_toml::DefaultStateDir("any", "")).parent_path().string())}};
 }
 

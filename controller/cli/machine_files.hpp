@@ -4,7 +4,8 @@
 //
 //   1. --config FILE: that config
 //   2. a controller of this host leads: the folder whose lock it holds
-//   3. the folder below the default place whose machine has this namespace and domain
+//   3. robot.toml in the working directory, if it has this namespace and its machine has run
+//   4. the folder below the default place whose machine has this namespace and domain
 //
 // Waits for the disk, never for the network.
 

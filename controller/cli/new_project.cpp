@@ -232,7 +232,10 @@ Result<std::vector<std::string>> MakeProject(const fs::path& templates, const Pr
   std::vector<std::string> files;
   for (const fs::path& file : EntriesOf(from, error)) {
     if (fs::is_directory(file)) continue;  // Python's cache
-    files.push_back(Renamed(file.filename().string(), project, name));
+    const std::string template_name = file.filename().string();
+    // A template with a leading dot would be a file of the repository that has the templates.
+    files.push_back(template_name == "gitignore" ? ".gitignore"
+                                                 : Renamed(template_name, project, name));
     const auto written = WriteRenamed(file, draft.path() / files.back(), project, name);
     if (!written) return written.error();
   }

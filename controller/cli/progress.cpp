@@ -33,23 +33,40 @@ void ProgressSender::Send(const Progress& progress) {
   Flush();
 }
 
+void ProgressSender::Send(const msg::MachineStatus& machine) {
+  if (launcher_exited_ || machine == machine_) return;
+  machine_ = machine;
+  Progress progress;
+  progress.kind = Progress::kMachine;
+  progress.machine = machine;
+  unsent_ = msg::Encode(progress);
+  if (unsent_->size() > kLargestMessage) unsent_.reset();
+  Flush();
+}
+
 void ProgressSender::Flush() {
   while (!waiting_.empty()) {
-    const msg::Bytes& bytes = waiting_.front();
-    const ssize_t sent =
-        send(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0 && (errno == EAGAIN || errno == ENOBUFS)) {
-      retry_ = loop_.At(loop_.Now() + kRetryPeriod, [this] { Flush(); });
-      return;
-    }
-    if (sent < 0) {
-      launcher_exited_ = true;
-      waiting_.clear();
-      return;
-    }
+    if (!SendNow(waiting_.front())) return;
     waiting_.pop_front();
   }
+  if (unsent_ && SendNow(*unsent_)) unsent_.reset();
+}
+
+// Returns whether it was sent. If the socket is full, Flush() runs again.
+bool ProgressSender::SendNow(const msg::Bytes& bytes) {
+  ssize_t sent = 0;
+  do {
+    sent = send(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  } while (sent < 0 && errno == EINTR);
+  if (sent >= 0) return true;
+  if (errno == EAGAIN || errno == ENOBUFS) {
+    retry_ = loop_.At(loop_.Now() + kRetryPeriod, [this] { Flush(); });
+  } else {
+    launcher_exited_ = true;
+    waiting_.clear();
+    unsent_.reset();
+  }
+  return false;
 }
 
 ProgressReceiver::ProgressReceiver(transport::EventLoop& loop, UniqueFd socket,

@@ -6,11 +6,13 @@
 
 #include <deque>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "musher/base/unique_fd.hpp"
 #include "musher/messages/cdr.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::cli {
@@ -22,6 +24,7 @@ struct Progress {
   static constexpr const char* kFenced = "fenced";           // another controller leads now
   static constexpr const char* kAlone = "alone";      // the controller continues without launcher
   static constexpr const char* kStopped = "stopped";  // the machine is stopped
+  static constexpr const char* kMachine = "machine";  // no event: the machine as it is now
 
   std::int64_t wall_ns = 0;
   std::string kind;  // one of the above, or a journal entry's
@@ -30,10 +33,12 @@ struct Progress {
   std::int32_t code = 0;
   std::string message;
   std::string event{};  // the event name of a record (lifecycle/event_name.hpp), else empty
+  msg::MachineStatus machine{};  // of kMachine only
 
   template <class Self>
   static auto Fields(Self& m) {
-    return std::tie(m.wall_ns, m.kind, m.actuator, m.switch_number, m.code, m.message, m.event);
+    return std::tie(m.wall_ns, m.kind, m.actuator, m.switch_number, m.code, m.message, m.event,
+                    m.machine);
   }
   friend bool operator==(const Progress&, const Progress&) = default;
 };
@@ -49,14 +54,20 @@ class ProgressSender {
       : loop_(loop), socket_(std::move(socket)) {}
 
   void Send(const Progress& progress);
+  // Sends the machine behind all messages; one that is not sent yet is replaced, an equal one is
+  // not sent again.
+  void Send(const msg::MachineStatus& machine);
 
  private:
   void Flush();
+  bool SendNow(const msg::Bytes& bytes);
 
   transport::EventLoop& loop_;
   UniqueFd socket_;
   bool launcher_exited_ = false;
   std::deque<msg::Bytes> waiting_;
+  msg::MachineStatus machine_;        // the last one
+  std::optional<msg::Bytes> unsent_;  // the same, encoded, until it is sent
   transport::LoopHandlePtr retry_;
 };
 

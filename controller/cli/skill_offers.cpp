@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/application_request.hpp"
 
 namespace musher::cli {
@@ -75,7 +76,7 @@ Failure SkillOffers::NoOffer(const std::string& actuator) const {
   if (present.empty() && !link_.HasMachine()) return link_.NotFound("actuator");
   return {ExitCode::kNotDone,
           {kCodeUnSupport,
-           fmt::format("no actuator in namespace '{}' offers skills{}", global_.name_space,
+           fmt::format("no actuator in {} offers skills{}", NamespaceText(global_.name_space),
                        present.empty() ? ": none runs there"
                                        : fmt::format("; running: {}", fmt::join(present, ", ")))}};
 }

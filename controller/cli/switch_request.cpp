@@ -48,15 +48,50 @@ void ReportLeftBehind(std::map<std::string, Running::Actuator> running, Console&
                      " in this namespace; `musher down --without-controller` stops what is left");
 }
 
+// The time limits of a switch, by its plan. They are shown only, so nothing waits for the plan.
+class SwitchLimits {
+ public:
+  SwitchLimits(Link& link, const GlobalOptions& global) : link_(link), global_(global) {}
+
+  void Request(const std::string& target, const std::string& actuator) {
+    auto client = transport::MakeClient<msg::GetPlan>(
+        link_.node(), transport::MachineService(global_.name_space, "get_plan"));
+    if (!client) return;
+    plans_ = std::move(client).value();
+    plans_->Call({target, actuator}, kSwitchTimeout, [this](auto reply) {
+      if (!reply) return;
+      for (const msg::PlanStep& step : reply.value().steps) steps_[step.name] = step;
+    });
+  }
+  std::optional<Duration> Of(const std::string& actuator, const std::string& state) const {
+    const auto step = steps_.find(actuator);
+    if (step == steps_.end() || step->second.to != state || step->second.deadline_ms <= 0) {
+      return std::nullopt;
+    }
+    return Milliseconds(step->second.deadline_ms);
+  }
+
+ private:
+  Link& link_;
+  const GlobalOptions& global_;
+  std::map<std::string, msg::PlanStep> steps_;              // by actuator
+  std::unique_ptr<transport::Client<msg::GetPlan>> plans_;  // last: its callback uses steps_
+};
+
 }  // namespace
 
 ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
                        const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
-  if (const auto r = link.value()->FollowStatus({}); !r) {
-    return console.Fail(r.error());
-  }
+  SwitchLimits limits(*link.value(), global);
+  SwitchProgress progress(link.value()->loop(), console,
+                          [&limits](const std::string& name, const std::string& state) {
+                            return limits.Of(name, state);
+                          });
+  const auto follow = [&progress](const auto& status) { progress.Show(status); };
+  if (const auto r = link.value()->FollowStatus(follow); !r) return console.Fail(r.error());
+  if (progress.on()) limits.Request(target, actuator);
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
@@ -66,18 +101,14 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   options.timeout = timeout + std::chrono::minutes(1);  // Await() has the better error message
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;
-  SwitchProgress progress(*link.value(), target, console);
   const auto client = SwitchClient::Make(
       link.value()->node(), options, target, actuator,
-      [&](const std::string& news) {
-        progress.Clear();
-        console.PrintError(news);
-      },
+      [&](const std::string& news) { console.PrintError(news); },
       [&end](const SwitchEnd& known) { end = known; });
   if (!client) return console.Fail(client.error());
   const auto failure = link.value()->Await([&] { return end.has_value(); },
                                            [&] { return client.value()->found(); }, timeout);
-  progress.Clear();
+  progress.Hide();
   if (failure) return console.Fail(WithSwitch(*failure, *link.value(), target));
   const msg::SetState::Response& result = end->result;
   if (end->kind == SwitchEnd::Kind::kUnknown) {

@@ -21,6 +21,7 @@
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/terminal_screen.hpp"
 #include "musher/controller/cli/wall_time.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 
 namespace musher::cli {
 namespace {

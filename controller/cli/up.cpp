@@ -236,7 +236,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
     Lead(options, *target, std::move(theirs), options.detach ? 0 : launcher);
   }
   theirs = {};
-  return UpLauncher(console, config.name, controller, std::move(ours), std::move(signals),
+  return UpLauncher(console, config, controller, std::move(ours), std::move(signals),
                     options.detach, options.restarted)
       .Run();
 }

@@ -28,10 +28,10 @@ std::string HowItEnded(pid_t pid) {
 
 }  // namespace
 
-UpLauncher::UpLauncher(Console& console, std::string machine, pid_t controller, UniqueFd progress,
-                       UniqueFd signals, bool detach, bool restarted)
+UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t controller,
+                       UniqueFd progress, UniqueFd signals, bool detach, bool restarted)
     : console_(console),
-      machine_(std::move(machine)),
+      machine_(config.name),
       controller_(controller),
       detach_(detach),
       restarted_(restarted),
@@ -39,6 +39,11 @@ UpLauncher::UpLauncher(Console& console, std::string machine, pid_t controller, 
       abort_(TakeSignals({SIGABRT})),
       signal_watch_(loop_.WhenReadable(signals_.get(), [this] { OnSignal(); })),
       abort_watch_(loop_.WhenReadable(abort_.get(), [this] { OnAbort(); })),
+      table_(loop_, console,
+             [&config](const std::string& actuator, const std::string& state) {
+               const auto i = config.IndexOf(actuator);
+               return i && !state.empty() ? std::optional(config.TimeFor(*i, state)) : std::nullopt;
+             }),
       progress_(
           loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
           [this] { OnEnd(); }) {
@@ -55,6 +60,7 @@ ExitCode UpLauncher::Run() {
 }
 
 void UpLauncher::OnProgress(const Progress& progress) {
+  if (progress.kind == Progress::kMachine) return table_.Show(progress.machine);
   if (progress.kind == Progress::kNotStarted) {
     failed_to_start_ = true;
     exit_ = console_.Fail({progress.code, progress.message});
@@ -164,6 +170,7 @@ void UpLauncher::OnAbort() {
 }
 
 void UpLauncher::Leave(ExitCode exit) {
+  table_.Hide();
   exit_ = exit;
   loop_.Stop();
 }

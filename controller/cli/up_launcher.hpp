@@ -1,6 +1,6 @@
 #pragma once
 // The foreground process of `musher up`: prints what the controller process reports and forwards
-// signals to it.
+// signals to it. On a terminal a table shows the actuators while the machine is on its way.
 //
 //                       ┌ --detach: exits with 0
 //   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
@@ -28,14 +28,16 @@
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/repetitions.hpp"
+#include "musher/controller/cli/switch_progress.hpp"
+#include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::cli {
 
 class UpLauncher {
  public:
-  // `signals`: TakeEndSignals(). `restarted`: see UpOptions.
-  UpLauncher(Console& console, std::string machine, pid_t controller, UniqueFd progress,
+  // `signals`: TakeEndSignals(). `restarted`: see UpOptions. The config must outlive this.
+  UpLauncher(Console& console, const MachineConfig& config, pid_t controller, UniqueFd progress,
              UniqueFd signals, bool detach, bool restarted);
 
   ExitCode Run();
@@ -72,6 +74,7 @@ class UpLauncher {
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr abort_watch_;
   transport::LoopHandlePtr children_watch_;
+  SwitchProgress table_;
   ProgressReceiver progress_;
 };
 

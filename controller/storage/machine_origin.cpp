@@ -8,6 +8,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
 
 namespace musher {
 namespace {
@@ -29,7 +30,7 @@ std::string Line(const std::string& key, std::string value) {
 }  // namespace
 
 std::string MachineOrigin::Text() const {
-  return name + " of " + file + " (namespace '" + name_space + "', domain " +
+  return name + " of " + file + " (" + NamespaceText(name_space) + ", domain " +
          std::to_string(domain) + ")";
 }
 

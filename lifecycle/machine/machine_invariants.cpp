@@ -1,4 +1,5 @@
 #include "musher/lifecycle/machine/machine_invariants.hpp"
+#include "musher/base/words.hpp"
 
 #include <algorithm>
 
@@ -84,8 +85,8 @@ const char* BrokenOf(const Machine& machine) {
 
 std::string BrokenInvariant(const MachineConfig& config, const Machine& machine) {
   if (machine.actuators.size() != config.actuators.size()) {
-    return "the machine has " + std::to_string(machine.actuators.size()) +
-           " actuators, the config " + std::to_string(config.actuators.size());
+    return "the machine has " + Counted(machine.actuators.size(), "actuator") + ", the config " +
+           std::to_string(config.actuators.size());
   }
   if (const char* broken = BrokenOf(machine)) {
     return std::string(broken) + "; " + std::string(PhaseName(machine.phase)) + " in " +

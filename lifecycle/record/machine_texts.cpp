@@ -1,5 +1,6 @@
 // Of the machine and its controller, and of TearDown.
 
+#include "musher/base/words.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 
@@ -13,8 +14,8 @@ std::string SourceOf(const std::string& by) {
 }  // namespace
 
 RecordText ControllerStarted(Epoch epoch, std::size_t actuators) {
-  return {EventName::kControllerStarted, "controller started: epoch " + ToString(epoch) + ", " +
-                                             std::to_string(actuators) + " actuators"};
+  return {EventName::kControllerStarted,
+          "controller started: epoch " + ToString(epoch) + ", " + Counted(actuators, "actuator")};
 }
 
 RecordText TearDownResumed() {
@@ -33,7 +34,7 @@ RecordText StageStarted(int stage) {
 }
 
 RecordText ActuatorsSetUp(std::size_t present) {
-  return {EventName::kActuatorsSetUp, std::to_string(present) + " actuators are set up"};
+  return {EventName::kActuatorsSetUp, Counted(present, "actuator is", "actuators are") + " set up"};
 }
 
 RecordText WaitingForManager(const std::vector<std::string>& missing) {

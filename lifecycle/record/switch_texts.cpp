@@ -1,12 +1,13 @@
 // Of a switch and its legs.
 
+#include "musher/base/words.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 
 namespace musher::texts {
 namespace {
 
 std::string CountOf(std::size_t actuators) {
-  return std::to_string(actuators) + (actuators == 1 ? " actuator" : " actuators");
+  return Counted(actuators, "actuator");
 }
 
 EventName EventOf(SwitchOutcome outcome) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "musher/base/words.hpp"
 #include "musher/modules/motion/motion_source.hpp"
 
 namespace musher::motion {
@@ -59,7 +60,7 @@ std::optional<std::string> WrongLength(const MotionArguments& arguments) {
   for (const Field& field : FieldsOf(arguments)) {
     const std::size_t size = field.values->size();
     if (size == 0 || size == field.length) continue;
-    return std::string(field.name) + " has " + std::to_string(size) + " values instead of " +
+    return std::string(field.name) + " has " + Counted(size, "value") + " instead of " +
            std::to_string(field.length);
   }
   return std::nullopt;

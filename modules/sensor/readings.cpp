@@ -1,4 +1,5 @@
 #include "musher/modules/sensor/readings.hpp"
+#include "musher/base/words.hpp"
 #include "musher/messages/stamp.hpp"
 
 #include <algorithm>
@@ -50,11 +51,11 @@ std::string Seconds(Duration duration) {
 Result<> Validate(const msg::LaserScan& scan) {
   if (Result<> limits = CheckLimits(scan.range_min, scan.range_max); !limits) return limits;
   if (scan.ranges.empty() || scan.ranges.size() > kMostRays) {
-    return Refused("it has " + std::to_string(scan.ranges.size()) + " rays");
+    return Refused("it has " + Counted(scan.ranges.size(), "ray"));
   }
   if (!scan.intensities.empty() && scan.intensities.size() != scan.ranges.size()) {
-    return Refused("it has " + std::to_string(scan.ranges.size()) + " rays and " +
-                   std::to_string(scan.intensities.size()) + " intensities");
+    return Refused("it has " + Counted(scan.ranges.size(), "ray") + " and " +
+                   Counted(scan.intensities.size(), "intensity", "intensities"));
   }
   for (const float angle : {scan.angle_min, scan.angle_max, scan.angle_increment}) {
     if (!std::isfinite(angle)) return Refused("an angle is " + Number(angle));
@@ -88,8 +89,8 @@ Result<> Validate(const msg::SingleTofPayload& tof, std::uint8_t position) {
   if (!tof.data_available) return Refused("it reports no data");
   if (tof.data.size() != msg::SingleTofPayload::kZones ||
       (!tof.intensity.empty() && tof.intensity.size() != tof.data.size())) {
-    return Refused("it has " + std::to_string(tof.data.size()) + " zones and " +
-                   std::to_string(tof.intensity.size()) + " intensities, not 64");
+    return Refused("it has " + Counted(tof.data.size(), "zone") + " and " +
+                   Counted(tof.intensity.size(), "intensity", "intensities") + ", not 64");
   }
   return CheckDistances(tof.data);
 }

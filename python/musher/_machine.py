@@ -217,7 +217,8 @@ class Machine:
             return client.call(request, timeout_s)
 
     def _not_found(self, what: str = "no controller") -> Failure:
-        return Failure(_NET_ERROR, f"{what} in namespace '{self.node.namespace}'; is the machine up "
+        place = f"namespace '{self.node.namespace}'" if self.node.namespace else "the default namespace"
+        return Failure(_NET_ERROR, f"{what} in {place}; is the machine up "
                                    "(`musher up robot.toml`), and are namespace and ROS_DOMAIN_ID right?")
 
 

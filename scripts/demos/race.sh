@@ -201,7 +201,8 @@ END
 
 run_demo() {
   if [[ $short == no ]]; then
-    domains[1]=$(free_domain $((ROS_DOMAIN_ID % 100 + 1))) || exit 1
+    lock_domain $((ROS_DOMAIN_ID % 100 + 1)) || exit 1
+    domains[1]=$domain
     robots=(0 1)
   fi
   for robot in "${robots[@]}"; do

@@ -178,10 +178,10 @@ TEST_F(BehaviorCommand, SuggestsTheNearestActuatorWhereNoneOfThatNameRuns) {
   Begin(show);
   const Ran ran = RunProgram({"behavior", "shwo"});
   EXPECT_EQ(ran.exit, 3);
-  EXPECT_EQ(ran.err, "musher: no actuator 'shwo' in namespace ''; did you mean 'show'?\n");
+  EXPECT_EQ(ran.err, "musher: no actuator 'shwo' in the default namespace; did you mean 'show'?\n");
   const Ran graph = RunProgram({"graph", "--behavior", "camera"});
   EXPECT_EQ(graph.exit, 3);
-  EXPECT_EQ(graph.err, "musher: no actuator 'camera' in namespace ''; running: show\n");
+  EXPECT_EQ(graph.err, "musher: no actuator 'camera' in the default namespace; running: show\n");
 }
 
 TEST_F(BehaviorCommand, ReportsThatNothingRunsAtAll) {
@@ -195,7 +195,7 @@ TEST_F(BehaviorCommand, ReportsThatNoApplicationRunsWhereThereIsOnlyAController)
   ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
   const Ran ran = RunProgram({"behavior", "show"});
   EXPECT_EQ(ran.exit, 3);
-  EXPECT_EQ(ran.err, "musher: no actuator 'show' in namespace '': none runs there\n");
+  EXPECT_EQ(ran.err, "musher: no actuator 'show' in the default namespace: none runs there\n");
 }
 
 TEST_F(BehaviorCommand, ReportsThatAnActuatorIsNotAStateMachine) {

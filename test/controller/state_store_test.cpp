@@ -236,8 +236,9 @@ TEST_F(Store, OfAnotherMachineIsNamedAndRefused) {
     const auto store = StateStore::Open(dir_, other);
     ASSERT_FALSE(store) << other.Text();
     EXPECT_EQ(store.error().code, kCodePermissionDenied);
-    EXPECT_THAT(store.error().message, HasSubstr(dir_ + " belongs to another machine, robot of " +
-                                                 robot_.file + " (namespace '', domain 0)"));
+    EXPECT_THAT(store.error().message,
+                HasSubstr(dir_ + " belongs to another machine, robot of " + robot_.file +
+                          " (the default namespace, domain 0)"));
     EXPECT_THAT(store.error().message, HasSubstr("this one is " + other.Text()));
   }
   EXPECT_TRUE(StateStore::Open(dir_, robot_));

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Tests that scripts/demo takes a DDS domain without processes of this host."""
+"""Tests that scripts/demo takes a DDS domain without processes of this host, and keeps it.
+
+    demo_domain_test.py SCRIPTS_DEMO
+"""
 import re
 import socket
 import subprocess
@@ -8,13 +11,25 @@ import sys
 DISCOVERY_PORT = 7400
 PORTS_PER_DOMAIN = 250
 
+root = sys.argv[1].rpartition("/scripts/")[0]
+with open(sys.argv[1], encoding="utf-8") as script:
+    lock_domain = re.search(r"^lock_domain\(\) \{.*?^\}", script.read(), re.M | re.S).group()
 
-def free_domain(first):
-    with open(sys.argv[1], encoding="utf-8") as script:
-        function = re.search(r"^free_domain\(\) \{.*?^\}", script.read(), re.M | re.S).group()
-    done = subprocess.run(["bash", "-c", f"{function}\nfree_domain {first}"],
-                          capture_output=True, text=True, check=True)
-    return int(done.stdout)
+
+class Demo:
+    """A shell that takes a domain as a demo does, and lives until its input ends."""
+
+    def __init__(self, first):
+        self.process = subprocess.Popen(
+            ["bash", "-c", f"root='{root}'\n{lock_domain}\nlock_domain {first}\necho \"$domain\"\nread -r"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.domain = int(self.process.stdout.readline())
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.communicate("\n", timeout=30)
 
 
 def occupy(domain):
@@ -25,11 +40,29 @@ def occupy(domain):
     return occupied
 
 
-first = free_domain(40)
+def hold(name, begin, end):
+    """Takes the name of a test, or of a robot, in a domain in which there is none yet."""
+    for domain in range(50, 100):
+        try:
+            name.bind(f"\0musher/{begin}{domain}{end}")
+            return domain
+        except OSError:
+            pass
+    raise AssertionError("no domain is free")
+
+
+with Demo(40) as demo:
+    first = demo.domain
+    with Demo(first) as other:
+        assert other.domain != first, f"domain {first} has a demo, and was taken"
 with occupy(first):
-    second = free_domain(first)
-    assert second != first, f"domain {first} is in use, and was taken"
-    with occupy(second):
-        third = free_domain(first)
-        assert third not in (first, second), f"domain {third} is in use, and was taken"
-assert 1 <= free_domain(100) <= 100
+    with Demo(first) as demo:
+        second = demo.domain
+        assert second != first, f"domain {first} is in use, and was taken"
+for begin, end, holder in ("musher-test-domain/", "", "test"), ("", "//musher/controller", "robot"):
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as name:
+        used = hold(name, begin, end)
+        with Demo(used) as demo:
+            assert demo.domain != used, f"domain {used} has a {holder}, and was taken"
+with Demo(100) as demo:
+    assert 1 <= demo.domain <= 100

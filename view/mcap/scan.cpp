@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "musher/base/words.hpp"
 #include "musher/view/mcap/format.hpp"
 
 namespace musher::mcap {
@@ -182,7 +183,7 @@ Result<std::string> Scan::Uncompressed(const Chunk& chunk) const {
 
 bool Scan::Damaged(std::uint64_t at, const std::string& what) {
   damage_ = path_ + ": at byte " + std::to_string(at) + ": " + what + "; " +
-            std::to_string(messages_.size()) + " messages before it were read";
+            Counted(messages_.size(), "message") + " could be read before it";
   return false;
 }
 

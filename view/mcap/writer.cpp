@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "musher/base/unique_fd.hpp"
+#include "musher/base/words.hpp"
 #include "musher/view/mcap/format.hpp"
 
 namespace musher::mcap {
@@ -64,8 +65,9 @@ struct Writer::File {
       if (written < 0 && errno == EINTR) continue;
       if (written <= 0) {
         const std::string why = std::strerror(errno);  // NOLINT(concurrency-mt-unsafe)
-        error = Error{kCodeFailed, path + ": " + why + "; " + std::to_string(messages) +
-                                       " messages were recorded"};
+        error =
+            Error{kCodeFailed, path + ": " + why + "; " +
+                                   Counted(messages, "message was", "messages were") + " recorded"};
         // The file ends with a whole record.
         static_cast<void>(ftruncate(fd.get(), static_cast<off_t>(before)) == 0);
         at = before;

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "musher/base/words.hpp"
 #include "musher/view/mcap/scan.hpp"
 
 namespace musher::view {
@@ -90,7 +91,7 @@ Result<std::string> Recover(const std::string& damaged, const std::string& out,
   }
   if (auto closed = writer.value()->Close(); !closed) return closed.error();
   const std::string& damage = scan.value()->damage();
-  return out + ": " + std::to_string(scan.value()->messages().size()) + " messages" +
+  return out + ": " + Counted(scan.value()->messages().size(), "message") +
          (damage.empty() ? "; " + damaged + " is whole" : "; " + damage);
 }
 

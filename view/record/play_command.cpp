@@ -1,5 +1,6 @@
 // musher-record play: publishes what a file has.
 
+#include "musher/base/words.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/view/record/commands.hpp"
 #include "musher/view/record/mcap_source.hpp"
@@ -76,7 +77,7 @@ int RunPlay(const PlayCommandOptions& options) {
       exit = Fail(flushed.error(), 1);
     }
   }
-  Say(std::to_string(player.value()->published()) + " messages published");
+  Say(Counted(player.value()->published(), "message") + " published");
   return exit;
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "musher/base/words.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/dds/topic_watch.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -199,8 +200,9 @@ int Session::End() {
   for (const std::string& pattern : topics_->choice().Unmatched()) {
     Say("no topic matched " + pattern);
   }
-  Say(std::to_string(counts.size()) + " topics, " + std::to_string(messages) + " messages, " +
-      std::to_string(of_journal) + " entries of the journal, " + std::to_string(lost) + " lost");
+  Say(Counted(counts.size(), "topic") + ", " + Counted(messages, "message") + ", " +
+      Counted(of_journal, "entry", "entries") + " of the journal, " + std::to_string(lost) +
+      " lost");
   return exit_;
 }
 

@@ -26,6 +26,7 @@ std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts);
 // The checks by subject; each list is part of Diagnose().
 std::vector<DoctorCheck> CheckNetwork(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckHost(const DoctorFacts& facts);
+std::vector<DoctorCheck> CheckStorage(const DoctorFacts& facts);
 std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts);
 
 CheckStatus Worst(const std::vector<DoctorCheck>& checks);

@@ -51,6 +51,22 @@ struct FolderFacts {
   std::int64_t free_bytes = 0;
   std::int64_t total_bytes = 0;
   std::int64_t free_inodes = -1;  // -1: the file system has no limit
+  std::uint64_t device = 0;       // equal: the same file system
+};
+
+// The lock by which the state folder has a running owner.
+struct LockFacts {
+  std::string path;
+  std::string owner;         // the user that the file belongs to; empty: there is no file yet
+  bool writable = true;      // or there is no file yet
+  int held_by = 0;           // the process; 0: none, or not visible
+  std::string belongs_to{};  // another machine that the folder belongs to; empty: none
+};
+
+// A log that exists and that this user may not write.
+struct LogFacts {
+  std::string path;
+  std::string owner;  // a user
 };
 
 struct Limits {
@@ -58,7 +74,17 @@ struct Limits {
   std::uint64_t files_hard = 0;
   std::string tracer;  // "eu-stack" or "gdb"; empty: neither
   std::optional<int> ptrace_scope;
-  bool may_trace = false;  // CAP_SYS_PTRACE
+  bool may_trace = false;       // CAP_SYS_PTRACE
+  std::uint64_t real_time = 0;  // highest priority, RLIMIT_RTPRIO
+  bool may_real_time = false;   // CAP_SYS_NICE: any priority
+};
+
+// Where core dumps go. The kernel pipes them to a program of the host, or writes a file.
+struct CoreFacts {
+  std::uint64_t limit = 0;  // bytes, RLIMIT_CORE
+  std::uint64_t limit_hard = 0;
+  std::string pattern;        // kernel.core_pattern; empty: not readable
+  std::string obstacle = {};  // why its program or folder is not usable; empty: it is
 };
 
 struct CpuFacts {
@@ -100,7 +126,11 @@ struct DoctorFacts {
   DdsTrial dds;
   ClockFacts clock;
   std::optional<FolderFacts> state_dir;  // none without a config
+  std::vector<FolderFacts> log_dirs;     // of the actuators, and of the controller
+  std::optional<LockFacts> lock;         // none without a config
+  std::vector<LogFacts> unwritable_logs;
   Limits limits;
+  CoreFacts core;
   CpuFacts cpu;
   std::vector<KeyFacts> keys;        // of the identities that the machine needs on this host
   std::vector<Diagnostic> programs;  // CheckPrograms()

@@ -1,6 +1,10 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+
 #include "musher/controller/cli/doctor/checks.hpp"
 
 namespace musher::cli {
@@ -11,16 +15,9 @@ using enum CheckStatus;
 // A process needs some 30 descriptors, and the controller 4 more for each actuator.
 constexpr std::uint64_t kFilesOfAProcess = 256;
 constexpr std::uint64_t kFilesOfAnActuator = 8;
-// Below this the journal and the logs of a usual config may not find room.
-constexpr std::int64_t kLittleDisk = 200ll << 20;
-constexpr std::int64_t kFewInodes = 1000;
 // Musher did not exist before; a computer without a battery for its clock starts in 1970 or so.
 constexpr std::int64_t kFirstPossibleTime = 1'735'689'600;  // 2025-01-01
 constexpr std::int64_t kJumpSeconds = 5;
-
-double Mib(std::int64_t bytes) {
-  return static_cast<double>(bytes) / (1 << 20);
-}
 
 std::string WallText(std::int64_t seconds) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(seconds)));
@@ -78,70 +75,6 @@ DoctorCheck CheckClockSource(const DoctorFacts& facts) {
   return check;
 }
 
-DoctorCheck CheckStateFolder(const DoctorFacts& facts) {
-  DoctorCheck check{"state folder"};
-  if (!facts.state_dir) {
-    check.health = kNotApplicable;
-    check.reason = "no config was given";
-    return check;
-  }
-  const FolderFacts& folder = *facts.state_dir;
-  const bool exists = folder.path == folder.existing;
-  check.health = kError;
-  if (!folder.error.empty()) {
-    check.reason = folder.path + ": " + folder.error;
-    check.fix = "set state_dir in [controller] to a folder of a local disk";
-  } else if (!folder.is_folder) {
-    check.reason = folder.existing + " is not a folder";
-    check.fix = "set another state_dir in [controller]";
-  } else if (!folder.writable) {
-    check.reason = folder.existing + " is not writable for this user" +
-                   (exists ? "" : ", and " + folder.path + " does not exist");
-    check.fix = fmt::format("sudo install -d -o \"$USER\" -m 700 '{}'", folder.path);
-  } else {
-    check.health = kOk;
-    check.reason = folder.path + (exists ? " is writable" : " can be created");
-  }
-  return check;
-}
-
-DoctorCheck CheckDisk(const DoctorFacts& facts) {
-  DoctorCheck check{"disk"};
-  if (!facts.state_dir || !facts.state_dir->error.empty()) {
-    check.health = kNotApplicable;
-    check.reason = "no state folder to check";
-    return check;
-  }
-  const FolderFacts& folder = *facts.state_dir;
-  const std::int64_t needed =
-      facts.config ? facts.config->journal_size_bytes + facts.config->logs_size_bytes : 0;
-  check.reason =
-      fmt::format("{:.0f} of {:.0f} MiB free", Mib(folder.free_bytes), Mib(folder.total_bytes));
-  if (folder.free_bytes < kLittleDisk) {
-    check.health = folder.free_bytes < kLittleDisk / 20 ? kError : kWarning;
-    check.reason += " for the journal and the logs";
-  } else if (folder.free_inodes >= 0 && folder.free_inodes < kFewInodes) {
-    check.health = kWarning;
-    check.reason += fmt::format(", but only {} more files", folder.free_inodes);
-  } else if (folder.free_bytes < needed) {
-    check.health = kWarning;
-    check.reason +=
-        fmt::format(", and journal_size_mb and logs_size_mb permit {:.0f}", Mib(needed));
-    check.fix = "lower logs_size_mb in [controller], or free space: du -xh '" + folder.existing +
-                "' | sort -h | tail";
-    return check;
-  }
-  if (check.health != kOk) check.fix = "du -xh '" + folder.existing + "' | sort -h | tail";
-  if (folder.in_memory && check.health != kError) {
-    check.health = kWarning;
-    check.reason +=
-        "; it is in memory (tmpfs): a reboot deletes the journal, and an emergency stop "
-        "is not remembered";
-    if (check.fix.empty()) check.fix = "set state_dir in [controller] to a folder of a disk";
-  }
-  return check;
-}
-
 DoctorCheck CheckOpenFiles(const DoctorFacts& facts) {
   DoctorCheck check{"open files"};
   const std::size_t actuators = facts.config ? facts.config->actuators.size() : 0;
@@ -155,6 +88,78 @@ DoctorCheck CheckOpenFiles(const DoctorFacts& facts) {
                         "echo \"$USER hard nofile {0}\" | sudo tee "
                         "/etc/security/limits.d/musher.conf, log in again, ulimit -n {0}",
                         needed);
+  return check;
+}
+
+// The priority with which `chrt` runs a program; 0: none that needs a permission.
+std::uint64_t RealTimePriority(const std::vector<std::string>& command) {
+  if (command.empty() || !(command[0] == "chrt" || command[0].ends_with("/chrt"))) return 0;
+  for (std::size_t i = 1; i < command.size(); ++i) {
+    const std::string& word = command[i];
+    for (const char* other : {"-o", "--other", "-b", "--batch", "-i", "--idle", "-d"}) {
+      if (word == other) return 0;
+    }
+    if (!word.starts_with('-')) return std::strtoull(word.c_str(), nullptr, 10);
+  }
+  return 0;
+}
+
+DoctorCheck CheckRealTime(const DoctorFacts& facts) {
+  DoctorCheck check{"real-time priority"};
+  constexpr std::uint64_t kHighest = 99;
+  const std::uint64_t permitted = facts.limits.may_real_time ? kHighest : facts.limits.real_time;
+  check.reason = permitted == 0 ? "none permitted" : fmt::format("up to {} permitted", permitted);
+  std::uint64_t needed = 0;
+  std::string name;
+  const auto actuators = facts.config ? facts.config->actuators : std::vector<ActuatorConfig>();
+  for (const ActuatorConfig& actuator : actuators) {
+    const std::uint64_t priority = RealTimePriority(actuator.command);
+    if (priority > needed) name = actuator.name;
+    needed = std::max(needed, priority);
+  }
+  check.reason += needed == 0 ? facts.config ? ", none requested by a command (chrt)" : ""
+                              : fmt::format(", {} requests {} (chrt)", name, needed);
+  if (needed <= permitted) return check;
+  check.health = kError;
+  check.reason += ": its process cannot start";
+  check.fix = fmt::format(
+      "echo \"$USER - rtprio {0}\" | sudo tee /etc/security/limits.d/musher-rtprio.conf and log in "
+      "again; for a systemd unit LimitRTPRIO={0}",
+      needed);
+  return check;
+}
+
+DoctorCheck CheckCoreDumps(const DoctorFacts& facts) {
+  DoctorCheck check{"core dumps"};
+  const CoreFacts& core = facts.core;
+  if (core.pattern.empty()) {
+    check.health = kNotApplicable;
+    check.reason = "kernel.core_pattern is not readable here";
+    return check;
+  }
+  const bool piped = core.pattern.starts_with('|');
+  const std::string where =
+      piped ? "to the program " + core.pattern.substr(1, core.pattern.find(' ') - 1)
+      : core.pattern.starts_with('/')
+          ? "to " + core.pattern
+          : "to the working directory of the process, as " + core.pattern;
+  if (core.limit == 0) {
+    check.health = kWarning;
+    check.reason =
+        "a process that crashes leaves none: the limit is 0 bytes; they would go " + where;
+    check.fix = core.limit_hard > 0 ? "ulimit -c unlimited; for a systemd unit LimitCORE=infinity"
+                                    : "echo \"$USER - core unlimited\" | sudo tee "
+                                      "/etc/security/limits.d/musher-core.conf and log in again";
+    return check;
+  }
+  const bool unlimited = core.limit == std::numeric_limits<std::uint64_t>::max();
+  check.reason = where + (unlimited ? "" : fmt::format(", at most {} bytes", core.limit));
+  if (core.obstacle.empty()) return check;
+  check.health = kWarning;
+  check.reason += ": " + core.obstacle;
+  check.fix =
+      piped ? "sudo sysctl -w kernel.core_pattern=core.%e.%p"
+            : "sudo install -d -m 1777 '" + core.pattern.substr(0, core.pattern.rfind('/')) + "'";
   return check;
 }
 
@@ -197,8 +202,8 @@ DoctorCheck CheckCpu(const DoctorFacts& facts) {
 }  // namespace
 
 std::vector<DoctorCheck> CheckHost(const DoctorFacts& facts) {
-  return {CheckClock(facts),     CheckClockSource(facts), CheckStateFolder(facts), CheckDisk(facts),
-          CheckOpenFiles(facts), CheckBacktraces(facts),  CheckCpu(facts)};
+  return {CheckClock(facts), CheckClockSource(facts), CheckOpenFiles(facts), CheckRealTime(facts),
+          CheckCpu(facts),   CheckBacktraces(facts),  CheckCoreDumps(facts)};
 }
 
 }  // namespace musher::cli

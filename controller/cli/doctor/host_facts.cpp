@@ -32,6 +32,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSysPtrace = 19;  // CAP_SYS_PTRACE
+constexpr int kSysNice = 23;    // CAP_SYS_NICE
+// The kernel gives the first pid namespace of a host always this number.
+constexpr ino_t kFirstPidNamespace = 0xEFFFFFFC;
 
 std::string FirstWord(const std::string& file) {
   std::istringstream in(ReadFile(file));
@@ -94,8 +97,8 @@ std::int64_t NewestFile(const std::string& folder) {
   return newest;
 }
 
-// "<existing> <is folder> <writable> <in memory> <free> <total> <inodes> <newest file>"; the path
-// comes last because it may contain spaces.
+// "<existing> <is folder> <writable> <in memory> <free> <total> <inodes> <newest file>
+// <device>"; the path comes last because it may contain spaces.
 std::string DescribeFolder(const std::string& path) {
   std::error_code error;
   fs::path existing = path;
@@ -105,12 +108,14 @@ std::string DescribeFolder(const std::string& path) {
   struct statfs disk {};
   if (statfs(existing.c_str(), &disk) != 0) return "error " + SystemError("statfs").message;
   const auto block = static_cast<std::int64_t>(disk.f_bsize);
-  return fmt::format("ok {:d} {:d} {:d} {} {} {} {} {}", fs::is_directory(existing, error),
+  struct stat info {};
+  stat(existing.c_str(), &info);
+  return fmt::format("ok {:d} {:d} {:d} {} {} {} {} {} {}", fs::is_directory(existing, error),
                      access(existing.c_str(), W_OK | X_OK) == 0, disk.f_type == TMPFS_MAGIC,
                      block * static_cast<std::int64_t>(disk.f_bavail),
                      block * static_cast<std::int64_t>(disk.f_blocks),
                      disk.f_files == 0 ? -1 : static_cast<std::int64_t>(disk.f_ffree),
-                     existing == path ? NewestFile(path) : 0, existing.string());
+                     existing == path ? NewestFile(path) : 0, info.st_dev, existing.string());
 }
 
 }  // namespace
@@ -176,7 +181,37 @@ Limits ReadLimits() {
     limits.ptrace_scope = static_cast<int>(*scope);
   }
   limits.may_trace = HasCapability(kSysPtrace);
+  rlimit real_time{};
+  if (getrlimit(RLIMIT_RTPRIO, &real_time) == 0) limits.real_time = real_time.rlim_cur;
+  limits.may_real_time = HasCapability(kSysNice);
   return limits;
+}
+
+CoreFacts ReadCore() {
+  CoreFacts core;
+  rlimit size{};
+  if (getrlimit(RLIMIT_CORE, &size) == 0) {
+    core.limit = size.rlim_cur;
+    core.limit_hard = size.rlim_max;
+  }
+  std::istringstream in(ReadFile("/proc/sys/kernel/core_pattern"));
+  std::getline(in, core.pattern);
+  if (core.pattern.starts_with('|')) {
+    // In a container the program is the host's, and not visible.
+    struct stat space {};
+    const bool on_host =
+        stat("/proc/self/ns/pid", &space) == 0 && space.st_ino == kFirstPidNamespace;
+    const std::string program = core.pattern.substr(1, core.pattern.find(' ') - 1);
+    if (on_host && access(program.c_str(), X_OK) != 0) core.obstacle = "it does not exist";
+  } else if (core.pattern.starts_with('/')) {
+    const std::string folder = core.pattern.substr(0, core.pattern.rfind('/'));
+    const bool known = folder.find('%') == std::string::npos;  // the same for every process
+    if (known && access((folder + "/").c_str(), W_OK | X_OK) != 0) {
+      core.obstacle = errno == ENOENT ? "the folder does not exist"
+                                      : "the folder is not writable for this user";
+    }
+  }
+  return core;
 }
 
 CpuFacts ReadCpu() {
@@ -202,7 +237,7 @@ FolderFacts ReadFolder(const std::string& path, Duration timeout, std::int64_t& 
   std::istringstream in(text.value());
   std::string outcome;
   in >> outcome >> folder.is_folder >> folder.writable >> folder.in_memory >> folder.free_bytes >>
-      folder.total_bytes >> folder.free_inodes >> newest_file_s;
+      folder.total_bytes >> folder.free_inodes >> newest_file_s >> folder.device;
   if (outcome != "ok") folder.error = text.value().substr(outcome.size() + 1);
   if (in) std::getline(in >> std::ws, folder.existing);
   return folder;

@@ -10,6 +10,7 @@ std::vector<NetworkInterface> ReadInterfaces();
 std::optional<std::int64_t> ReadNumber(const std::string& file);
 ClockFacts ReadClock();
 Limits ReadLimits();
+CoreFacts ReadCore();
 CpuFacts ReadCpu();
 
 // In a child, for at most `timeout`. `newest_file_s`: the last write in it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 #include "musher/controller/cli/render/words.hpp"
 #include "musher/transport/security/key_folder.hpp"
@@ -88,16 +89,15 @@ DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
   }
   if (facts.controllers.empty()) {
     check.reason =
-        fmt::format("none runs in namespace '{}' of domain {}", facts.name_space, facts.domain);
+        fmt::format("none runs in {} of domain {}", NamespaceText(facts.name_space), facts.domain);
     return check;
   }
   if (!facts.controllers.front().reachable) {
     check.health = kWarning;
     check.reason = fmt::format(
-        "process {} leads a machine in namespace '{}' of domain {} on this host, but does not "
-        "answer "
-        "in this environment",
-        facts.controllers.front().pid, facts.name_space, facts.domain);
+        "process {} leads a machine in {} of domain {} on this host, but does not answer in this "
+        "environment",
+        facts.controllers.front().pid, NamespaceText(facts.name_space), facts.domain);
     check.fix = "use its CYCLONEDDS_URI, --transport and --keys";
     return check;
   }
@@ -106,8 +106,9 @@ DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
     running.push_back(fmt::format("{} (pid {}{})", one.machine, one.pid,
                                   one.host.empty() ? "" : " on another host"));
   }
-  check.reason = fmt::format("{} {} already in namespace '{}' of domain {}", Join(running),
-                             running.size() == 1 ? "runs" : "run", facts.name_space, facts.domain);
+  check.reason = fmt::format("{} {} already in {} of domain {}", Join(running),
+                             running.size() == 1 ? "runs" : "run", NamespaceText(facts.name_space),
+                             facts.domain);
   const bool other = facts.config && facts.controllers.front().machine != facts.config->name;
   if (!facts.config || (!other && facts.controllers.size() == 1)) return check;
   check.health = kError;
@@ -142,7 +143,8 @@ std::vector<DoctorCheck> CheckMachine(const DoctorFacts& facts) {
 
 std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts) {
   std::vector<DoctorCheck> all;
-  for (auto checks : {CheckNetwork(facts), CheckHost(facts), CheckMachine(facts)}) {
+  for (auto checks :
+       {CheckNetwork(facts), CheckHost(facts), CheckStorage(facts), CheckMachine(facts)}) {
     all.insert(all.end(), checks.begin(), checks.end());
   }
   return all;

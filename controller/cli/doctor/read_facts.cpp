@@ -12,6 +12,7 @@
 #include "musher/base/version.hpp"
 #include "musher/controller/cli/doctor/dds_trial.hpp"
 #include "musher/controller/cli/doctor/host_facts.hpp"
+#include "musher/controller/cli/doctor/storage_facts.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/program_check.hpp"
 #include "musher/controller/cli/ros_check.hpp"
@@ -154,11 +155,12 @@ DoctorFacts ReadFacts(std::optional<MachineConfig> config, const GlobalOptions& 
   }
   facts.clock = ReadClock();
   if (facts.config) {
-    facts.state_dir = ReadFolder(facts.config->state_dir, kDiskTime, facts.clock.newest_file_s);
+    ReadStorage(facts, kDiskTime);
     facts.programs = CheckPrograms(*facts.config, kProgramTime);
     facts.ros = CheckRos(*facts.config, facts.environment);
   }
   facts.limits = ReadLimits();
+  facts.core = ReadCore();
   facts.cpu = ReadCpu();
   ReadKeys(facts);
   ReadControllers(facts, global);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/render/simulation.hpp"
 
@@ -98,8 +99,10 @@ std::string Verdict(const SimulationReport& report, bool colour) {
 
 std::string SimulationText(const SimulationReport& report, const std::string& failing_scenario,
                            bool colour) {
-  std::string text = fmt::format("{}: {} actuators, {} scenarios\n\n", Printable(report.file),
-                                 report.config.actuators.size(), Grouped(report.summary.scenarios));
+  std::string text =
+      fmt::format("{}: {}, {} scenario{}\n\n", Printable(report.file),
+                  Counted(report.config.actuators.size(), "actuator"),
+                  Grouped(report.summary.scenarios), report.summary.scenarios == 1 ? "" : "s");
   text += Figures(report);
   if (!report.others.empty()) {
     text += fmt::format("  note      simulated with Musher's protocol instead of their own: {}\n",

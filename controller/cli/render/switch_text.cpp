@@ -47,26 +47,6 @@ std::string SwitchError(const msg::SetState::Response& result) {
          (result.reason.empty() ? CodeText(result.code) : result.reason);
 }
 
-std::string SwitchProgressText(const msg::MachineStatus& shown, const std::string& target,
-                               std::int64_t seconds) {
-  constexpr std::size_t kMostNames = 4;
-  constexpr std::size_t kWidth = 78;
-  std::vector<std::string> switching;
-  std::size_t done = 0;
-  for (const msg::ActuatorInfo& actuator : shown.actuators) {
-    if (actuator.target.empty() && actuator.state == target) ++done;
-    if (!actuator.target.empty()) switching.push_back(Printable(actuator.name));
-  }
-  if (switching.empty()) return "";
-  const std::size_t more = switching.size() - std::min(switching.size(), kMostNames);
-  switching.resize(switching.size() - more);
-  std::string text = fmt::format("{}, {} s: {} of {} done, waiting for {}{}", Printable(target),
-                                 seconds, done, shown.actuators.size(), fmt::join(switching, ", "),
-                                 more == 0 ? "" : fmt::format(" and {} more", more));
-  if (text.size() > kWidth) text = text.substr(0, kWidth - 3) + "...";
-  return text;
-}
-
 std::string PlanText(const msg::GetPlan::Response& shown, bool colour) {
   const msg::GetPlan::Response plan = Printable(shown);
   std::string text = plan.state + " \u2192 " + plan.target;

@@ -36,10 +36,6 @@ std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.
 std::string SwitchError(const msg::SetState::Response& result);
 
-// The actuators that the switch to `target` still waits for, on one line; empty: none known.
-std::string SwitchProgressText(const msg::MachineStatus& status, const std::string& target,
-                               std::int64_t seconds);
-
 std::string EstopText(const EstopReport& report, bool colour);
 // The actuators that have not stopped, as one sentence.
 std::string EstopError(const EstopReport& report);

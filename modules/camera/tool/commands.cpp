@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "musher/base/words.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/fit.hpp"
 #include "musher/modules/camera/media.hpp"
@@ -28,8 +29,8 @@ Result<std::unique_ptr<transport::Subscription>> SubscribeToPictures(
 Error NothingCame(const transport::Subscription& subscription, const std::string& topic,
                   const ToolOptions& global, double seconds) {
   if (subscription.MatchedWriters() == 0) {
-    return {kCodeNetError, "no publisher of " + topic + " in namespace '" + global.name_space +
-                               "'; use --namespace and --domain, or --transport lan for other "
+    return {kCodeNetError, "no publisher of " + topic + " in " + NamespaceText(global.name_space) +
+                               "; use --namespace and --domain, or --transport lan for other "
                                "hosts"};
   }
   return {kCodeTimeout, "no picture on " + topic + " within " + Decimal(seconds, 1) +

@@ -1,4 +1,5 @@
 #include "musher/modules/meilin/plan/action_sequence.hpp"
+#include "musher/base/words.hpp"
 
 #include <fmt/format.h>
 
@@ -255,8 +256,8 @@ PlanReading ReadActionSequence(const msg::Float32MultiArray& plan, const PlanRul
   const std::size_t size = plan.data.size();
   if (size == 0) return Refused("empty Float32MultiArray: a plan has at least one step");
   if (size % kNumbersPerStep != 0) {
-    return Refused(
-        fmt::format("Float32MultiArray length must be divisible by 8: {} numbers", size));
+    return Refused(fmt::format("Float32MultiArray length must be divisible by 8: {}",
+                               Counted(size, "number")));
   }
   const std::size_t steps = size / kNumbersPerStep;
   if (steps > kMostSteps) {

@@ -9,6 +9,7 @@
 #include "musher/base/toml/file.hpp"
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
+#include "musher/base/words.hpp"
 #include "musher/modules/meilin/plan/json_reader.hpp"
 
 namespace musher::meilin {
@@ -24,7 +25,7 @@ constexpr std::string_view kBoxRule = "0 (empty), 1 (KFS1), 2 (KFS2) or 3 (fake)
 void ReadGridJson(const nlohmann::json& grid, JsonFaults& faults, BoxMap& map) {
   if (!grid.is_array() || grid.size() != kRows) {
     return faults.Add("grid", fmt::format("expected {}, found {}", kGridRule,
-                                          grid.is_array() ? fmt::format("{} rows", grid.size())
+                                          grid.is_array() ? Counted(grid.size(), "row")
                                                           : std::string(JsonTypeName(grid))));
   }
   for (std::size_t row = 0; row < kRows; ++row) {
@@ -59,7 +60,7 @@ void ReadGridToml(TableReader& root, BoxMap& map) {
     return root.Fault(value->at, "grid",
                       fmt::format("expected {}, found {}", kGridRule,
                                   rows == nullptr ? std::string(TypeName(*value))
-                                                  : fmt::format("{} rows", rows->size())));
+                                                  : Counted(rows->size(), "row")));
   }
   for (std::size_t row = 0; row < kRows; ++row) {
     const auto* cells = rows->at(row).As<config_toml::Array>();

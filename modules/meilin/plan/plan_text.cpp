@@ -1,4 +1,5 @@
 #include "musher/modules/meilin/plan/plan_text.hpp"
+#include "musher/base/words.hpp"
 
 #include <fmt/format.h>
 
@@ -90,8 +91,8 @@ std::string FieldDrawing(const BoxMap& map, const std::vector<PlanStep>& steps) 
 }
 
 std::string RouteSummary(const Route& route) {
-  return fmt::format("{} KFS2, {:g} s, {} KFS1 on the way, {} steps", route.kfs2_count,
-                     route.cost_s, route.kfs1_affected, route.steps.size());
+  return fmt::format("{} KFS2, {:g} s, {} KFS1 on the way, {}", route.kfs2_count, route.cost_s,
+                     route.kfs1_affected, Counted(route.steps.size(), "step"));
 }
 
 }  // namespace musher::meilin

@@ -1,4 +1,5 @@
 #include "musher/modules/meilin/servers/suspension_server.hpp"
+#include "musher/base/words.hpp"
 
 #include <fmt/format.h>
 
@@ -45,8 +46,8 @@ Result<> SuspensionServer::Open() {
 
 void SuspensionServer::OnChassis(const msg::Float32MultiArray& message) {
   if (message.data.size() < kHeightsAt + kWheels) {
-    return Warn("chassis", fmt::format("a message of {} is ignored: it has {} numbers, expected 12",
-                                       config_.chassis, message.data.size()));
+    return Warn("chassis", fmt::format("a message of {} is ignored: it has {}, expected 12",
+                                       config_.chassis, Counted(message.data.size(), "number")));
   }
   std::array<bool, kWheels> switches{};
   WheelHeights heights{};
@@ -60,8 +61,8 @@ void SuspensionServer::OnChassis(const msg::Float32MultiArray& message) {
 void SuspensionServer::OnDistances(const msg::Float32MultiArray& message) {
   if (message.data.size() < kDistances) {
     return Warn("distances",
-                fmt::format("a message of {} is ignored: it has {} numbers, expected 8",
-                            config_.distances, message.data.size()));
+                fmt::format("a message of {} is ignored: it has {}, expected 8", config_.distances,
+                            Counted(message.data.size(), "number")));
   }
   std::array<double, kDistances> mm{};
   for (std::size_t i = 0; i < kDistances; ++i) mm[i] = message.data[i];

@@ -1,4 +1,5 @@
 #include "musher/modules/skills/coverage/region.hpp"
+#include "musher/base/words.hpp"
 
 #include <fmt/format.h>
 
@@ -53,7 +54,8 @@ Result<> CheckNumbers(const std::string& name, const Ring& ring) {
 
 Result<> CheckRing(const std::string& name, const Ring& ring) {
   if (ring.size() < 3) {
-    return NoRegion(fmt::format("{} has {} corners; expected at least 3", name, ring.size()));
+    return NoRegion(
+        fmt::format("{} has {}; expected at least 3", name, Counted(ring.size(), "corner")));
   }
   const std::vector<Edge> edges = EdgesOf(ring);
   const std::size_t count = edges.size();

@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "musher/base/words.hpp"
 #include "musher/modules/skills/plan/plan_check.hpp"
 #include "musher/transport/goal_id_text.hpp"
 
@@ -72,7 +73,7 @@ void PlanServer::Start(const Goal& goal) {
     return;
   }
   own.Execute();
-  log_(LogLevel::kInfo, "plan of " + std::to_string(plan.steps.size()) + " steps started");
+  log_(LogLevel::kInfo, "plan of " + Counted(plan.steps.size(), "step") + " started");
   execution_ = std::make_shared<Execution>(
       Execution{own, PlanRun(plan, config_.rules, node_.loop().Now()), {}, {}});
   ticks_ = node_.loop().Every(kTick, [this] { Advance(); });

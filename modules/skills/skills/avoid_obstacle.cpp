@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "musher/base/words.hpp"
 #include "musher/modules/skills/skills/vector_field.hpp"
 
 namespace musher::skills {
@@ -57,7 +58,8 @@ std::optional<std::string> AvoidObstacle::WhyRefused(const skill::Values& parame
   }
   const std::size_t numbers = parameters.Get<skill::Numbers>("goal_pos", {}).size();
   if (numbers == 1 || numbers > 3) {
-    return fmt::format("goal_pos has {} numbers; expected 2 or 3: x, y and z in the map", numbers);
+    return fmt::format("goal_pos has {}; expected 2 or 3: x, y and z in the map",
+                       Counted(numbers, "number"));
   }
   const double speed = parameters.Number("speed");
   if (speed <= 0 || speed > kFastestMPerS) {

@@ -1,4 +1,5 @@
 #include "musher/modules/skills/skills/navigate_to.hpp"
+#include "musher/base/words.hpp"
 
 #include <fmt/format.h>
 
@@ -14,8 +15,8 @@ Error BadPlace(std::string message) {
 // The direction in which a body with this rotation (w x y z) looks.
 Result<double> YawOf(const skill::Numbers& quaternion, const std::string& name) {
   if (quaternion.size() != 4) {
-    return BadPlace(
-        fmt::format("{} has {} numbers; expected 4: w, x, y, z", name, quaternion.size()));
+    return BadPlace(fmt::format("{} has {}; expected 4: w, x, y, z", name,
+                                Counted(quaternion.size(), "number")));
   }
   double longest = 0;
   for (const double part : quaternion) longest = std::max(longest, std::abs(part));
@@ -46,7 +47,7 @@ Result<navigation::Point> NavigateTo::PlaceOf(const skill::Values& parameters,
   const bool flies = robot().flies();
   if (numbers.size() != 3 && (flies || numbers.size() != 2)) {
     return BadPlace(
-        fmt::format("{} has {} numbers; expected {}", name, numbers.size(),
+        fmt::format("{} has {}; expected {}", name, Counted(numbers.size(), "number"),
                     flies ? "3: x, y and z in the map" : "2 or 3: x, y and z in the map"));
   }
   const navigation::Point place{numbers[0], numbers[1],

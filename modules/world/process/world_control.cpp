@@ -2,12 +2,13 @@
 
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "musher/base/toml/names.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
@@ -16,6 +17,7 @@
 #include "musher/transport/directed_publisher.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::world {
 
@@ -142,10 +144,10 @@ class CommandSender {
     return Publish<msg::Int32>("press", {command.state});
   }
   Result<std::string> operator()(const Speech& command) {
-    return PublishToAny<msg::String>("speech_text", {command.text});
+    return PublishToActuator<msg::String>("speech_text", {command.text});
   }
   Result<std::string> operator()(const PowerKey& command) {
-    return PublishToAny<msg::Bool>("power_key", {command.down});
+    return PublishToActuator<msg::Bool>("power_key", {command.down});
   }
   Result<std::string> operator()(const Fault& command) {
     return Publish<msg::String>("fault", {command.text});
@@ -203,24 +205,28 @@ class CommandSender {
     const auto publisher = transport::MakeDirectedPublisher<M>(
         node_, Name(topic), transport::ServerOf<msg::Trigger>(Name("draw")));
     if (!publisher) return publisher.error();
-    return Send(
-        *publisher.value(), [&] { return publisher.value()->Ready(); }, message);
+    return Send(publisher.value(), message, NoWorld());
   }
 
-  // To what the world does not read itself, but another module does.
+  // To an actuator of the robot: what the world does not read itself, but another module does. A
+  // recorder of the topic is none.
   template <class M>
-  Result<std::string> PublishToAny(const std::string& topic, const M& message) {
-    const auto publisher = transport::MakePublisher<M>(node_, Name(topic));
+  Result<std::string> PublishToActuator(const std::string& topic, const M& message) {
+    const auto publisher = transport::MakeDirectedPublisher<M>(
+        node_, Name(topic),
+        transport::PublisherOf<msg::ActuatorStatus>(transport::ActuatorStatusTopic(name_space_)));
     if (!publisher) return publisher.error();
-    return Send(
-        *publisher.value(), [&] { return publisher.value()->MatchedReaders() > 0; }, message);
+    return Send(publisher.value(), message,
+                {kCodeTimeout, "no actuator reads " + Name(topic) +
+                                   "; is the module up that does, in the same domain?"});
   }
 
-  template <class P, class M>
-  Result<std::string> Send(P& publisher, const std::function<bool()>& ready, const M& message) {
-    if (!loop_.RunUntil(ready, deadline_)) return NoWorld();
-    if (auto sent = publisher.Publish(message); !sent) return sent.error();
-    if (auto got = publisher.Flush(deadline_ - loop_.Now()); !got) return got.error();
+  template <class M>
+  Result<std::string> Send(const std::unique_ptr<transport::DirectedPublisher<M>>& publisher,
+                           const M& message, const Error& no_reader) {
+    if (!loop_.RunUntil([&] { return publisher->Ready(); }, deadline_)) return no_reader;
+    if (auto sent = publisher->Publish(message); !sent) return sent.error();
+    if (auto got = publisher->Flush(deadline_ - loop_.Now()); !got) return got.error();
     return std::string();
   }
 

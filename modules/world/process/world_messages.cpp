@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/base/words.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/modules/world/process/robot_messages.hpp"
@@ -23,8 +24,8 @@ msg::Vector3 ToVector(const Vector3d& vector) {
 Result<Vector3d> ToVector(const std::vector<float>& values, const char* name) {
   if (values.empty()) return Vector3d(0, 0, 0);
   if (values.size() != 3) {
-    return Error{kCodeFailed, std::string(name) + " has " + std::to_string(values.size()) +
-                                  " values, expected 3"};
+    return Error{kCodeFailed,
+                 std::string(name) + " has " + Counted(values.size(), "value") + ", expected 3"};
   }
   const Vector3d vector(values[0], values[1], values[2]);
   if (!vector.allFinite()) return Error{kCodeFailed, std::string(name) + " is not a number"};

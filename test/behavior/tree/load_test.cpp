@@ -30,7 +30,7 @@ TEST(Load, ReportsAllErrorsAtOnceWithTheirPlaces) {
             "t.xml:6:29: error: port 'msec': 'soon' is not valid: expected integer from 0\n"
             "t.xml:7:28: error: script in code: expected a value\n"
             "t.xml:8:22: warning: attribute '_skipif' has no meaning; did you mean '_skipIf'?\n"
-            "t.xml:9:7: error: node 'IfThenElse' has 1 children; expected 2 to 3\n");
+            "t.xml:9:7: error: node 'IfThenElse' has 1 child; expected 2 to 3\n");
 }
 TEST(Load, RefusesCountsThatCanNotBeReached) {
   EXPECT_EQ(Findings(Main("<Parallel success_count=\"2\"><AlwaysSuccess/></Parallel>")),

@@ -140,7 +140,7 @@ TEST(Placeholders, HaveTheChildrenOfTheirKind) {
   EXPECT_EQ(Checked(Document(models, "<Both><Guard><Ok/></Guard></Both>")), "");
   EXPECT_THAT(Checked(Document(models, "<Both><Guard/><Ok><Ok/></Ok></Both>")),
               testing::AllOf(HasSubstr("node 'Guard' has 0 children; expected 1"),
-                             HasSubstr("node 'Ok' has 1 children; expected 0")));
+                             HasSubstr("node 'Ok' has 1 child; expected 0")));
   EXPECT_THAT(Checked(Document(models, "<Action ID=\"Ok\"/>")),
               HasSubstr("node 'Ok' is registered as Condition, not as Action"));
 }

@@ -30,7 +30,11 @@ DoctorFacts Healthy() {
   facts.clock = {"", true, Milliseconds(5), "tsc", kNow, kNow - 10};
   facts.state_dir =
       FolderFacts{"/state", "/state", "", true, true, false, 4ll << 30, 9ll << 30, 9999};
+  facts.log_dirs = {*facts.state_dir};
+  facts.log_dirs[0].path = facts.log_dirs[0].existing = "/state/logs";
+  facts.lock = LockFacts{"/state/controller.lock", "dog", true, 0};
   facts.limits = {1024, 4096, "gdb", 0, false};
+  facts.core = {1 << 20, 1 << 20, "core"};
   facts.cpu = {4, std::nullopt, {}};
   facts.version = "1.2.3";
   facts.now = transport::keys::WallTime(std::chrono::seconds(kNow));
@@ -143,6 +147,68 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) { f.limits.files = 64; }},
     {"FewFilesByTheHardLimit", "open files", CheckStatus::kError, "64 permitted",
      "limits.d/musher.conf", [](DoctorFacts& f) { f.limits.files = f.limits.files_hard = 64; }},
+    {"ARealTimePriorityThatIsNotPermitted", "real-time priority", CheckStatus::kError,
+     "none permitted, legs requests 80 (chrt): its process cannot start", "LimitRTPRIO=80",
+     [](DoctorFacts& f) {
+       f.config->actuators[0].command = {"chrt", "-f", "80", "legs"};
+     }},
+    {"ARealTimePriorityAboveTheLimit", "real-time priority", CheckStatus::kError,
+     "up to 50 permitted, legs requests 60", "rtprio 60",
+     [](DoctorFacts& f) {
+       f.limits.real_time = 50;
+       f.config->actuators[0].command = {"/usr/bin/chrt", "--rr", "60", "legs"};
+     }},
+    {"NoCoreDumps", "core dumps", CheckStatus::kWarning,
+     "the limit is 0 bytes; they would go to the program /usr/bin/apport", "ulimit -c unlimited",
+     [](DoctorFacts& f) {
+       f.core = {0, 1, "|/usr/bin/apport %p %s"};
+     }},
+    {"NoCoreDumpsByTheHardLimit", "core dumps", CheckStatus::kWarning,
+     "to the working directory of the process, as core", "limits.d/musher-core.conf",
+     [](DoctorFacts& f) { f.core.limit = f.core.limit_hard = 0; }},
+    {"NoProgramForCoreDumps", "core dumps", CheckStatus::kWarning,
+     "to the program /x/apport, at most 1048576 bytes: it does not exist",
+     "core_pattern=core.%e.%p",
+     [](DoctorFacts& f) {
+       f.core.pattern = "|/x/apport %p";
+       f.core.obstacle = "it does not exist";
+     }},
+    {"NoFolderForCoreDumps", "core dumps", CheckStatus::kWarning,
+     "to /var/cores/%e.%p, at most 1048576 bytes: the folder does not exist",
+     "sudo install -d -m 1777 '/var/cores'",
+     [](DoctorFacts& f) {
+       f.core.pattern = "/var/cores/%e.%p";
+       f.core.obstacle = "the folder does not exist";
+     }},
+    {"ALockOfAnotherUser", "lock file", CheckStatus::kError,
+     "/state/controller.lock belongs to root: this user cannot start the machine",
+     "sudo chown -R \"$USER\" '/state'",
+     [](DoctorFacts& f) {
+       f.lock->owner = "root";
+       f.lock->writable = false;
+     }},
+    {"AStateFolderOfAnotherMachine", "lock file", CheckStatus::kError,
+     "/state belongs to another machine, cat of /cat.toml", "a name or a state_dir of its own",
+     [](DoctorFacts& f) { f.lock->belongs_to = "cat of /cat.toml"; }},
+    {"AnUnwritableLogFolder", "log folder", CheckStatus::kError,
+     "/state/logs is not writable for this user", "sudo chown \"$USER\" '/state/logs'",
+     [](DoctorFacts& f) { f.log_dirs[0].writable = false; }},
+    {"AFileForALogFolder", "log folder", CheckStatus::kError, "/state/logs is not a folder",
+     "mv '/state/logs'", [](DoctorFacts& f) { f.log_dirs[0].is_folder = false; }},
+    {"AHungDiskOfTheLog", "log folder", CheckStatus::kError, "did not answer", "set log in",
+     [](DoctorFacts& f) { f.log_dirs[0].error = "the disk did not answer within 2000 ms"; }},
+    {"AFullDiskOfTheLog", "log folder", CheckStatus::kError, "/logs: 5 of 9216 MiB free",
+     "du -xh '/state/logs'",
+     [](DoctorFacts& f) {
+       f.log_dirs[0].device = 7;
+       f.log_dirs[0].free_bytes = 5 << 20;
+     }},
+    {"LogsOfAnotherUser", "log folder", CheckStatus::kError,
+     "/state/logs/legs.log belongs to root: what its process prints is lost (and 1 more)",
+     "sudo chown -R \"$USER\" '/state/logs'",
+     [](DoctorFacts& f) {
+       f.unwritable_logs = {{"/state/logs/legs.log", "root"}, {"/state/logs/eyes.log", "root"}};
+     }},
     {"NoTracer", "backtraces", CheckStatus::kWarning, "neither eu-stack nor gdb",
      "install elfutils", [](DoctorFacts& f) { f.limits.tracer.clear(); }},
     {"NoPermissionToTrace", "backtraces", CheckStatus::kWarning, "ptrace_scope is 1",
@@ -164,7 +230,8 @@ const Planted kPlanted[] = {
        f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
      }},
     {"AnotherMachineInTheNamespace", "machine", CheckStatus::kError,
-     "cat (pid 7) runs already in namespace '' of domain 0: dog cannot start there", "musher down",
+     "cat (pid 7) runs already in the default namespace of domain 0: dog cannot start there",
+     "musher down",
      [](DoctorFacts& f) {
        f.controllers = {{"cat", "", 7, "", ""}};
      }},
@@ -207,11 +274,15 @@ TEST(Diagnose, WhatIsNotKnownOrNotUsedDoesNotCount) {
   DoctorFacts facts = Healthy();
   facts.config.reset();
   facts.state_dir.reset();
+  facts.log_dirs.clear();
+  facts.lock.reset();
+  facts.core.pattern.clear();
   facts.keys.clear();
   facts.rmem_max.reset();
   facts.clock.error = "adjtimex: Operation not permitted";
-  for (const char* name : {"state folder", "disk", "keys", "programs", "net.core.rmem_max", "clock",
-                           "CYCLONEDDS_URI", "ROS 2 environment"}) {
+  for (const char* name :
+       {"state folder", "disk", "lock file", "log folder", "core dumps", "keys", "programs",
+        "net.core.rmem_max", "clock", "CYCLONEDDS_URI", "ROS 2 environment"}) {
     EXPECT_EQ(Check(facts, name).health, CheckStatus::kNotApplicable) << name;
   }
   EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
@@ -227,6 +298,26 @@ TEST(Diagnose, TheMachineItselfMayRun) {
   DoctorFacts facts = Healthy();
   facts.controllers = {{"dog", "", 7, "1.2.3", "/dog.toml"}};
   EXPECT_EQ(Worst(Diagnose(facts)), CheckStatus::kOk);
+}
+
+TEST(Diagnose, ARealTimePriorityNeedsAPermissionOnlyWhereItIsRequested) {
+  DoctorFacts facts = Healthy();
+  EXPECT_THAT(Check(facts, "real-time priority").reason,
+              HasSubstr("none permitted, none requested by a command (chrt)"));
+  facts.config->actuators[0].command = {"chrt", "--idle", "0", "legs"};
+  EXPECT_EQ(Check(facts, "real-time priority").health, CheckStatus::kOk);
+  facts.config->actuators[0].command = {"chrt", "80", "legs"};
+  facts.limits.may_real_time = true;
+  EXPECT_THAT(Check(facts, "real-time priority").reason,
+              HasSubstr("up to 99 permitted, legs requests 80 (chrt)"));
+  EXPECT_EQ(Check(facts, "real-time priority").health, CheckStatus::kOk);
+}
+
+TEST(Diagnose, AFullDiskOfLogsAndStateHasOneCause) {
+  DoctorFacts facts = Healthy();
+  facts.state_dir->free_bytes = facts.log_dirs[0].free_bytes = 5 << 20;
+  EXPECT_EQ(Check(facts, "disk").health, CheckStatus::kError);
+  EXPECT_EQ(Check(facts, "log folder").health, CheckStatus::kOk);
 }
 
 TEST(Diagnose, AnUnsynchronisedClockMattersBetweenHostsOnly) {

@@ -73,9 +73,10 @@ class MakeProjectTest : public ::testing::Test {
 TEST_F(MakeProjectTest, ReplacesEachSpellingOfTheName) {
   const auto files = Make({"module", "cpp"}, "LeftArm", folder_ / "arm");
   ASSERT_TRUE(files) << files.error().message;
-  EXPECT_THAT(files.value(), ElementsAre("CMakeLists.txt", "README.md", "left_arm.cpp",
+  EXPECT_THAT(files.value(), ElementsAre(".gitignore", "CMakeLists.txt", "README.md", "left_arm.cpp",
                                          "left_arm.hpp", "left_arm_test.cpp", "robot.toml"));
   for (const std::string& file : files.value()) {
+    if (file == ".gitignore") continue;
     const std::string text = ReadFile(folder_ / ("arm/" + file));
     EXPECT_THAT(text, HasSubstr("left_arm")) << file;
     EXPECT_THAT(text, Not(HasSubstr("new_module"))) << file;
@@ -161,7 +162,7 @@ TEST_F(NewCommand, IsOneJsonDocument) {
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"kind":"robot","language":"","name":"rover",")"));
   EXPECT_THAT(ran.out,
-              HasSubstr(R"("files":["README.md","base.toml","lights.toml","robot.toml"])"));
+              HasSubstr(R"("files":[".gitignore","README.md","base.toml","lights.toml","robot.toml"])"));
 }
 
 }  // namespace musher::cli::new_test

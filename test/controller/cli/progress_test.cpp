@@ -53,6 +53,26 @@ TEST_F(ProgressConnection, NotifiesTheLauncherOnceThatTheControllerHasExited) {
   EXPECT_EQ(ends_, 1);
 }
 
+TEST_F(ProgressConnection, DeliversTheMachineBehindTheMessagesAndOnlyItsLastState) {
+  ProgressSender sender(loop_, std::move(controller_));
+  for (int i = 0; i < 1000; ++i) sender.Send(Numbered(i));  // more than the socket takes
+  msg::MachineStatus machine;
+  for (const char* state : {"SetUp", "SelfCheck", "Active"}) {
+    machine.state = state;
+    sender.Send(machine);
+    sender.Send(machine);
+  }
+  Receive();
+  ASSERT_TRUE(RunUntil([this] { return received_.size() == 1001; }));
+  EXPECT_EQ(received_[999], Numbered(999));
+  EXPECT_EQ(received_.back().kind, Progress::kMachine);
+  EXPECT_EQ(received_.back().machine, machine);
+  machine.state = "LowPower";
+  sender.Send(machine);
+  ASSERT_TRUE(RunUntil([this] { return received_.size() == 1002; }));
+  EXPECT_EQ(received_.back().machine, machine);
+}
+
 // Ctrl-Z in the terminal must not stop a robot.
 TEST_F(ProgressConnection, NeverBlocksAndLosesNothingWhileTheLauncherIsStopped) {
   constexpr int kMany = 5000;  // more than the socket takes

@@ -220,7 +220,7 @@ TEST_F(PlanCommand, RefusesAPlanBeforeItIsSent) {
   EXPECT_THAT(none.err, HasSubstr("none.toml: error: "));
   const Ran alone = RunProgram({"skill", "plan", File("rise")});
   EXPECT_EQ(alone.exit, 3);
-  EXPECT_THAT(alone.err, HasSubstr("no plan dispatcher in namespace ''"));
+  EXPECT_THAT(alone.err, HasSubstr("no plan dispatcher in the default namespace"));
   const FakeDispatcher dispatcher;
   const FakeSkills robot("cf2x_0");
   const Ran unknown = RunProgram({"skill", "plan", File("ries")});

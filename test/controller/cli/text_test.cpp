@@ -213,19 +213,6 @@ TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
   EXPECT_EQ(SwitchError(result), "Active is undone: eyes: no");
 }
 
-TEST_F(Text, ShowsWhatASwitchStillWaitsForOnLessThanALine) {
-  msg::MachineStatus status = RobotStatus();
-  EXPECT_EQ(SwitchProgressText(status, "LowPower", 3),
-            "LowPower, 3 s: 0 of 2 done, waiting for legs");
-  for (int i = 0; i < 9; ++i) status.actuators.push_back(status.actuators[0]);
-  EXPECT_EQ(SwitchProgressText(status, "LowPower", 12),
-            "LowPower, 12 s: 0 of 11 done, waiting for legs, legs, legs, legs and 6 more");
-  status.actuators[0].name = std::string(90, 'x');
-  EXPECT_EQ(SwitchProgressText(status, "LowPower", 0).size(), 78U);
-  for (msg::ActuatorInfo& actuator : status.actuators) actuator.target.clear();
-  EXPECT_EQ(SwitchProgressText(status, "LowPower", 1), "");
-}
-
 TEST_F(Text, ShowsARefusedSwitchOfOneActuator) {
   msg::SetState::Response refusal;
   refusal.target = "Active";

@@ -35,8 +35,8 @@ TEST_F(Finding, NamesTheControllersOfOtherNamespaces) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended status = Musher({"status", "--namespace", ""});
   EXPECT_EQ(status.exit, 3);
-  EXPECT_THAT(status.err, HasSubstr("no controller in namespace ''; found '" + name_space_ +
-                                    "' (robot) - use --namespace " + name_space_));
+  EXPECT_THAT(status.err, HasSubstr("no controller in the default namespace; found '" +
+                                    name_space_ + "' (robot) - use --namespace " + name_space_));
   unsetenv("MUSHER_NAMESPACE");
   EXPECT_EQ(Musher({"status", "--namespace", name_space_}).exit, 0);
 }

@@ -49,6 +49,12 @@ class MachineByCli : public ::testing::Test {
     words.insert(words.begin(), BinDir() + "/musher");
     return words;
   }
+  // The same on a terminal, whose screen is the program's output.
+  static std::vector<std::string> OnATerminal(std::vector<std::string> words) {
+    std::string line = "exec";
+    for (const std::string& word : Command(std::move(words))) line += " '" + word + "'";
+    return {"script", "-qefc", line, "/dev/null"};
+  }
   static Ended Musher(std::vector<std::string> words) {
     return RunToEnd(Command(std::move(words)));
   }

@@ -28,6 +28,20 @@ TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
+TEST_F(Up, ShowsOnATerminalWhichActuatorsAreStillStarting) {
+  Blocks("legs", "SelfCheck");
+  Replace("[10000, 5000, 5000,", "[10000, 5000, 60000,");  // the time of the legs for SelfCheck
+  Process up(OnATerminal({"up", config_, "--detach", "--color=never"}));
+  EXPECT_THAT(up.LineWith("SetUp → SelfCheck"), HasSubstr("legs "));
+  EXPECT_NE(up.LineWith(" s of 60 s"), "");
+  Release();
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 0);
+  const std::string behind_the_table = ended.out.substr(ended.out.rfind("\x1b[?7h"));
+  EXPECT_THAT(behind_the_table, HasSubstr("\x1b[A\x1b[K")) << "the table is not erased";
+  EXPECT_THAT(ended.out, HasSubstr("robot is up; the controller"));
+}
+
 TEST_F(Up, ReportsOnASecondCtrlCThatItIsAlreadyStopping) {
   Blocks("legs", "TearDown");
   Process up(Command({"up", config_}));

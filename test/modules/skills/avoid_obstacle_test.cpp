@@ -146,7 +146,7 @@ TEST_F(AvoidObstacle, StandsInAPauseAndWhenItIsCancelled) {
 
 TEST_F(AvoidObstacle, RefusesParametersThatAreNone) {
   EXPECT_EQ(WhyRefused({{"goal_pos", "[1]"}}),
-            "goal_pos has 1 numbers; expected 2 or 3: x, y and z in the map");
+            "goal_pos has 1 number; expected 2 or 3: x, y and z in the map");
   EXPECT_EQ(WhyRefused({{"speed", "2"}}), "speed is 2 m/s; expected more than 0 and at most 1 m/s");
   EXPECT_EQ(WhyRefused({{"distance", "0"}}), "distance is 0; expected more than 0");
   EXPECT_EQ(WhyRefused({{"blocked_limit", "-1"}}), "blocked_limit is -1; expected more than 0");

@@ -87,7 +87,7 @@ TEST_F(NavigateTo, TakesTheDirectionOfAQuaternionOfAnyLength) {
 }
 
 TEST_F(NavigateTo, RefusesAGoalThatIsNone) {
-  ExpectRefusal({{"goal_pos", "[1]"}}, "goal_pos has 1 numbers; expected 2 or 3: x, y and z");
+  ExpectRefusal({{"goal_pos", "[1]"}}, "goal_pos has 1 number; expected 2 or 3: x, y and z");
   ExpectRefusal({{"goal_pos", "[1, 2, 3, 4]"}}, "goal_pos has 4 numbers");
   ExpectRefusal({{"goal_pos", "[1, 2]"}, {"goal_quat_wxyz", "[0, 0, 0, 0]"}},
                 "goal_quat_wxyz has the length 0");

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "musher/controller/machine_controller.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
@@ -118,6 +119,38 @@ TEST_F(MusherWorld, ACommandIsForTheWorldAndNotForAnotherReaderOfItsTopic) {
   EXPECT_FALSE(sent);
   loop_.RunUntil([] { return false; }, loop_.Now());
   EXPECT_EQ(received, 0);
+}
+
+// The same for what another module reads: it is an actuator.
+TEST_F(MusherWorld, ASpokenTextAndThePowerKeyAreForAnActuatorAndNotForAnotherReader) {
+  const auto other = transport::MakeDdsNode(loop_).value();
+  std::vector<std::string> recorded;
+  const auto speech = transport::MakeSubscription<msg::String>(
+      *other, "dog9/world/speech_text", [&](const msg::String& text, const transport::SampleInfo&) {
+        recorded.push_back(text.data);
+      });
+  const auto key = transport::MakeSubscription<msg::Bool>(
+      *other, "dog9/world/power_key",
+      [&](const msg::Bool&, const transport::SampleInfo&) { recorded.emplace_back("key"); });
+  ASSERT_TRUE(speech && key);
+  const auto sent = [](const WorldCommand& command) {
+    return SendWorldCommand(command, "dog9", seconds(1));
+  };
+  const auto unheard = sent(Speech{"sit"});
+  ASSERT_FALSE(unheard);
+  EXPECT_THAT(unheard.error().message,
+              ::testing::HasSubstr("no actuator reads dog9/world/speech_text"));
+  EXPECT_FALSE(sent(PowerKey{true}));
+  loop_.RunUntil([] { return false; }, loop_.Now());
+  EXPECT_THAT(recorded, ::testing::IsEmpty());
+
+  const auto actuator = transport::MakePublisher<msg::ActuatorStatus>(
+      *other, "dog9/musher/actuator_status", transport::kLatchedQos);
+  ASSERT_TRUE(actuator);
+  EXPECT_TRUE(sent(Speech{"sit"}));
+  EXPECT_TRUE(sent(PowerKey{true}));
+  EXPECT_TRUE(Until([&] { return recorded.size() == 2; }));
+  EXPECT_THAT(recorded, ::testing::ElementsAre("sit", "key"));
 }
 
 TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {

@@ -122,7 +122,7 @@ TEST_F(RecordProgram, OfAKilledRecorderAllButTheLastSecondIsRead) {
   static_cast<void>(recorder.Wait());
   const auto info = testing::RunToEnd({kRecord, "info", file_});
   EXPECT_EQ(info.exit, 1);
-  EXPECT_THAT(info.err, HasSubstr("the file has no end: its writer was stopped; 1 messages"));
+  EXPECT_THAT(info.err, HasSubstr("the file has no end: its writer was stopped; 1 message"));
   const std::string whole = folder_ / "whole.mcap";
   const auto recovered = testing::RunToEnd({kRecord, "recover", file_, whole});
   EXPECT_EQ(recovered.exit, 0) << recovered.err;
@@ -169,7 +169,7 @@ TEST_F(RecordProgram, TheTopicsOfAMachineArePlayedOnlyIfAsked) {
   EXPECT_THAT(refused.err, HasSubstr("a robot would obey: /musher/emergency_stop;"));
   const auto asked = testing::RunToEnd({kRecord, "play", file_, "--machine-topics"});
   EXPECT_EQ(asked.exit, 0);
-  EXPECT_THAT(asked.err, HasSubstr("1 messages published"));
+  EXPECT_THAT(asked.err, HasSubstr("1 message published"));
 }
 
 TEST_F(RecordProgram, AFullDiskEndsTheRecordingWithASentenceAndAGoodFile) {

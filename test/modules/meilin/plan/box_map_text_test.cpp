@@ -50,7 +50,7 @@ TEST(BoxMapText, NamesThePlaceOfEachErrorInJson) {
   EXPECT_THAT(ReadBoxMapJson("{}").faults,
               ElementsAre(StartsWith("team: missing"), StartsWith("grid: missing")));
   EXPECT_THAT(ReadBoxMapJson(R"({"team": "red", "grid": [[0,0,0]]})").faults,
-              ElementsAre(HasSubstr("found 1 rows")));
+              ElementsAre(HasSubstr("found 1 row")));
 }
 
 TEST(BoxMapText, NamesThePlaceOfEachErrorInToml) {
