@@ -1,5 +1,6 @@
 #include "musher/application/tree_actuator.hpp"
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -12,11 +13,6 @@
 #include "musher/transport/endpoints.hpp"
 
 namespace musher {
-namespace {
-
-constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
-
-}  // namespace
 
 class TreeActuator::Impl {
  public:
@@ -158,9 +154,7 @@ class TreeActuator::Impl {
       before = std::move(recording_);
     });
     before.reset();
-    if (options.file.front() != '/') {
-      options.file = owner_.machine_config().state_dir + "/" + options.file;
-    }
+    options.file = std::filesystem::path(owner_.machine_config().state_dir) / options.file;
     return TreeRecording::Open(owner_.name(), options,
                                [this](const std::string& line) { owner_.Log(line); });
   }
@@ -320,6 +314,8 @@ class TreeActuator::Impl {
     ReportState(View(), state_);
     static_cast<void>(publisher_->Publish(state_));  // the next change has another one
   }
+
+  static constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
 
   TreeActuator& owner_;
   const Options options_;

@@ -105,7 +105,8 @@ void TreeRecording::End() {
 }
 
 void TreeRecording::Note(const TreeView& view) {
-  recorder_->Note({.wall_us = WallUs(),
+  recorder_->Note({.at = view.time->last(),
+                   .wall_us = WallUs(),
                    .ticking = view.ticking,
                    .result = view.result,
                    .fault = *view.last_fault});

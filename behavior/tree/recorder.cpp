@@ -100,6 +100,7 @@ void Recorder::BeginAgain(std::uint64_t wall_us) {
 
 void Recorder::Note(const State& state) {
   if (recorded_.tree == nullptr) return;
+  static_cast<void>(Now(state.at));
   const bool more = Keys() != keys_;
   if (more) FindEntries();
   WriteEntries(more);

@@ -13,7 +13,7 @@
 //   state 0.02 ticking RUNNING 1772366405000000 or paused; the result of the root, and the wall time
 //                                               in µs
 //   fault 1.5 "Patrol/there: it is stuck"
-//   lost 1.5 20                                 so many lines are missing; the tree begins anew
+//   lost 1.5 20                                 so many lines are missing; the tree begins again
 // clang-format on
 //
 // The last word of each line is a checksum of what is before it. Values are cut to kMostValue.
@@ -53,6 +53,7 @@ class Recorder : public ChangeListener {
     std::function<Duration(Time)> time;  // of the tree, for one of a change
   };
   struct State {
+    Time at{};  // of the last tick
     std::uint64_t wall_us = 0;
     bool ticking = false;
     Status result = Status::kIdle;

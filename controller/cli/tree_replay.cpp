@@ -103,9 +103,9 @@ class TreeReplay {
   void List(std::size_t number) {
     tree::Playback playback(recording_.trees[number - 1]);
     const auto names = MomentOf(number, playback, 0).report;
+    ticking_ = false;
     while (playback.Step()) PrintEvent(playback, names);
-    if (!console_.mode().json) console_.Print("");
-    Print(number, playback, console_.mode().json ? SIZE_MAX : 0);
+    Print(number, playback, console_.mode().json ? SIZE_MAX : 0, "\n");
   }
 
   void Play(std::size_t number) {
@@ -153,18 +153,20 @@ class TreeReplay {
       console_.Print(RecordedChangeLine(names, ChangeOf(event), console_.mode().colour));
     } else if (event.kind == Kind::kFault && !event.text.empty()) {
       console_.Print(time + "  fault: " + Printable(event.text));
-    } else if (event.kind == Kind::kState) {
-      console_.Print(time + (event.ticking ? "  ticking" : "  paused"));
+    } else if (event.kind == Kind::kState && event.ticking != ticking_) {
+      ticking_ = event.ticking;
+      console_.Print(time + (ticking_ ? "  ticking" : "  paused"));
     } else if (event.kind == Kind::kLost) {
       console_.Print(time + "  " + Count(event.lines, "line") + " lost: the disk was too slow");
     }
   }
 
-  void Print(std::size_t number, const tree::Playback& playback, std::size_t history) {
+  void Print(std::size_t number, const tree::Playback& playback, std::size_t history,
+             const std::string& before = "") {
     const RecordedMoment moment = MomentOf(number, playback, history);
-    console_.Print(console_.mode().json
-                       ? RecordedTreeJson(recording_.actuator, moment)
-                       : RecordedTreeText(recording_.actuator, moment, console_.mode().colour));
+    console_.Print(console_.mode().json ? RecordedTreeJson(recording_.actuator, moment)
+                                        : before + RecordedTreeText(recording_.actuator, moment,
+                                                                    console_.mode().colour));
   }
 
   RecordedMoment MomentOf(std::size_t number, const tree::Playback& playback,
@@ -217,6 +219,7 @@ class TreeReplay {
   const tree::Recording& recording_;
   const TreeReplayOptions& options_;
   Console& console_;
+  bool ticking_ = false;  // as it was printed last
 };
 
 ExitCode ReplayTree(const TreeReplayOptions& options, const GlobalOptions& /*global*/,

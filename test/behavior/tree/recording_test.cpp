@@ -43,7 +43,8 @@ struct Recorded : testing::Test, Logged {
   }
   void TickOnce() {
     const Result<Status> result = tree->TickExactlyOnce(At(100 * ticks));
-    recorder->Note({.wall_us = kWallUs + 100'000U * static_cast<std::uint64_t>(ticks),
+    recorder->Note({.at = At(100 * ticks),
+                    .wall_us = kWallUs + 100'000U * static_cast<std::uint64_t>(ticks),
                     .ticking = true,
                     .result = result ? result.value() : Status::kFailure,
                     .fault = result ? "" : result.error().message});
