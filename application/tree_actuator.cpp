@@ -7,7 +7,6 @@
 
 #include "musher/application/load_tree.hpp"
 #include "musher/application/ticks.hpp"
-#include "musher/application/tree_recording.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/base/check.hpp"
 #include "musher/transport/endpoints.hpp"
