@@ -1,5 +1,6 @@
 #include "musher/application/tree_actuator.hpp"
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -11,11 +12,6 @@
 #include "musher/transport/endpoints.hpp"
 
 namespace musher {
-namespace {
-
-constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
-
-}  // namespace
 
 class TreeActuator::Impl {
  public:
@@ -59,6 +55,7 @@ class TreeActuator::Impl {
     if (Result<> built = Build(loaded, *factory_); !built) return built;
     HaltTree();
     Use(std::move(loaded));
+    Record();
     Report(true);
     return Ok();
   }
@@ -110,10 +107,14 @@ class TreeActuator::Impl {
     if (!loaded.document.trees.empty()) {
       if (Result<> built = Build(loaded, *factory); !built) return built;
     }
+    Result<std::unique_ptr<TreeRecording>> recording = OpenRecording();
+    if (!recording) return recording.error();
     owner_.RunOnLoop([&] {
       HaltTree();
       Use(std::move(loaded));
       factory_ = std::move(factory);
+      recording_ = std::move(recording).value();
+      Record();
     });
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       ticks_.Open(topics);
@@ -142,7 +143,27 @@ class TreeActuator::Impl {
     return Ok();
   }
 
+  // Null: it is not wanted. The one of the SetUp before ends first: both may have the same file.
+  Result<std::unique_ptr<TreeRecording>> OpenRecording() {
+    TreeRecordingOptions options = options_.record;
+    if (options.file.empty()) return std::unique_ptr<TreeRecording>();
+    std::unique_ptr<TreeRecording> before;
+    owner_.RunOnLoop([&] {
+      if (recording_ != nullptr) recording_->End();
+      before = std::move(recording_);
+    });
+    before.reset();
+    options.file = std::filesystem::path(owner_.machine_config().state_dir) / options.file;
+    return TreeRecording::Open(owner_.name(), options,
+                               [this](const std::string& line) { owner_.Log(line); });
+  }
+
+  void Record() {
+    if (recording_ != nullptr) recording_->Begin(View(), *factory_);
+  }
+
   void Use(Loaded loaded) {
+    if (recording_ != nullptr) recording_->End();
     loaded_ = std::move(loaded);
     ++revision_;
     result_ = tree::Status::kIdle;
@@ -161,6 +182,7 @@ class TreeActuator::Impl {
       Loaded fresh{loaded_.document, loaded_.entries, loaded_.main, nullptr};
       if (Result<> built = Build(fresh, *factory_); !built) return built;
       Use(std::move(fresh));
+      Record();
     }
     if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
       return Error{kCodeFailed, *thrown};
@@ -278,6 +300,7 @@ class TreeActuator::Impl {
 
   // Without `at_once`: where a node has changed, a program is subscribed, and the last is long ago.
   void Report(bool at_once) {
+    if (recording_ != nullptr) recording_->Note(View());
     if (!ticks_.open() || publisher_ == nullptr) return;
     const std::uint64_t changes = has_tree() ? loaded_.tree->changes() : 0;
     if (!at_once && changes == reported_changes_) return;
@@ -291,12 +314,15 @@ class TreeActuator::Impl {
     static_cast<void>(publisher_->Publish(state_));  // the next change has another one
   }
 
+  static constexpr Duration kShortestReport = std::chrono::milliseconds(50);  // between two states
+
   TreeActuator& owner_;
   const Options options_;
   const Warn warn_ = [this](const std::string& line) { owner_.Log(LogLevel::kWarning, line); };
   std::unique_ptr<tree::Factory> factory_;  // outlives the tree
   Loaded loaded_;
   TreeTime time_;
+  std::unique_ptr<TreeRecording> recording_;  // null: none
   Ticks ticks_;
   transport::Publisher<msg::TreeState>* publisher_ = nullptr;  // while the ticks are open
   msg::TreeState state_;

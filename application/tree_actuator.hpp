@@ -44,6 +44,9 @@
 // (musher_msgs/TreeState, latched): at most 20 a second while a program is subscribed, and at each
 // start, pause and end, and whenever another tree is loaded.
 //
+// With Options::record the changes of its nodes and entries are recorded, from SetUp on: see
+// tree_recording.hpp.
+//
 // In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
 // clock: the tree is built and halted, and is not ticked.
 //
@@ -61,6 +64,7 @@
 #include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/application/tree_recording.hpp"
 #include "musher/application/tree_report.hpp"
 #include "musher/behavior/tree/tree.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
@@ -80,6 +84,7 @@ class TreeActuator : public MachineActuator {
     bool restart_after_end = false;  // the next tick after an end begins at the root
     std::string file{};              // XML, for LoadTree()
     std::string tree{};              // its id; empty: main_tree_to_execute, or the only one
+    TreeRecordingOptions record{};   // what `musher tree replay` shows; default: none
   };
   // Keys of the blackboard of the main tree with their values as texts.
   using Entries = std::vector<std::pair<std::string, std::string>>;

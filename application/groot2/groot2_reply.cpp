@@ -5,13 +5,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "musher/behavior/tree/write_tree.hpp"
 
 namespace musher::groot2 {
 namespace {
 
-constexpr char kProtocol = 2;
 constexpr std::size_t kHeader = 6;
 constexpr std::uint8_t kIdleAfter = 10;
 
@@ -51,26 +51,27 @@ nlohmann::json ToJson(const tree::Value& value) {
   return value.Shown();
 }
 
+// Null where it has no entries.
 nlohmann::json ToJson(tree::Board& board) {
-  nlohmann::json entries = nlohmann::json::object();
+  nlohmann::json entries;
   for (const std::string& key : board.Keys()) {
     const tree::Entry* entry = board.Find(key);
-    if (entry != nullptr && !entry->value.empty()) entries[key] = ToJson(entry->value);
+    if (entry != nullptr) entries[key] = ToJson(entry->value);
   }
   return entries;
 }
 
 std::string Boards(tree::Tree& tree, const std::string& wanted) {
-  nlohmann::json boards = nlohmann::json::object();
+  nlohmann::json boards;
+  std::map<std::string, tree::NodeId> subtrees;
+  for (const auto& [id, path] : tree::SubtreePaths(tree)) subtrees.emplace(path, id);
   std::istringstream names(wanted + ";");
   for (std::string name; std::getline(names, name, ';');) {
+    const auto subtree = subtrees.find(name);
     if (name.empty() || name == tree.name()) {
       boards[name] = ToJson(tree.board());
-    } else if (const auto subtree = tree.Find(name)) {
-      if (tree.info(*subtree).kind != tree::NodeKind::kSubtree || *subtree + 1 >= tree.size()) {
-        continue;
-      }
-      boards[name] = ToJson(tree.board(*subtree + 1));  // its first node has its board
+    } else if (subtree != subtrees.end() && subtree->second + 1 < tree.size()) {
+      boards[name] = ToJson(tree.board(subtree->second + 1));  // its first node has its board
     }
   }
   const std::vector<std::uint8_t> bytes = nlohmann::json::to_msgpack(boards);
@@ -86,8 +87,7 @@ Parts Reply(const Parts& request, const TreeView& view, const tree::Factory& fac
   std::string header = request[0];
   header[0] = kProtocol;
   header.append(tree_id.data(), tree_id.size());
-  if (type == 'D') return {header, "[]"};
-  if (type == 'A' || type == 'X') return {header};
+  if (std::string_view("IRUDAXrt").find(type) != std::string_view::npos) return {header};
   if (type == 'T' || type == 'S' || type == 'B') {
     if (view.tree == nullptr) return Refusal("no tree is loaded");
     if (view.tree->size() >= std::numeric_limits<std::uint16_t>::max()) {
@@ -104,7 +104,7 @@ Parts Reply(const Parts& request, const TreeView& view, const tree::Factory& fac
       if (request.size() != 2) return Refusal("must be 2 parts message");
       return {header, Boards(*view.tree, request[1])};
     default:
-      return Refusal("breakpoints and recording are not supported");
+      return Refusal("Request not recognized");
   }
 }
 

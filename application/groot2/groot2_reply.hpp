@@ -1,7 +1,7 @@
 #pragma once
 // The monitoring protocol of Groot2, the editor of BehaviorTree.CPP, as that library defines it in
-// include/behaviortree_cpp/loggers/groot2_protocol.h (protocol 2): what is replied to a request.
-// Plain functions, no IO.
+// include/behaviortree_cpp/loggers/groot2_protocol.h (protocol 2): what is replied to a request
+// that only looks. Those that change something are in groot2_session.hpp. Plain functions, no IO.
 //
 // clang-format off
 //   request  part 1: uint8 protocol, uint8 type, uint32 id        (6 bytes, little endian)
@@ -12,10 +12,8 @@
 //   T  FULLTREE    XML with the attribute _uid of each node
 //   S  STATUS      of each node uint16 uid, uint8 status; 10 + the status before, where it is idle
 //   B  BLACKBOARD  MessagePack: { "<subtree>": { "<key>": value } }; the main tree is "" or its name
-//   D  the breakpoints as JSON: none;  A, X  remove or disable all of them: nothing to do
+//                 (null: an entry without a value, a board without entries)
 // clang-format on
-//
-// Breakpoints and recording are refused: a monitor does not stop a robot's loop.
 
 #include <array>
 #include <string>
@@ -26,10 +24,11 @@
 
 namespace musher::groot2 {
 
+inline constexpr char kProtocol = 2;
 using TreeId = std::array<char, 16>;
 using Parts = std::vector<std::string>;
 
-// `view`: without a tree, every request but those of breakpoints is an error.
+// The header alone for requests of a session. Without a tree in `view`, T, S and B are errors.
 Parts Reply(const Parts& request, const TreeView& view, const tree::Factory& factory,
             const TreeId& tree_id);
 

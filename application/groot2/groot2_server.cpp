@@ -7,7 +7,6 @@
 #include <future>
 #include <memory>
 #include <optional>
-#include <random>
 #include <thread>
 #include <utility>
 
@@ -44,38 +43,24 @@ Result<Socket> Bind(void* context, int type, const std::string& address) {
   return socket;
 }
 
-// On the loop: what replies.
-class Replying {
- public:
-  Replying(std::function<TreeView()> view, const tree::Factory& factory)
-      : view_(std::move(view)), factory_(factory) {}
-
-  Parts To(const Parts& request) {
-    const TreeView view = view_();
-    if (view.revision != revision_) {  // another tree has another id, so that Groot2 reads it again
-      revision_ = view.revision;
-      for (char& byte : id_) byte = static_cast<char>(random_());
+void Send(void* socket, const Parts& parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const int more = i + 1 < parts.size() ? ZMQ_SNDMORE : 0;
+    if (zmq_send(socket, parts[i].data(), parts[i].size(), ZMQ_DONTWAIT | more) < 0) {
+      return;  // the client is lost
     }
-    return Reply(request, view, factory_, id_);
   }
-
- private:
-  const std::function<TreeView()> view_;
-  const tree::Factory& factory_;
-  std::random_device random_;
-  std::optional<std::uint32_t> revision_;
-  TreeId id_{};
-};
+}
 
 class Server {
  public:
-  Server(transport::EventLoop& loop, std::shared_ptr<Replying> replying, Context context,
-         Socket replies, Socket breakpoints)
+  Server(transport::EventLoop& loop, Context context, Socket replies,
+         std::shared_ptr<Session> session, Duration silence)
       : loop_(loop),
-        replying_(std::move(replying)),
         context_(std::move(context)),
         replies_(std::move(replies)),
-        breakpoints_(std::move(breakpoints)),
+        session_(std::move(session)),
+        silence_(silence),
         thread_([this] { Run(); }) {}
   ~Server() {
     ends_ = true;
@@ -88,10 +73,23 @@ class Server {
   void Run() {
     while (!ends_) {
       zmq_pollitem_t readable{replies_.get(), 0, ZMQ_POLLIN, 0};
-      if (zmq_poll(&readable, 1, kPollMs) <= 0) continue;
+      if (zmq_poll(&readable, 1, kPollMs) <= 0) {
+        ForgetLater();
+        continue;
+      }
+      last_request_ = Clock::now();
       const Parts request = Receive();
-      Send(AskLoop(request));
+      Send(replies_.get(), AskLoop(request));
     }
+  }
+
+  // The last client is lost, as far as can be known.
+  void ForgetLater() {
+    if (!last_request_ || Clock::now() - *last_request_ < silence_) return;
+    last_request_.reset();
+    loop_.Post([weak = std::weak_ptr<Session>(session_)] {
+      if (const auto session = weak.lock()) session->Forget();
+    });
   }
 
   Parts Receive() {
@@ -114,8 +112,8 @@ class Server {
   Parts AskLoop(const Parts& request) {
     const auto promise = std::make_shared<std::promise<Parts>>();
     std::future<Parts> reply = promise->get_future();
-    loop_.Post([promise, request, weak = std::weak_ptr<Replying>(replying_)] {
-      if (const auto replying = weak.lock()) promise->set_value(replying->To(request));
+    loop_.Post([promise, request, weak = std::weak_ptr<Session>(session_)] {
+      if (const auto session = weak.lock()) promise->set_value(session->Reply(request));
     });
     const auto deadline = std::chrono::steady_clock::now() + kLongestWait;
     while (reply.wait_for(kSlice) != std::future_status::ready) {
@@ -126,20 +124,14 @@ class Server {
     return reply.get();
   }
 
-  void Send(const Parts& parts) {
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const int more = i + 1 < parts.size() ? ZMQ_SNDMORE : 0;
-      if (zmq_send(replies_.get(), parts[i].data(), parts[i].size(), ZMQ_DONTWAIT | more) < 0) {
-        return;  // the client is lost
-      }
-    }
-  }
+  using Clock = std::chrono::steady_clock;
 
   transport::EventLoop& loop_;
-  const std::shared_ptr<Replying> replying_;
-  const Context context_;
+  const Context context_;  // before the sockets, also that of the session
   const Socket replies_;
-  const Socket breakpoints_;  // Groot2 subscribes there; nothing is ever published
+  const std::shared_ptr<Session> session_;
+  const Duration silence_;
+  std::optional<Clock::time_point> last_request_;  // nothing: no client is known
   std::atomic<bool> ends_ = false;
   std::thread thread_;  // last: it uses the others
 };
@@ -156,9 +148,15 @@ Result<> Serve(transport::Endpoints& topics, const ServeOptions& options,
   Result<Socket> breakpoints =
       Bind(context.get(), ZMQ_PUB, host + std::to_string(options.port + 1));
   if (!breakpoints) return breakpoints.error();
-  topics.Keep(std::make_shared<Server>(
-      topics.node().loop(), std::make_shared<Replying>(std::move(view), factory),
-      std::move(context), std::move(replies).value(), std::move(breakpoints).value()));
+  // Only the loop publishes.
+  const auto publisher = std::make_shared<Socket>(std::move(breakpoints).value());
+  const auto session = std::make_shared<Session>(
+      std::move(view), factory,
+      Session::Options{.hooks = options.hooks, .publish = [publisher](const Parts& parts) {
+                         Send(publisher->get(), parts);
+                       }});
+  topics.Keep(std::make_shared<Server>(topics.node().loop(), std::move(context),
+                                       std::move(replies).value(), session, options.silence));
   return Ok();
 }
 

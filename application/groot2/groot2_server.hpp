@@ -1,7 +1,13 @@
 #pragma once
-// Serves a tree to Groot2 on TCP, by ZeroMQ: requests on a port, and a publisher of breakpoints,
-// which has none, on the next one. Every program that reaches the port can read the tree and its
-// blackboards, and nothing else.
+// Serves a tree to Groot2 on TCP, by ZeroMQ: requests on a port, and on the next one a publisher of
+// the breakpoints that are reached. Every program that reaches the port can read the tree and its
+// blackboards; with ServeOptions::hooks it can also hold nodes and replace their results, and thus
+// move the robot.
+//
+// Hooks are removed, and held nodes go on, once no request has come for ServeOptions::silence (the
+// protocol has no end of a connection; Groot2 requests the status several times a second), when
+// another tree is loaded, and when the endpoints are closed. A tree that leaves Active is halted
+// with its held nodes as always.
 //
 //   void OpenTopics(transport::Endpoints& topics) override {
 //     auto served = groot2::Serve(topics, {.port = 1667}, [this] { return view(); }, factory());
@@ -14,7 +20,7 @@
 #include <functional>
 #include <string>
 
-#include "musher/application/groot2/groot2_reply.hpp"
+#include "musher/application/groot2/groot2_session.hpp"
 #include "musher/base/result.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -23,6 +29,8 @@ namespace musher::groot2 {
 struct ServeOptions {
   int port = 1667;                    // 1 to 65534
   std::string address = "127.0.0.1";  // of this host; "*": all
+  bool hooks = false;                 // a client may hold and replace nodes
+  Duration silence = std::chrono::seconds(5);
 };
 
 // The endpoints keep the server; what `view` and `factory` refer to must outlive them. Loop thread

@@ -1,75 +1,12 @@
 #include "musher/behavior/fsm/recorder.hpp"
 
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include "musher/base/check.hpp"
 #include "musher/behavior/fsm/recording_text.hpp"
 
 namespace musher::fsm {
-namespace {
-
-constexpr std::uint64_t kNsInSecond = 1'000'000'000;
-
-bool IsBare(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-         c == '-' || c == '.';
-}
-
-void AppendEscaped(std::string& line, char c) {
-  constexpr std::string_view kHex = "0123456789abcdef";
-  const auto byte = static_cast<unsigned char>(c);
-  if (c == '"' || c == '\\') {
-    line += '\\';
-    line += c;
-  } else if (c == '\n') {
-    line += "\\n";
-  } else if (byte < 0x20 || byte == 0x7f) {
-    line += "\\x";
-    line += kHex[byte >> 4];
-    line += kHex[byte & 0xf];
-  } else {
-    line += c;
-  }
-}
-
-}  // namespace
-
-void AppendWord(std::string& line, std::string_view word) {
-  if (!line.empty()) line += ' ';
-  bool bare = !word.empty();
-  for (const char c : word) bare = bare && IsBare(c);
-  if (bare) {
-    line += word;
-    return;
-  }
-  line += '"';
-  for (const char c : word) AppendEscaped(line, c);
-  line += '"';
-}
-
-void AppendNumber(std::string& line, std::uint64_t number) {
-  std::array<char, 20> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-  line += ' ';
-  line.append(digits.data(), end);
-}
-
-void AppendTime(std::string& line, Duration time) {
-  const std::int64_t ns = time.count();
-  const std::uint64_t size =
-      ns < 0 ? -static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
-  AppendNumber(line, size / kNsInSecond);
-  if (ns < 0) line.insert(line.find_last_of(' ') + 1, 1, '-');
-  std::uint64_t rest = size % kNsInSecond;
-  if (rest == 0) return;
-  line += '.';
-  for (std::uint64_t place = kNsInSecond / 10; rest != 0; place /= 10) {
-    line += static_cast<char>('0' + rest / place);
-    rest %= place;
-  }
-}
 
 void AppendChange(std::string& line, const Machine& machine, const Change& change) {
   AppendNumber(line, change.tick);

@@ -59,6 +59,7 @@ class Board {
   Result<T> Get(std::string_view key);
 
   std::vector<std::string> Keys() const;  // sorted
+  std::size_t size() const { return entries_.size(); }
   Board* parent() const { return parent_; }
 
  private:

@@ -72,6 +72,7 @@ Factory::Factory() {
   AddDecorators(*this);
   AddLeaves(*this);
   AddLoops(*this);
+  AddManualSelector(*this);
 }
 
 Result<> Factory::AddAction(std::string_view name, LeafFunction function) {

@@ -103,6 +103,7 @@ void AddControls(Factory& factory);
 void AddDecorators(Factory& factory);
 void AddLeaves(Factory& factory);
 void AddLoops(Factory& factory);
+void AddManualSelector(Factory& factory);
 std::unique_ptr<Node> MakeTestNode(Setup& setup, const TestNodeConfig& config);
 
 }  // namespace musher::tree

@@ -1,8 +1,10 @@
 #include "musher/behavior/tree/node.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include "musher/behavior/tree/conditions.hpp"
+#include "musher/behavior/tree/hooks.hpp"
 
 namespace musher::tree {
 
@@ -37,16 +39,32 @@ Status Node::ExecuteSpecially(Tick& tick) {
       Fail(error.what(), tick);
     }
   }
-  const Status status = Run(tick);
-  if (IsCompleted(status)) {
+  if (tick.hooks != nullptr) {
+    if (const auto instead = AskHook(tick)) {
+      return *instead == Status::kRunning ? *instead : End(*instead, tick);
+    }
+  }
+  return End(Run(tick), tick);
+}
+
+Status Node::End(Status status, Tick& tick) {
+  if (IsCompleted(status) && conditions_ != nullptr) {
     try {
-      if (conditions_ != nullptr) conditions_->AfterCompleted(status);
+      conditions_->AfterCompleted(status);
     } catch (const std::exception& error) {
       Fail(error.what(), tick);
     }
   }
   Become(status == Status::kSkipped ? Status::kIdle : status, tick);
   return status;
+}
+
+// RUNNING: it is held, and stays as it is; SUCCESS, FAILURE: instead of its tick.
+std::optional<Status> Node::AskHook(Tick& tick) {
+  const Status instead = tick.hooks->Before(id_, running());
+  if (instead == Status::kSkipped) return std::nullopt;
+  if (IsCompleted(instead) && running()) Halt(tick);
+  return instead;
 }
 
 // The first one is reported; the others are halted all the same.
@@ -58,6 +76,8 @@ void Node::NoteFault(const char* what, Tick& tick) const {
 
 void Node::Halt(Tick& tick) {
   Become(Status::kIdle, tick);
+  // What is ticked within a halt, to clean up, is neither held nor replaced.
+  Hooks* const hooks = std::exchange(tick.hooks, nullptr);
   try {
     OnHalt(tick);
     if (conditions_ != nullptr) conditions_->AfterHalt();
@@ -66,6 +86,7 @@ void Node::Halt(Tick& tick) {
   } catch (...) {
     NoteFault("an unknown exception", tick);
   }
+  tick.hooks = hooks;
 }
 
 Status Action::OnTick(Tick& tick) {

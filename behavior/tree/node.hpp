@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@
 
 namespace musher::tree {
 
+class Hooks;  // hooks.hpp
+
 // One tick of the tree.
 struct Tick {
   Time now;
@@ -36,6 +39,7 @@ struct Tick {
   bool woken = false;   // a node wants to be ticked again at once
   std::string fault{};  // of a node that threw while it was halted
   Trace* trace = nullptr;
+  Hooks* hooks = nullptr;  // mostly none
 };
 
 struct Conditions;  // conditions.hpp
@@ -65,7 +69,8 @@ class Node {
   void Reset(Tick& tick) {
     if (status_ == Status::kRunning) {
       Halt(tick);
-    } else {
+    } else if (status_ != Status::kIdle) {
+      if (tick.trace != nullptr) tick.trace->AddReset({tick.now, id_, status_, Status::kIdle});
       status_ = Status::kIdle;
     }
   }
@@ -79,6 +84,7 @@ class Node {
 
  private:
   friend class Building;
+  friend class Tree;
 
   Status Run(Tick& tick) {
     try {
@@ -102,6 +108,8 @@ class Node {
   [[noreturn]] void FailIdle() const;
   [[noreturn]] void Fail(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
+  std::optional<Status> AskHook(Tick& tick);
+  Status End(Status status, Tick& tick);
   void Halt(Tick& tick);
   void NoteFault(const char* what, Tick& tick) const;
 

@@ -1,10 +1,11 @@
 #pragma once
 // What happened in a tree: its last changes, and for each node how often it was started and how
 // long it was RUNNING. Only a change costs anything; a tick without one records nothing. Allocates
-// its places once.
+// its places once. Listeners also get the resets, for a recording.
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "musher/base/time.hpp"
@@ -23,6 +24,14 @@ struct Change {
   Status to = Status::kIdle;  // IDLE: halted
 
   friend bool operator==(const Change&, const Change&) = default;
+};
+
+// Gets every change as it is made, and every reset of a node that has ended, from SUCCESS or
+// FAILURE to IDLE. It must not change the tree.
+class ChangeListener {
+ public:
+  virtual ~ChangeListener() = default;
+  virtual void OnChange(const Change& change) = 0;
 };
 
 // Of one node, since the tree was built.
@@ -49,6 +58,15 @@ class Trace {
     }
     if (change.to == Status::kRunning) node.since = change.at;
     node.last = change.to;
+    if (!listeners_.empty()) Notify(change);
+  }
+  void AddReset(const Change& change) const {
+    if (!listeners_.empty()) Notify(change);
+  }
+  // As long as it exists.
+  void Listen(const std::shared_ptr<ChangeListener>& listener) {
+    std::erase_if(listeners_, [](const auto& each) { return each.expired(); });
+    listeners_.push_back(listener);
   }
 
   // How many there were, also those that the history has forgotten.
@@ -57,9 +75,16 @@ class Trace {
   const NodeRuns& node(NodeId id) const { return nodes_.at(id); }
 
  private:
+  void Notify(const Change& change) const {
+    for (const auto& each : listeners_) {
+      if (const auto listener = each.lock()) listener->OnChange(change);
+    }
+  }
+
   std::uint64_t changes_ = 0;
   Recent<Change> history_;
   std::vector<NodeRuns> nodes_;
+  std::vector<std::weak_ptr<ChangeListener>> listeners_;
 };
 
 }  // namespace musher::tree

@@ -16,6 +16,9 @@ Result<Status> Tree::TickExactlyOnce(Time now) {
   tick_.woken = false;
   tick_.fault.clear();
   Node& root = *nodes_.front();
+  const std::shared_ptr<Hooks> hooks = hooks_.lock();
+  if (hooks != nullptr) hooks->BeginTick();
+  tick_.hooks = hooks.get();
   try {
     const Status status = root.Execute(tick_);
     if (IsCompleted(status)) root.Reset(tick_);
@@ -36,6 +39,13 @@ Result<Status> Tree::TickOnce(Time now) {
     result = TickExactlyOnce(now);
   }
   return result;
+}
+
+void Tree::Attach(const std::shared_ptr<Hooks>& hooks) {
+  hooks_ = hooks;
+  hooks->ForEach([this](const Hook& hook) {
+    if (hook.node < nodes_.size()) nodes_[hook.node]->special_ = true;
+  });
 }
 
 Result<> Tree::Halt(Time now) {

@@ -25,6 +25,7 @@
 #include "musher/behavior/tree/board.hpp"
 #include "musher/behavior/tree/document.hpp"
 #include "musher/behavior/tree/factory.hpp"
+#include "musher/behavior/tree/hooks.hpp"
 #include "musher/behavior/tree/node.hpp"
 
 namespace musher::tree {
@@ -79,6 +80,11 @@ class Tree {
   // "12.5 s Main/approach/Move: RUNNING -> SUCCESS", a line for each change.
   std::string HistoryText() const;
 
+  // `listener` gets all changes and resets, `hooks` apply, as long as they exist. Attach again
+  // when a hook was added. Between two ticks.
+  void Listen(const std::shared_ptr<ChangeListener>& listener) { trace_.Listen(listener); }
+  void Attach(const std::shared_ptr<Hooks>& hooks);
+
   // Of the main tree.
   Board& board() { return *boards_.front(); }
   // Of the subtree that a node belongs to.
@@ -95,6 +101,7 @@ class Tree {
   std::vector<NodeInfo> infos_;
   Trace trace_;
   Tick tick_;
+  std::weak_ptr<Hooks> hooks_;
 };
 
 // For Graphviz: the nodes with their status, in colour.

@@ -39,7 +39,7 @@ std::string Quoted(std::string_view text) {
 class Writing {
  public:
   Writing(const Tree& tree, const Document& document, const WriteOptions& options)
-      : tree_(tree), options_(options) {
+      : tree_(tree), options_(options), paths_(SubtreePaths(tree)) {
     for (const Document::Tree& each : document.trees) Note(each.content);
   }
 
@@ -80,7 +80,7 @@ class Writing {
     const std::string name = OpenElement(id, indent);
     NodeId next = id + 1;
     if (subtree) {
-      waiting_.push_back({info.id, tree_.Path(id), next});
+      waiting_.push_back({info.id, paths_.at(id), next});
       next = Behind(next);
       text_ += "/>\n";
       return next;
@@ -112,7 +112,7 @@ class Writing {
     }
     if (options_.with_ids) {
       if (!named) text_ += " name=" + Quoted(info.name);
-      if (info.kind == NodeKind::kSubtree) text_ += " _fullpath=" + Quoted(tree_.Path(id));
+      if (info.kind == NodeKind::kSubtree) text_ += " _fullpath=" + Quoted(paths_.at(id));
       text_ += " _uid=\"" + std::to_string(id + 1) + "\"";
     }
     return name;
@@ -151,6 +151,7 @@ class Writing {
 
   const Tree& tree_;
   const WriteOptions& options_;
+  const std::map<NodeId, std::string> paths_;
   std::map<Place, const Element*> elements_;
   std::vector<Part> waiting_;
   std::set<std::string> written_;
@@ -158,6 +159,23 @@ class Writing {
 };
 
 }  // namespace
+
+std::map<NodeId, std::string> SubtreePaths(const Tree& tree) {
+  std::map<NodeId, std::string> paths;
+  std::map<std::uint32_t, std::string> of_board;  // with '/' at its end
+  std::set<std::string> all;
+  for (NodeId id = 0; id < tree.size(); ++id) {
+    const NodeInfo& info = tree.info(id);
+    if (info.kind != NodeKind::kSubtree) continue;
+    std::string path = of_board[info.board] + info.name;
+    const bool named = info.name != info.id && !all.contains(path);
+    if (!named) path += "::" + std::to_string(id + 1);
+    all.insert(path);
+    if (id + 1 < tree.size()) of_board[tree.info(id + 1).board] = path + "/";
+    paths.emplace(id, std::move(path));
+  }
+  return paths;
+}
 
 std::string WriteTree(const Tree& tree, const Document& document, const WriteOptions& options) {
   return Writing(tree, document, options).Write();

@@ -2,6 +2,7 @@
 // A tree as XML again, of the nodes that were built: without includes, and without trees that it
 // does not use.
 
+#include <map>
 #include <string>
 
 #include "musher/behavior/tree/document.hpp"
@@ -16,6 +17,10 @@ struct WriteOptions {
   // With the nodes' ports as <TreeNodesModel>; null: without.
   const Factory* models = nullptr;
 };
+
+// The `_fullpath` of each subtree, which BehaviorTree.CPP also calls its blackboard by: "rest",
+// "rest/inner"; "Rest::3", with the uid, where it has no name of its own. Each is there once.
+std::map<NodeId, std::string> SubtreePaths(const Tree& tree);
 
 // `document`: the one that the tree was built from.
 std::string WriteTree(const Tree& tree, const Document& document, const WriteOptions& options = {});

@@ -72,10 +72,11 @@ void AddTreeModels(Grammar& grammar, CLI::App& family) {
 }  // namespace
 
 void AddTree(Grammar& grammar) {
-  CLI::App& family = grammar.AddFamily("tree", "Check and show behaviour trees in files");
+  CLI::App& family = grammar.AddFamily("tree", "Check, show and replay behaviour trees in files");
   AddTreeCheck(grammar, family);
   AddTreeShow(grammar, family);
   AddTreeModels(grammar, family);
+  AddTreeReplay(grammar, family);
 }
 
 }  // namespace musher::cli

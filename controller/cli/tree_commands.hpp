@@ -10,5 +10,6 @@ namespace musher::cli {
 class Grammar;
 
 void AddTreeCheck(Grammar& grammar, CLI::App& family);
+void AddTreeReplay(Grammar& grammar, CLI::App& family);
 
 }  // namespace musher::cli

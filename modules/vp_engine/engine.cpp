@@ -20,7 +20,9 @@ tree::Reading ReadProgram(const std::string& name, const std::string& text) {
 }  // namespace
 
 Engine::Engine(const std::string& actuator, const VpConfig& config)
-    : TreeActuator(actuator, {.rate_hz = config.rate_hz}),
+    : TreeActuator(actuator,
+                   {.rate_hz = config.rate_hz,
+                    .record = {.file = config.record, .most_bytes = config.record_mib << 20}}),
       config_(config),
       robot_(config),
       programs_(config.folder, config.examples,
@@ -40,7 +42,10 @@ void Engine::OpenTopics(transport::Endpoints& topics) {
       [this](const auto& request, auto reply) { reply(Manage(request)); });
   if (config_.groot2_port == 0) return;
   const Result<> served = groot2::Serve(
-      topics, {.port = config_.groot2_port, .address = config_.groot2_address},
+      topics,
+      {.port = config_.groot2_port,
+       .address = config_.groot2_address,
+       .hooks = config_.groot2_hooks},
       [this] { return view(); }, factory());
   if (!served) Log(served.error());  // programs run without it
 }

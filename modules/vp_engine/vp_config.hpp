@@ -18,6 +18,9 @@ struct VpConfig {
   double rate_hz = 50;
   int groot2_port = 0;  // 0: none
   std::string groot2_address = "127.0.0.1";
+  bool groot2_hooks = false;  // Groot2 may hold and replace nodes
+  std::string record{};       // relative to the machine's state_dir; empty: none
+  std::size_t record_mib = 16;
   std::string speech = "speech_text_play";
   std::string motion = "motion_result_cmd";
   std::string light = "led_execute";

@@ -27,14 +27,24 @@ constexpr const char* kWithSubtree = R"(<root BTCPP_format="4" main_tree_to_exec
 
 class Watched : public TreeActuator {
  public:
-  explicit Watched(int own_port) : TreeActuator("show", {.rate_hz = 50}), port(own_port) {}
+  explicit Watched(groot2::ServeOptions options)
+      : TreeActuator("show", {.rate_hz = 50}), served_(std::move(options)) {}
   template <class Look>
   auto Of(Look look) {
     decltype(look(*this)) found{};
     RunOnLoop([&] { found = look(*this); });
     return found;
   }
+  std::vector<std::string> TakeLog() {
+    return Of([](Watched& self) { return std::exchange(self.data_.log, {}); });
+  }
+  std::string Status(tree::NodeId node) {
+    return Of([&](Watched& self) { return std::string(tree::Name(self.tree().status(node))); });
+  }
   using TreeActuator::Now;
+  using TreeActuator::Restart;
+  using TreeActuator::tree;
+  using TreeActuator::view;
 
  private:
   Result<> RegisterNodes(tree::Factory& factory) override {
@@ -47,31 +57,38 @@ class Watched : public TreeActuator {
   // [serve]
   void OpenTopics(transport::Endpoints& topics) override {
     const Result<> served = groot2::Serve(
-        topics, {.port = port}, [this] { return view(); }, factory());
+        topics, {.port = served_.port, .hooks = served_.hooks, .silence = served_.silence},
+        [this] { return view(); }, factory());
     if (!served) Log(served.error());
   }
   // [serve end]
 
-  const int port;
+  const groot2::ServeOptions served_;
   testing::CourseData data_;
 };
 
 class AGroot2Client : public ::testing::Test {
  protected:
-  AGroot2Client() {
+  explicit AGroot2Client(bool hooks = false, Duration silence = std::chrono::seconds(60))
+      : watched_(groot2::ServeOptions{.port = kPort, .hooks = hooks, .silence = silence}) {
     harness_.Open(watched_);
     Connect();
   }
   ~AGroot2Client() override {
+    zmq_close(breakpoints_);
     zmq_close(socket_);
     zmq_ctx_term(context_);
   }
   void Connect() {
     const int linger = 0;
     const int timeout_ms = 20'000;
-    zmq_setsockopt(socket_, ZMQ_LINGER, &linger, sizeof linger);
-    zmq_setsockopt(socket_, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
+    for (void* socket : {socket_, breakpoints_}) {
+      zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
+      zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
+    }
+    zmq_setsockopt(breakpoints_, ZMQ_SUBSCRIBE, "", 0);
     zmq_connect(socket_, ("tcp://127.0.0.1:" + std::to_string(kPort)).c_str());
+    zmq_connect(breakpoints_, ("tcp://127.0.0.1:" + std::to_string(kPort + 1)).c_str());
   }
   static std::string Header(char type) { return {2, type, 'a', 'b', 'c', 'd'}; }
   Parts Ask(const Parts& request) {
@@ -79,11 +96,14 @@ class AGroot2Client : public ::testing::Test {
       zmq_send(socket_, request[i].data(), request[i].size(),
                i + 1 < request.size() ? ZMQ_SNDMORE : 0);
     }
+    return Receive(socket_);
+  }
+  static Parts Receive(void* socket) {
     Parts reply;
     for (int more = 1; more != 0;) {
       zmq_msg_t part;
       zmq_msg_init(&part);
-      if (zmq_msg_recv(&part, socket_, 0) < 0) return reply;
+      if (zmq_msg_recv(&part, socket, 0) < 0) return reply;
       reply.emplace_back(static_cast<const char*>(zmq_msg_data(&part)), zmq_msg_size(&part));
       more = zmq_msg_more(&part);
       zmq_msg_close(&part);
@@ -105,9 +125,40 @@ class AGroot2Client : public ::testing::Test {
   // Of the domain, so that several runs do not meet.
   const int kPort = 21'000 + 2 * transport::TestDomain();
   testing::Harness harness_;
-  ActuatorRunner<Watched> watched_{kPort};
+  ActuatorRunner<Watched> watched_;
   void* context_ = zmq_ctx_new();
   void* socket_ = zmq_socket(context_, ZMQ_REQ);
+  void* breakpoints_ = zmq_socket(context_, ZMQ_SUB);
+};
+
+constexpr int kFirstUid = 2;  // of the node `first`
+
+std::string HookJson(int uid, int mode, const std::string& status, bool once = false) {
+  return nlohmann::json{{"enabled", true},          {"uid", uid},   {"mode", mode}, {"once", once},
+                        {"desired_status", status}, {"position", 0}}
+      .dump();
+}
+
+std::string ReleaseJson(int uid, const std::string& status, bool remove) {
+  return nlohmann::json{
+      {"uid", uid}, {"position", 0}, {"desired_status", status}, {"remove_when_done", remove}}
+      .dump();
+}
+
+class AGroot2Debugger : public AGroot2Client {
+ protected:
+  explicit AGroot2Debugger(Duration silence = std::chrono::seconds(60))
+      : AGroot2Client(true, silence) {}
+  void Activate() {
+    ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
+    ASSERT_TRUE(harness_.controller().Switch("Active").done());
+  }
+  std::string Hooks() { return Ask({Header('D')}).at(1); }
+};
+
+class AGroot2DebuggerThatIsLost : public AGroot2Debugger {
+ protected:
+  AGroot2DebuggerThatIsLost() : AGroot2Debugger(std::chrono::milliseconds(300)) {}
 };
 
 TEST_F(AGroot2Client, GetsTheTreeWithTheIdsOfItsNodes) {
@@ -118,8 +169,8 @@ TEST_F(AGroot2Client, GetsTheTreeWithTheIdsOfItsNodes) {
   EXPECT_THAT(reply[1], HasSubstr("<BehaviorTree ID=\"Main\" _fullpath=\"\">"));
   EXPECT_THAT(reply[1], HasSubstr("<Walk name=\"first\" ticks=\"{ticks}\" _uid=\"2\"/>"));
   EXPECT_THAT(reply[1], HasSubstr("<SubTree ID=\"Rest\" name=\"rest\" long=\"7\" "
-                                  "_fullpath=\"Main/Sequence/rest\" _uid=\"3\"/>"));
-  EXPECT_THAT(reply[1], HasSubstr("<BehaviorTree ID=\"Rest\" _fullpath=\"Main/Sequence/rest\">"));
+                                  "_fullpath=\"rest\" _uid=\"3\"/>"));
+  EXPECT_THAT(reply[1], HasSubstr("<BehaviorTree ID=\"Rest\" _fullpath=\"rest\">"));
   EXPECT_THAT(reply[1], HasSubstr("<Action ID=\"Walk\">"));
   EXPECT_TRUE(tree::ReadTree(reply[1], "t.xml").document.Find("Rest") != nullptr);
 }
@@ -137,23 +188,169 @@ TEST_F(AGroot2Client, GetsTheStatusOfEveryNodeAndWhatItWasBeforeItWasIdle) {
 }
 
 TEST_F(AGroot2Client, GetsTheBlackboardsOfSubtrees) {
-  const Parts reply = Ask({Header('B'), "Main;Main/Sequence/rest;nowhere"});
+  const Parts reply = Ask({Header('B'), "Main;rest;nowhere"});
   ASSERT_EQ(reply.size(), 2U);
   const auto boards = nlohmann::json::from_msgpack(reply[1]);
   EXPECT_EQ(boards.at("Main").at("ticks"), 3);
   EXPECT_TRUE(boards.at("Main").at("ticks").is_number_integer()) << "Groot2 would show 3.0";
-  EXPECT_EQ(boards.at("Main/Sequence/rest").at("long"), 7);
+  EXPECT_EQ(boards.at("rest").at("long"), 7);
   EXPECT_EQ(boards.size(), 2U);
 }
 
-TEST_F(AGroot2Client, IsRefusedWhatWouldStopTheRobotAndWhatIsNoRequest) {
+TEST_F(AGroot2Client, GetsNullForAnEntryWithoutAValueAndForNoBoard) {
+  watched_.Of([](Watched& self) { return self.view().tree->board().At("unset").value.empty(); });
+  const auto boards = nlohmann::json::from_msgpack(Ask({Header('B'), "Main"}).at(1));
+  EXPECT_TRUE(boards.at("Main").at("unset").is_null());
+  EXPECT_TRUE(nlohmann::json::from_msgpack(Ask({Header('B'), "nowhere"}).at(1)).is_null());
+}
+
+TEST_F(AGroot2Client, MayRecordTransitions) {
+  EXPECT_EQ(Ask({Header('t')}).at(1), "") << "not yet";
+  const Parts started = Ask({Header('r'), "start"});
+  ASSERT_EQ(started.size(), 2U);
+  EXPECT_GT(std::stoll(started[1]), 1'700'000'000'000'000) << "us since 1970";
+  ASSERT_TRUE(harness_.controller().Switch("SelfCheck").done());
+  ASSERT_TRUE(harness_.controller().Switch("Active").done());
+  harness_.Tick(watched_, 4);
+  const std::string made = Ask({Header('t')}).at(1);
+  ASSERT_EQ(made.size() % 9, 0U);
+  std::vector<std::pair<int, int>> transitions;
+  for (std::size_t at = 0; at < made.size(); at += 9) {
+    EXPECT_EQ(made[at + 5], 0) << "less than a day";
+    transitions.emplace_back(made[at + 6], made[at + 8]);
+  }
+  using Made = std::pair<int, int>;
+  EXPECT_THAT(transitions, ElementsAre(Made{2, 1}, Made{1, 1}, Made{2, 2}, Made{4, 1}, Made{3, 1}));
+  EXPECT_EQ(Ask({Header('t')}).at(1), "") << "each once";
+  EXPECT_EQ(Ask({Header('r'), "stop"}).size(), 1U);
+  ASSERT_TRUE(harness_.controller().Switch("LowPower").done());
+  EXPECT_EQ(Ask({Header('t')}).at(1), "");
+  EXPECT_EQ(Ask({Header('r'), "pause"}).at(0), "error");
+}
+
+TEST_F(AGroot2Client, MayNotSetHooksUnlessTheConfigurationAllowsIt) {
   EXPECT_THAT(Ask({Header('D')}).at(1), "[]");
   EXPECT_EQ(Ask({Header('A')}).size(), 1U);
-  EXPECT_EQ(Ask({Header('I'), "{}"}).at(0), "error");
+  EXPECT_EQ(Ask({Header('X')}).size(), 1U);
+  for (const char type : {'I', 'R', 'U'}) {
+    const Parts refused = Ask({Header(type), HookJson(kFirstUid, 0, "SKIPPED")});
+    EXPECT_EQ(refused.at(0), "error");
+    EXPECT_THAT(refused.at(1), HasSubstr("its configuration does not allow them"));
+  }
+  EXPECT_THAT(Ask({Header('D')}).at(1), "[]");
+}
+
+TEST_F(AGroot2Client, IsRefusedWhatIsNoRequest) {
+  EXPECT_EQ(Ask({Header('I')}).at(0), "error");
+  EXPECT_EQ(Ask({Header('z')}).at(1), "Request not recognized");
   EXPECT_EQ(Ask({Header('B')}).at(0), "error");
   EXPECT_EQ(Ask({"x"}).at(0), "error");
   EXPECT_EQ(Ask({std::string(5'000, 'x'), "y"}).at(0), "error");
   EXPECT_EQ(Ask({Header('S')}).size(), 2U) << "and it is still served";
+}
+
+TEST_F(AGroot2Debugger, HoldsANodeAndIsToldWithoutDelayingTheLoop) {
+  EXPECT_EQ(Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")}).size(), 1U);
+  EXPECT_THAT(nlohmann::json::parse(Hooks()),
+              nlohmann::json::parse("[" + HookJson(kFirstUid, 0, "SKIPPED") + "]"));
+  Activate();
+  harness_.Tick(watched_, 5);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "it has not started";
+  EXPECT_EQ(watched_.Status(0), "RUNNING") << "and the tree waits for it";
+
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", true)}).size(), 1U);
+  EXPECT_EQ(Hooks(),
+            nlohmann::json::parse("[" + HookJson(kFirstUid, 0, "SKIPPED", true) + "]").dump());
+  harness_.Tick(watched_, 1);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(Hooks(), "[]");
+  EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", true)}).at(1), "Node ID not found");
+}
+
+TEST_F(AGroot2Debugger, IsToldOfABreakpoint) {
+  Ask({Header('I'), HookJson(kFirstUid, 1, "FAILURE")});
+  Activate();
+  // A subscription takes a moment: the node is replaced again and again.
+  Parts told;
+  const int soon_ms = 20;
+  zmq_setsockopt(breakpoints_, ZMQ_RCVTIMEO, &soon_ms, sizeof soon_ms);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (told.size() != 2 && std::chrono::steady_clock::now() < deadline) {
+    watched_.Of([](Watched& self) {
+      self.Restart();
+      return 0;
+    });
+    harness_.Tick(watched_, 1);
+    told = Receive(breakpoints_);
+  }
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0].size(), 6U);
+  EXPECT_EQ(told[0].substr(0, 2), (std::string{2, 'N'}));
+  EXPECT_EQ(told[1], "2");
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "it failed in place of its tick";
+}
+
+TEST_F(AGroot2Debugger, LeavesActiveThroughAHeldNode) {
+  Ask({Header('I'), "[" + HookJson(4, 0, "SKIPPED") + "]"});
+  Activate();
+  harness_.Tick(watched_, 6);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(watched_.Status(2), "RUNNING") << "the subtree around it";
+  ASSERT_TRUE(harness_.controller().Switch("LowPower").done());
+  EXPECT_EQ(watched_.Status(0), "IDLE");
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "a node that has not started is not halted";
+}
+
+TEST_F(AGroot2Debugger, ReplacesARunningNodeWhichIsHaltedFirst) {
+  Activate();
+  harness_.Tick(watched_, 1);
+  Ask({Header('I'), HookJson(kFirstUid, 1, "SUCCESS", true)});
+  harness_.Tick(watched_, 1);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts", "first halted", "second starts"));
+  EXPECT_EQ(Hooks(), "[]") << "once";
+}
+
+TEST_F(AGroot2Debugger, DisablesAndRemovesHooks) {
+  Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  Activate();
+  harness_.Tick(watched_, 2);
+  Ask({Header('X')});
+  harness_.Tick(watched_, 1);
+  EXPECT_THAT(watched_.TakeLog(), ElementsAre("first starts"));
+  EXPECT_EQ(Ask({Header('R'), ReleaseJson(kFirstUid, "", false)}).size(), 1U);
+  EXPECT_EQ(Ask({Header('R'), ReleaseJson(kFirstUid, "", false)}).at(1), "Node ID not found");
+  Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  Ask({Header('A')});
+  EXPECT_EQ(Hooks(), "[]");
+}
+
+TEST_F(AGroot2Debugger, IsRefusedAHookThatIsWrongAndThoseBesideIt) {
+  const std::string good = HookJson(kFirstUid, 0, "SKIPPED");
+  nlohmann::json after = nlohmann::json::parse(good);
+  after["position"] = 1;
+  nlohmann::json half = nlohmann::json::parse(good);
+  half.erase("once");
+  for (const std::string& wrong :
+       {HookJson(9, 0, "SKIPPED"), HookJson(0, 0, "SKIPPED"), HookJson(kFirstUid, 2, "SKIPPED"),
+        HookJson(kFirstUid, 0, "DONE"), after.dump(), half.dump(), std::string("7"),
+        std::string("{"), "[" + good + "," + HookJson(9, 0, "SKIPPED") + "]"}) {
+    EXPECT_EQ(Ask({Header('I'), wrong}).at(0), "error") << wrong;
+    EXPECT_EQ(Hooks(), "[]") << wrong;
+  }
+}
+
+TEST_F(AGroot2DebuggerThatIsLost, HoldsNothingAnyMore) {
+  Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")});
+  Activate();
+  harness_.Tick(watched_, 2);
+  std::vector<std::string> log;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (log.empty() && std::chrono::steady_clock::now() < deadline) {
+    harness_.Tick(watched_, 1);
+    log = watched_.TakeLog();
+  }
+  EXPECT_THAT(log, ElementsAre("first starts")) << "by itself: no request has come for 300 ms";
+  EXPECT_EQ(Hooks(), "[]");
 }
 
 }  // namespace musher::groot2_test

@@ -1,6 +1,8 @@
 // A behaviour tree as an actuator: when it is ticked, halted and reported, and what its exceptions
 // lead to.
 
+#include "musher/base/files.hpp"
+#include "musher/behavior/tree/recording.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 #include "musher/test/application/tree_course.hpp"
@@ -276,6 +278,41 @@ TEST_F(ATreeActuator, FailsItsSetUpWithEveryErrorOfItsTree) {
   none.text = "";
   ASSERT_TRUE(none.Init(harness_.path()).ok());
   EXPECT_THAT(none.Start().error().message, HasSubstr("LoadTree() is not overridden"));
+}
+
+TEST_F(ATreeActuator, RecordsItsTreesIntoItsStateFolder) {
+  {
+    ActuatorRunner<Course> course({.rate_hz = 50, .record = {.file = "trees/show.tree"}});
+    Begin(course);
+    harness_.Tick(course, 2);
+    ASSERT_TRUE(Go("LowPower"));
+    ASSERT_TRUE(course.LoadText(testing::kCourse, {{"ticks", "1"}}));
+    ASSERT_TRUE(Go("Active"));
+    harness_.Tick(course, 2);
+  }
+  const std::string text = ReadFile(harness_.state_dir() + "/trees/show.tree");
+  const auto read = tree::ReadRecording(text, "show.tree");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read.value().actuator, "show");
+  ASSERT_EQ(read.value().trees.size(), 2U);
+  tree::Playback first(read.value().trees[0]);
+  while (first.Step()) {
+  }
+  EXPECT_EQ(first.runs(1).last, Status::kIdle) << "halted by LowPower";
+  EXPECT_FALSE(first.ticking());
+  tree::Playback second(read.value().trees[1]);
+  while (second.Step()) {
+  }
+  EXPECT_EQ(second.runs(1).last, Status::kSuccess);
+  EXPECT_EQ(second.runs(2).starts, 1U);
+}
+
+TEST_F(ATreeActuator, ThatCannotRecordIsNotSetUp) {
+  ActuatorRunner<Course> course({.rate_hz = 50, .record = {.file = "/proc/none/show.tree"}});
+  ASSERT_TRUE(course.Init(harness_.path()));
+  const Result<> started = course.Start();
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message, HasSubstr("/proc/none/show.tree cannot be written to"));
 }
 
 }  // namespace musher::tree_actuator_test

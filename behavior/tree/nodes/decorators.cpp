@@ -112,7 +112,7 @@ class Timeout : public Decorator {
   Status OnTick(Tick& tick) override {
     const unsigned limit_ms = limit_ms_.Get();
     if (!since_) since_ = tick.now;
-    if (limit_ms > 0 && child().running() && tick.now - *since_ >= Milliseconds(limit_ms)) {
+    if (limit_ms > 0 && tick.now - *since_ >= Milliseconds(limit_ms)) {
       since_.reset();
       child().Reset(tick);
       return Status::kFailure;

@@ -45,6 +45,8 @@ constexpr std::array kDescriptions = {
     Description{"Finally",
                 "Ticks the first child, then the second, also where the first fails or is halted; "
                 "the first one's result."},
+    Description{"ManualSelector",
+                "Waits until a person selects one of its children by name, and ticks that one."},
     // Decorators.
     Description{"Inverter", "Exchanges SUCCESS and FAILURE."},
     Description{"ForceSuccess", "SUCCESS when its child has ended."},

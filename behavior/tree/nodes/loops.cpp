@@ -28,11 +28,17 @@ class Loop : public Decorator {
 
  private:
   Status OnTick(Tick& tick) override {
-    if (!child().running()) {
+    if (!goes_on_) {
       if (!running()) at_ = 0;
       if (!Next()) return if_empty_.Get();
     }
-    return TickChild(tick) == Status::kFailure ? Status::kFailure : Status::kRunning;
+    const Status status = TickChild(tick);
+    goes_on_ = status == Status::kRunning;
+    return status == Status::kFailure ? status : Status::kRunning;
+  }
+  void OnHalt(Tick& tick) override {
+    goes_on_ = false;
+    Decorator::OnHalt(tick);
   }
 
   // Sets the next value. False: there is none.
@@ -64,6 +70,7 @@ class Loop : public Decorator {
   Entry* entry_ = nullptr;
   std::vector<T> fixed_;
   std::size_t at_ = 0;
+  bool goes_on_ = false;  // the child was RUNNING, or held by a hook
 };
 
 // Ticks its child once for each time that the entry was set.
@@ -74,17 +81,24 @@ class WhenUpdated : public Decorator {
 
  private:
   Status OnTick(Tick& tick) override {
-    if (!child().running()) {
+    if (!goes_on_) {
       const bool updated = entry_->sequence != seen_;
       seen_ = entry_->sequence;
       if (!updated) return otherwise_;
     }
-    return TickChild(tick);
+    const Status status = TickChild(tick);
+    goes_on_ = status == Status::kRunning;
+    return status;
+  }
+  void OnHalt(Tick& tick) override {
+    goes_on_ = false;
+    Decorator::OnHalt(tick);
   }
 
   Entry* entry_;
   const Status otherwise_;
   std::uint64_t seen_ = 0;
+  bool goes_on_ = false;  // as in Loop
 };
 
 template <class T>

@@ -20,6 +20,21 @@ std::string TreeText(const std::string& name, const msg::GetTree::Response& repo
 std::string TreeLines(const msg::GetTree::Response& report, std::int64_t wall_ns, bool colour);
 std::string TreeJson(const std::string& name, const msg::GetTree::Response& report);
 
+// A tree of a recording at a time of it.
+struct RecordedMoment {
+  msg::GetTree::Response report;  // without ticks
+  std::size_t number = 1;         // of the recording's trees
+  std::size_t trees = 1;
+  double end_s = 0;           // of this tree
+  std::uint64_t wall_us = 0;  // since 1970; 0: unknown
+  std::uint64_t lost_lines = 0;
+  int cut_at_line = 0;  // 0: the recording is complete
+};
+std::string RecordedTreeText(const std::string& name, const RecordedMoment& moment, bool colour);
+std::string RecordedTreeJson(const std::string& name, const RecordedMoment& moment);
+std::string RecordedChangeLine(const msg::GetTree::Response& report, const msg::TreeChange& change,
+                               bool colour);
+
 // Graphviz and Mermaid; nodes that have run show the time in RUNNING and how often they started.
 std::string TreeDot(const std::string& name, const msg::GetTree::Response& report);
 std::string TreeMermaid(const msg::GetTree::Response& report);

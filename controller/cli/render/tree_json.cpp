@@ -12,9 +12,7 @@ Json PlaceOf(const msg::TreeNode& node) {
           {"parent", node.parent}, {"file", node.file}, {"line", node.line}};
 }
 
-}  // namespace
-
-std::string TreeJson(const std::string& name, const msg::GetTree::Response& report) {
+Json TreeOf(const std::string& name, const msg::GetTree::Response& report) {
   Json nodes = Json::array();
   for (std::size_t id = 0; id < report.nodes.size(); ++id) {
     const msg::TreeNode& node = report.nodes[id];
@@ -37,17 +35,35 @@ std::string TreeJson(const std::string& name, const msg::GetTree::Response& repo
     entries.push_back(
         {{"board", entry.board}, {"key", entry.key}, {"type", entry.type}, {"value", entry.value}});
   }
-  return JsonLine({{"name", name},
-                   {"tree", report.state.tree},
-                   {"status", TreeStatusName(StatusOf(report.state, 0))},
-                   {"ticking", report.state.ticking},
-                   {"ticks", report.state.ticks},
-                   {"time_s", report.state.time_s},
-                   {"revision", report.state.revision},
-                   {"last_fault", report.state.last_fault},
-                   {"nodes", nodes},
-                   {"history", changes},
-                   {"entries", entries}});
+  return {{"name", name},
+          {"tree", report.state.tree},
+          {"status", TreeStatusName(StatusOf(report.state, 0))},
+          {"ticking", report.state.ticking},
+          {"ticks", report.state.ticks},
+          {"time_s", report.state.time_s},
+          {"revision", report.state.revision},
+          {"last_fault", report.state.last_fault},
+          {"nodes", nodes},
+          {"history", changes},
+          {"entries", entries}};
+}
+
+}  // namespace
+
+std::string TreeJson(const std::string& name, const msg::GetTree::Response& report) {
+  return JsonLine(TreeOf(name, report));
+}
+
+std::string RecordedTreeJson(const std::string& name, const RecordedMoment& moment) {
+  Json json = TreeOf(name, moment.report);
+  json.erase("ticks");  // which are not recorded
+  json["number"] = moment.number;
+  json["trees"] = moment.trees;
+  json["end_s"] = moment.end_s;
+  json["wall_us"] = moment.wall_us;
+  json["lost_lines"] = moment.lost_lines;
+  json["cut_at_line"] = moment.cut_at_line;
+  return JsonLine(json);
 }
 
 std::string FileTreeJson(const std::vector<FileNode>& nodes) {

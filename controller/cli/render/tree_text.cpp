@@ -82,15 +82,9 @@ std::string Entries(const msg::GetTree::Response& report, bool colour) {
   return table.Text(colour);
 }
 
-}  // namespace
-
-std::string_view TreeStatusName(std::uint8_t status) {
-  return LookOf(status).name;
-}
-
-std::string TreeText(const std::string& name, const msg::GetTree::Response& report, bool colour) {
-  const msg::GetTree::Response shown = Printable(report);
-  std::string text = Head(name, shown.state, colour);
+// What follows the head.
+std::string Body(const msg::GetTree::Response& shown, bool colour) {
+  std::string text;
   if (!shown.state.last_fault.empty()) {
     text += Paint("last fault: " + shown.state.last_fault, Style::kBad, colour) + '\n';
   }
@@ -100,22 +94,57 @@ std::string TreeText(const std::string& name, const msg::GetTree::Response& repo
   return text;
 }
 
+// "12.500 s  Patrol/there  RUNNING -> SUCCESS"
+std::string ChangeLine(const msg::GetTree::Response& shown, const msg::TreeChange& change,
+                       bool colour) {
+  const StatusLook look = LookOf(change.to);
+  return fmt::format("{:>10.3f} s  {}  {} -> ", change.time_s, PathOf(shown.nodes, change.node),
+                     LookOf(change.from).name) +
+         Paint(look.name, look.style, colour) + '\n';
+}
+
+}  // namespace
+
+std::string_view TreeStatusName(std::uint8_t status) {
+  return LookOf(status).name;
+}
+
+std::string TreeText(const std::string& name, const msg::GetTree::Response& report, bool colour) {
+  const msg::GetTree::Response shown = Printable(report);
+  return Head(name, shown.state, colour) + Body(shown, colour);
+}
+
 std::string TreeLines(const msg::GetTree::Response& report, std::int64_t wall_ns, bool colour) {
   const msg::GetTree::Response shown = Printable(report);
   const std::string begin = Paint(LocalTime(wall_ns), Style::kDim, colour) + "  ";
   std::string text;
   for (const msg::TreeChange& change : shown.history) {
-    const StatusLook look = LookOf(change.to);
-    text += begin +
-            fmt::format("{:>10.3f} s  {}  {} -> ", change.time_s, PathOf(shown.nodes, change.node),
-                        LookOf(change.from).name) +
-            Paint(look.name, look.style, colour) + '\n';
+    text += begin + ChangeLine(shown, change, colour);
   }
   if (shown.history.empty()) {
     text += begin + fmt::format("{:>10.3f} s  {}\n", shown.state.time_s,
                                 shown.state.ticking ? "ticking" : "paused");
   }
   return text;
+}
+
+std::string RecordedTreeText(const std::string& name, const RecordedMoment& moment, bool colour) {
+  const msg::GetTree::Response shown = Printable(moment.report);
+  const StatusLook look = LookOf(StatusOf(shown.state, 0));
+  std::string text = Paint(Printable(name), Style::kBold, colour) + "  tree " + shown.state.tree +
+                     "  " + Paint(look.name, look.style, colour);
+  if (!shown.state.ticking) text += "  " + Paint("paused", Style::kBusy, colour);
+  text += fmt::format("\nrecorded, {:.3f} of {:.3f} s", shown.state.time_s, moment.end_s);
+  if (moment.trees > 1) text += fmt::format(", tree {} of {}", moment.number, moment.trees);
+  if (moment.wall_us > 0) {
+    text += ", " + LocalText(static_cast<std::int64_t>(moment.wall_us) * 1000);
+  }
+  return text + '\n' + Body(shown, colour);
+}
+
+std::string RecordedChangeLine(const msg::GetTree::Response& report, const msg::TreeChange& change,
+                               bool colour) {
+  return ChangeLine(Printable(report), change, colour);
 }
 
 std::string FileTreeText(const std::vector<FileNode>& all, bool colour) {

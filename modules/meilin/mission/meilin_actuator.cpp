@@ -28,7 +28,10 @@ void MeilinActuator::Status::Set(const std::string& text) {
 }
 
 MeilinActuator::MeilinActuator(const std::string& name, MissionConfig config, MatchConfig match)
-    : TreeActuator(name, {.rate_hz = config.tick_frequency_hz, .file = config.tree_file}),
+    : TreeActuator(name,
+                   {.rate_hz = config.tick_frequency_hz,
+                    .file = config.tree_file,
+                    .record = {.file = config.record, .most_bytes = config.record_mib << 20}}),
       config_(WithSide(std::move(config), match)),
       robot_(config_.pose_topic),
       mission_(robot_, config_.settings, std::move(match)) {}
@@ -55,7 +58,8 @@ void MeilinActuator::OpenTopics(transport::Endpoints& topics) {
   Publish();
   if (config_.groot2_port == 0) return;
   const Result<> served = groot2::Serve(
-      topics, {.port = config_.groot2_port}, [this] { return view(); }, factory());
+      topics, {.port = config_.groot2_port, .hooks = config_.groot2_hooks},
+      [this] { return view(); }, factory());
   if (!served) Log(LogLevel::kWarning, served.error().message);
 }
 

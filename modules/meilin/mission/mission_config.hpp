@@ -19,8 +19,11 @@ struct MissionConfig {
   std::string file;
   double tick_frequency_hz = 100;
   std::uint16_t groot2_port = 0;  // 0: Groot2 cannot connect
-  std::string tree_file;          // absolute
-  std::string match_config;       // absolute; empty: none
+  bool groot2_hooks = false;      // it may hold and replace nodes
+  std::string record;             // relative to the machine's state_dir; empty: none
+  std::size_t record_mib = 16;
+  std::string tree_file;     // absolute
+  std::string match_config;  // absolute; empty: none
   std::string segment_topic = "planning/segments";
   std::string action_topic = "mf_action_seq";
   std::string buffer_service = "get_action_seq";

@@ -224,4 +224,45 @@ TEST_F(Control, KnowsTheNamesOfItsChildren) {
   EXPECT_EQ(Run(In("ByName which=\"AlwaysSuccess\"", A("S") + "<AlwaysSuccess/>"), 1), "S: ");
 }
 
+struct Selecting : testing::Test, Logged {
+  void Make(const std::string& ports = "") {
+    tree = MakeTree(Main("<ManualSelector selection=\"{pick}\" " + ports +
+                         "><Say name=\"a\" does=\"RS\"/><Say name=\"b\" does=\"F\"/>"
+                         "</ManualSelector>"),
+                    factory);
+  }
+  std::string Pick(const std::string& name, int ticks) {
+    EXPECT_TRUE(tree->board().Set("pick", name));
+    const std::string letters = Ticks(*tree, ticks);
+    return letters + " " + Take();
+  }
+  std::unique_ptr<Tree> tree;
+};
+
+TEST_F(Selecting, AManualSelectorWaitsForANameAndTicksThatChildToItsEnd) {
+  Make();
+  EXPECT_EQ(Ticks(*tree, 2), "RR") << "nothing is selected";
+  EXPECT_EQ(Pick("a", 3), "RSR a^ a ");
+  EXPECT_EQ(tree->board().Get<std::string>("pick").value(), "");
+  EXPECT_EQ(Pick("b", 1), "F b^ ");
+  EXPECT_EQ(Pick("SUCCESS", 2), "SR ");
+  EXPECT_EQ(Pick("FAILURE", 1), "F ");
+  EXPECT_EQ(Pick("c", 2), "RR ") << "there is none";
+  EXPECT_EQ(tree->board().Get<std::string>("pick").value(), "c") << "which stays to be seen";
+}
+
+TEST_F(Selecting, AManualSelectorForgetsItsChildWhenItIsHalted) {
+  Make();
+  EXPECT_EQ(Pick("a", 1), "R a^ ");
+  ASSERT_TRUE(tree->Halt(At(100)));
+  EXPECT_EQ(Ticks(*tree, 2), "RR");
+  EXPECT_EQ(Take(), "a! ");
+}
+
+TEST_F(Selecting, AManualSelectorRepeatsTheLastSelectionOnRequest) {
+  Make("repeat_last_selection=\"true\"");
+  EXPECT_EQ(Ticks(*tree, 1), "R") << "there was none";
+  EXPECT_EQ(Pick("b", 3), "FFF b^ b^ b^ ");
+}
+
 }  // namespace musher::tree::control_test

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "musher/base/files.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"
@@ -74,8 +75,19 @@ TEST_F(Simulating, ARobotThatAManagerStartsIsStartedByItsController) {
                              HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
+TEST_F(Simulating, EveryShippedConfigIsValid) {
+  int configs = 0;
+  for (const auto& path : EntriesOf(SourceDir() + "/config")) {
+    if (path.extension() != ".toml") continue;
+    ++configs;
+    const Ran ran = RunProgram({"check", path.string()});
+    EXPECT_EQ(ran.exit, 0) << path << ran.out << ran.err;
+  }
+  EXPECT_GE(configs, 7);
+}
+
 TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
-  for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml"}) {
+  for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml", "programs.toml"}) {
     const Ran ran = RunProgram({"simulate", SourceDir() + "/config/" + name, "--seeds", "300"});
     EXPECT_EQ(ran.exit, 0) << ran.out;
   }

@@ -1,0 +1,74 @@
+#pragma once
+// Breakpoints and results in place of nodes, for a person who debugs a tree while it runs.
+//
+// A hook stands before the tick of one node, behind its conditions. A breakpoint holds a node that
+// is about to start: it is RUNNING for its parent, and stays IDLE itself, until it is released or
+// its branch is halted. A node that is already RUNNING is not held, because nothing would watch
+// what it does meanwhile. Without a breakpoint, the node is replaced in each tick: one that is
+// RUNNING is halted first.
+//
+//   auto hooks = std::make_shared<tree::Hooks>();
+//   hooks->Set({.node = 5});                                    // hold it
+//   hooks->Set({.node = 7, .holds = false, .instead = tree::Status::kFailure});
+//   tree.Attach(hooks);                                         // as long as they exist
+//   hooks->Release(5, tree::Status::kSkipped, true);            // it starts, once
+//
+// Threads: one at a time, like the tree.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include "musher/behavior/tree/status.hpp"
+#include "musher/behavior/tree/trace.hpp"
+
+namespace musher::tree {
+
+struct Hook {
+  NodeId node = 0;
+  bool enabled = true;
+  bool holds = true;                  // a breakpoint
+  bool once = false;                  // is removed when the node goes on
+  Status instead = Status::kSkipped;  // SUCCESS or FAILURE in place of a tick; SKIPPED: its tick
+};
+
+class Hooks {
+ public:
+  // A node is held, or is replaced.
+  explicit Hooks(std::function<void(NodeId)> on_reached = {})
+      : on_reached_(std::move(on_reached)) {}
+
+  // Adds it, or changes the one of the same node. One that is no breakpoint any more lets go.
+  void Set(const Hook& hook);
+  // False: there is none.
+  bool Remove(NodeId node) { return hooks_.erase(node) > 0; }
+  // Lets a held node go on, or the next start of one that is not held yet. False: there is none.
+  bool Release(NodeId node, Status instead, bool once);
+  void Clear() { hooks_.clear(); }
+  // None holds any more.
+  void DisableAll();
+  bool empty() const { return hooks_.empty(); }
+  template <class Look>
+  void ForEach(const Look& look) const {
+    for (const auto& [node, state] : hooks_) look(state.hook);
+  }
+
+  // For the tree: a further tick.
+  void BeginTick() { ++ticks_; }
+  // For a node: SKIPPED: it is ticked; RUNNING: it is held; else its result.
+  Status Before(NodeId node, bool running);
+
+ private:
+  struct State {
+    Hook hook;
+    bool released = false;
+    std::uint64_t held_in = 0;  // tick
+  };
+
+  const std::function<void(NodeId)> on_reached_;
+  std::map<NodeId, State> hooks_;
+  std::uint64_t ticks_ = 1;
+};
+
+}  // namespace musher::tree
