@@ -16,23 +16,23 @@ fsm::Role RoleOf(int role) {
 
 class FsmMachine::PyListener final : public fsm::Listener {
  public:
-  PyListener(std::shared_ptr<Exceptions> exceptions, py::object changed, py::object unhandled,
+  PyListener(std::shared_ptr<PythonErrors> errors, py::object changed, py::object unhandled,
              py::object failed)
-      : exceptions_(std::move(exceptions)),
+      : errors_(std::move(errors)),
         changed_(std::move(changed)),
         unhandled_(std::move(unhandled)),
         failed_(std::move(failed)) {}
 
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
-    if (!changed_.is_none()) exceptions_->Call(changed_, MakeChange(machine, change));
+    if (!changed_.is_none()) errors_->Call(changed_, MakeChange(machine, change));
   }
   void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
     if (unhandled_.is_none()) return;
-    exceptions_->Call(unhandled_, py::make_tuple(std::string(machine.Name(command)),
-                                                 std::string(machine.Name(state))));
+    errors_->Call(unhandled_, py::make_tuple(std::string(machine.Name(command)),
+                                             std::string(machine.Name(state))));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
-    if (!failed_.is_none()) exceptions_->Call(failed_, py::str(machine.Describe(fault)));
+    if (!failed_.is_none()) errors_->Call(failed_, py::str(machine.Describe(fault)));
   }
   int Visit(visitproc visit, void* arg) const {
     Py_VISIT(changed_.ptr());
@@ -42,7 +42,7 @@ class FsmMachine::PyListener final : public fsm::Listener {
   }
 
  private:
-  const std::shared_ptr<Exceptions> exceptions_;
+  const std::shared_ptr<PythonErrors> errors_;
   const py::object changed_;
   const py::object unhandled_;
   const py::object failed_;
@@ -82,19 +82,18 @@ void FsmMachine::AddSafetyCheck(const std::string& name, const py::object& is_sa
   fsm::Machine& machine = Unbuilt();
   auto function = std::make_shared<py::object>(is_safe);
   checks_.push_back(function);
-  machine.AddSafetyCheck(
-      name, [&machine, function, exceptions = exceptions_](const fsm::Tick& tick) {
-        const py::object safe = exceptions->Call(*function, MakeTick(machine, tick));
-        if (py::isinstance<py::bool_>(safe)) return safe.cast<bool>();
-        throw std::runtime_error("it returned a " +
-                                 py::type::of(safe).attr("__name__").cast<std::string>() +
-                                 ", not whether it is safe");
-      });
+  machine.AddSafetyCheck(name, [&machine, function, errors = errors_](const fsm::Tick& tick) {
+    const py::object safe = errors->Call(*function, MakeTick(machine, tick));
+    if (py::isinstance<py::bool_>(safe)) return safe.cast<bool>();
+    throw std::runtime_error("it returned a " +
+                             py::type::of(safe).attr("__name__").cast<std::string>() +
+                             ", not whether it is safe");
+  });
 }
 
 void FsmMachine::Build(const std::string& start) {
   const Result<> result = Unbuilt().Build(start);
-  exceptions_->RaiseKept();
+  errors_->RaiseKept();
   Check(result);
   built_ = true;
 }
@@ -109,7 +108,7 @@ const fsm::Machine& FsmMachine::machine() const {
 void FsmMachine::Listen(const py::object& changed, const py::object& unhandled,
                         const py::object& failed) {
   static_cast<void>(machine());
-  listeners_.push_back(std::make_unique<PyListener>(exceptions_, changed, unhandled, failed));
+  listeners_.push_back(std::make_unique<PyListener>(errors_, changed, unhandled, failed));
   machine_->Listen(listeners_.back().get());
 }
 
@@ -125,7 +124,7 @@ int FsmMachine::VisitAll(visitproc visit, void* arg) const {
     }
     return 0;
   };
-  if (const int result = exceptions_->Visit(visit, arg); result != 0) return result;
+  if (const int result = errors_->Visit(visit, arg); result != 0) return result;
   if (const int result = all(listeners_); result != 0) return result;
   if (const int result = all(states_); result != 0) return result;
   for (const auto& check : checks_) Py_VISIT(check->ptr());
@@ -143,7 +142,7 @@ void FsmMachine::Clear() {
   states_.clear();
   checks_.clear();
   inside_.clear();
-  exceptions_->Report(py::none());
+  errors_->Report(py::none());
 }
 
 fsm::Machine& FsmMachine::Own() const {
@@ -165,7 +164,7 @@ fsm::Machine& FsmMachine::Unbuilt() const {
 }
 
 std::shared_ptr<StateCalls> FsmMachine::CallsOf(const py::tuple& hooks) {
-  states_.push_back(std::make_shared<StateCalls>(*machine_, exceptions_, hooks));
+  states_.push_back(std::make_shared<StateCalls>(*machine_, errors_, hooks));
   return states_.back();
 }
 

@@ -44,10 +44,10 @@ class FsmMachine {
     if (!built_) Raise("Failure", {kCodeStateInvalid, machine.name() + ": build() comes first"});
     if constexpr (std::is_void_v<decltype(work(machine))>) {
       work(machine);
-      exceptions_->RaiseKept();
+      errors_->RaiseKept();
     } else {
       const Result<> result = work(machine);
-      exceptions_->RaiseKept();
+      errors_->RaiseKept();
       Check(result);
     }
   }
@@ -56,7 +56,7 @@ class FsmMachine {
 
   void Listen(const py::object& changed, const py::object& unhandled, const py::object& failed);
   // Gets each exception of a state, a check or a listener.
-  void ReportExceptions(const py::object& function) { exceptions_->Report(function); }
+  void ReportExceptions(const py::object& function) { errors_->Report(function); }
 
   // For Python's garbage collection: a state often refers to what has the machine.
   int Visit(visitproc visit, void* arg) const;
@@ -70,7 +70,7 @@ class FsmMachine {
   fsm::Machine& Unbuilt() const;
   std::shared_ptr<StateCalls> CallsOf(const py::tuple& hooks);
 
-  std::shared_ptr<Exceptions> exceptions_ = std::make_shared<Exceptions>();
+  std::shared_ptr<PythonErrors> errors_ = std::make_shared<PythonErrors>();
   std::vector<std::unique_ptr<PyListener>> listeners_;
   std::vector<std::shared_ptr<StateCalls>> states_;
   std::vector<std::shared_ptr<py::object>> checks_;

@@ -32,7 +32,7 @@ fsm::Transitions& FsmTransitions::Get() const {
   return *transitions;
 }
 
-py::object Exceptions::Call(const py::object& function, const py::object& argument) {
+py::object PythonErrors::Call(const py::object& function, const py::object& argument) {
   auto result =
       py::reinterpret_steal<py::object>(CallPython(function.ptr(), py::make_tuple(argument).ptr()));
   if (result) return result;
@@ -45,20 +45,20 @@ py::object Exceptions::Call(const py::object& function, const py::object& argume
   throw std::runtime_error(text);
 }
 
-void Exceptions::RaiseKept() {
+void PythonErrors::RaiseKept() {
   if (!kept_) return;
   const py::error_already_set kept = *std::exchange(kept_, std::nullopt);
   throw kept;
 }
 
-int Exceptions::Visit(visitproc visit, void* arg) const {
+int PythonErrors::Visit(visitproc visit, void* arg) const {
   Py_VISIT(report_.ptr());
   return 0;
 }
 
-StateCalls::StateCalls(const fsm::Machine& machine, std::shared_ptr<Exceptions> exceptions,
+StateCalls::StateCalls(const fsm::Machine& machine, std::shared_ptr<PythonErrors> errors,
                        const py::tuple& hooks)
-    : machine_(machine), exceptions_(std::move(exceptions)) {
+    : machine_(machine), errors_(std::move(errors)) {
   for (std::size_t i = 0; i < kHooks; ++i) hooks_[i] = hooks[i];
 }
 
@@ -67,7 +67,7 @@ void StateCalls::Declare(fsm::Transitions& transitions) const {
   const py::object passed = py::cast(FsmTransitions{&transitions});
   const auto end = [&] { passed.cast<FsmTransitions&>().transitions = nullptr; };
   try {
-    exceptions_->Call(hooks_[kDeclare], passed);
+    errors_->Call(hooks_[kDeclare], passed);
   } catch (...) {
     end();
     throw;
@@ -77,13 +77,13 @@ void StateCalls::Declare(fsm::Transitions& transitions) const {
 
 void StateCalls::Call(Hook hook, const fsm::Tick& tick) const {
   if (!Has(hook)) return;
-  const py::object returned = exceptions_->Call(hooks_[hook], TickOf(tick));
+  const py::object returned = errors_->Call(hooks_[hook], TickOf(tick));
   if (!returned.is_none()) ThrowReturned(NameOf(hook), returned, "it returns nothing");
 }
 
 fsm::Next StateCalls::Check(const fsm::Tick& tick) const {
   if (!Has(kCheck)) return fsm::Next::Stay();
-  return ToNext(exceptions_->Call(hooks_[kCheck], TickOf(tick)));
+  return ToNext(errors_->Call(hooks_[kCheck], TickOf(tick)));
 }
 
 fsm::Next StateCalls::ToNext(const py::object& returned) const {
@@ -105,7 +105,7 @@ fsm::Next StateCalls::ToNext(const py::object& returned) const {
 
 bool StateCalls::Transition(const fsm::Tick& tick) const {
   if (!Has(kTransition)) return tick.transition_elapsed >= tick.transition_time;
-  const py::object returned = exceptions_->Call(hooks_[kTransition], TickOf(tick));
+  const py::object returned = errors_->Call(hooks_[kTransition], TickOf(tick));
   if (!py::isinstance<py::bool_>(returned)) {
     ThrowReturned(NameOf(kTransition), returned, "it returns whether the transition is complete");
   }

@@ -48,7 +48,7 @@ struct FsmTransitions {
 };
 
 // What a machine's Python objects raise. Its text is that of musher._log.where().
-class Exceptions {
+class PythonErrors {
  public:
   // `function` of Python with one argument; throws std::runtime_error with the text of what it
   // raised.
@@ -72,7 +72,7 @@ class StateCalls {
   static constexpr std::size_t kHooks = 6;
 
   // `machine` owns the state.
-  StateCalls(const fsm::Machine& machine, std::shared_ptr<Exceptions> exceptions,
+  StateCalls(const fsm::Machine& machine, std::shared_ptr<PythonErrors> errors,
              const py::tuple& hooks);
 
   bool Has(Hook hook) const { return !hooks_[hook].is_none(); }
@@ -87,7 +87,7 @@ class StateCalls {
   fsm::Next ToNext(const py::object& returned) const;
 
   const fsm::Machine& machine_;
-  const std::shared_ptr<Exceptions> exceptions_;
+  const std::shared_ptr<PythonErrors> errors_;
   std::array<py::object, kHooks> hooks_;
 };
 
