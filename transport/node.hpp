@@ -4,10 +4,14 @@
 // "rr/" and without a leading '/': "chat" is ROS 2's /chat.
 //
 //   auto chat = MakePublisher<msg::String>(node, "chat");
-//   auto subscription = MakeSubscription<msg::String>(node, "chat", [](const msg::String& m)
-//   {...}); auto server = MakeServer<msg::Trigger>(node, "reset", [](auto& request, auto reply)
-//   {...}); auto client = MakeClient<msg::Trigger>(node, "reset"); client->Call({},
-//   Milliseconds(100), [](Result<msg::Trigger::Response> answer) {...});
+//   auto subscription = MakeSubscription<msg::String>(
+//       node, "chat", [](const msg::String& m, const SampleInfo&) { ... });
+//   auto server = MakeServer<msg::Trigger>(
+//       node, "reset", [](const auto& request, auto reply) { ... });
+//   auto client = MakeClient<msg::Trigger>(node, "reset");
+//   client.value()->Call({}, Milliseconds(100), [](auto answer) { ... });
+//
+// Each of them returns a Result with a handle, which ends what it stands for when it is dropped.
 //
 // Threads: the node's loop thread only, except where EventLoop permits others. Everything made from
 // a node must be dropped before the node. Several actuators of a process may share one node.

@@ -24,7 +24,7 @@ struct Progress {
   static constexpr const char* kFenced = "fenced";           // another controller leads now
   static constexpr const char* kAlone = "alone";      // the controller continues without launcher
   static constexpr const char* kStopped = "stopped";  // the machine is stopped
-  static constexpr const char* kMachine = "machine";  // no event: the machine as it is now
+  static constexpr const char* kMachine = "machine-status";  // no event: the machine now
 
   std::int64_t wall_ns = 0;
   std::string kind;  // one of the above, or a journal entry's

@@ -1,6 +1,6 @@
 #pragma once
 // What a controller commands an actuator: made by the controller's Step(), sent unchanged, and
-// judged by the actuator's Step().
+// checked by the actuator's Step().
 
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/ids.hpp"
