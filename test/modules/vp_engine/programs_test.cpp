@@ -198,4 +198,16 @@ TEST(VpConfig, ReportsAllErrorsAtOnce) {
   EXPECT_THAT(FormatDiagnostic(read.diagnostics[3]), HasSubstr("did you mean \"motion\"?"));
 }
 
+TEST(VpConfig, RecordsAndLetsGroot2HoldNodesOnRequestOnly) {
+  const VpReading bare = ReadVpText("", "v.toml");
+  EXPECT_EQ(bare.config.value().record, "");
+  EXPECT_FALSE(bare.config.value().groot2_hooks);
+  const VpReading read =
+      ReadVpText("groot2_hooks = true\nrecord = \"v.tree\"\nrecord_mib = 2\n", "v.toml");
+  EXPECT_TRUE(read.config.value().groot2_hooks);
+  EXPECT_EQ(read.config.value().record, "v.tree");
+  EXPECT_EQ(read.config.value().record_mib, 2U);
+  EXPECT_FALSE(ReadVpText("record_mib = 0\n", "v.toml").config);
+}
+
 }  // namespace musher::vp_engine::programs_test
