@@ -465,4 +465,3 @@ def _end() -> None:
 
 if TYPE_CHECKING:
     from musher._action import ActionClient, ActionServer, ServerGoal
-

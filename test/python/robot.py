@@ -114,5 +114,3 @@ def run_python(program: str, **more: str) -> "subprocess.CompletedProcess[str]":
     """Runs a program of its own to its end."""
     return subprocess.run([sys.executable, "-X", "faulthandler", "-c", "import musher\n" + program],
                           capture_output=True, text=True, timeout=DEADLINE_S, check=False, env={**os.environ, **more})
-
-

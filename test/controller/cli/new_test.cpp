@@ -73,8 +73,9 @@ class MakeProjectTest : public ::testing::Test {
 TEST_F(MakeProjectTest, ReplacesEachSpellingOfTheName) {
   const auto files = Make({"module", "cpp"}, "LeftArm", folder_ / "arm");
   ASSERT_TRUE(files) << files.error().message;
-  EXPECT_THAT(files.value(), ElementsAre(".gitignore", "CMakeLists.txt", "README.md", "left_arm.cpp",
-                                         "left_arm.hpp", "left_arm_test.cpp", "robot.toml"));
+  EXPECT_THAT(files.value(),
+              ElementsAre(".gitignore", "CMakeLists.txt", "README.md", "left_arm.cpp",
+                          "left_arm.hpp", "left_arm_test.cpp", "robot.toml"));
   for (const std::string& file : files.value()) {
     if (file == ".gitignore") continue;
     const std::string text = ReadFile(folder_ / ("arm/" + file));
@@ -161,8 +162,9 @@ TEST_F(NewCommand, IsOneJsonDocument) {
   const Ran ran = RunProgram({"--json", "new", "robot", "rover", "--folder", folder_ / "rover/"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"kind":"robot","language":"","name":"rover",")"));
-  EXPECT_THAT(ran.out,
-              HasSubstr(R"("files":[".gitignore","README.md","base.toml","lights.toml","robot.toml"])"));
+  EXPECT_THAT(
+      ran.out,
+      HasSubstr(R"("files":[".gitignore","README.md","base.toml","lights.toml","robot.toml"])"));
 }
 
 }  // namespace musher::cli::new_test
