@@ -1,4 +1,4 @@
-"""The benchmarks in Python still work; what they measure is not judged here."""
+"""The benchmarks in Python still work; what they measure is not checked here."""
 
 import os
 import subprocess
