@@ -90,9 +90,10 @@ TEST_F(MakeProjectTest, MakesAProjectInPython) {
   for (const char* kind : {"module", "app"}) {
     const auto files = Make({kind, "python"}, "LeftArm", folder_ / kind);
     ASSERT_TRUE(files) << files.error().message;
-    EXPECT_THAT(files.value(), ::testing::IsSupersetOf(
-                                   {"README.md", "left_arm.py", "left_arm_test.py", "robot.toml"}));
+    EXPECT_THAT(files.value(), ::testing::IsSupersetOf({".gitignore", "README.md", "left_arm.py",
+                                                        "left_arm_test.py", "robot.toml"}));
     for (const std::string& file : files.value()) {
+      if (file == ".gitignore") continue;
       const std::string text = ReadFile(folder_ / kind + "/" + file);
       EXPECT_THAT(text, ::testing::AnyOf(HasSubstr("left_arm"), HasSubstr("LeftArm"))) << file;
       EXPECT_THAT(text, Not(HasSubstr("new_python"))) << file;
