@@ -1,8 +1,8 @@
 #pragma once
 // Asks a running musher-view of this host for a link with which a person may log in.
 //
-// Threads: any; waits up to three seconds. Errors: a sentence; kCodeNetError if no process answers as
-// musher-view does.
+// Threads: any; waits up to three seconds. Errors: a sentence; kCodeNetError if no process answers
+// as musher-view does.
 
 #include <cstdint>
 #include <string>
