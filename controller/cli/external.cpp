@@ -53,10 +53,10 @@ ExitCode RunPlay(const ExternalOptions& options, const GlobalOptions& global, Co
   return Run("musher-record", {"play"}, options, global, console);
 }
 
-using RunProgram = ExitCode (*)(const ExternalOptions&, const GlobalOptions&, Console&);
+using ExternalCommand = ExitCode (*)(const ExternalOptions&, const GlobalOptions&, Console&);
 
 void AddProgram(Grammar& grammar, const std::string& name, const std::string& what,
-                RunProgram run) {
+                ExternalCommand run) {
   auto added = grammar.Add<ExternalOptions>(name, what, run);
   CLI::App* app = &added.app;
   ExternalOptions* options = &added.options;
