@@ -199,7 +199,7 @@ void FaultRun::CheckSwitches() {
   for (const nlohmann::json& line : robot.Lines()) {
     const std::string message = line.value("message", "");
     if (message.find("releases control") != std::string::npos) ++controller;
-    if (message.find("are set up") != std::string::npos) ++controller;
+    if (message.ends_with(" set up")) ++controller;
     std::smatch match;
     if (std::regex_search(message, match, end)) ++ends[{controller, match[1]}];
   }

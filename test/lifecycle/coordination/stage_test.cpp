@@ -175,7 +175,7 @@ TEST_F(Stages, ARecordAboutTheMachineHasItsNewState) {
   config_.actuators[1].stage = 2;
   Begin();
   Come(0);
-  EXPECT_EQ(RecordWith("actuators are set up").state, "SetUp");
+  EXPECT_EQ(RecordWith("1 actuator is set up").state, "SetUp");
   Obey(0);
   EXPECT_EQ(RecordWith("switch 1 is done").state, "SelfCheck");
   EXPECT_EQ(RecordWith("a: SelfCheck done").state, "");

@@ -188,7 +188,10 @@ TEST_F(ControllerProcess, StandsAtAnEmergencyStop) {
   ASSERT_TRUE(stop->Publish(engaged));
   EXPECT_TRUE(AwaitStand());
   EXPECT_EQ(robot_.zeros(), 1);
-  EXPECT_THAT(peer_.Output(), HasSubstr("the drive has ended: an emergency stop holds it"));
+  EXPECT_TRUE(peer_.Until([&] {
+    return peer_.Output().find("the drive has ended: an emergency stop holds it") !=
+           std::string::npos;
+  })) << peer_.Output();
 }
 
 TEST_F(ControllerProcess, FailsItsSelfCheckWithoutOdometry) {
