@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -24,16 +26,24 @@ std::uint64_t WallUs() {
       std::chrono::duration_cast<std::chrono::microseconds>(now).count());
 }
 
+// Whether a recording has more than the line with which each begins: a run in which no tree was
+// loaded replaces no recording of a crash.
+bool HasTree(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  return std::getline(file, line) && std::getline(file, line);
+}
+
 }  // namespace
 
 // Of the thread, but for the atomics.
 struct TreeRecording::File {
   explicit File(std::string of) : path(std::move(of)) {}
 
-  // The file that is there is kept once.
+  // The file that is there is kept once, if it has a tree.
   bool Open() {
     std::error_code none;
-    if (std::filesystem::is_regular_file(path, none)) {
+    if (std::filesystem::is_regular_file(path, none) && HasTree(path)) {
       std::filesystem::rename(path, path + ".before", none);
     }
     fd = UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));

@@ -6,7 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "musher/base/files.hpp"
 #include "musher/base/toml/file.hpp"
@@ -86,6 +89,11 @@ class TreeReplay {
 
  private:
   ExitCode Export(const tree::RecordedTree& tree) {
+    std::error_code none;  // there is no such file
+    if (std::filesystem::equivalent(options_.btlog, recording_.file, none)) {
+      return console_.Fail(
+          Error{kCodeParametersInvalid, "--btlog: " + options_.btlog + " is the recording itself"});
+    }
     const Result<std::string> log = tree::WriteBtlog(tree);
     if (!log) return console_.Fail(log.error());
     const Result<> saved = ReplaceFile(options_.btlog, log.value(), {.synced = false});
@@ -224,6 +232,9 @@ class TreeReplay {
 
 ExitCode ReplayTree(const TreeReplayOptions& options, const GlobalOptions& /*global*/,
                     Console& console) {
+  if (!std::isfinite(options.at_s.value_or(0)) || !std::isfinite(options.speed.value_or(1))) {
+    return console.Fail(Error{kCodeParametersInvalid, "--at and --speed are finite numbers"});
+  }
   const Result<std::string> text = config_toml::ReadTextFile(options.file, kMostRecordingBytes);
   if (!text) {
     return console.Fail(Error{kCodeParametersInvalid, options.file + ": " + text.error().message});

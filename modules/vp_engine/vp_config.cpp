@@ -48,7 +48,7 @@ VpConfig Read(const Table& table, const std::string& path, Findings& findings) {
   if (const auto address = root.String("groot2_address")) config.groot2_address = address->text;
   config.groot2_hooks = root.Bool("groot2_hooks").value_or(false);
   if (const auto record = root.String("record")) config.record = record->text;
-  config.record_mib = static_cast<std::size_t>(root.Integer("record_mib", 1, 1024).value_or(16));
+  config.record_mib = static_cast<std::size_t>(root.Integer("record_mib", 1, 256).value_or(16));
   if (const Table* calls = root.SubTable("services")) {
     TableReader reader(*calls, root.At("services"), "services", findings);
     ReadCall(reader, "speech", config.speech, config.speech_time);

@@ -232,16 +232,18 @@ class FsmActuator(Actuator):
             return
         machine = self.machine
         self._in_tick = True
-        well = self._guard_tick("before_tick", self.before_tick)
-        if self._ticking:
-            machine._native.run_once(item.token)
-        if not well:
-            self._go_safe()  # also when the tick has just left it
-        self._guard_tick("after_tick", self.after_tick)
-        self._in_tick = False
-        self._publish()
-        if not machine.running:
-            self._ended()
+        try:
+            well = self._guard_tick("before_tick", self.before_tick)
+            if self._ticking:
+                machine._native.run_once(item.token)
+            if not well:
+                self._go_safe()  # also when the tick has just left it
+            self._guard_tick("after_tick", self.after_tick)
+        finally:  # also after sys.exit() in a state
+            self._in_tick = False
+            self._publish()
+            if not machine.running:
+                self._ended()
 
     def _ended(self) -> None:
         """The machine stopped: by a fault, or by the application."""

@@ -415,23 +415,28 @@ class _Delivery:
             self._mailbox.wake(self._JOBS, first)
 
     def run(self) -> None:
-        while True:
-            try:
-                item = self._mailbox.pop(None)
-            except StopIteration:
-                break
-            if item is None:
-                continue
-            self.watch(True)
-            try:
-                self._handlers[item.key](item)
-            except Exception:
-                self._log.exception("a handler raised an exception")
+        try:
+            while True:
+                try:
+                    item = self._mailbox.pop(None)
+                except StopIteration:
+                    break
+                if item is not None:
+                    self._handle(item)
+        finally:
+            with self._lock:
+                self._ended = True
+                for job in self._jobs:
+                    job.abandon()
+
+    def _handle(self, item: _native.Item) -> None:
+        self.watch(True)
+        try:
+            self._handlers[item.key](item)
+        except BaseException:  # also sys.exit(): without this thread no emergency stop would be handled
+            self._log.exception("a handler raised an exception")
+        finally:
             self.watch(False)
-        with self._lock:
-            self._ended = True
-            for job in self._jobs:
-                job.abandon()
 
     def _run_job(self, item: _native.Item) -> None:
         with self._lock:

@@ -120,9 +120,17 @@ TEST_F(ARecording, IsBoundedAndTheLastFilesAreReadableAlone) {
 
 TEST_F(ARecording, KeepsTheFileOfTheRunBefore) {
   std::filesystem::create_directories(folder_ / "new");
-  std::ofstream(file_) << "the run before";
+  std::ofstream(file_) << "the run before\nits tree\n";
   Open().reset();
-  EXPECT_EQ(TextOf(file_ + ".before"), "the run before");
+  EXPECT_EQ(TextOf(file_ + ".before"), "the run before\nits tree\n");
+}
+
+TEST_F(ARecording, OfARunWithoutATreeReplacesNone) {
+  std::filesystem::create_directories(folder_ / "new");
+  std::ofstream(file_ + ".before") << "the crash\nits tree\n";
+  std::ofstream(file_) << "a run without a tree\n";
+  Open();
+  EXPECT_EQ(TextOf(file_ + ".before"), "the crash\nits tree\n");
 }
 
 TEST_F(ARecording, OfATreeThatDoesNotFitIsNotWrittenAndIsLogged) {

@@ -70,7 +70,7 @@ class Commands(WithFolder):
         os.mkdir(self.robot)
         self.addCleanup(self.type, "musher down || true")
         printed = "".join(self.type(block) for block in blocks(OWN_PROJECT, None))
-        self.assertIn("module left_arm in left_arm: README.md, left_arm.py, left_arm_test.py, robot.toml", printed)
+        self.assertIn("module left_arm in left_arm: .gitignore, README.md, left_arm.py, left_arm_test.py, robot.toml", printed)
         self.assertTrue(os.path.exists(os.path.join(self.robot, "left_arm/left_arm.py")))
 
 

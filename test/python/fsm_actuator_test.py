@@ -174,6 +174,16 @@ class Applications(WithRobot):
         self.assertRegex(self.behavior("show")["last_fault"], r"^PLAY: Run: ValueError: no music \(show\.py:\d+\)$")
         self.assertIn("Traceback (most recent call last)", self.robot.log("show"))
 
+    def test_a_state_that_exits_leads_to_the_safe_state_and_an_emergency_stop_is_still_handled(self):
+        self.show("def in_scene(self, name, tick):\n    if name == 'PLAY': raise SystemExit(3)\n"
+                  "def on_pause(self): self.log.info('outputs off')")
+        states = self.states_of("show")
+        self.await_state(states, "GREET")
+        self.assertEqual(self.robot.run("behavior", "show", "--send", "next").returncode, 0)
+        self.await_state(states, "STOP")
+        self.assertEqual(self.machine.estop("a test", timeout_s=DEADLINE_S), ["show"])
+        self.assertIn("outputs off", self.robot.log("show"))
+
     def test_without_a_safe_state_the_process_ends_and_is_restarted(self):
         self.show("safe = False\ndef in_scene(self, name, tick):\n    if name == 'PLAY': raise ValueError('no music')")
         self.await_state(self.states_of("show"), "GREET")

@@ -35,7 +35,7 @@ class MissionReader {
         static_cast<std::uint16_t>(root.Integer("groot2_port", 0, 65534).value_or(0));
     config_.groot2_hooks = root.Bool("groot2_hooks").value_or(false);
     if (const auto record = root.String("record")) config_.record = record->text;
-    config_.record_mib = static_cast<std::size_t>(root.Integer("record_mib", 1, 1024).value_or(16));
+    config_.record_mib = static_cast<std::size_t>(root.Integer("record_mib", 1, 256).value_or(16));
     Topic(root, "segment_topic", config_.segment_topic);
     Topic(root, "mf_action_topic", config_.action_topic);
     Topic(root, "buffer_service", config_.buffer_service);

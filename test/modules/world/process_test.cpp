@@ -222,6 +222,9 @@ TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
                                 *node_, "dog1/world/speech_text",
                                 [&](const msg::String& text, const auto&) { spoken = text.data; })
                                 .value();
+  const auto actuator = transport::MakePublisher<msg::ActuatorStatus>(
+      *node_, "dog1/musher/actuator_status", transport::kLatchedQos);
+  ASSERT_TRUE(actuator);
   EXPECT_TRUE(sent({"say", "good", "dog"}));
   EXPECT_TRUE(Until([&] { return spoken == "good dog"; }));
   EXPECT_TRUE(sent({"cable", "in"}));
