@@ -43,7 +43,7 @@ class Session {
   Session(std::function<TreeView()> view, const tree::Factory& factory, Options options);
 
   Parts Reply(const Parts& request);
-  // No client is there any more: nobody could release a node.
+  // The last client is gone: no node stays held, as no client could release it.
   void Forget();
 
  private:

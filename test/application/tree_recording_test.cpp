@@ -158,7 +158,7 @@ TEST_F(ARecording, ThatCannotBeOpenedNamesTheFile) {
               HasSubstr("the recording /proc/none/show.tree cannot be written to: No such file"));
 }
 
-// A pipe that nobody reads is a disk that hangs.
+// A pipe without a reader blocks like a disk that hangs.
 TEST_F(ARecording, OfADiskThatHangsDelaysNoTickAndSaysWhatIsMissing) {
   file_ = folder_ / "pipe";
   ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
