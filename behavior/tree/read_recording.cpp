@@ -36,7 +36,7 @@ class TreeReading {
   }
 
   Recording Read() && {
-    if (!NextLine() || !line_text_.starts_with(kRecordingFormat)) {
+    if (!NextLine() || !line_text_.starts_with(std::string(kRecordingFormat) + " ")) {
       RecordingLine(line_text_, recording_.file, 1)
           .Fail("the recording of a tree begins with \"" + std::string(kRecordingFormat) +
                 "\" and the name of an actuator");

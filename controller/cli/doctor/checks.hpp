@@ -5,6 +5,7 @@
 // Pure; threads: any.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "musher/controller/cli/doctor/facts.hpp"
@@ -19,6 +20,13 @@ struct DoctorCheck {
   std::string reason = {};
   std::string fix = {};  // a command, or what to change; empty: nothing to do
 };
+
+// The check, which cannot be done here, and why.
+inline DoctorCheck NotApplicable(DoctorCheck check, std::string reason) {
+  check.health = CheckStatus::kNotApplicable;
+  check.reason = std::move(reason);
+  return check;
+}
 
 // All checks, in a fixed order.
 std::vector<DoctorCheck> Diagnose(const DoctorFacts& facts);

@@ -42,11 +42,7 @@ DoctorCheck CheckClock(const DoctorFacts& facts) {
     return check;
   }
   const bool several_hosts = facts.profile == TransportProfile::kLan || !facts.keys.empty();
-  if (!clock.error.empty()) {
-    check.health = kNotApplicable;
-    check.reason = clock.error;
-    return check;
-  }
+  if (!clock.error.empty()) return NotApplicable(check, clock.error);
   check.reason =
       fmt::format("{} (error at most {} ms, clock source {})",
                   clock.synchronised ? "synchronised" : "not synchronised",
@@ -132,11 +128,7 @@ DoctorCheck CheckRealTime(const DoctorFacts& facts) {
 DoctorCheck CheckCoreDumps(const DoctorFacts& facts) {
   DoctorCheck check{"core dumps"};
   const CoreFacts& core = facts.core;
-  if (core.pattern.empty()) {
-    check.health = kNotApplicable;
-    check.reason = "kernel.core_pattern is not readable here";
-    return check;
-  }
+  if (core.pattern.empty()) return NotApplicable(check, "kernel.core_pattern is not readable here");
   const bool piped = core.pattern.starts_with('|');
   const std::string where =
       piped ? "to the program " + core.pattern.substr(1, core.pattern.find(' ') - 1)

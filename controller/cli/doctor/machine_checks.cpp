@@ -18,11 +18,9 @@ constexpr unsigned int kGroupAndOthers = 077;  // permissions of the group and o
 
 DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
   DoctorCheck check{"keys"};
-  if (!facts.config || facts.config->keys.empty()) {
-    check.health = kNotApplicable;
-    check.reason = facts.config ? "the config has no [security]" : "no config was given";
-    return check;
-  }
+  if (!facts.config || facts.config->keys.empty())
+    return NotApplicable(check,
+                         facts.config ? "the config has no [security]" : "no config was given");
   const auto command = [&](const std::string& identity) {
     return fmt::format("musher keys add {} --force --keys '{}'", identity, facts.config->keys);
   };
@@ -58,11 +56,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
 
 DoctorCheck CheckCommands(const DoctorFacts& facts) {
   DoctorCheck check{"programs"};
-  if (!facts.config) {
-    check.health = kNotApplicable;
-    check.reason = "no config was given";
-    return check;
-  }
+  if (!facts.config) return NotApplicable(check, "no config was given");
   if (facts.programs.empty()) {
     const auto started =
         std::count_if(facts.config->actuators.begin(), facts.config->actuators.end(),
@@ -82,11 +76,7 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
 
 DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
   DoctorCheck check{"machine"};
-  if (!facts.controllers_error.empty()) {
-    check.health = kNotApplicable;
-    check.reason = facts.controllers_error;
-    return check;
-  }
+  if (!facts.controllers_error.empty()) return NotApplicable(check, facts.controllers_error);
   if (facts.controllers.empty()) {
     check.reason =
         fmt::format("none runs in {} of domain {}", NamespaceText(facts.name_space), facts.domain);

@@ -110,11 +110,7 @@ DoctorCheck CheckCycloneUri(const DoctorFacts& facts) {
 
 DoctorCheck CheckInterfaces(const DoctorFacts& facts) {
   DoctorCheck check{"network interface"};
-  if (HasOwnSettings(facts)) {
-    check.health = kNotApplicable;
-    check.reason = "CYCLONEDDS_URI chooses it";
-    return check;
-  }
+  if (HasOwnSettings(facts)) return NotApplicable(check, "CYCLONEDDS_URI chooses it");
   const bool lan = facts.profile == TransportProfile::kLan;
   const auto fits = [lan](const NetworkInterface& one) {
     return one.loopback != lan && !one.addresses.empty();
@@ -146,11 +142,8 @@ DoctorCheck CheckInterfaces(const DoctorFacts& facts) {
 
 DoctorCheck CheckExchange(const DoctorFacts& facts) {
   DoctorCheck check{"DDS exchange"};
-  if (!facts.domain_error.empty() || !facts.profile_error.empty()) {
-    check.health = kNotApplicable;
-    check.reason = "not tried: the DDS environment is not valid";
-    return check;
-  }
+  if (!facts.domain_error.empty() || !facts.profile_error.empty())
+    return NotApplicable(check, "not tried: the DDS environment is not valid");
   if (!facts.dds.error.empty()) {
     check.health = kError;
     check.reason = facts.dds.error;
@@ -174,11 +167,7 @@ DoctorCheck CheckExchange(const DoctorFacts& facts) {
 DoctorCheck CheckBuffer(const char* key, const std::optional<std::int64_t>& found,
                         std::int64_t wanted, const char* loss) {
   DoctorCheck check{std::string("net.core.") + key};
-  if (!found) {
-    check.health = kNotApplicable;
-    check.reason = "not readable here, as in some containers";
-    return check;
-  }
+  if (!found) return NotApplicable(check, "not readable here, as in some containers");
   check.reason = fmt::format("{} bytes; the transport requests {}", *found, wanted);
   if (*found >= wanted) return check;
   check.health = kWarning;

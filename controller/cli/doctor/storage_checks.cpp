@@ -19,11 +19,7 @@ double Mib(std::int64_t bytes) {
 
 DoctorCheck CheckStateFolder(const DoctorFacts& facts) {
   DoctorCheck check{"state folder"};
-  if (!facts.state_dir) {
-    check.health = kNotApplicable;
-    check.reason = "no config was given";
-    return check;
-  }
+  if (!facts.state_dir) return NotApplicable(check, "no config was given");
   const FolderFacts& folder = *facts.state_dir;
   const bool exists = folder.path == folder.existing;
   check.health = kError;
@@ -46,11 +42,8 @@ DoctorCheck CheckStateFolder(const DoctorFacts& facts) {
 
 DoctorCheck CheckDisk(const DoctorFacts& facts) {
   DoctorCheck check{"disk"};
-  if (!facts.state_dir || !facts.state_dir->error.empty()) {
-    check.health = kNotApplicable;
-    check.reason = "no state folder to check";
-    return check;
-  }
+  if (!facts.state_dir || !facts.state_dir->error.empty())
+    return NotApplicable(check, "no state folder to check");
   const FolderFacts& folder = *facts.state_dir;
   const std::int64_t needed =
       facts.config ? facts.config->journal_size_bytes + facts.config->logs_size_bytes : 0;
@@ -83,11 +76,7 @@ DoctorCheck CheckDisk(const DoctorFacts& facts) {
 
 DoctorCheck CheckLock(const DoctorFacts& facts) {
   DoctorCheck check{"lock file"};
-  if (!facts.lock) {
-    check.health = kNotApplicable;
-    check.reason = "no state folder to check";
-    return check;
-  }
+  if (!facts.lock) return NotApplicable(check, "no state folder to check");
   const LockFacts& lock = *facts.lock;
   const std::string folder = lock.path.substr(0, lock.path.rfind('/'));
   if (!lock.belongs_to.empty()) {
@@ -109,11 +98,7 @@ DoctorCheck CheckLock(const DoctorFacts& facts) {
 // The disk of the state folder has a check of its own.
 DoctorCheck CheckLogs(const DoctorFacts& facts) {
   DoctorCheck check{"log folder"};
-  if (facts.log_dirs.empty()) {
-    check.health = kNotApplicable;
-    check.reason = "no state folder to check";
-    return check;
-  }
+  if (facts.log_dirs.empty()) return NotApplicable(check, "no state folder to check");
   for (const FolderFacts& folder : facts.log_dirs) {
     check.reason += (check.reason.empty() ? "" : "; ") + folder.path;
     const bool other_disk = !facts.state_dir || folder.device != facts.state_dir->device;

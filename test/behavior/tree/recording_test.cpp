@@ -168,6 +168,8 @@ TEST_F(Recorded, ThatIsCutAnywhereIsReadUpToThere) {
 TEST_F(Recorded, ThatIsDamagedOrForeignIsRefusedWithThePlace) {
   Run();
   EXPECT_THAT(Refused(""), StartsWith("p.tree:1:1: error: the recording of a tree begins with"));
+  EXPECT_THAT(Refused("musher-tree-recording 12 show\n"),
+              StartsWith("p.tree:1:1: error: the recording of a tree begins with"));
   EXPECT_THAT(Refused("musher-fsm-recording 1 show\n"), StartsWith("p.tree:1:1: error: "));
   EXPECT_THAT(Refused(text.substr(0, 30)), StartsWith("p.tree:1:1: error: "));
   std::string flipped = text;
