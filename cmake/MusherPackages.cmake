@@ -10,7 +10,7 @@
 #   python     python3-musher  the Python package
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Musher")
-# .invalid never exists (RFC 2606): who distributes packages names an address that is read.
+# .invalid never exists (RFC 2606): a distributor of packages sets an address that is read.
 set(MUSHER_PACKAGE_CONTACT "Musher developers <noreply@musher.invalid>" CACHE STRING
     "Maintainer of the Debian packages, as Name <address>")
 set(CPACK_PACKAGE_CONTACT "${MUSHER_PACKAGE_CONTACT}")
