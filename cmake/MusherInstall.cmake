@@ -61,9 +61,14 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/robot DESTINATION ${CMAKE_INSTA
         COMPONENT core)
 install(FILES ${PROJECT_SOURCE_DIR}/examples/robot.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples
         COMPONENT core)
-# The templates of `musher new`.
+# The templates of `musher new`: those in Python come with the Python package, which runs them.
 file(GLOB templates CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/examples/new_*)
+set(python_templates ${templates})
+list(FILTER python_templates INCLUDE REGEX "/new_python_[a-z]+$")
+list(FILTER templates EXCLUDE REGEX "/new_python_[a-z]+$")
 install(DIRECTORY ${templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT core
+        USE_SOURCE_PERMISSIONS)
+install(DIRECTORY ${python_templates} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/examples COMPONENT python
         USE_SOURCE_PERMISSIONS PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS PATTERN "examples/CMakeLists.txt" EXCLUDE PATTERN "examples/new_*" EXCLUDE

@@ -240,9 +240,9 @@ Result<std::vector<std::string>> MakeProject(const fs::path& templates, const Pr
     if (!written) return written.error();
   }
   if (error || files.empty()) {
-    return Error{kCodeFailed, "the template " + from.string() +
-                                  " cannot be read; install Musher "
-                                  "again"};
+    return Error{kCodeFailed,
+                 "the template " + from.string() + " cannot be read; install " +
+                     (project.python() ? "the package python3-musher" : "Musher again")};
   }
   fs::rename(draft.path(), folder, error);
   if (error) return FileError("make", folder, error);

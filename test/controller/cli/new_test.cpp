@@ -122,8 +122,16 @@ TEST_F(MakeProjectTest, LeavesNothingBehindOnAFailure) {
   const auto made = MakeProject(folder_ / "no_templates", module,
                                 ProjectName::From("arm", module).value(), folder_ / "arm");
   ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().message, HasSubstr("cannot be read"));
+  EXPECT_THAT(made.error().message, HasSubstr("cannot be read; install Musher again"));
   EXPECT_THAT(Contents(), IsEmpty());
+}
+
+TEST_F(MakeProjectTest, WithoutThePythonPackageSaysWhatToInstall) {
+  const Project module{"module", "python"};
+  const auto made = MakeProject(folder_ / "no_templates", module,
+                                ProjectName::From("arm", module).value(), folder_ / "arm");
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message, HasSubstr("install the package python3-musher"));
 }
 
 class NewCommand : public MakeProjectTest {};
