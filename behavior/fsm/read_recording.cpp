@@ -29,8 +29,7 @@ constexpr Verb kVerbs[] = {
 };
 
 std::string ReadHeader(RecordingLine& line) {
-  const std::string_view format = line.rest();
-  if (!format.starts_with(kRecordingFormat)) {
+  if (!line.rest().starts_with(std::string(kRecordingFormat) + " ")) {
     line.Fail("a recording begins with \"" + std::string(kRecordingFormat) + "\" and a machine");
   }
   line.Word();

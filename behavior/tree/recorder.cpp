@@ -105,7 +105,8 @@ void Recorder::Note(const State& state) {
   if (more) FindEntries();
   WriteEntries(more);
   const State before = std::exchange(state_, state);
-  if (state.ticking != before.ticking || state.result != before.result) WriteState();
+  const bool due = state.ticking && last_ >= state_at_ + kStatePeriod;
+  if (due || state.ticking != before.ticking || state.result != before.result) WriteState();
   if (state.fault == before.fault) return;
   std::string line = "fault";
   AppendTime(line, last_);
@@ -172,6 +173,7 @@ void Recorder::WriteEntries(bool all) {
 }
 
 void Recorder::WriteState() {
+  state_at_ = last_;
   std::string line = "state";
   AppendTime(line, last_);
   AppendWord(line, state_.ticking ? "ticking" : "paused");

@@ -11,7 +11,8 @@
 //   set 0 "" goal_m double 5                    an entry: board ("": the main one), key, type, value
 //   change 0.02 1 IDLE RUNNING                  tree time, id, from, to; a reset to IDLE, too
 //   state 0.02 ticking RUNNING 1772366405000000 or paused; the result of the root, and the wall time
-//                                               in µs
+//                                               in µs; each second while it ticks, so that the
+//                                               recording of a crash shows what lasted until then
 //   fault 1.5 "Patrol/there: it is stuck"
 //   lost 1.5 20                                 so many lines are missing; the tree begins again
 // clang-format on
@@ -42,6 +43,7 @@ std::optional<std::string_view> WithoutChecksum(std::string_view line);
 class Recorder : public ChangeListener {
  public:
   static constexpr std::size_t kMostValue = 500;  // bytes
+  static constexpr Duration kStatePeriod = std::chrono::seconds(1);
 
   // Takes complete lines.
   using Sink = std::function<void(std::string_view lines)>;
@@ -97,6 +99,7 @@ class Recorder : public ChangeListener {
   std::size_t keys_ = 0;  // of all boards, when entries_ were found
   std::vector<Watched> entries_;
   State state_;
+  Duration state_at_{};  // when it was written
   Duration last_{};
 };
 

@@ -30,9 +30,12 @@ constexpr const char* kRest = R"(<root BTCPP_format="4" main_tree_to_execute="Ma
 
 struct Recorded : testing::Test, Logged {
   Recorded() {
-    document = ReadTree(kRest, "t.xml").document;
-    tree = Build(document, factory).tree;
     recorder->Head("patrol");
+    Begin(kRest);
+  }
+  void Begin(const char* xml) {
+    document = ReadTree(xml, "t.xml").document;
+    tree = Build(document, factory).tree;
     recorder->Begin({.tree = tree.get(),
                      .document = &document,
                      .factory = &factory,
@@ -106,6 +109,17 @@ TEST_F(Recorded, HasTheTreeItsChangesAndItsEntries) {
                           HasSubstr("\nchange 0.1 1 RUNNING SUCCESS #"),
                           HasSubstr("\nchange 0.3 1 SUCCESS IDLE #"),
                           HasSubstr("\nstate 0 ticking RUNNING 1772366405000000 #")));
+}
+
+TEST_F(Recorded, ShowsHowLongANodeRanUntilACrash) {
+  text.clear();
+  recorder->Head("patrol");
+  Begin(R"(<root BTCPP_format="4"><BehaviorTree ID="Long">
+    <Say name="stuck" does="RRRRRRRRRRRRRRRRRRRRRRRRRRRRRRRR"/></BehaviorTree></root>)");
+  for (int i = 0; i < 26; ++i) TickOnce();
+  const Recording recording = Read();
+  ASSERT_EQ(recording.trees.size(), 1U);
+  EXPECT_EQ(recording.trees.front().End(), Milliseconds(2000));  // the last second, of 2.5 s
 }
 
 TEST_F(Recorded, IsPlayedAsTheTreeWas) {
