@@ -114,7 +114,7 @@ int Serve(const ViewOptions& options, const std::string& token) {
   live.name_space = options.name_space;
   live.token = token;
   live.logs = options.logs;
-  live.docs = options.docs.empty() ? FindDocs() : options.docs;
+  live.docs = [&options] { return options.docs.empty() ? FindDocs() : options.docs; };
   const auto server = LiveServer::Make(*node.value(), live);
   if (!server) {
     // Perhaps `musher up` has started one: then its link is what the person wants.

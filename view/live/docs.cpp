@@ -23,15 +23,15 @@ constexpr const char* kNotInstalled =
 
 }  // namespace
 
-Docs::Docs(const std::string& folder) {
-  if (!folder.empty()) folder_.emplace(folder, kPath);
-}
-
-std::optional<http::Response> Docs::Respond(const http::Request& request) const {
-  if (folder_) return folder_->Respond(request);
+std::optional<http::Response> Docs::Respond(const http::Request& request) {
   if (request.path != kPath && !request.path.starts_with(std::string(kPath) + "/")) {
     return std::nullopt;
   }
+  if (!folder_ && find_) {
+    const std::string folder = find_();
+    if (!folder.empty()) folder_.emplace(folder, kPath);
+  }
+  if (folder_) return folder_->Respond(request);
   http::Response response;
   response.status = 404;
   response.content_type = "text/html; charset=utf-8";

@@ -3,8 +3,10 @@
 // install of the component doc, puts beside the programs; without it a page that says so. It shows
 // nothing of the robot, so that no login is needed. Threads: one at a time.
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/view/http/folder.hpp"
 
@@ -12,13 +14,14 @@ namespace musher::view {
 
 class Docs {
  public:
-  // Empty: there is none.
-  explicit Docs(const std::string& folder);
+  // `find` gives its folder; empty: there is none yet. It is called again until there is one.
+  explicit Docs(std::function<std::string()> find) : find_(std::move(find)) {}
 
   // nullopt: not a path of the documentation.
-  std::optional<http::Response> Respond(const http::Request& request) const;
+  std::optional<http::Response> Respond(const http::Request& request);
 
  private:
+  const std::function<std::string()> find_;
   std::optional<http::Folder> folder_;
 };
 

@@ -42,7 +42,7 @@ class LiveServer {
     bool with_keys = false;  // the machine has [security]
     std::string token;       // of ReadOrMakeToken()
     std::string logs;        // folder of the actuators' logs; empty: as the machine's config says
-    std::string docs;        // folder of the documentation; empty: none
+    std::function<std::string()> docs;  // see Docs; empty: none
   };
 
   // Fails if DDS or the address cannot be used. The node must outlive it.
@@ -92,7 +92,7 @@ class LiveServer {
   transport::Node& node_;
   const Options options_;
   http::Login login_;
-  const Docs docs_;
+  Docs docs_;
   TopicTable table_;
   CameraView cameras_;
   WatchedTopics watched_;

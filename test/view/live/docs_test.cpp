@@ -19,7 +19,7 @@ http::Request RequestOf(const std::string& path) {
 }
 
 TEST(Docs, WithoutAnInstalledFolderSayWhichPackageHasThem) {
-  const Docs docs("");
+  Docs docs([] { return ""; });
   for (const char* path : {"/docs", "/docs/", "/docs/guide.html"}) {
     const auto response = docs.Respond(RequestOf(path));
     ASSERT_TRUE(response.has_value()) << path;
@@ -34,10 +34,20 @@ TEST(Docs, WithoutAnInstalledFolderSayWhichPackageHasThem) {
 TEST(Docs, AreTheFilesOfTheInstalledFolder) {
   const TempFolder folder;
   std::ofstream(folder / "index.html") << "front";
-  const Docs docs(folder.path());
+  Docs docs([&] { return folder.path(); });
   EXPECT_EQ(*docs.Respond(RequestOf("/docs/"))->body, "front");
   EXPECT_EQ(docs.Respond(RequestOf("/docs/guide.html"))->status, 404u);
   EXPECT_FALSE(docs.Respond(RequestOf("/api/history")).has_value());
+}
+
+TEST(Docs, AreThereAsSoonAsTheyAreInstalled) {
+  const TempFolder folder;
+  std::string installed;
+  Docs docs([&] { return installed; });
+  EXPECT_EQ(docs.Respond(RequestOf("/docs/"))->status, 404u);
+  std::ofstream(folder / "index.html") << "front";
+  installed = folder.path();
+  EXPECT_EQ(*docs.Respond(RequestOf("/docs/"))->body, "front");
 }
 
 }  // namespace musher::view::docs_test
