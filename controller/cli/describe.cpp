@@ -11,6 +11,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/base/suggest.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_places.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
@@ -241,23 +242,30 @@ Failure NoSuchOne(const std::string& name, const std::vector<std::string>& names
   return {ExitCode::kUsage, {kCodeParametersInvalid, NoSuch("actuator", name, names)}};
 }
 
-ExitCode Describe(const DescribeOptions& options, const GlobalOptions& global, Console& console) {
+ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller,
+                  Console& console) {
   Description d;
   d.name = options.actuator;
   d.now_wall_ns = WallNow();
+  const FoundFiles found = FindMachineFiles(options.config, of_caller);
+  const auto* files = std::get_if<MachineFiles>(&found);
+  if (files == nullptr && !options.config.empty()) return console.Fail(std::get<Failure>(found));
+  GlobalOptions global = of_caller;
+  if (!options.config.empty()) global.name_space = files->config->name_space;
   const auto link = Link::Open(global);
   if (!link) return console.Fail(link.error());
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail(running.error());
   const auto answer = link.value()->Call<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
-  const FoundFiles found = FindMachineFiles(options.config, global);
-  const auto* files = std::get_if<MachineFiles>(&found);
-  if (files == nullptr && !options.config.empty()) return console.Fail(std::get<Failure>(found));
   std::optional<msg::MachineStatus> status;
   const auto* failure = std::get_if<Failure>(&answer);
   if (failure == nullptr) status = std::get<msg::GetStatus::Response>(answer).status;
   if (!status && files == nullptr) return console.Fail(*failure);
+  // The machine that leads the namespace may be another one than that of --config.
+  const std::string other =
+      status && !options.config.empty() && status->machine != files->name ? status->machine : "";
+  if (!other.empty()) status.reset();
 
   const std::vector<std::string> names = NamesOf(status, files);
   const bool known = std::find(names.begin(), names.end(), d.name) != names.end();
@@ -271,12 +279,15 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& global, C
                                    [&](const auto& actuator) { return actuator.name == d.name; });
     if (info != status->actuators.end()) d.info = *info;
   } else {
-    d.why_no_machine = failure->exit == ExitCode::kNoController
-                           ? "no controller leads " + files->name + " now"
-                           : failure->error.message;
+    d.why_no_machine =
+        !other.empty()
+            ? other + " leads " + NamespaceText(global.name_space) + ", not " + files->name
+        : failure->exit == ExitCode::kNoController ? "no controller leads " + files->name + " now"
+                                                   : failure->error.message;
   }
   // Files of this host belong to the machine only if its controller is here, too.
-  const bool files_of_it = files != nullptr && (!status || status->host == HostId());
+  const bool files_of_it =
+      files != nullptr && (!status || (status->host == HostId() && status->machine == files->name));
   if (files_of_it) {
     TakeFiles(*files, d);
   } else if (status) {
@@ -286,7 +297,8 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& global, C
     Questions(*link.value(), global, d).Ask(StatesToAsk(d));
   }
   const auto now = running.value()->Now();
-  if (const auto own = now.find(d.name); own != now.end()) d.status = own->second.status;
+  const auto own = now.find(d.name);
+  if (own != now.end() && other.empty()) d.status = own->second.status;
   TakeProcess(d.info ? d.info->host : d.status ? d.status->host : "", d);
   if (!d.why_no_machine.empty() && d.process) {
     d.why_no_machine += "; " + d.name + " runs without one";

@@ -9,7 +9,9 @@
 #include "musher/controller/cli/doctor/checks.hpp"
 #include "musher/controller/cli/doctor/read_facts.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
+#include "musher/controller/cli/machine_files.hpp"
 #include "musher/controller/cli/render/doctor.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::cli {
 namespace {
@@ -23,6 +25,7 @@ ExitCode Doctor(const DoctorOptions& options, const GlobalOptions& global, Conso
   if (!options.file.empty()) {
     config = LoadConfig(options.file, console);
     if (!config) return ExitCode::kUsage;
+    if (const auto domain = transport::DomainId({})) TakeStateDir(*config, domain.value());
   }
   const std::vector<DoctorCheck> checks = Diagnose(ReadFacts(std::move(config), global));
   console.Print(console.mode().json ? DoctorJson(checks)

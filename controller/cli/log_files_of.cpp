@@ -48,7 +48,7 @@ std::string WhyNoLog(const MachineFiles& files, const std::string& name, const s
            " gives it no `command`, so it prints where it was started, by hand or on another host";
   }
   return name + " has no log here: " + path + " does not exist; the controller creates it when " +
-         files.name + " is started on this host";
+         files.name + " is started on this host" + HiddenFilesNote();
 }
 
 Result<ReadLogs> ReadLog(const std::string& source, const std::string& path,

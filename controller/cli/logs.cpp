@@ -185,7 +185,7 @@ ExitCode Logs(const LogsOptions& options, const GlobalOptions& global, Console& 
     if (requested) return ExitCode::kNotDone;
     return console.Fail({ExitCode::kNotDone,
                          {kCodeFailed, "no logs in " + files.state_dir + ": " + files.name +
-                                           " was never started on this host"}});
+                                           " was never started on this host" + HiddenFilesNote()}});
   }
   ReportFiles(files, logs, missing, requested, console);
 

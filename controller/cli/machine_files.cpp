@@ -1,6 +1,7 @@
 #include "musher/controller/cli/machine_files.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,7 +12,6 @@
 #include "musher/base/host.hpp"
 #include "musher/base/toml/names.hpp"
 #include "musher/base/words.hpp"
-#include "musher/controller/storage/machine_origin.hpp"
 #include "musher/controller/storage/state_store.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -21,7 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::variant<MachineFiles, Failure> FromConfig(const std::string& file) {
+// StateDirectory= of musher@.service.
+constexpr const char* kServicePlace = "/var/lib/musher";
+
+fs::path UserPlace() {
+  return fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
+}
+
+// When a controller wrote there last.
+fs::file_time_type LastUse(const fs::path& state_dir) {
+  std::error_code error;
+  const auto time = fs::last_write_time(state_dir / "journal.sqlite", error);
+  return error ? fs::file_time_type::min() : time;
+}
+
+std::variant<MachineFiles, Failure> FromConfig(const std::string& file, int domain) {
   ConfigReading reading = ReadConfigFile(file);
   if (!reading.config) {
     const auto first = std::find_if(reading.diagnostics.begin(), reading.diagnostics.end(),
@@ -31,6 +45,7 @@ std::variant<MachineFiles, Failure> FromConfig(const std::string& file) {
         {kCodeParametersInvalid,
          first == reading.diagnostics.end() ? "can't read " + file : FormatDiagnostic(*first)}};
   }
+  TakeStateDir(*reading.config, domain);
   const std::string name = reading.config->name;
   const std::string state_dir = reading.config->state_dir;
   return MachineFiles{name, state_dir, fs::absolute(file), std::move(reading.config), false};
@@ -40,6 +55,7 @@ MachineFiles FromFolder(const std::string& state_dir, const MachineOrigin& origi
   MachineFiles files{origin.name, state_dir, origin.file, std::nullopt, false};
   if (fs::is_directory(origin.file)) return files;  // an upgrade root
   files.config = ReadConfigFile(origin.file).config;
+  if (files.config) TakeStateDir(*files.config, origin.domain);
   if (files.config && files.config->state_dir != state_dir) files.config.reset();
   return files;
 }
@@ -48,7 +64,7 @@ MachineFiles FromFolder(const std::string& state_dir, const MachineOrigin& origi
 std::optional<MachineFiles> InWorkingDirectory(const std::string& name_space, int domain) {
   std::error_code error;
   if (!fs::exists("robot.toml", error)) return std::nullopt;
-  auto files = FromConfig("robot.toml");
+  auto files = FromConfig("robot.toml", domain);
   auto* found = std::get_if<MachineFiles>(&files);
   if (found == nullptr || found->config->name_space != name_space) return std::nullopt;
   const auto origin = LoadOrigin(found->state_dir);
@@ -56,16 +72,18 @@ std::optional<MachineFiles> InWorkingDirectory(const std::string& name_space, in
   return std::move(*found);
 }
 
-// The folders below the default place of a machine of that namespace and domain; newest first.
+// The folders below the default places of a machine of that namespace and domain; newest first.
 std::vector<MachineFiles> Stopped(const std::string& name_space, int domain) {
-  const fs::path place = fs::path(config_toml::DefaultStateDir("any", "")).parent_path();
+  std::vector<fs::path> folders = EntriesOf(UserPlace());
+  if (UserPlace() != kServicePlace) {
+    const std::vector<fs::path> more = EntriesOf(fs::path(kServicePlace));
+    folders.insert(folders.end(), more.begin(), more.end());
+  }
   std::vector<std::pair<fs::file_time_type, MachineFiles>> found;
-  for (const fs::path& folder : EntriesOf(place)) {
+  for (const fs::path& folder : folders) {
     const auto origin = LoadOrigin(folder);
     if (!origin || origin->name_space != name_space || origin->domain != domain) continue;
-    std::error_code error;
-    const auto used = fs::last_write_time(folder / "journal.sqlite", error);
-    found.emplace_back(error ? fs::file_time_type::min() : used, FromFolder(folder, *origin));
+    found.emplace_back(LastUse(folder), FromFolder(folder, *origin));
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -81,17 +99,19 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
                                                      const GlobalOptions& global) {
   const auto domain = transport::DomainId({});
   if (!domain) return Failure{ExitCode::kUsage, domain.error()};
-  const pid_t leader =
-      NameLock::HolderOf(NameLock::NameOf(domain.value(), global.name_space, "musher/controller"))
-          .pid;
-  const std::string led_dir = leader == 0 ? "" : StateDirOfProcess(leader);
+  const auto led_in = [&domain](const std::string& name_space) {
+    const std::string lock = NameLock::NameOf(domain.value(), name_space, "musher/controller");
+    const pid_t leader = NameLock::HolderOf(lock).pid;
+    return leader == 0 ? "" : StateDirOfProcess(leader);
+  };
   if (!config.empty()) {
-    auto files = FromConfig(config);
+    auto files = FromConfig(config, domain.value());
     if (auto* found = std::get_if<MachineFiles>(&files)) {
-      found->led = !led_dir.empty() && found->state_dir == led_dir;
+      found->led = found->state_dir == led_in(found->config->name_space);
     }
     return files;
   }
+  const std::string led_dir = led_in(global.name_space);
   if (!led_dir.empty()) {
     if (const auto origin = LoadOrigin(led_dir)) {
       MachineFiles files = FromFolder(led_dir, *origin);
@@ -106,10 +126,35 @@ std::variant<MachineFiles, Failure> FindMachineFiles(const std::string& config,
       ExitCode::kNoController,
       {kCodeNetError,
        fmt::format("no machine in {} of DDS domain {} has files on this host: no "
-                   "controller leads here, and none has its state folder below {}; --config FILE "
+                   "controller leads here, and none has its state folder below {}{}; --config FILE "
                    "names the config of a machine, --namespace and --domain another one",
-                   NamespaceText(global.name_space), domain.value(),
-                   fs::path(config_toml::DefaultStateDir("any", "")).parent_path().string())}};
+                   NamespaceText(global.name_space), domain.value(), UserPlace().string(),
+                   HiddenFilesNote())}};
+}
+
+std::string StateDirOf(const MachineOrigin& machine, const std::string& by_user,
+                       const std::string& service_place) {
+  const fs::path by_service = fs::path(service_place) / fs::path(by_user).filename();
+  const auto origin = LoadOrigin(by_service);
+  if (!origin) return by_user;
+  MachineOrigin own = machine;
+  if (fs::is_directory(origin->file)) own.file = origin->file;  // an upgrade root
+  const bool newer = !LoadOrigin(by_user) || LastUse(by_service) > LastUse(by_user);
+  return newer && origin->IsOf(own, false) ? by_service.string() : by_user;
+}
+
+void TakeStateDir(MachineConfig& config, int domain) {
+  if (config.state_dir != config_toml::DefaultStateDir(config.name, config.name_space)) return;
+  config.state_dir = StateDirOf({config.name, config.name_space, domain, fs::absolute(config.file)},
+                                config.state_dir, kServicePlace);
+}
+
+std::string HiddenFilesNote() {
+  if (access(kServicePlace, F_OK) != 0 || access(kServicePlace, R_OK | X_OK) == 0) return "";
+  return fmt::format(
+      "; {}, with the files of robots that systemd starts, cannot be read by this "
+      "user: run it with sudo",
+      kServicePlace);
 }
 
 std::string LogPathOf(const MachineFiles& files, const std::string& actuator) {

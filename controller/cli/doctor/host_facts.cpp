@@ -103,6 +103,10 @@ std::string DescribeFolder(const std::string& path) {
   std::error_code error;
   fs::path existing = path;
   while (existing.has_relative_path() && !fs::exists(existing, error)) {
+    if (fs::is_symlink(existing, error)) {
+      return fmt::format("error {} is a link to {}, which does not exist", existing.string(),
+                         fs::read_symlink(existing, error).string());
+    }
     existing = existing.parent_path();
   }
   struct statfs disk {};

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 
 #include "musher/controller/cli/doctor/checks.hpp"
+#include "musher/controller/cli/doctor/host_facts.hpp"
 #include "musher/controller/cli/doctor/in_child.hpp"
 #include "musher/controller/cli/render/doctor.hpp"
 #include "musher/test/controller/cli/robot.hpp"
+#include "musher/test/support/temp_folder.hpp"
 
 namespace musher::cli::doctor_test {
 
@@ -339,6 +342,15 @@ TEST(DoctorText, HasTheFixBelowItsCheck) {
   EXPECT_EQ(DoctorJson({checks[0]}),
             R"({"result":"ok","checks":[{"check":"clock","result":"ok","reason":"synchronised",)"
             R"("fix":""}]})");
+}
+
+TEST(StateFolder, ThatIsADanglingLinkIsAnError) {
+  const TempFolder folder;
+  std::filesystem::create_symlink("/gone", folder / "state");
+  std::int64_t newest_file_s = 0;
+  const FolderFacts facts =
+      ReadFolder(folder / "state/robot", std::chrono::minutes(1), newest_file_s);
+  EXPECT_EQ(facts.error, (folder / "state") + " is a link to /gone, which does not exist");
 }
 
 TEST(InChild, ReturnsWhatTheFunctionReturns) {
