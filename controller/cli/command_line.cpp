@@ -1,5 +1,7 @@
 #include "musher/controller/cli/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <sstream>
@@ -51,17 +53,6 @@ interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
 MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 
-// Not CLI::Range, for which "nan" is in every range.
-CLI::Validator InSeconds() {
-  return {[](const std::string& text) {
-            double seconds = 0;
-            const bool good =
-                CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 1e6;
-            return good ? std::string() : text + " is not between 0.001 and 1000000 seconds";
-          },
-          ""};
-}
-
 bool IsNamespace(const std::string& text) {
   if (text.empty()) return true;
   bool at_begin = true;  // at the first character of a part between slashes
@@ -76,6 +67,15 @@ bool IsNamespace(const std::string& text) {
 }
 
 }  // namespace
+
+std::function<std::string(const std::string&)> Between(double least, double most,
+                                                       const std::string& unit) {
+  return [=](const std::string& text) {
+    double number = 0;
+    const bool good = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+    return good ? "" : fmt::format("{} is not between {} and {} {}", text, least, most, unit);
+  };
+}
 
 Grammar::Grammar() : app_(std::make_unique<CLI::App>(kDescription, "musher")) {
   app_->require_subcommand(1);
@@ -167,7 +167,7 @@ void Grammar::AddGlobalOptions() {
                               "Time to wait for the controller's answer;\n"
                               "default 60 for set, down and restart, else 5;\n"
                               "skill run: for the end of the skill, no default")
-                 ->check(InSeconds())
+                 ->check(Between(0.001, 1e6, "seconds"))
                  ->type_name("SECONDS");
   Offer(app_->add_option("--keys", global_.keys,
                          "Folder with the credentials of a machine with [security];\n"

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestName = 64;  // of an actuator
 
-// Words of C++ and Python, targets of CMake, and names that the templates use themselves.
+// Words and macros of C++, words of Python, targets of CMake, and names that the templates use
+// themselves.
 const std::set<std::string, std::less<>>& ReservedNames() {
   static const std::set<std::string, std::less<>> names = {
       "alignas",      "alignof",       "and",       "and_eq",    "as",
@@ -46,7 +47,10 @@ const std::set<std::string, std::less<>>& ReservedNames() {
       "preinstall",   "rebuild_cache", "test",      "build",     "main",
       "musher",       "std",           "fsm",       "testing",   "machine_actuator",
       "fsm_actuator", "open",          "check",     "set_power", "idle",
-      "working",      "waiting",       "base",      "lights"};
+      "working",      "waiting",       "base",      "lights",    "errno",
+      "stdin",        "stdout",        "stderr",    "linux",     "unix",
+      "log",          "report",        "machine",   "make_code", "emergency_stopped",
+      "open_topics",  "build_machine"};
   return names;
 }
 
@@ -222,11 +226,14 @@ Result<std::vector<std::string>> MakeProject(const fs::path& templates, const Pr
   if (auto free = CheckDestination(folder); !free) return free.error();
   const fs::path from = templates / project.Template();
   std::error_code error;
-  const fs::path parent = folder.parent_path().empty() ? "." : folder.parent_path();
+  // An existing folder stays the same one: it may be the working directory of a shell.
+  const bool exists = fs::is_directory(folder, error);
+  const fs::path above = folder.parent_path().empty() ? "." : folder.parent_path();
+  const fs::path& parent = exists ? folder : above;
   if (!fs::is_directory(parent, error)) {
     return Error{kCodeParametersInvalid, "there is no folder " + parent.string()};
   }
-  Draft draft(parent / fmt::format(".{}.{}", folder.filename().string(), getpid()));
+  Draft draft(parent / fmt::format(".{}.{}", name.snake, getpid()));
   if (!fs::create_directory(draft.path(), error))
     return FileError("make a folder in", parent, error);
   std::vector<std::string> files;
@@ -244,9 +251,16 @@ Result<std::vector<std::string>> MakeProject(const fs::path& templates, const Pr
                  "the template " + from.string() + " cannot be read; install " +
                      (project.python() ? "the package python3-musher" : "Musher again")};
   }
-  fs::rename(draft.path(), folder, error);
-  if (error) return FileError("make", folder, error);
-  draft.Release();
+  if (exists) {
+    for (const std::string& file : files) {
+      fs::rename(draft.path() / file, folder / file, error);
+      if (error) return FileError("make", folder / file, error);
+    }
+  } else {
+    fs::rename(draft.path(), folder, error);
+    if (error) return FileError("make", folder, error);
+    draft.Release();
+  }
   std::sort(files.begin(), files.end());
   return files;
 }

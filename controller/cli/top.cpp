@@ -265,20 +265,13 @@ ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& co
   return ExitCode::kDone;
 }
 
-// Not CLI::Range, for which "nan" is in every range.
-std::string IntervalError(const std::string& text) {
-  double seconds = 0;
-  const bool good = CLI::detail::lexical_cast(text, seconds) && seconds >= 0.1 && seconds <= 3600;
-  return good ? "" : text + " is not between 0.1 and 3600 seconds";
-}
-
 }  // namespace
 
 void AddTop(Grammar& grammar) {
   auto [app, options] =
       grammar.Add("top", "Show what the processes do and use, live; q quits", Top);
   app.add_option("--interval", options.interval_s, "Between two samples; default 1")
-      ->check(IntervalError)
+      ->check(Between(0.1, 3600, "seconds"))
       ->type_name("SECONDS");
   app.add_flag("--once", options.once, "Print one table; CPU shares of 0.5 s");
 }

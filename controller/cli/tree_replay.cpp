@@ -70,8 +70,10 @@ class TreeReplay {
           Error{kCodeParametersInvalid, recording_.file + ": no tree was loaded so far"});
     }
     const std::size_t one = options_.number > 0 ? options_.number : count;
-    if (!options_.btlog.empty()) return Export(recording_.trees[one - 1]);
-    if (options_.at_s) {
+    if (!options_.btlog.empty()) {
+      const ExitCode exported = Export(recording_.trees[one - 1]);
+      if (exported != ExitCode::kDone) return exported;
+    } else if (options_.at_s) {
       ShowAt(one);
     } else if (options_.speed) {
       Play(one);
@@ -82,7 +84,8 @@ class TreeReplay {
     if (recording_.cut_at) {
       console_.PrintError(recording_.file + ":" + std::to_string(*recording_.cut_at) +
                           ": the recording ends within this line (a loss of power, or a crash); "
-                          "everything before it is shown");
+                          "everything before it is " +
+                          (options_.btlog.empty() ? "shown" : "written"));
     }
     return ExitCode::kDone;
   }
@@ -258,27 +261,31 @@ void AddTreeReplay(Grammar& grammar, CLI::App& family) {
              Names::kFiles)
       ->required()
       ->type_name("");
-  auto* at = app.add_option("--at", options.at_s, "The tree as it was at this time of it, in s")
-                 ->check(CLI::NonNegativeNumber)
-                 ->type_name("S");
-  app.add_option("--speed", options.speed, "Play it at so many times its speed; 1: as it was")
-      ->check(CLI::PositiveNumber)
-      ->excludes(at)
-      ->type_name("N");
+  auto* const at =
+      app.add_option("--at", options.at_s, "The tree as it was at this time of it, in s")
+          ->check(Between(0, 1e9, "seconds"))
+          ->type_name("S");
+  auto* const speed =
+      app.add_option("--speed", options.speed, "Play it at so many times its speed; 1: as it was")
+          ->check(Between(0.001, 1e6, "times its speed"))
+          ->excludes(at)
+          ->type_name("N");
   app.add_option("--tree", options.number,
                  "One of the trees in the recording, from 1; default: all, with --at, --speed and "
                  "--btlog the last")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1U, 1'000'000U).description(""))
       ->type_name("N");
   app.add_option("--history", options.history,
                  "With --at and --speed: the last N changes (default 10)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0U, 1'000'000U).description(""))
       ->type_name("N");
   app.add_flag("--entries", options.entries, "With the blackboards");
   grammar
       .Offer(app.add_option("--btlog", options.btlog,
                             "Write the tree as a log of BehaviorTree.CPP 4, for Groot2"),
              Names::kFiles)
+      ->excludes(at)
+      ->excludes(speed)
       ->type_name("OUT");
 }
 

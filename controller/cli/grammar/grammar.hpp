@@ -46,6 +46,10 @@ struct Added {
   Options& options;
 };
 
+// A check of an option: a number in the range. Not CLI::Range, for which "nan" is in every range.
+std::function<std::string(const std::string&)> Between(double least, double most,
+                                                       const std::string& unit);
+
 class Grammar {
  public:
   Grammar();

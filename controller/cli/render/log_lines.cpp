@@ -20,8 +20,22 @@ bool IsDigitOfTime(char c) {
   return c >= '0' && c <= '9';
 }
 
-// The length of "2026-03-01 13:00:05.250" at the begin; 0: there is no time. A comma, or 'T', as
-// other programs write them, too.
+// The length of "Z", "+01:00" or "+0100" at the begin; 0: there is no time zone.
+std::size_t LengthOfZone(std::string_view text) {
+  if (text.starts_with('Z')) return 1;
+  if (!text.starts_with('+') && !text.starts_with('-')) return 0;
+  for (const std::string_view pattern : {"+dd:dd", "+dddd"}) {
+    const std::string_view zone = text.substr(0, pattern.size());
+    const bool fits =
+        std::equal(zone.begin() + 1, zone.end(), pattern.begin() + 1, pattern.end(),
+                   [](char c, char p) { return p == 'd' ? IsDigitOfTime(c) : c == p; });
+    if (fits) return pattern.size();
+  }
+  return 0;
+}
+
+// The length of "2026-03-01 13:00:05.250" at the begin; 0: there is no time. A comma, 'T', or a
+// time zone, as other programs write them, too.
 std::size_t LengthOfTime(std::string_view text) {
   constexpr std::string_view kPattern = "dddd-dd-dd dd:dd:dd";
   if (text.size() < kPattern.size()) return 0;
@@ -33,9 +47,10 @@ std::size_t LengthOfTime(std::string_view text) {
     if (!fits) return 0;
   }
   std::size_t size = kPattern.size();
-  if (size == text.size() || (text[size] != '.' && text[size] != ',')) return size;
-  for (++size; size < text.size() && IsDigitOfTime(text[size]);) ++size;
-  return size;
+  if (size < text.size() && (text[size] == '.' || text[size] == ',')) {
+    for (++size; size < text.size() && IsDigitOfTime(text[size]);) ++size;
+  }
+  return size + LengthOfZone(text.substr(size));
 }
 
 std::optional<std::int64_t> TimeIn(std::string_view text) {

@@ -64,6 +64,7 @@ std::string StateText(const msg::ActuatorInfo& actuator) {
 
 std::string ProgressTable(const ProgressView& view, std::size_t lines, bool colour) {
   constexpr std::size_t kHead = 2;
+  if (lines < kHead + 2) return Headline(view) + '\n';
   std::vector<const msg::ActuatorInfo*> shown;
   const bool all = view.machine.actuators.size() + kHead <= lines;
   for (const msg::ActuatorInfo& actuator : view.machine.actuators) {
@@ -71,7 +72,7 @@ std::string ProgressTable(const ProgressView& view, std::size_t lines, bool colo
   }
   std::size_t more = 0;
   if (shown.size() + kHead > lines) {
-    const std::size_t room = std::max(lines, kHead + 2) - kHead - 1;  // the last line counts them
+    const std::size_t room = lines - kHead - 1;  // the last line counts them
     more = shown.size() - std::min(shown.size(), room);
     shown.resize(shown.size() - more);
   }

@@ -29,7 +29,8 @@ bool IsUnderWay(const msg::ActuatorInfo& actuator);
 // What the STATE column shows: "Active", "Active → LowPower", "starting", "absent", …
 std::string StateText(const msg::ActuatorInfo& actuator);
 
-// At most `lines` lines: if there is no room for all actuators, only those that are under way.
+// At most `lines` lines, from one on: if there is no room for all actuators, only those that are
+// under way; with less than four, only the first line.
 std::string ProgressTable(const ProgressView& view, std::size_t lines, bool colour);
 
 }  // namespace musher::cli

@@ -51,6 +51,18 @@ TEST_F(Lines, OfRos2NodesAndOtherProgramsAreRead) {
             At("2026-03-01T13:00:05.250"));
 }
 
+TEST_F(Lines, MayNameTheTimeZoneOfTheirTime) {
+  const auto time = At("2026-03-01T13:00:05.250Z");
+  setenv("TZ", "Europe/Berlin", 1);
+  tzset();
+  for (const char* line :
+       {"2026-03-01T13:00:05.250Z hello", "2026-03-01 15:00:05.250+02:00 hello",
+        "2026-03-01T08:30:05,250-0430 hello", "[2026-03-01T13:00:05.250Z] hello"}) {
+    EXPECT_EQ(legs_.Take(line), (LogEntry{"legs", time, LogLevel::kInfo, "hello"})) << line;
+  }
+  EXPECT_EQ(legs_.Take("2026-03-01 13:00:05-x").text, "-x");
+}
+
 TEST_F(Lines, WithoutATimeBelongToTheLineBefore) {
   const auto begun = legs_.Take("2026-03-01 13:00:05.250 legs: error: failed in");
   EXPECT_EQ(legs_.Take("    frame 1"),

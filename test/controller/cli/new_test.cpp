@@ -39,7 +39,8 @@ TEST(ProjectName, IsRefusedWithTheReason) {
   for (const char* name : {"_arm", "arm_", "left__arm"}) {
     EXPECT_THAT(Spelt(name), HasSubstr("between two words"));
   }
-  for (const char* name : {"class", "lambda", "Namespace", "None", "test", "musher"}) {
+  for (const char* name : {"class", "lambda", "Namespace", "None", "test", "musher", "Log",
+                           "report", "machine", "errno", "stdout", "linux"}) {
     EXPECT_THAT(Spelt(name), HasSubstr("is a word of C++, Python, CMake")) << name;
   }
   EXPECT_THAT(Spelt(std::string(65, 'a')), HasSubstr("more than 64"));
@@ -115,6 +116,18 @@ TEST_F(MakeProjectTest, AcceptsAnEmptyFolderOnly) {
               HasSubstr("is not a folder"));
   EXPECT_THAT(Make({"robot", ""}, "arm", folder_ / "no/arm").error().message,
               HasSubstr("there is no folder"));
+}
+
+TEST_F(MakeProjectTest, KeepsAnEmptyFolderThatIsAWorkingDirectory) {
+  fs::create_directory(folder_ / "arm");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_ / "arm");
+  const auto made = Make({"robot", ""}, "arm", ".");
+  const bool still_there = fs::exists("robot.toml");
+  fs::current_path(before);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_TRUE(still_there);
+  EXPECT_EQ(EntriesOf(fs::path(folder_ / "arm")).size(), made.value().size());
 }
 
 TEST_F(MakeProjectTest, LeavesNothingBehindOnAFailure) {

@@ -48,7 +48,7 @@ TEST(ProgressTable, ShowsEachActuatorWithItsStateItsTimeAndItsLimit) {
             "eyes      lost\n");
 }
 
-TEST(ProgressTable, ShowsWhoIsPresentBeforeTheFirstSwitch) {
+TEST(ProgressTable, ShowsWhichActuatorsArePresentBeforeTheFirstSwitch) {
   msg::MachineStatus machine = OnItsWayToLowPower();
   machine.phase = "starting";
   machine.target.clear();
@@ -72,6 +72,7 @@ TEST(ProgressTable, ShowsOnlyWhatIsUnderWayIfTheTerminalHasNoRoom) {
   const std::string many = ProgressTable({machine, {}, {}}, 6, false);
   EXPECT_THAT(many, EndsWith("\nand 7 more\n"));
   EXPECT_EQ(std::count(many.begin(), many.end(), '\n'), 6);
+  EXPECT_EQ(ProgressTable({machine, {}, {}}, 3, false), "LowPower, 0 s: 1 of 12 done\n");
 }
 
 TEST(ProgressTable, LetsNoNameDriveTheTerminal) {

@@ -134,8 +134,23 @@ TEST_F(TreeReplayCommand, PlaysAtTheSpeedThatIsWanted) {
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_THAT(ran.out, EndsWith("     0.500 s  Sequence  RUNNING -> SUCCESS\n"));
   EXPECT_GE(took, std::chrono::milliseconds(250));
-  EXPECT_EQ(Replay({"--speed", "0"}).exit, 2);
+}
+
+TEST_F(TreeReplayCommand, SaysWhichValuesOfAnOptionItTakes) {
+  const Ran still = Replay({"--speed", "0"});
+  EXPECT_EQ(still.exit, 2);
+  EXPECT_THAT(still.err, HasSubstr("0 is not between 0.001 and 1000000 times its speed"));
+  EXPECT_THAT(Replay({"--at", "-1"}).err, HasSubstr("-1 is not between 0 and 1000000000 seconds"));
+  EXPECT_THAT(Replay({"--at", "nan"}).err, HasSubstr("nan is not between"));
   EXPECT_EQ(Replay({"--speed", "1", "--at", "1"}).exit, 2);
+  EXPECT_EQ(Replay({"--btlog", folder_ / "cat.btlog", "--at", "1"}).exit, 2);
+}
+
+TEST_F(TreeReplayCommand, SaysThatTheRecordingOfALogEndsWithinALine) {
+  Write(text_.substr(0, text_.rfind("change 0 0")) + "change 0 0 ID");
+  const Ran ran = Replay({"--btlog", folder_ / "cat.btlog"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_THAT(ran.err, HasSubstr("everything before it is written"));
 }
 
 TEST_F(TreeReplayCommand, ShowsEverythingBeforeALossOfPowerAndSaysSo) {
