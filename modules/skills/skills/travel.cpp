@@ -29,6 +29,15 @@ bool Stands(const Robot& robot) {
          std::abs(velocity.yaw_rad_s) < kStandingRadPerS;
 }
 
+void Standstill::Note(const std::optional<navigation::Pose>& pose, Duration step) {
+  if (pose && (!place_ || navigation::Distance(pose->at, *place_) > kWithinM)) {
+    place_ = pose->at;
+    time_ = {};
+  } else {
+    time_ += step;
+  }
+}
+
 TravelStep Travel::Reach() const {
   const bool planner = robot_.HasPlanner();
   const bool controller = robot_.HasController();
@@ -159,7 +168,6 @@ TravelStep Travel::DriveEnd() {
   return {Kind::kDone};
 }
 
-// On the ground the height does not count.
 double Travel::Apart(const navigation::Point& a, const navigation::Point& b) const {
   if (robot_.flies()) return navigation::Distance(a, b);
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);

@@ -37,6 +37,22 @@ inline constexpr double kStandingRadPerS = 0.05;
 
 bool Stands(const Robot& robot);
 
+// Since when a robot has not left a place. What it moves in its place does not count: each new path
+// past an obstacle lets it turn, and drive a little.
+class Standstill {
+ public:
+  static constexpr double kWithinM = 0.3;
+
+  // After each step; without a pose it is as if the robot stood.
+  void Note(const std::optional<navigation::Pose>& pose, Duration step);
+  void Restart() { *this = {}; }
+  Duration time() const { return time_; }  // 0: it has just left one
+
+ private:
+  std::optional<navigation::Point> place_;
+  Duration time_{};
+};
+
 struct TravelStep {
   enum class Kind : std::uint8_t { kPending, kDone, kBlocked, kLost, kFailed };
 
@@ -68,6 +84,8 @@ class Travel {
   double distance_to_goal_m() const;
   // Of the path, from where the robot was.
   double length_m() const { return length_m_; }
+  // On the ground the height does not count.
+  double Apart(const navigation::Point& a, const navigation::Point& b) const;
   // distance_to_goal, current_velocity and estimated_time.
   void AddDetails(skill::Tick& tick) const;
 
@@ -82,7 +100,6 @@ class Travel {
   TravelStep PlanEnd(const navigation::Pose& goal);
   TravelStep DriveEnd();
   navigation::Path FromHere(const navigation::Path& path) const;
-  double Apart(const navigation::Point& a, const navigation::Point& b) const;
 
   Robot& robot_;
   skill::Future<navigation::Path> plan_;

@@ -37,6 +37,10 @@ class MovingRobot : public Robot {
     return navigation::Path{start, goal};
   };
   std::vector<navigation::Point> points;  // of obstacles
+  // A place that is blocked by what the map does not have. The robot stops in front of it, and the
+  // drive ends as those of the controller server do. The planner then plans as the real one: where
+  // no way leads around it, its path leads through.
+  std::function<bool(const navigation::Point&)> blocked = [](const auto&) { return false; };
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
   std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
@@ -141,6 +145,7 @@ class MovingRobot : public Robot {
     navigation::Path path;
     std::size_t next = 0;
     bool cancelled = false;
+    double waited_s = 0;
     skill::Source<bool> end;
   };
   class Handle : public Drive {
@@ -196,7 +201,7 @@ class MovingRobot : public Robot {
   void Move(double step_s) {
     const navigation::Point before = at.at;
     if (drive_) {
-      MoveAlong(step_s);
+      if (!WaitsAtObstacle(step_s)) MoveAlong(step_s);
     } else {
       const navigation::Velocity body = command_.value_or(navigation::Velocity());
       const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
@@ -211,6 +216,36 @@ class MovingRobot : public Robot {
     for (const navigation::Point& point : points) {
       nearest_m = std::min(nearest_m, std::hypot(point.x_m - at.at.x_m, point.y_m - at.at.y_m));
     }
+  }
+
+  // 0.5 m before it, for 2 s.
+  bool WaitsAtObstacle(double step_s) {
+    if (drive_->cancelled || drive_->next >= drive_->path.size()) return false;
+    constexpr double kRoomM = 0.5, kLookM = 0.05;
+    navigation::Point from = at.at;
+    double looked_m = 0;
+    bool stops = false;
+    for (std::size_t i = drive_->next; i < drive_->path.size() && looked_m < kRoomM; ++i) {
+      const navigation::Point to = drive_->path[i].at;
+      const double length_m = navigation::Distance(from, to);
+      for (double along = 0; along <= length_m && looked_m + along <= kRoomM; along += kLookM) {
+        stops =
+            stops || blocked(navigation::Between(from, to, length_m > 0 ? along / length_m : 0));
+      }
+      looked_m += length_m;
+      from = to;
+    }
+    if (!stops) {
+      drive_->waited_s = 0;
+      return false;
+    }
+    velocity_ = {};
+    drive_->waited_s += step_s;
+    constexpr double kPatienceS = 2;
+    if (drive_->waited_s >= kPatienceS) {
+      FailDrive(MakeError(navigation::Fault::kObstacle, "an obstacle stays in the way"));
+    }
+    return true;
   }
 
   // On the path at once, without a lag; the speed changes by 2 m/s².
