@@ -24,6 +24,7 @@ class MovingRobot : public Robot {
   // --- what a test sets ---
   std::string robot_kind = "jetbot";
   navigation::Pose at;
+  double pelvis_m = 0;  // the height of its pose above `at`
   double drive_speed_m_s = 1;
   bool planner_up = true;
   bool controller_up = true;
@@ -92,7 +93,8 @@ class MovingRobot : public Robot {
   double radius_m() const override { return 0.2; }
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override {
-    return odometry_up ? std::optional(at) : std::nullopt;
+    if (!odometry_up) return std::nullopt;
+    return navigation::Pose{{at.at.x_m, at.at.y_m, at.at.z_m + pelvis_m}, at.yaw_rad};
   }
   navigation::Velocity velocity() const override { return velocity_; }
   void SetVelocity(const navigation::Velocity& command) override { command_ = command; }
