@@ -80,6 +80,8 @@ class Robot {
   virtual const std::string& kind() const = 0;  // "cf2x"
   virtual bool flies() const = 0;
   virtual double radius_m() const = 0;
+  // How high it may fly, above the zero of the map; nullopt: not known. A goal cannot raise it.
+  virtual std::optional<double> ceiling_m() const = 0;
 
   // The time of the present step.
   virtual Time Now() const = 0;

@@ -47,6 +47,7 @@ class RosRobot final : public Robot {
   const std::string& kind() const override { return config_.kind; }
   bool flies() const override { return config_.flies; }
   double radius_m() const override { return config_.radius_m; }
+  std::optional<double> ceiling_m() const override { return config_.ceiling_m; }
 
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override;

@@ -117,10 +117,9 @@ Result<> Explore::MakePath(Tick& tick) {
   }
   const auto begin = tick.data.Get<skill::Numbers>(kBegin, {0, 0, 0});
   const double height_m = robot_.flies() ? begin[2] : 0;
-  constexpr double kInTheAirM = 0.1;
-  if (robot_.flies() && robot_.pose() && height_m < kInTheAirM) {
-    return BadArea(fmt::format("Invalid altitude: {} is at {:.2f} m; it has to take off first",
-                               robot_.name(), height_m));
+  if (robot_.pose()) {
+    const Result<> flies = CheckInTheAir(robot_, height_m);
+    if (!flies) return flies.error();
   }
   const auto plan = coverage::PlanCoverage(
       region.value(),

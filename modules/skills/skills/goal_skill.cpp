@@ -51,7 +51,8 @@ Next GoalSkill::Initialize(Tick& tick) {
   tick.Report(5, Prefix(tick) + "Sending request...");
   const bool waits = tick.retries > 0 && tick.elapsed < kServerWait;
   if (waits || travel_.Reach().kind != Kind::kDone) return Next::Stay();
-  return Next::To(planning_);
+  const Result<> flies = CheckInTheAir(robot_, robot_.pose()->at.z_m);
+  return flies ? Next::To(planning_) : Next::Fail(flies.error().message);
 }
 
 Next GoalSkill::Plan(Tick& tick) {

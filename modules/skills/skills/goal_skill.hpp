@@ -2,7 +2,8 @@
 // What navigate_to and move have in common: the robot travels to a goal, and perhaps to another
 // one after it.
 //
-//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s
+//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s; a
+//                 flyer is in the air
 //   PLANNING      15 s
 //   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   STOPPING      of a cancellation: until the robot stands

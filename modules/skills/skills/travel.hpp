@@ -37,6 +37,11 @@ inline constexpr double kStandingRadPerS = 0.05;
 
 bool Stands(const Robot& robot);
 
+// Of a place for a flyer, named "goal_pos", "way-point 2": above 0 m, and not above its ceiling.
+Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m);
+// A flyer at this height is in the air. Robots on the ground always pass.
+Result<> CheckInTheAir(const Robot& robot, double height_m);
+
 // Since when a robot has not left a place. What it moves in its place does not count: each new path
 // past an obstacle lets it turn, and drive a little.
 class Standstill {

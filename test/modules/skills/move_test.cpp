@@ -73,15 +73,6 @@ TEST_F(Move, ContinuesAtTheSameWayPointAfterAPauseAndALostController) {
   EXPECT_EQ(robot.driven_paths.size(), 4U);
 }
 
-TEST_F(Move, FailsAtAnObstacleThatStays) {
-  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
-  ASSERT_TRUE(Start("move", {{"path", "[[1, 0], [4, 0]]"}, {"loops", "1"}}));
-  EXPECT_TRUE(RunToItsEnd(90));
-  EXPECT_EQ(feedback().status, Status::kFailed);
-  EXPECT_THAT(feedback().message, StartsWith("Way-point 2 of 2: Blocked for 62 s, 2.5 m from"));
-  EXPECT_TRUE(robot.Rests());
-}
-
 TEST_F(Move, RefusesAPathThatIsNone) {
   EXPECT_EQ(WhyRefused("[]"), "path has no way-points");
   EXPECT_EQ(WhyRefused("[[1, 2]]"), "path has one place; a loop needs at least two");

@@ -25,6 +25,7 @@ class MovingRobot : public Robot {
   std::string robot_kind = "jetbot";
   navigation::Pose at;
   double pelvis_m = 0;  // the height of its pose above `at`
+  std::optional<double> ceiling;
   double drive_speed_m_s = 1;
   bool planner_up = true;
   bool controller_up = true;
@@ -91,6 +92,7 @@ class MovingRobot : public Robot {
   const std::string& kind() const override { return robot_kind; }
   bool flies() const override { return robot_kind == "cf2x" || robot_kind == "drone_autel"; }
   double radius_m() const override { return 0.2; }
+  std::optional<double> ceiling_m() const override { return ceiling; }
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override {
     if (!odometry_up) return std::nullopt;

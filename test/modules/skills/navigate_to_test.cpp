@@ -96,6 +96,11 @@ TEST_F(NavigateTo, RefusesAGoalThatIsNone) {
   robot.robot_kind = "cf2x";
   ExpectRefusal({{"goal_pos", "[1, 2]"}}, "expected 3: x, y and z");
   ExpectRefusal({{"goal_pos", "[1, 2, -1]"}}, "Invalid altitude: goal_pos is at -1.00 m");
+  ExpectRefusal({{"goal_pos", "[1, 2, 1]"}},
+                "Invalid altitude: robot_0 is at 0.00 m; it has to take off first");
+  robot.ceiling = 2.2;
+  ExpectRefusal({{"goal_pos", "[1, 2, 5]"}},
+                "goal_pos is at 5.00 m; expected at most 2.20 m, the ceiling of robot_0");
 }
 
 TEST_F(NavigateTo, CannotBeginWithoutAGoalOrWithNumbersThatAreNotFinite) {
@@ -244,53 +249,6 @@ TEST_F(NavigateTo, PlansAgainWhenAnObstacleStays) {
   EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
   EXPECT_EQ(run().replans(), 15);
   EXPECT_EQ(run().retries(), 0);
-}
-
-// A door that is closed, behind which the goal is: the planner's path leads through it.
-TEST_F(NavigateTo, FailsAfterOneMinuteAtAnObstacleThatStays) {
-  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
-  Go({{"goal_pos", "[4, 0]"}});
-  RunFor(60);
-  EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
-  ExpectFailure(
-      12, "Blocked for 62 s, 2.5 m from the goal, at (1.50, 0.00): an obstacle stays in the way");
-  EXPECT_GT(run().replans(), 20);
-}
-
-TEST_F(NavigateTo, GoesOnWhenAnObstacleLeavesInTime) {
-  for (int door = 0; door < 3; ++door) {
-    const double door_m = 2.0 + door;
-    bool closed = true;
-    robot.at = {};
-    robot.blocked = [&](const navigation::Point& at) { return closed && at.x_m > door_m; };
-    Go({{"goal_pos", "[6, 0]"}});
-    RunFor(50);
-    EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
-    closed = false;
-    EXPECT_TRUE(RunToItsEnd(20));
-    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
-  }
-}
-
-// Doors on the way, each closed for 50 s once the robot is there.
-TEST_F(NavigateTo, WaitsAtEachObstacleAnew) {
-  double door_m = 2;
-  robot.blocked = [&](const navigation::Point& at) { return at.x_m > door_m; };
-  Go({{"goal_pos", "[8, 0]"}});
-  for (; door_m < 8; door_m += 2) RunFor(50);
-  EXPECT_TRUE(RunToItsEnd(20));
-  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
-}
-
-// Between two closed doors the planner sends the robot from one to the other.
-TEST_F(NavigateTo, FailsAlsoWhenItIsSentFromObstacleToObstacle) {
-  const navigation::Point doors[] = {{3, 2, 0}, {3, -2, 0}};
-  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2.9; };
-  robot.plan = [&](const auto& start, const auto& goal) -> Result<navigation::Path> {
-    return navigation::Path{start, {doors[robot.plans % 2], 0}, goal};
-  };
-  Go({{"goal_pos", "[6, 0]"}});
-  ExpectFailure(300, "an obstacle stays in the way");
 }
 
 TEST_F(NavigateTo, WaitsForALostPlannerAndGoesOn) {

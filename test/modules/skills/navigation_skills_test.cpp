@@ -91,6 +91,7 @@ class Hall : public SkillsOnARobot {
     };
     const auto& [name, parameters] = kRequests[static_cast<std::size_t>(which) % kRequests.size()];
     robot.robot_kind = name == "nav_3d" ? "cf2x" : "jetbot";
+    if (name == "nav_3d") robot.at.at.z_m = 1;
     RC_ASSERT(Start(name, parameters));
   }
 
