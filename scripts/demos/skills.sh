@@ -142,9 +142,9 @@ refuse() {
   step "Goals that cannot be reached, and a second one beside the first, are refused with the reason"
   run jetbot_0 nav_2d "goal_pos=[11,8]"
   expect "a goal behind walls: exit code" 1 "$code"
-  expect_end nav_2d failed "Planning failed: there is no path to the goal"
+  expect_end nav_2d failed "Planning failed: no way is wide enough for the robot: the goal (11.00, 8.00) or the start is walled in"
   run jetbot_0 nav_2d "goal_pos=[30,2]"
-  expect_end "a goal outside the map" failed "Planning failed: the goal is outside the map"
+  expect_end "a goal outside the map" failed "Planning failed: the goal (30.00, 2.00) is outside the map"
   start=$(position jetbot_0)
   begin first.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
   first=$begun
@@ -175,12 +175,17 @@ cancel() {
 }
 
 lose_planner() {
-  local process
-  step "The planner is killed: the skill waits for its successor, and the robot arrives"
+  local process second
+  step "The planner is killed while it plans: the skill waits for its successor, and the robot arrives"
   process=$(status .actuators.planner_server.pid)
-  say "\$ kill -KILL $process  # planner_server"
+  say "\$ kill -STOP $process  # planner_server: the plan stays under way"
+  kill -STOP "$process"
+  begin second.json jetbot_0 nav_2d "goal_pos=[2.0,1.2]"
+  second=$begun
+  expect "the skill" "Planning path..." "$(await_message jetbot_0 nav_2d Planning)"
+  say "\$ kill -KILL $process"
   kill -KILL "$process"
-  run jetbot_0 nav_2d "goal_pos=[2.0,1.2]"
+  ended second.json "$second"
   expect_end nav_2d completed "Reached goal"
   await ".actuators.planner_server | .pid > 0 and .pid != $process and .state == \"Active\""
   expect "the machine" Active "$(status .state)"

@@ -177,7 +177,8 @@ TEST_F(ARosRobot, GetsAPathFromThePlannerOrItsReason) {
   EXPECT_TRUE(peers_->plans[1].goal().use_start);
   result.error_code = msg::ComputePathToPose::kGoalOccupied;
   peers_->plans[1].Abort(result);
-  EXPECT_EQ(ResultOf(bad).error().message, "the robot does not fit at the goal");
+  EXPECT_EQ(ResultOf(bad).error().message,
+            "the goal (3.00, 1.00) has no room for the robot: an obstacle is too near");
 }
 
 TEST_F(ARosRobot, CancelsAPlanningThatNoSkillWantsAnyMore) {
