@@ -114,6 +114,8 @@ class Robot {
   // The poses that came on `topic` (nav_msgs/Odometry) within the last 0.5 s; the first call
   // subscribes. Nullopt: none.
   virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;
+  // How many have come on it since it was subscribed to.
+  virtual std::uint64_t PosesOf(const std::string& topic) const = 0;
 
   virtual bool HasCamera(const std::string& camera) const = 0;
   virtual std::vector<std::string> cameras() const = 0;

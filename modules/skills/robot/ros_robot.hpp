@@ -64,6 +64,7 @@ class RosRobot final : public Robot {
   std::vector<SeenObject> objects() const override;
   bool HasObjects() const override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
+  std::uint64_t PosesOf(const std::string& topic) const override;
   bool HasCamera(const std::string& camera) const override;
   std::vector<std::string> cameras() const override;
   skill::Future<Picture> TakePicture(const std::string& camera) override;

@@ -85,7 +85,9 @@ Next Track::Execute(Tick& tick) {
   const auto seen = robot_.PoseOf(topic);
   unseen_ = seen ? Duration{} : unseen_ + tick.step;
   if (seen && IsFinite(*seen)) target_ = seen;
-  if (seen) ++poses_;
+  const std::uint64_t came = robot_.PosesOf(topic);
+  poses_ += static_cast<std::int64_t>(came >= counted_ ? came - counted_ : came);
+  counted_ = came;
   const double limit_s = tick.parameters.Number("lost_limit");
   if (ToSeconds(unseen_) >= limit_s) {
     return Next::Fail(fmt::format("Target lost: no pose on {} for {:.1f} s", topic, limit_s));

@@ -2,7 +2,7 @@
 // Follows a target that reports its pose, and keeps a distance from it.
 //
 //   target_topic   nav_msgs/Odometry of the target, default /target_0/odom
-//   track_period   poses of the target from plan to plan, one a step; default 10: each second
+//   track_period   poses of the target, as they come, from plan to plan; default 10
 //   distance       m, kept from the target, default 1.5
 //   lost_limit     s without a pose, or at one place without a way, then it fails; default 10
 //   duration       s, then it succeeds; 0: until it is cancelled (default)
@@ -51,6 +51,7 @@ class Track : public TravelSkill {
   std::optional<navigation::Pose> target_;  // as it was seen last
   std::optional<navigation::Pose> goal_;    // that is planned, or that the drive has
   std::int64_t poses_ = 0;                  // since the last plan
+  std::uint64_t counted_ = 0;               // of the robot's count of them
   Duration unseen_{};
   Standstill standstill_;  // since it has to move
   std::string trouble_;    // why there is no way

@@ -81,6 +81,7 @@ class FakeRobot : public Robot {
   }
   bool HasObjects() const override { return has_objects; }
   std::optional<navigation::Pose> PoseOf(const std::string&) override { return std::nullopt; }
+  std::uint64_t PosesOf(const std::string&) const override { return 0; }
   bool HasCamera(const std::string& camera) const override;
   std::vector<std::string> cameras() const override { return camera_names; }
   skill::Future<Picture> TakePicture(const std::string& camera) override;

@@ -46,6 +46,7 @@ class MovingRobot : public Robot {
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
   std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
+  double target_hz = 10;  // of their poses
 
   // --- what a test reads ---
   int plans = 0;
@@ -132,6 +133,9 @@ class MovingRobot : public Robot {
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override {
     const auto found = targets.find(topic);
     return found == targets.end() ? std::nullopt : found->second(now_);
+  }
+  std::uint64_t PosesOf(const std::string& /*topic*/) const override {
+    return static_cast<std::uint64_t>(target_hz * ToSeconds(now_.time_since_epoch()));
   }
   bool HasCamera(const std::string& /*camera*/) const override { return false; }
   std::vector<std::string> cameras() const override { return {}; }

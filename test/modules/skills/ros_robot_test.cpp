@@ -317,6 +317,7 @@ TEST_F(ARosRobot, SeesObstaclesObjectsTheLineAndWhatItTracks) {
   EXPECT_NEAR(robot_.line()->offset_m, -0.2, 1e-6);
   ASSERT_TRUE(robot_.PoseOf("/target_0/odom"));
   EXPECT_EQ(robot_.PoseOf("/target_0/odom")->at.x_m, 7);
+  EXPECT_EQ(robot_.PosesOf("/target_0/odom"), 1U);
   lines.contours = 0;
   EXPECT_TRUE(peers_->line->Publish(lines));
   Run(50);

@@ -78,6 +78,14 @@ TEST_F(Track, PlansAfterSoManyPoses) {
   EXPECT_NEAR(robot.plans, 60 / 2, 5);
 }
 
+TEST_F(Track, CountsThePosesOfTheTargetNotItsOwnSteps) {
+  walks_m_s = 0.95;
+  robot.target_hz = 50;
+  Go({{"track_period", "100"}});
+  RunFor(60);
+  EXPECT_NEAR(robot.plans, 60 / 2, 5);
+}
+
 TEST_F(Track, BacksAwayFromATargetThatIsTooNear) {
   start = {0.3, 0, 0};
   Go();
