@@ -82,6 +82,8 @@ void Explore::Declare(skill::Table& table) {
   table.Takes("robot_radius", 0.5, "m, room to the boundary and the holes");
   table.Takes("interpolation_distance", 0.05, "m, from point to point of the path");
   table.Takes("interpolation_method", std::string("linear"), "linear");
+  table.RefusesParameter("target_prim",
+                         "it goes over an area, not to an object; detect finds an object");
 }
 
 Next Explore::Step(Tick& tick) {

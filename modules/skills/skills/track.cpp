@@ -41,6 +41,7 @@ void Track::Declare(skill::Table& table) {
   table.Takes("distance", 1.5, "m, kept from the target");
   table.Takes("lost_limit", 10.0, "s without the target or a way to it, then it fails");
   table.Takes("duration", 0.0, "s, 0: until it is cancelled");
+  table.RefusesParameter("cancel", "to cancel the skill, cancel its goal");
 }
 
 std::optional<std::string> Track::WhyRefused(const skill::Values& parameters) const {

@@ -54,7 +54,7 @@ TEST_F(BlockedWay, GoesOnWhenAnObstacleLeavesInTime) {
 }
 
 // Doors on the way, each closed for 50 s once the robot is there.
-TEST_F(BlockedWay, WaitsAtEachObstacleAnew) {
+TEST_F(BlockedWay, WaitsAgainAtEachObstacle) {
   double door_m = 2;
   robot.blocked = [&](const navigation::Point& at) { return at.x_m > door_m; };
   GoTo("[8, 0]");
