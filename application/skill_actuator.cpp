@@ -94,6 +94,7 @@ class SkillActuator::Impl {
     goals_.clear();
     published_.clear();
     manager_ = std::make_unique<skill::Manager>(registry.All());
+    manager_->OnRemoval([this](const skill::Run& run) { ReportRemoved(run); });
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       ticks_.Open(topics);
       transport::ActionHandlers<msg::SkillExecution> handlers;
@@ -213,48 +214,51 @@ class SkillActuator::Impl {
 
   // The feedback of each run that has changed.
   void PublishChanges() {
+    for (const skill::Run* run : manager_->Runs()) Publish(*run);
+  }
+
+  void Publish(const skill::Run& run) {
     if (!ticks_.open()) return;
-    for (const skill::Run* run : manager_->Runs()) {
-      Published& last = published_[run->name()];
-      msg::SkillFeedback feedback = ReportRun(owner_.name(), *run, last.goal_id);
-      if (feedback == last.feedback) continue;
-      // An end is final: this run is another one, and no goal has started it.
-      if (last.ended) last.goal_id = feedback.goal_id = "";
-      last.feedback = feedback;
-      last.ended = run->ended();
-      feedback.header.stamp = ticks_.Stamp();
-      publish_(feedback);
-    }
+    Published& last = published_[run.name()];
+    msg::SkillFeedback feedback = ReportRun(owner_.name(), run, last.goal_id);
+    if (feedback == last.feedback) return;
+    // An end is final: this run is another one, and no goal has started it.
+    if (last.ended) last.goal_id = feedback.goal_id = "";
+    last.feedback = feedback;
+    last.ended = run.ended();
+    feedback.header.stamp = ticks_.Stamp();
+    publish_(feedback);
   }
 
   // Feedback of the goals, and the results of those that have ended.
   void ReportGoals() {
     PublishChanges();
-    std::vector<std::pair<std::string, Goal>> ended;
-    for (auto& [skill, open] : goals_) {
-      const skill::Run* run = manager_->Find(skill);
-      const std::string text = run == nullptr ? "" : skill::ToText(run->feedback());
-      if (run == nullptr || run->ended()) {
-        ended.emplace_back(skill, open.goal);
-      } else if (text != open.shown) {
-        open.shown = text;
-        open.goal.PublishFeedback({text});
-      }
-    }
-    for (auto& [skill, goal] : ended) {
-      goals_.erase(skill);
-      End(skill, goal);
-    }
+    for (const skill::Run* run : manager_->Runs()) ReportGoal(*run);
   }
 
-  void End(const std::string& skill, Goal& goal) {
-    const skill::Run* run = manager_->Find(skill);
-    if (run == nullptr) {
-      goal.Abort({false, "cancelled: it was reset"});
-      return;
+  void ReportGoal(const skill::Run& run) {
+    const auto open = goals_.find(run.name());
+    if (open == goals_.end()) return;
+    if (run.ended()) {
+      Goal goal = std::move(open->second.goal);
+      goals_.erase(open);
+      return End(run, goal);
     }
-    const skill::Feedback& feedback = run->feedback();
-    owner_.Log(skill + " " + skill::ToText(feedback));
+    const std::string text = skill::ToText(run.feedback());
+    if (text == open->second.shown) return;
+    open->second.shown = text;
+    open->second.goal.PublishFeedback({text});
+  }
+
+  // The next run of a skill does not inherit the goal of this one.
+  void ReportRemoved(const skill::Run& run) {
+    Publish(run);
+    ReportGoal(run);
+  }
+
+  void End(const skill::Run& run, Goal& goal) {
+    const skill::Feedback& feedback = run.feedback();
+    owner_.Log(run.name() + " " + skill::ToText(feedback));
     const bool completed = feedback.status == skill::Status::kCompleted;
     const msg::SkillExecution::Result result{completed, skill::ToText(feedback)};
     if (completed) {

@@ -84,7 +84,8 @@ class ServerGoal {
 
   // The goal was accepted; now it is worked on.
   bool Execute() { return goal_->Execute(); }
-  // Until the end of the goal.
+  // Until the end of the goal. Feedback without a subscriber is dropped, and is no failure: a
+  // client that comes later, or has lost its connection, gets the next one.
   bool PublishFeedback(const typename A::Feedback& feedback) {
     typename A::FeedbackMessage message;
     message.goal_id.uuid = id();

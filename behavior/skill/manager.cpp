@@ -182,6 +182,8 @@ void Manager::CancelAllNow(const std::string& why) {
 }
 
 void Manager::Remove(std::string_view skill) {
+  const Run* removed = Find(skill);
+  if (removed != nullptr && removal_) removal_(*removed);
   std::erase_if(runs_, [&](const auto& run) { return run->name() == skill; });
 }
 
@@ -197,7 +199,7 @@ Result<> Manager::Reset(std::string_view skill) {
 void Manager::ResetAll() {
   if (in_step_) return;
   CancelAllNow("all skills are reset");
-  runs_.clear();
+  while (!runs_.empty()) Remove(std::string(runs_.back()->name()));
 }
 
 const Run* Manager::Find(std::string_view skill) const {

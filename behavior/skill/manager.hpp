@@ -12,6 +12,7 @@
 // Threads: one at a time. A skill must not start, cancel or reset skills: within RunOnce() and
 // Pause() those calls fail.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,6 +60,10 @@ class Manager {
   Result<> Reset(std::string_view skill);
   void ResetAll();
 
+  // Called with each ended run right before it is removed, by a new start of its skill or a reset:
+  // its end could not be read later. Must not use the manager.
+  void OnRemoval(std::function<void(const Run&)> removal) { removal_ = std::move(removal); }
+
   // Null: it was not started since its last reset, or is unknown.
   const Run* Find(std::string_view skill) const;
   // In the order of their starts, ended ones included.
@@ -88,6 +93,7 @@ class Manager {
 
   const std::vector<Entry> entries_;
   std::vector<std::unique_ptr<Run>> runs_;
+  std::function<void(const Run&)> removal_;
   std::optional<Time> last_;
   bool in_step_ = false;
 };

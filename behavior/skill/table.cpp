@@ -81,6 +81,20 @@ void Table::AddParameter(Parameter parameter) {
   parameters_.push_back(std::move(parameter));
 }
 
+void Table::Also(const std::string& parameter, const std::string& name) {
+  const auto found = std::ranges::find(parameters_, parameter, &Parameter::name);
+  if (const auto fault = NameFault("parameter", name)) errors_.push_back(*fault);
+  if (found == parameters_.end() || FindParameter(name) != nullptr) {
+    return errors_.push_back("parameter " + name + ": is no other name of " + parameter);
+  }
+  found->meaning += "; also " + name;
+  other_names_.emplace_back(name, parameter);
+}
+
+void Table::RefusesParameter(const std::string& name, const std::string& why) {
+  refused_.emplace_back(name, why);
+}
+
 std::string_view Table::Name(StateId state) const {
   return fsm::Index(state) < chart_.states.size()
              ? std::string_view(chart_.states[fsm::Index(state)].name)
@@ -123,7 +137,11 @@ bool Table::Declared(StateId from, StateId to) const {
 }
 
 const Table::Parameter* Table::FindParameter(std::string_view name) const {
-  const auto found = std::ranges::find(parameters_, name, &Parameter::name);
+  const auto other =
+      std::ranges::find_if(other_names_, [&](const auto& names) { return names.first == name; });
+  const auto found = std::ranges::find(
+      parameters_, other == other_names_.end() ? name : std::string_view(other->second),
+      &Parameter::name);
   return found == parameters_.end() ? nullptr : &*found;
 }
 
@@ -157,6 +175,9 @@ Result<> Table::Apply(const Settings& settings) {
 }
 
 std::string Table::UnknownParameter(std::string_view name) const {
+  for (const auto& [refused, why] : refused_) {
+    if (refused == name) return "there is no parameter " + refused + ": " + why;
+  }
   std::vector<std::string_view> names;
   names.reserve(parameters_.size());
   for (const Parameter& parameter : parameters_) names.push_back(parameter.name);
@@ -166,11 +187,19 @@ std::string Table::UnknownParameter(std::string_view name) const {
 Result<Values> Table::Complete(const Values& given) const {
   Values complete;
   std::string errors;
+  Values known;
   for (const Values::Named& named : given) {
-    if (FindParameter(named.name) == nullptr) AddLine(errors, UnknownParameter(named.name));
+    const Parameter* parameter = FindParameter(named.name);
+    if (parameter == nullptr) {
+      AddLine(errors, UnknownParameter(named.name));
+    } else if (known.Find(parameter->name) != nullptr) {
+      AddLine(errors, "parameter " + parameter->name + ": is given twice");
+    } else {
+      known.Set(parameter->name, named.value);
+    }
   }
   for (const Parameter& parameter : parameters_) {
-    const Value* found = given.Find(parameter.name);
+    const Value* found = known.Find(parameter.name);
     if (found == nullptr && !parameter.otherwise) {
       AddLine(errors, "the parameter " + parameter.name + " is missing: " +
                           std::string(skill::Name(parameter.kind)) + ", " + parameter.meaning);
@@ -197,10 +226,12 @@ Result<Values> Table::Parse(const std::vector<std::pair<std::string, std::string
       AddLine(errors, UnknownParameter(name));
       continue;
     }
-    if (values.Find(name) != nullptr) AddLine(errors, "parameter " + name + ": is given twice");
+    if (values.Find(parameter->name) != nullptr) {
+      AddLine(errors, "parameter " + parameter->name + ": is given twice");
+    }
     Result<Value> value = skill::Parse(parameter->kind, text);
     if (value) {
-      values.Set(name, std::move(value).value());
+      values.Set(parameter->name, std::move(value).value());
     } else {
       AddLine(errors, "parameter " + name + ": " + value.error().message);
     }

@@ -83,6 +83,11 @@ class Table {
   void Takes(const std::string& name, const Value& otherwise, const std::string& meaning);
   void Needs(const std::string& name, Kind kind, const std::string& meaning);
 
+  // A parameter that is declared has this name as well: requests of older clients have it.
+  void Also(const std::string& parameter, const std::string& name);
+  // A parameter of older clients that it does not take. `why` is for people, with what to do.
+  void RefusesParameter(const std::string& name, const std::string& why);
+
   // An error of the skill itself: it cannot begin.
   void Refuse(const std::string& why) { errors_.push_back(why); }
 
@@ -123,6 +128,7 @@ class Table {
   Result<Values> Parse(const std::vector<std::pair<std::string, std::string>>& given) const;
 
  private:
+  // By its name or by one that it also has.
   const Parameter* FindParameter(std::string_view name) const;
   std::string UnknownParameter(std::string_view name) const;
   void AddParameter(Parameter parameter);
@@ -131,6 +137,8 @@ class Table {
   fsm::Chart chart_;
   std::vector<Duration> state_limits_;  // by state
   std::vector<Parameter> parameters_;
+  std::vector<std::pair<std::string, std::string>> other_names_;  // with their parameters
+  std::vector<std::pair<std::string, std::string>> refused_;      // with the reasons
   Limits limits_;
   std::vector<std::string> parts_;
   bool monotone_ = false;

@@ -80,6 +80,8 @@ class Robot {
   virtual const std::string& kind() const = 0;  // "cf2x"
   virtual bool flies() const = 0;
   virtual double radius_m() const = 0;
+  // How high it may fly, above the zero of the map; nullopt: not known. A goal cannot raise it.
+  virtual std::optional<double> ceiling_m() const = 0;
 
   // The time of the present step.
   virtual Time Now() const = 0;
@@ -112,6 +114,8 @@ class Robot {
   // The poses that came on `topic` (nav_msgs/Odometry) within the last 0.5 s; the first call
   // subscribes. Nullopt: none.
   virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;
+  // How many have come on it since it was subscribed to.
+  virtual std::uint64_t PosesOf(const std::string& topic) const = 0;
 
   virtual bool HasCamera(const std::string& camera) const = 0;
   virtual std::vector<std::string> cameras() const = 0;

@@ -29,6 +29,7 @@ class Reader {
     config_.kind_at = root.At("kind");
     config_.radius_m = root.Number("radius_m", 0.01, 10).value_or(config_.radius_m);
     config_.flies = root.Bool("flies").value_or(false);
+    config_.ceiling_m = root.Number("ceiling_m", 0.1, 10'000);
     config_.hand = root.Bool("hand").value_or(false);
     config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
     config_.photo_folder = PathOf(root, "photo_folder",

@@ -41,6 +41,7 @@ struct SkillsConfig {
   config_toml::Position kind_at;
   bool flies = false;
   double radius_m = 0.25;
+  std::optional<double> ceiling_m;  // above the zero of the map
   bool hand = false;
   InterfaceNames names;
   LineView line;

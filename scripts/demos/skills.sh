@@ -67,6 +67,19 @@ await_moved() {
   done
 }
 
+# has_line FILE TEXT
+has_line() {
+  if grep -qF "$2" "$1"; then echo yes; else echo no; fi
+}
+# await_line FILE TEXT: waits for a line with the text, for 20 s at most.
+await_line() {
+  local _
+  for _ in {1..200}; do
+    [[ $(has_line "$@") == yes ]] && return
+    sleep 0.1
+  done
+}
+
 boot() {
   step "Two ground robots, a humanoid and a flyer boot in simulated rooms"
   sed -i "s/^seed = 1$/seed = 1\nspeed = $speed.0\nlockstep = true/" "$scratch/config/scenes/rooms.toml"
@@ -142,9 +155,9 @@ refuse() {
   step "Goals that cannot be reached, and a second one beside the first, are refused with the reason"
   run jetbot_0 nav_2d "goal_pos=[11,8]"
   expect "a goal behind walls: exit code" 1 "$code"
-  expect_end nav_2d failed "Planning failed: there is no path to the goal"
+  expect_end nav_2d failed "Planning failed: no way is wide enough for the robot: the goal (11.00, 8.00) or the start is walled in"
   run jetbot_0 nav_2d "goal_pos=[30,2]"
-  expect_end "a goal outside the map" failed "Planning failed: the goal is outside the map"
+  expect_end "a goal outside the map" failed "Planning failed: the goal (30.00, 2.00) is outside the map"
   start=$(position jetbot_0)
   begin first.json jetbot_0 nav_2d "goal_pos=[7,1.5]"
   first=$begun
@@ -175,13 +188,22 @@ cancel() {
 }
 
 lose_planner() {
-  local process
-  step "The planner is killed: the skill waits for its successor, and the robot arrives"
+  local process run lines=$scratch/planner-lost.txt
+  step "The planner is killed while it plans: the skill waits for its successor, and the robot arrives"
   process=$(status .actuators.planner_server.pid)
-  say "\$ kill -KILL $process  # planner_server"
+  say "\$ kill -STOP $process  # planner_server: the plan stays under way"
+  kill -STOP "$process"
+  say "\$ musher skill run nav_2d goal_pos=[2.0,1.2] --actuator jetbot_0 &"
+  musher skill run nav_2d "goal_pos=[2.0,1.2]" --actuator jetbot_0 > "$lines" 2>&1 &
+  run=$!
+  await_line "$lines" "Planning path..."
+  expect "the skill plans" yes "$(has_line "$lines" "Planning path...")"
+  say "\$ kill -KILL $process"
   kill -KILL "$process"
-  run jetbot_0 nav_2d "goal_pos=[2.0,1.2]"
-  expect_end nav_2d completed "Reached goal"
+  wait "$run"
+  expect "nav_2d: exit code" 0 $?
+  expect "it has tried again" yes "$(has_line "$lines" "Retrying (1/10)")"
+  expect "it has arrived" yes "$(has_line "$lines" "Reached goal")"
   await ".actuators.planner_server | .pid > 0 and .pid != $process and .state == \"Active\""
   expect "the machine" Active "$(status .state)"
 }

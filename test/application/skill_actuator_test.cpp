@@ -3,14 +3,11 @@
 
 #include "musher/application/skill_actuator.hpp"
 
-#include "musher/behavior/skill/wait.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
-#include "musher/messages/plan_msgs/skill.hpp"
-#include "musher/test/application/show.hpp"
+#include "musher/test/application/skill_tasks.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
-#include "musher/transport/action.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher::skill_actuator_test {
@@ -19,130 +16,9 @@ using ::testing::Contains;
 using testing::Harness;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
-using transport::GoalEnd;
+using Tasks = testing::SkillTasks;
 
-using Client = transport::ActionClient<msg::SkillExecution>;
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-// Has the name that the harness has a config for.
-class Tasks : public SkillActuator {
- public:
-  explicit Tasks(const Options& options = {.rate_hz = 50}) : SkillActuator("show", options) {}
-
-  template <class Look>
-  auto Of(Look look) {
-    decltype(look(*this)) found{};
-    RunOnLoop([&] { found = look(*this); });
-    return found;
-  }
-  std::string StateOf(const std::string& skill) {
-    return Of([&](Tasks& tasks) { return tasks.manager().StateOf(skill).value_or("?"); });
-  }
-
-  std::string throws;  // the exception of BeforeStep; by RunOnLoop()
-  bool registers = true;
-  int pauses = 0;
-  bool throws_when_paused = false;
-
-  using SkillActuator::manager;
-  using SkillActuator::Now;
-  using SkillActuator::stepping;
-
- private:
-  Result<> RegisterSkills(skill::Registry& registry) override {
-    if (!registers) return Ok();
-    const auto fails = [] {
-      return std::make_unique<skill::StepFunction>(
-          [](skill::Table& table) { table.To(table.State("TRYING"), skill::kSucceeded, ""); },
-          [](skill::Tick&) { return skill::Next::Fail("no path"); });
-    };
-    if (Result<> added = registry.Add("fail", fails); !added) return added;
-    return registry.Add("wait", skill::Wait());
-  }
-  void BeforeStep(Time /*now*/) override {
-    if (!throws.empty()) throw std::runtime_error(throws);
-  }
-  void OnPause() override {
-    ++pauses;
-    if (throws_when_paused) throw std::runtime_error("stuck");
-  }
-};
-
-struct Sent {
-  transport::GoalId id{};
-  bool accepted = false;
-  std::vector<std::string> feedback;
-  std::optional<transport::GoalOutcome<msg::SkillExecution>> outcome;
-};
-
-class ASkillActuator : public ::testing::Test {
- protected:
-  ~ASkillActuator() override {
-    harness_.node().RunOnLoop([this] { client_.reset(); });
-  }
-
-  void Begin(Tasks& tasks) {
-    harness_.Open(tasks);
-    ASSERT_TRUE(Go("SelfCheck"));
-    ASSERT_TRUE(Go("Active"));
-    harness_.node().RunOnLoop([this] {
-      client_ = transport::MakeActionClient<msg::SkillExecution>(harness_.node().node(),
-                                                                 "skill_execution")
-                    .value();
-    });
-  }
-  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
-
-  std::shared_ptr<Sent> Send(const std::string& skill, const Parameters& parameters = {}) {
-    msg::SkillExecution::Goal goal;
-    goal.skill_request.skill_list.resize(1);
-    goal.skill_request.skill_list[0].skill = skill;
-    for (const auto& [key, value] : parameters) {
-      goal.skill_request.skill_list[0].params.push_back({key, value});
-    }
-    return SendGoal(goal);
-  }
-  std::shared_ptr<Sent> SendGoal(const msg::SkillExecution::Goal& goal) {
-    auto sent = std::make_shared<Sent>();
-    transport::GoalEvents<msg::SkillExecution> events;
-    events.on_accepted = [sent] { sent->accepted = true; };
-    events.on_feedback = [sent](const auto& feedback) {
-      sent->feedback.push_back(feedback.status);
-    };
-    events.on_end = [sent](const auto& outcome) { sent->outcome = outcome; };
-    harness_.node().RunOnLoop(
-        [&] { sent->id = client_->SendGoal(goal, std::chrono::seconds(20), events); });
-    return sent;
-  }
-  // Until `condition` holds on the client's loop.
-  template <class Condition>
-  void Await(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    bool met = false;
-    while (!met) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-      harness_.node().RunOnLoop([&] { met = condition(); });
-      std::this_thread::yield();
-    }
-  }
-  void AwaitAccepted(const std::shared_ptr<Sent>& sent) {
-    Await([&] { return sent->accepted && !sent->feedback.empty(); });
-  }
-  // "succeeded true completed: Waited (100%)"
-  std::string EndOf(const std::shared_ptr<Sent>& sent) {
-    Await([&] { return sent->outcome.has_value(); });
-    const std::map<GoalEnd, std::string> ends{{GoalEnd::kSucceeded, "succeeded"},
-                                              {GoalEnd::kCanceled, "canceled"},
-                                              {GoalEnd::kAborted, "aborted"}};
-    if (!sent->outcome) return "none";
-    const auto end = ends.find(sent->outcome->end);
-    return (end == ends.end() ? "lost" : end->second) +
-           (sent->outcome->result.success ? " true " : " false ") + sent->outcome->result.message;
-  }
-
-  Harness harness_;
-  std::unique_ptr<Client> client_;
-};
+class ASkillActuator : public testing::SkillActuatorTest {};
 
 TEST_F(ASkillActuator, ExecutesAGoalWithFeedbackAndItsResult) {
   ActuatorRunner<Tasks> tasks;

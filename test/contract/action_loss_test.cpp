@@ -126,6 +126,26 @@ TEST_P(ActionLoss, GoesOnWithTheGoalsOfALostClient) {
   EXPECT_EQ(OutcomeOf(*other, seen.id), "succeeded") << "the result is kept for others";
 }
 
+// A client that subscribes to no feedback, and one that comes later.
+TEST_P(ActionLoss, DropsFeedbackThatHasNoSubscriber) {
+  const auto send_goal =
+      Must(transport::MakeClient<Fibonacci::SendGoal>(*here_, name_ + "/_action/send_goal"));
+  bool accepted = false;
+  send_goal->Call({{{7}}, {5}}, kLong,
+                  [&](const auto& reply) { accepted = reply.value().accepted; });
+  ASSERT_TRUE(RunUntil([&] { return accepted && !server_->started.empty(); }));
+  for (std::int32_t i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(server_->started[0].PublishFeedback({{i}})) << "no failure of the server";
+  }
+  const auto client = MakeClient(*here_);
+  SeenGoal seen;
+  Start(*client, seen);
+  ASSERT_TRUE(server_->started[1].PublishFeedback({{7}}));
+  ASSERT_TRUE(RunUntil([&] { return !seen.feedbacks.empty(); }));
+  EXPECT_THAT(seen.feedbacks, ElementsAre(Numbers{7})) << "of its own goal alone";
+  EXPECT_TRUE(server_->started[0].Succeed({{2}}));
+}
+
 TEST_P(ActionLoss, LetsACallbackDropItsClientAndAHandlerItsServer) {
   auto client = MakeClient(*here_);
   SeenGoal seen;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Duration kTick = Milliseconds(50);
 constexpr Duration kAnswerTime = std::chrono::seconds(3);  // of a server, to a goal
-constexpr Duration kCancelTime = std::chrono::seconds(3);
+constexpr Duration kCancelTime = std::chrono::seconds(1);  // then the cancellation is repeated
 
 }  // namespace
 
@@ -129,6 +129,7 @@ transport::GoalEvents<msg::SkillExecution> PlanServer::EventsOf(std::size_t robo
     if (!present) return;
     const bool success = outcome.end == transport::GoalEnd::kSucceeded && outcome.result.success;
     const std::string& message = outcome.reason.empty() ? outcome.result.message : outcome.reason;
+    present->sent.erase(robot);
     present->run.OnEnd(robot, success, message);
     Advance();
   };
@@ -141,7 +142,14 @@ void PlanServer::CancelGoal(std::size_t robot) {
   const msg::RobotSkill& asked = execution_->run.present().robots[robot];
   const auto client = clients_.find(asked.robot_id);
   if (sent == execution_->sent.end() || client == clients_.end()) return;
-  client->second->Cancel(sent->second, kCancelTime, [](const auto& /*reply*/) {});
+  const std::weak_ptr<Execution> weak = execution_;
+  client->second->Cancel(sent->second, kCancelTime,
+                         [this, weak, robot, id = sent->second](const auto& reply) {
+                           const auto present = weak.lock();
+                           if (reply || !present) return;
+                           const auto open = present->sent.find(robot);
+                           if (open != present->sent.end() && open->second == id) CancelGoal(robot);
+                         });
 }
 
 void PlanServer::End(const PlanEnd& end) {

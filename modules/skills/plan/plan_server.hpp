@@ -49,7 +49,7 @@ class PlanServer {
   struct Execution {
     Goal goal;
     PlanRun run;
-    std::map<std::size_t, transport::GoalId> sent;  // of the present step, by robot
+    std::map<std::size_t, transport::GoalId> sent;  // open ones of the present step, by robot
     std::set<std::size_t> cancelled;                // the same
   };
 
@@ -57,6 +57,7 @@ class PlanServer {
   Result<> Admit(const msg::SkillPlan& plan);
   void Advance();
   void Send(std::size_t robot);
+  // Repeats it until its server replies or the goal has ended.
   void CancelGoal(std::size_t robot);
   void End(const PlanEnd& end);
   // The events of a goal that was sent, as long as its step is executed.

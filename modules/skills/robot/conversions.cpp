@@ -1,5 +1,7 @@
 #include "musher/modules/skills/robot/conversions.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -158,27 +160,44 @@ msg::ManipulationControl::Request ToMessage(const HandRequest& request) {
           {request.target.x_m, request.target.y_m, request.target.z_m}};
 }
 
-std::string PlannerReason(std::uint16_t error_code) {
+Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
+                   const std::optional<navigation::Pose>& start) {
   using Code = msg::ComputePathToPose;
+  using navigation::Fault;
+  using navigation::MakeError;
+  const auto place = [](const navigation::Point& at) {
+    return at.z_m == 0 ? fmt::format("({:.2f}, {:.2f})", at.x_m, at.y_m)
+                       : fmt::format("({:.2f}, {:.2f}, {:.2f})", at.x_m, at.y_m, at.z_m);
+  };
+  const std::string to = "the goal " + place(goal.at);
+  const std::string from =
+      start ? "the start " + place(start->at) : "the start, the robot's place,";
   switch (error_code) {
     case Code::kInvalidPlanner:
-      return "the planner has no such planner_id";
+      return MakeError(Fault::kIdentifier, "the planner has no such planner_id");
     case Code::kTfError:
-      return "the planner does not know where the robot is, or the frame of the goal";
+      return MakeError(
+          Fault::kFrame,
+          "the planner does not know where the robot is, or does not know the frame of the goal");
     case Code::kStartOutsideMap:
-      return "the start is outside the map";
+      return MakeError(Fault::kOutside, from + " is outside the map");
     case Code::kGoalOutsideMap:
-      return "the goal is outside the map";
+      return MakeError(Fault::kGoalOutside,
+                       to + (goal.at.z_m == 0 ? " is outside the map"
+                                              : " is outside the map, or above the ceiling"));
     case Code::kStartOccupied:
-      return "the robot does not fit where it is";
+      return MakeError(Fault::kStartBlocked,
+                       from + " has no room for the robot: an obstacle is too near");
     case Code::kGoalOccupied:
-      return "the robot does not fit at the goal";
+      return MakeError(Fault::kGoalBlocked,
+                       to + " has no room for the robot: an obstacle is too near");
     case Code::kTimeout:
-      return "the planner found no path in its time";
+      return MakeError(Fault::kTimeLimit, "the planner found no path to " + to + " in its time");
     case Code::kNoValidPath:
-      return "there is no path to the goal";
+      return MakeError(Fault::kWalledIn,
+                       "no way is wide enough for the robot: " + to + " or the start is walled in");
     default:
-      return "the planner has failed (code " + std::to_string(error_code) + ")";
+      return {kCodeFailed, "the planner has failed (code " + std::to_string(error_code) + ")"};
   }
 }
 

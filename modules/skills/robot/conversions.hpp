@@ -47,8 +47,10 @@ std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView&
 
 msg::ManipulationControl::Request ToMessage(const HandRequest& request);
 
-// The reason of a planner's or controller's result code, for people. `planner`: "/r/planner".
-std::string PlannerReason(std::uint16_t error_code);
+// Why a planner has found no path, from the code of its result; its message stays in its log. With
+// the code of the planner's fault, where it is one. Without a start: where the robot is.
+Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
+                   const std::optional<navigation::Pose>& start);
 // With the code of navigation::Fault::kObstacle where an obstacle is in the way: another path may
 // help.
 Error ControllerError(std::uint16_t error_code);

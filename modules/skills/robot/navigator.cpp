@@ -20,14 +20,16 @@ Error Unreached(const std::string& server, const Outcome& outcome) {
                server + ": " + outcome.reason};
 }
 
-Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToPose>& outcome) {
+Result<navigation::Path> PathOf(const transport::GoalOutcome<msg::ComputePathToPose>& outcome,
+                                const navigation::Pose& goal,
+                                const std::optional<navigation::Pose>& start) {
   if (outcome.end == GoalEnd::kSucceeded) {
     auto path = ToPath(outcome.result.path);
     if (path) return *std::move(path);
     return Error{kCodeFailed, "the planner's path is empty or not finite"};
   }
   if (outcome.end == GoalEnd::kAborted) {
-    return Error{kCodeFailed, PlannerReason(outcome.result.error_code)};
+    return PlannerError(outcome.result.error_code, goal, start);
   }
   if (outcome.end == GoalEnd::kCanceled) return Error{kCodeFailed, "the planning was cancelled"};
   return Unreached("the planner", outcome);
@@ -92,9 +94,9 @@ skill::Future<navigation::Path> Navigator::ComputePath(
   message.use_start = start.has_value();
   if (start) message.start = ToMessage(*start, stamp);
   transport::GoalEvents<msg::ComputePathToPose> events;
-  events.on_end = [request](const auto& outcome) {
+  events.on_end = [request, goal, start](const auto& outcome) {
     request->ended = true;
-    request->source.Set(PathOf(outcome));
+    request->source.Set(PathOf(outcome, goal, start));
   };
   request->id = planner_->SendGoal(message, kAnswerTime, std::move(events));
   requests_.push_back(std::move(request));

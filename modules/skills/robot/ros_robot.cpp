@@ -131,6 +131,13 @@ std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {
   return *pose;
 }
 
+std::uint64_t RosRobot::PosesOf(const std::string& topic) const {
+  const auto wire = wire_.lock();
+  if (!wire) return 0;
+  const auto found = wire->tracked.find(topic);
+  return found == wire->tracked.end() ? 0 : found->second.count;
+}
+
 bool RosRobot::HasCamera(const std::string& camera) const {
   return std::ranges::any_of(config_.cameras,
                              [&](const auto& named) { return named.first == camera; });

@@ -47,6 +47,7 @@ class RosRobot final : public Robot {
   const std::string& kind() const override { return config_.kind; }
   bool flies() const override { return config_.flies; }
   double radius_m() const override { return config_.radius_m; }
+  std::optional<double> ceiling_m() const override { return config_.ceiling_m; }
 
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override;
@@ -63,6 +64,7 @@ class RosRobot final : public Robot {
   std::vector<SeenObject> objects() const override;
   bool HasObjects() const override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
+  std::uint64_t PosesOf(const std::string& topic) const override;
   bool HasCamera(const std::string& camera) const override;
   std::vector<std::string> cameras() const override;
   skill::Future<Picture> TakePicture(const std::string& camera) override;

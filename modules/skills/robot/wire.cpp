@@ -100,7 +100,10 @@ const navigation::Pose* RosRobot::Wire::PoseOf(const std::string& topic) {
     auto subscription = transport::MakeSubscription<msg::Odometry>(
         node, transport::ResolveName(name_space, topic),
         [this, &made](const msg::Odometry& odometry, const transport::SampleInfo&) {
-          if (const auto pose = ToPose(odometry.pose.pose)) made.pose.Set(*pose, Now());
+          const auto pose = ToPose(odometry.pose.pose);
+          if (!pose) return;
+          made.pose.Set(*pose, Now());
+          ++made.count;
         });
     if (subscription) made.subscription = std::move(subscription).value();
   }

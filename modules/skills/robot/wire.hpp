@@ -41,7 +41,8 @@ struct RosRobot::Wire {
   };
   struct Tracked {
     RecentValue<navigation::Pose> pose;
-    Time asked{};  // when a skill has last asked for it
+    std::uint64_t count = 0;  // of poses that have come
+    Time asked{};             // when a skill has last asked for it
     std::unique_ptr<transport::Subscription> subscription;
   };
 

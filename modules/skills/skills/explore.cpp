@@ -16,7 +16,7 @@ using skill::Next;
 using skill::Tick;
 using Kind = TravelStep::Kind;
 
-// The data of a run: how far on the path it is, what it has left out, where it began.
+// The data of a run: how far on the path it is, with what it has left out, and where it began.
 constexpr std::string_view kIndex = "index";
 constexpr std::string_view kSkipped = "skipped_m";
 constexpr std::string_view kBegin = "begin";
@@ -82,6 +82,8 @@ void Explore::Declare(skill::Table& table) {
   table.Takes("robot_radius", 0.5, "m, room to the boundary and the holes");
   table.Takes("interpolation_distance", 0.05, "m, from point to point of the path");
   table.Takes("interpolation_method", std::string("linear"), "linear");
+  table.RefusesParameter("target_prim",
+                         "it goes over an area, not to an object; detect finds an object");
 }
 
 Next Explore::Step(Tick& tick) {
@@ -117,10 +119,9 @@ Result<> Explore::MakePath(Tick& tick) {
   }
   const auto begin = tick.data.Get<skill::Numbers>(kBegin, {0, 0, 0});
   const double height_m = robot_.flies() ? begin[2] : 0;
-  constexpr double kInTheAirM = 0.1;
-  if (robot_.flies() && robot_.pose() && height_m < kInTheAirM) {
-    return BadArea(fmt::format("Invalid altitude: {} is at {:.2f} m; it has to take off first",
-                               robot_.name(), height_m));
+  if (robot_.pose()) {
+    const Result<> flies = CheckInTheAir(robot_, height_m);
+    if (!flies) return flies.error();
   }
   const auto plan = coverage::PlanCoverage(
       region.value(),
@@ -145,6 +146,7 @@ Result<> Explore::MakePath(Tick& tick) {
   path_ = navigation::WithHeadings(points, count < 2 ? 0 : direction(points[0], points[1]),
                                    count < 2 ? 0 : direction(points[count - 2], points[count - 1]),
                                    navigation::Heading::kAlong);
+  SetIndex(tick, std::min(IndexOf(tick), path_.size() - 1));
   return Ok();
 }
 
@@ -156,7 +158,7 @@ Next Explore::Initialize(Tick& tick) {
 }
 
 Next Explore::GoToStart(Tick& tick) {
-  if (!target_) target_ = std::min(IndexOf(tick), path_.size() - 1);
+  approaches_ = true;
   const TravelStep step = Approach(tick);
   if (!travel_.driving()) {
     tick.Report(40, "Planning path to the start...");
@@ -165,39 +167,41 @@ Next Explore::GoToStart(Tick& tick) {
     tick.Report(60, fmt::format("Moving to the start... ({:.1f}s)", ToSeconds(tick.elapsed)));
   }
   if (step.kind == Kind::kDone) return Next::To(executing_);
+  if (IsMostlyBlocked(tick)) return FailBlocked(tick);
   return After(step);
 }
 
 Next Explore::Execute(Tick& tick) {
-  if (target_) {
+  if (!approaches_ && !travel_.driving()) {
+    if (IndexOf(tick) + 1 >= path_.size()) return Finish(tick);
+    BeginRest(tick);
+  }
+  if (approaches_) {
     const TravelStep step = Approach(tick);
     if (step.kind != Kind::kDone && step.kind != Kind::kPending) return After(step);
-    if (IndexOf(tick) + 1 >= path_.size()) return Finish(tick);
   } else {
-    if (!travel_.driving()) BeginRest(tick);
-    if (!target_) {
-      const TravelStep step = travel_.Drive(tick.step);
-      NoteProgress(tick);
-      if (step.kind == Kind::kDone) return Finish(tick);
-      if (step.kind == Kind::kBlocked) {
-        SkipTo(tick, Ahead(IndexOf(tick), kSkipM));
-      } else if (step.kind != Kind::kPending) {
-        return After(step);
-      }
+    const TravelStep step = travel_.Drive(tick.step);
+    NoteProgress(tick);
+    if (step.kind == Kind::kDone) return Finish(tick);
+    if (step.kind == Kind::kBlocked) {
+      Skip(tick, step.why);
+    } else if (step.kind != Kind::kPending) {
+      return After(step);
     }
   }
+  if (IsMostlyBlocked(tick)) return FailBlocked(tick);
   if (travel_.driving()) travel_.AddDetails(tick);
   tick.Report(65 + 30 * static_cast<double>(IndexOf(tick)) / static_cast<double>(path_.size()),
-              fmt::format("{} ({:.1f}s)", target_ ? "Passing an obstacle..." : "Exploring...",
+              fmt::format("{} ({:.1f}s)", approaches_ ? "Passing an obstacle..." : "Exploring...",
                           ToSeconds(tick.elapsed)));
   return Next::Stay();
 }
 
 void Explore::BeginRest(const Tick& tick) {
-  const std::size_t index = std::min(IndexOf(tick), path_.size() - 1);
+  const std::size_t index = IndexOf(tick);
   const auto pose = robot_.pose();
-  if (pose && navigation::Distance(pose->at, path_[index].at) > kArrivedWithinM) {
-    target_ = index;  // moved in a pause
+  if (pose && travel_.Apart(pose->at, path_[index].at) > kArrivedWithinM) {
+    approaches_ = true;  // moved in a pause
     return;
   }
   navigation::Path rest;
@@ -207,27 +211,40 @@ void Explore::BeginRest(const Tick& tick) {
 }
 
 TravelStep Explore::Approach(Tick& tick) {
-  if (!travel_.driving()) {
-    TravelStep step = travel_.Plan(path_[*target_], std::nullopt, tick.step);
-    if (step.kind == Kind::kFailed) {
-      if (*target_ + 1 == path_.size()) return step;
-      SkipTo(tick, Ahead(*target_, kSkipM));
-      return {Kind::kPending};
-    }
-    if (step.kind == Kind::kDone) travel_.Begin(travel_.planned());
-    return step.kind == Kind::kDone ? TravelStep{Kind::kPending} : step;
+  const bool drives = travel_.driving();
+  const navigation::Pose& target = path_[IndexOf(tick)];
+  TravelStep step =
+      drives ? travel_.Drive(tick.step) : travel_.Plan(target, std::nullopt, tick.step);
+  if (step.kind == Kind::kDone && !drives) {
+    travel_.Begin(travel_.planned());
+    return {Kind::kPending};
   }
-  TravelStep step = travel_.Drive(tick.step);
-  if (step.kind == Kind::kBlocked) return {Kind::kPending};  // plans again
-  if (step.kind != Kind::kDone) return step;
-  SetIndex(tick, *target_);
-  target_.reset();
-  return step;
+  if (step.kind == Kind::kDone) approaches_ = false;
+  // The planner's path leads through the obstacle when none leads around it.
+  const bool blocked = step.kind == Kind::kBlocked || (step.kind == Kind::kFailed && !drives);
+  if (!blocked) return step;
+  const bool begins = tick.state == to_start_ && IndexOf(tick) == 0;
+  if (begins && drives && IsFarFrom(target)) return {Kind::kPending};
+  const bool last = IndexOf(tick) + 1 >= path_.size();
+  if (last && path_.size() == 1) return {Kind::kFailed, step.why};
+  if (!last) {
+    Skip(tick, step.why);
+    return {Kind::kPending};
+  }
+  approaches_ = false;  // the end of the path is left out
+  return {Kind::kDone};
+}
+
+// From there another way to the target may be seen, or the obstacle may leave.
+bool Explore::IsFarFrom(const navigation::Pose& target) const {
+  constexpr double kFarM = 2;
+  const auto pose = robot_.pose();
+  return pose && travel_.Apart(pose->at, target.at) > kFarM;
 }
 
 Next Explore::After(const TravelStep& step) {
   if (step.kind == Kind::kPending) return Next::Stay();
-  target_.reset();
+  approaches_ = false;
   if (step.kind == Kind::kLost) return Next::Retry(initializing_, step.why);
   return Next::Fail(step.why);
 }
@@ -239,10 +256,7 @@ void Explore::NoteProgress(Tick& tick) {
   std::size_t index = IndexOf(tick);
   const std::size_t end = Ahead(index, kWindowM);
   for (std::size_t i = index; i <= end; ++i) {
-    if (navigation::Distance(path_[i].at, pose->at) <
-        navigation::Distance(path_[index].at, pose->at)) {
-      index = i;
-    }
+    if (travel_.Apart(path_[i].at, pose->at) < travel_.Apart(path_[index].at, pose->at)) index = i;
   }
   SetIndex(tick, index);
 }
@@ -256,21 +270,30 @@ std::size_t Explore::Ahead(std::size_t index, double distance_m) const {
   return index;
 }
 
-void Explore::SkipTo(Tick& tick, std::size_t index) {
+void Explore::Skip(Tick& tick, const std::string& why) {
+  const std::size_t to = Ahead(IndexOf(tick), kSkipM);
   double skipped_m = tick.data.Number(kSkipped);
-  for (std::size_t i = target_.value_or(IndexOf(tick)); i < index; ++i) {
+  for (std::size_t i = IndexOf(tick); i < to; ++i) {
     skipped_m += navigation::Distance(path_[i].at, path_[i + 1].at);
   }
   tick.data.Set(kSkipped, skipped_m);
-  target_ = index;
+  SetIndex(tick, to);
+  approaches_ = true;
+  obstacle_ = why;
+}
+
+bool Explore::IsMostlyBlocked(const Tick& tick) const {
+  return tick.data.Number(kSkipped) > plan_.length_m / 2;
+}
+
+Next Explore::FailBlocked(const Tick& tick) const {
+  return Next::Fail(fmt::format("{:.1f} m of the path of {:.1f} m were blocked: {}",
+                                tick.data.Number(kSkipped), plan_.length_m, obstacle_));
 }
 
 Next Explore::Finish(const Tick& tick) const {
   const double skipped_m = tick.data.Number(kSkipped);
-  if (skipped_m > plan_.length_m / 2) {
-    return Next::Fail(
-        fmt::format("{:.1f} m of the path of {:.1f} m were blocked", skipped_m, plan_.length_m));
-  }
+  if (IsMostlyBlocked(tick)) return FailBlocked(tick);
   std::string message =
       fmt::format("Exploration completed ({:.1f} m in {} lanes", plan_.length_m, plan_.lanes);
   if (skipped_m > 0) message += fmt::format(", {:.1f} m blocked", skipped_m);

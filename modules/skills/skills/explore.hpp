@@ -13,10 +13,10 @@
 //   INITIALIZING         the path is computed, planner and controller are reachable within 2.0 s
 //   NAVIGATING_TO_START  60 s, on a way of the planner
 //   EXECUTING            120 s, along the path; where an obstacle stays on it, on a way of the
-//                        planner to the next free point of the path
+//                        planner to the next free point of the path, metre by metre
 //   STOPPING             of a cancellation: until the robot stands
 //
-// It fails when less than half of the path was free. A planner or controller that is lost: as in
+// It fails once more than half of the path was blocked. A planner or controller that is lost: as in
 // goal_skill.hpp; it continues where it was, as after a pause. Details: those of navigate_to,
 // path_length, skipped (both m) and lanes.
 
@@ -40,21 +40,26 @@ class Explore : public TravelSkill {
   skill::Next GoToStart(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
   Result<> MakePath(skill::Tick& tick);
-  // The way of the planner to the point of the path `target_`, or, where there is none, to a later
-  // one. kDone: there.
+  // The way of the planner to the next point of the path, or, where that is blocked, to a later
+  // one. kDone: there, or there is no later one.
   TravelStep Approach(skill::Tick& tick);
+  bool IsFarFrom(const navigation::Pose& target) const;
   skill::Next After(const TravelStep& step);
   // Along the path from where the robot is.
   void BeginRest(const skill::Tick& tick);
   void NoteProgress(skill::Tick& tick);
   // The first point that is so far behind `index`; the last one of the path at most.
   std::size_t Ahead(std::size_t index, double distance_m) const;
-  void SkipTo(skill::Tick& tick, std::size_t index);
+  // Leaves out the next part of the path.
+  void Skip(skill::Tick& tick, const std::string& why);
+  bool IsMostlyBlocked(const skill::Tick& tick) const;
+  skill::Next FailBlocked(const skill::Tick& tick) const;
   skill::Next Finish(const skill::Tick& tick) const;
 
   coverage::Plan plan_;
-  navigation::Path path_;              // empty: not computed yet
-  std::optional<std::size_t> target_;  // of Approach()
+  navigation::Path path_;    // empty: not computed yet
+  bool approaches_ = false;  // it is on a way of the planner
+  std::string obstacle_;     // why it has left out a part
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId to_start_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;

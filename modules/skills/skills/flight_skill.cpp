@@ -63,6 +63,13 @@ void FlightSkill::OnPause() {
   hold_.Reset();
 }
 
+double FlightSkill::Ceiling(const skill::Tick& tick) const {
+  constexpr double kUsualM = 10;
+  const double robot_m = robot_.ceiling_m().value_or(kUsualM);
+  const double goal_m = tick.parameters.Number("ceiling");
+  return goal_m > 0 ? std::min(goal_m, robot_m) : robot_m;
+}
+
 void FlightSkill::Keep(const navigation::Pose& place, const navigation::Pose& now,
                        const skill::Tick& tick) {
   robot_.SetVelocity(hold_.Command(place, now, ControlStep(tick.step)));

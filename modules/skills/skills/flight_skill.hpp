@@ -30,6 +30,9 @@ class FlightSkill : public skill::Skill {
   // A step with odometry.
   virtual skill::Next Fly(const navigation::Pose& now, skill::Tick& tick) = 0;
 
+  // Above the zero of the map: that of the robot, or the lower one of the parameter `ceiling`.
+  double Ceiling(const skill::Tick& tick) const;
+
   // Sends the command that keeps the flyer at `place`, or brings it there.
   void Keep(const navigation::Pose& place, const navigation::Pose& now, const skill::Tick& tick);
   // The same for x, y and yaw, with this vertical velocity.

@@ -43,6 +43,7 @@ Next GoalSkill::Step(Tick& tick) {
     taken_ = true;
   }
   if (tick.state == initializing_) return Initialize(tick);
+  NoteBlockedTime(tick);
   return tick.state == planning_ ? Plan(tick) : Execute(tick);
 }
 
@@ -50,7 +51,8 @@ Next GoalSkill::Initialize(Tick& tick) {
   tick.Report(5, Prefix(tick) + "Sending request...");
   const bool waits = tick.retries > 0 && tick.elapsed < kServerWait;
   if (waits || travel_.Reach().kind != Kind::kDone) return Next::Stay();
-  return Next::To(planning_);
+  const Result<> flies = CheckInTheAir(robot_, robot_.pose()->at.z_m);
+  return flies ? Next::To(planning_) : Next::Fail(flies.error().message);
 }
 
 Next GoalSkill::Plan(Tick& tick) {
@@ -66,6 +68,7 @@ Next GoalSkill::Execute(Tick& tick) {
   if (!travel_.driving()) return Next::Replan(planning_, "continues after a pause");
   const TravelStep step = travel_.Drive(tick.step);
   if (step.kind == Kind::kDone) {
+    blocked_.reset();
     const auto message = OnArrival(tick);
     return message ? Next::Succeed(*message) : Next::To(planning_);
   }
@@ -82,7 +85,7 @@ Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
   const std::string why = Prefix(tick) + step.why;
   switch (step.kind) {
     case Kind::kBlocked:
-      return Next::Replan(planning_, why);
+      return AfterBlocked(tick, step);
     case Kind::kLost:
       // Also a server that rejects: it does until it is Active, for example after a restart.
       return Next::Retry(initializing_, why);
@@ -93,6 +96,27 @@ Next GoalSkill::Decide(const Tick& tick, const TravelStep& step) {
       break;
   }
   return Next::Stay();
+}
+
+void GoalSkill::NoteBlockedTime(const Tick& tick) {
+  const auto pose = robot_.pose();
+  if (!blocked_ || !pose) return;
+  constexpr double kNearerM = 0.5;
+  const double left_m = travel_.Apart(pose->at, Goal(tick).at);
+  if (left_m < blocked_->nearest_m - kNearerM) *blocked_ = {.nearest_m = left_m};
+  blocked_->standstill.Note(pose, tick.step);
+  if (blocked_->standstill.time() > Duration{}) blocked_->stood += tick.step;
+}
+
+Next GoalSkill::AfterBlocked(const Tick& tick, const TravelStep& step) {
+  const auto at = robot_.pose().value_or(navigation::Pose()).at;
+  const double left_m = travel_.Apart(at, Goal(tick).at);
+  if (!blocked_) blocked_ = Blocked{.nearest_m = left_m};
+  if (blocked_->stood < kBlockedLimit) return Next::Replan(planning_, Prefix(tick) + step.why);
+  return Next::Fail(
+      Prefix(tick) +
+      fmt::format("Blocked for {:.0f} s, {:.1f} m from the goal, at ({:.2f}, {:.2f}): {}",
+                  ToSeconds(blocked_->stood), left_m, at.x_m, at.y_m, step.why));
 }
 
 Next GoalSkill::OnLimit(Tick& tick) {

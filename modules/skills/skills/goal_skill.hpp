@@ -2,20 +2,27 @@
 // What navigate_to and move have in common: the robot travels to a goal, and perhaps to another
 // one after it.
 //
-//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s
+//   INITIALIZING  the request is checked, planner and controller are reachable within 2.0 s; a
+//                 flyer is in the air
 //   PLANNING      15 s
-//   EXECUTING     120 s from one goal to the next; an obstacle leads back to PLANNING, not counted
+//   EXECUTING     120 s from a plan to its goal; an obstacle leads back to PLANNING, not counted
 //   STOPPING      of a cancellation: until the robot stands
+//
+// An obstacle that stays: the path is planned again, which leads around it if it can. It fails once
+// the robot has stood at obstacles for kBlockedLimit without having come nearer to the goal.
 //
 // A planner or controller that is lost on the way: again from INITIALIZING every 2 s, for
 // kAttempts times. A pause cancels the drive; then the path is planned again.
 
+#include <chrono>
 #include <optional>
 #include <string>
 
 #include "musher/modules/skills/skills/travel_skill.hpp"
 
 namespace musher::skills {
+
+inline constexpr Duration kBlockedLimit = std::chrono::seconds(60);
 
 class GoalSkill : public TravelSkill {
  public:
@@ -47,9 +54,19 @@ class GoalSkill : public TravelSkill {
   skill::Next Plan(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
   skill::Next Decide(const skill::Tick& tick, const TravelStep& step);
+  skill::Next AfterBlocked(const skill::Tick& tick, const TravelStep& step);
+  void NoteBlockedTime(const skill::Tick& tick);
+
+  // From the first obstacle on the way to a goal.
+  struct Blocked {
+    double nearest_m = 0;  // to the goal, so far
+    Duration stood{};      // since it came nearer
+    Standstill standstill{};
+  };
 
   bool taken_ = false;
   bool started_ = false;  // the first path is there: Start() does not count any more
+  std::optional<Blocked> blocked_;
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId planning_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;

@@ -19,7 +19,7 @@ void Hover::Declare(skill::Table& table) {
   table.Uses(kBase);
   table.Takes("altitude", 2.0, "m above the zero of the map (absolute); 0: where it is");
   table.Takes("duration", 5.0, "seconds, 0 or more");
-  table.Takes("ceiling", 10.0, "m above the zero of the map; no altitude is higher");
+  table.Takes("ceiling", 0.0, "m above the zero of the map, lowers that of the robot; 0: that one");
   initializing_ = table.State("INITIALIZING");
   approaching_ = table.State("APPROACHING", std::chrono::seconds(30));
   hovering_ = table.State("HOVERING");
@@ -32,7 +32,7 @@ void Hover::Declare(skill::Table& table) {
 
 skill::Next Hover::Check(const navigation::Pose& now, skill::Tick& tick) {
   const double altitude_m = tick.parameters.Number("altitude");
-  const double ceiling_m = tick.parameters.Number("ceiling");
+  const double ceiling_m = Ceiling(tick);
   if (altitude_m < 0 || altitude_m > ceiling_m) {
     return skill::Next::Fail("Invalid altitude: " + HeightText(altitude_m) +
                              " is not between the ground and the ceiling of " +

@@ -22,6 +22,7 @@ void Move::Describe(skill::Table& table) {
   table.Uses(kBase);
   table.Needs("path", skill::Kind::kText, "way-points, m in the map: [[0, 0], [4, 0], [4, 3]]");
   table.Takes("loops", std::int64_t{0}, "times, 0: until it is cancelled");
+  table.RefusesParameter("cancel", "to cancel the skill, cancel its goal");
   table.Limit({.run = skill::kNoLimit, .retries = kAttempts});
 }
 
@@ -35,11 +36,9 @@ Result<> Move::Take(const skill::Tick& tick) {
   if (loops_ < 0) return refuse(fmt::format("loops is {}; expected 0 or more", loops_));
   for (std::size_t i = 0; i < path_.size(); ++i) {
     if (!robot().flies()) path_[i].z_m = 0;
-    if (robot().flies() && path_[i].z_m <= 0) {
-      return refuse(
-          fmt::format("Invalid altitude: way-point {} is at {:.2f} m; expected more than 0 m",
-                      i + 1, path_[i].z_m));
-    }
+    const Result<> altitude =
+        CheckAltitude(robot(), fmt::format("way-point {}", i + 1), path_[i].z_m);
+    if (!altitude) return altitude.error();
   }
   const bool apart = std::ranges::any_of(
       path_, [&](const auto& point) { return navigation::Distance(point, path_[0]) > 0; });

@@ -53,10 +53,8 @@ Result<navigation::Point> NavigateTo::PlaceOf(const skill::Values& parameters,
   const navigation::Point place{numbers[0], numbers[1],
                                 flies ? numbers[2] : parameters.Number("ground_height")};
   if (!IsFinite(place)) return BadPlace(name + " is not finite");
-  if (flies && place.z_m <= 0) {
-    return BadPlace(fmt::format("Invalid altitude: {} is at {:.2f} m; expected more than 0 m", name,
-                                place.z_m));
-  }
+  const Result<> altitude = CheckAltitude(robot(), name, place.z_m);
+  if (!altitude) return altitude.error();
   return place;
 }
 

@@ -14,7 +14,7 @@ void TakeOff::Declare(skill::Table& table) {
   table.Does("Climbs to an altitude and hovers there");
   table.Uses(kBase);
   table.Takes("altitude", 1.0, "m above the zero of the map (absolute)");
-  table.Takes("ceiling", 10.0, "m above the zero of the map; no altitude is higher");
+  table.Takes("ceiling", 0.0, "m above the zero of the map, lowers that of the robot; 0: that one");
   initializing_ = table.State("INITIALIZING");
   executing_ = table.State("EXECUTING", std::chrono::seconds(30));
   table.To(initializing_, executing_, "the altitude is above the robot");
@@ -25,7 +25,7 @@ void TakeOff::Declare(skill::Table& table) {
 
 skill::Next TakeOff::Check(const navigation::Pose& now, skill::Tick& tick) {
   const double altitude_m = tick.parameters.Number("altitude");
-  const double ceiling_m = tick.parameters.Number("ceiling");
+  const double ceiling_m = Ceiling(tick);
   if (altitude_m <= 0) {
     return skill::Next::Fail("Invalid altitude: " + HeightText(altitude_m) +
                              " is not above the ground");

@@ -34,7 +34,9 @@ void TakePhoto::Declare(skill::Table& table) {
   table.Uses(kCamera);
   table.Takes("camera_type", "sensor.camera.rgb",
               "a camera of the robot; sensor.camera.rgb and default: its first one");
+  table.Also("camera_type", "camera_name");
   table.Needs("save_path", skill::Kind::kText, "the file, which ends in .png");
+  table.Also("save_path", "save_to_file");
   initializing_ = table.State("INITIALIZING");
   executing_ = table.State("EXECUTING", std::chrono::seconds(5));
   saving_ = table.State("SAVING", std::chrono::seconds(10));

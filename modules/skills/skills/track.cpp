@@ -15,6 +15,9 @@ using Kind = TravelStep::Kind;
 
 constexpr double kToleranceM = 0.3;
 constexpr Duration kUnseen = std::chrono::seconds(1);
+// New paths replace a drive that waits at an obstacle before it says so.
+constexpr const char* kStands = "the robot does not get on along its path, as at an obstacle";
+constexpr Duration kStandsLong = std::chrono::seconds(3);
 
 }  // namespace
 
@@ -38,6 +41,7 @@ void Track::Declare(skill::Table& table) {
   table.Takes("distance", 1.5, "m, kept from the target");
   table.Takes("lost_limit", 10.0, "s without the target or a way to it, then it fails");
   table.Takes("duration", 0.0, "s, 0: until it is cancelled");
+  table.RefusesParameter("cancel", "to cancel the skill, cancel its goal");
 }
 
 std::optional<std::string> Track::WhyRefused(const skill::Values& parameters) const {
@@ -82,14 +86,17 @@ Next Track::Execute(Tick& tick) {
   const auto seen = robot_.PoseOf(topic);
   unseen_ = seen ? Duration{} : unseen_ + tick.step;
   if (seen && IsFinite(*seen)) target_ = seen;
-  if (seen) ++poses_;
+  const std::uint64_t came = robot_.PosesOf(topic);
+  poses_ += static_cast<std::int64_t>(came >= counted_ ? came - counted_ : came);
+  counted_ = came;
   const double limit_s = tick.parameters.Number("lost_limit");
   if (ToSeconds(unseen_) >= limit_s) {
     return Next::Fail(fmt::format("Target lost: no pose on {} for {:.1f} s", topic, limit_s));
   }
   PlanAndDrive(tick);
-  if (ToSeconds(without_way_) >= limit_s) {
-    return Next::Fail(trouble_.empty() ? "No way to the target" : trouble_);
+  if (ToSeconds(standstill_.time()) >= limit_s) {
+    return Next::Fail(fmt::format("No way to the target for {:.1f} s: {}", limit_s,
+                                  trouble_.empty() ? kStands : trouble_));
   }
   Report(tick);
   return Next::Stay();
@@ -126,12 +133,12 @@ void Track::PlanAndDrive(const Tick& tick) {
                                 tick.parameters.Number("distance")) <= kToleranceM;
     if (travel_.driving() && right) {
       Note(travel_.Drive(tick.step));
-      without_way_ = {};
+      HasWay();
       return;
     }
     if (travel_.driving() || travel_.planning()) travel_.GiveUp();
     goal_.reset();
-    without_way_ = {};
+    HasWay();
     return;
   }
   const auto period = tick.parameters.Get<std::int64_t>("track_period", 1);
@@ -145,10 +152,16 @@ void Track::PlanAndDrive(const Tick& tick) {
   }
   if (travel_.driving()) {
     const TravelStep step = travel_.Drive(tick.step);
-    if (step.kind == Kind::kPending || step.kind == Kind::kDone) without_way_ = {};
     Note(step);
+    if (step.kind == Kind::kDone) return HasWay();
   }
-  if (!travel_.driving()) without_way_ += tick.step;
+  standstill_.Note(robot_.pose(), tick.step);
+  if (standstill_.time() == Duration{}) trouble_.clear();
+}
+
+void Track::HasWay() {
+  standstill_.Restart();
+  trouble_.clear();
 }
 
 void Track::Plan(Duration step) {
@@ -168,8 +181,9 @@ void Track::Report(Tick& tick) const {
   std::string message = fmt::format("Tracking... ({:.1f} m)", apart_m);
   if (unseen_ >= kUnseen) {
     message = fmt::format("Target lost ({:.1f}s)", ToSeconds(unseen_));
-  } else if (without_way_ >= kUnseen && !trouble_.empty()) {
-    message = fmt::format("No way to the target ({:.1f}s): {}", ToSeconds(without_way_), trouble_);
+  } else if (standstill_.time() >= (trouble_.empty() ? kStandsLong : kUnseen)) {
+    message = fmt::format("No way to the target ({:.1f}s): {}", ToSeconds(standstill_.time()),
+                          trouble_.empty() ? kStands : trouble_);
   }
   tick.Report(10 + 85 * share, message);
   tick.Detail("target_distance", apart_m);

@@ -2,9 +2,9 @@
 // Follows a target that reports its pose, and keeps a distance from it.
 //
 //   target_topic   nav_msgs/Odometry of the target, default /target_0/odom
-//   track_period   poses of the target from plan to plan, one a step; default 10: each second
+//   track_period   poses of the target, as they come, from plan to plan; default 10
 //   distance       m, kept from the target, default 1.5
-//   lost_limit     s without a pose, or without a way, after which it fails; default 10
+//   lost_limit     s without a pose, or at one place without a way, then it fails; default 10
 //   duration       s, then it succeeds; 0: until it is cancelled (default)
 //
 // A flyer stays at its height. While the robot is at most 0.3 m farther away than `distance`, it
@@ -15,8 +15,8 @@
 //   STOPPING       at the end: until the robot stands
 //
 // A target that is lost: it says so after 1 s, and goes to where the target was. A lost server, a
-// goal without a way and an obstacle end it only after `lost_limit` without a way. Details: those
-// of navigate_to and target_distance (m).
+// goal without a way and an obstacle end it only once the robot has not got on for `lost_limit`.
+// Details: those of navigate_to and target_distance (m).
 
 #include <optional>
 #include <string>
@@ -42,6 +42,8 @@ class Track : public TravelSkill {
   double DistanceTo(const navigation::Pose& target) const;
   void PlanAndDrive(const skill::Tick& tick);
   void Plan(Duration step);
+  // A drive is done, or none is needed.
+  void HasWay();
   // Keeps the reason of a failure.
   void Note(const TravelStep& step);
   void Report(skill::Tick& tick) const;
@@ -49,9 +51,10 @@ class Track : public TravelSkill {
   std::optional<navigation::Pose> target_;  // as it was seen last
   std::optional<navigation::Pose> goal_;    // that is planned, or that the drive has
   std::int64_t poses_ = 0;                  // since the last plan
+  std::uint64_t counted_ = 0;               // of the robot's count of them
   Duration unseen_{};
-  Duration without_way_{};  // since a drive went on, or none was needed
-  std::string trouble_;     // why there is no way
+  Standstill standstill_;  // since it has to move
+  std::string trouble_;    // why there is no way
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };

@@ -29,6 +29,36 @@ bool Stands(const Robot& robot) {
          std::abs(velocity.yaw_rad_s) < kStandingRadPerS;
 }
 
+Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m) {
+  if (!robot.flies()) return Ok();
+  const auto refuse = [&](const std::string& expected) {
+    return Error{
+        kCodeParametersInvalid,
+        fmt::format("Invalid altitude: {} is at {:.2f} m; expected {}", place, height_m, expected)};
+  };
+  if (height_m <= 0) return refuse("more than 0 m");
+  const double ceiling_m = robot.ceiling_m().value_or(height_m);
+  if (height_m <= ceiling_m) return Ok();
+  return refuse(fmt::format("at most {:.2f} m, the ceiling of {}", ceiling_m, robot.name()));
+}
+
+Result<> CheckInTheAir(const Robot& robot, double height_m) {
+  constexpr double kInTheAirM = 0.1;
+  if (!robot.flies() || height_m >= kInTheAirM) return Ok();
+  return Error{kCodeParametersInvalid,
+               fmt::format("Invalid altitude: {} is at {:.2f} m; it has to take off first",
+                           robot.name(), height_m)};
+}
+
+void Standstill::Note(const std::optional<navigation::Pose>& pose, Duration step) {
+  if (pose && (!place_ || navigation::Distance(pose->at, *place_) > kWithinM)) {
+    place_ = pose->at;
+    time_ = {};
+  } else {
+    time_ += step;
+  }
+}
+
 TravelStep Travel::Reach() const {
   const bool planner = robot_.HasPlanner();
   const bool controller = robot_.HasController();
@@ -159,7 +189,6 @@ TravelStep Travel::DriveEnd() {
   return {Kind::kDone};
 }
 
-// On the ground the height does not count.
 double Travel::Apart(const navigation::Point& a, const navigation::Point& b) const {
   if (robot_.flies()) return navigation::Distance(a, b);
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);

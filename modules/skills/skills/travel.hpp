@@ -37,6 +37,27 @@ inline constexpr double kStandingRadPerS = 0.05;
 
 bool Stands(const Robot& robot);
 
+// Of a place for a flyer, named "goal_pos", "way-point 2": above 0 m, and not above its ceiling.
+Result<> CheckAltitude(const Robot& robot, const std::string& place, double height_m);
+// A flyer at this height is in the air. Robots on the ground always pass.
+Result<> CheckInTheAir(const Robot& robot, double height_m);
+
+// Since when a robot has not left a place. What it moves in its place does not count: each new path
+// past an obstacle lets it turn, and drive a little.
+class Standstill {
+ public:
+  static constexpr double kWithinM = 0.3;
+
+  // After each step; without a pose it is as if the robot stood.
+  void Note(const std::optional<navigation::Pose>& pose, Duration step);
+  void Restart() { *this = {}; }
+  Duration time() const { return time_; }  // 0: it has just left one
+
+ private:
+  std::optional<navigation::Point> place_;
+  Duration time_{};
+};
+
 struct TravelStep {
   enum class Kind : std::uint8_t { kPending, kDone, kBlocked, kLost, kFailed };
 
@@ -68,6 +89,8 @@ class Travel {
   double distance_to_goal_m() const;
   // Of the path, from where the robot was.
   double length_m() const { return length_m_; }
+  // On the ground the height does not count.
+  double Apart(const navigation::Point& a, const navigation::Point& b) const;
   // distance_to_goal, current_velocity and estimated_time.
   void AddDetails(skill::Tick& tick) const;
 
@@ -82,7 +105,6 @@ class Travel {
   TravelStep PlanEnd(const navigation::Pose& goal);
   TravelStep DriveEnd();
   navigation::Path FromHere(const navigation::Path& path) const;
-  double Apart(const navigation::Point& a, const navigation::Point& b) const;
 
   Robot& robot_;
   skill::Future<navigation::Path> plan_;

@@ -137,6 +137,24 @@ TEST_F(AManager, ResetsOneOrAll) {
   EXPECT_THAT(look_.log, ElementsAre("OnEnd cancelled"));
 }
 
+TEST_F(AManager, ShowsTheEndOfEachRunBeforeItIsRemoved) {
+  std::vector<std::string> removed;
+  manager_->OnRemoval(
+      [&](const skill::Run& run) { removed.push_back(run.name() + " " + ToText(run.feedback())); });
+  walk_.step = CompletesAfter(1);
+  look_.step = InExecuting([](const Tick&) { return Next::Stay(); });
+  ASSERT_TRUE(manager_->Start("walk"));
+  Steps(2);
+  ASSERT_TRUE(manager_->Start("walk"));
+  ASSERT_TRUE(manager_->Start("look"));
+  Steps(1);
+  EXPECT_EQ(removed.size(), 1U);
+  manager_->ResetAll();
+  EXPECT_THAT(removed, ElementsAre("walk completed: done (100%)",
+                                   "look cancelled: Cancelled: all skills are reset (0%)",
+                                   "walk cancelled: Cancelled: all skills are reset (0%)"));
+}
+
 TEST_F(AManager, ThePauseIsNoTimeOfItsSkills) {
   ASSERT_TRUE(manager_->Start("walk"));
   Steps(3);

@@ -156,6 +156,32 @@ TEST_F(AParameter, ReadsTheTextThatAValueIsWrittenAs) {
   }
 }
 
+TEST(SkillTable, TakesAParameterByEachOfItsNames) {
+  Table table;
+  table.Needs("path", Kind::kText, "the file");
+  table.Also("path", "file");
+  EXPECT_EQ(table.Complete({{"file", "a"}}).value().Text("path"), "a");
+  EXPECT_EQ(table.Parse({{"file", "a"}}).value().Text("path"), "a");
+  EXPECT_EQ(ToText(table.parameters()[0]), "path: a text, required (the file; also file)");
+  for (const std::string& message : {table.Complete({{"file", "a"}, {"path", "b"}}).error().message,
+                                     table.Parse({{"path", "a"}, {"file", "b"}}).error().message}) {
+    EXPECT_EQ(message, "parameter path: is given twice");
+  }
+  table.Also("pth", "other");
+  table.Also("path", "file");
+  EXPECT_THAT(table.errors(), ElementsAre("parameter other: is no other name of pth",
+                                          "parameter file: is no other name of path"));
+}
+
+TEST(SkillTable, SaysWhyItDoesNotTakeAParameter) {
+  Table table;
+  table.RefusesParameter("cancel", "cancel the goal");
+  EXPECT_EQ(table.Parse({{"cancel", "true"}}).error().message,
+            "there is no parameter cancel: cancel the goal");
+  EXPECT_EQ(table.Complete({{"cancel", true}}).error().message,
+            "there is no parameter cancel: cancel the goal");
+}
+
 TEST(Settings, ReplaceLimitsAndDefaultsAndAreRefusedWithTheNearestName) {
   Table table;
   table.State("MOVING", std::chrono::seconds(9));

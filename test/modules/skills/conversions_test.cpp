@@ -134,9 +134,23 @@ TEST(Conversions, SeeTheLineToTheLeftAsPositive) {
 }
 
 TEST(Conversions, SayWhyANavigationFailed) {
-  EXPECT_EQ(PlannerReason(msg::ComputePathToPose::kGoalOccupied),
-            "the robot does not fit at the goal");
-  EXPECT_EQ(PlannerReason(0), "the planner has failed (code 0)");
+  using Code = msg::ComputePathToPose;
+  const navigation::Pose goal{{4, 3, 0}, 0}, high{{4, 3, 5}, 0};
+  EXPECT_EQ(PlannerError(Code::kGoalOccupied, goal, {}).message,
+            "the goal (4.00, 3.00) has no room for the robot: an obstacle is too near");
+  EXPECT_EQ(PlannerError(Code::kStartOccupied, goal, {}).message,
+            "the start, the robot's place, has no room for the robot: an obstacle is too near");
+  EXPECT_EQ(PlannerError(Code::kStartOutsideMap, goal, high).message,
+            "the start (4.00, 3.00, 5.00) is outside the map");
+  EXPECT_EQ(PlannerError(Code::kGoalOutsideMap, goal, {}).message,
+            "the goal (4.00, 3.00) is outside the map");
+  EXPECT_EQ(PlannerError(Code::kGoalOutsideMap, high, {}).message,
+            "the goal (4.00, 3.00, 5.00) is outside the map, or above the ceiling");
+  const Error walled = PlannerError(Code::kNoValidPath, goal, {});
+  EXPECT_EQ(walled.message,
+            "no way is wide enough for the robot: the goal (4.00, 3.00) or the start is walled in");
+  EXPECT_TRUE(navigation::Is(walled, navigation::Fault::kWalledIn));
+  EXPECT_EQ(PlannerError(0, goal, {}).message, "the planner has failed (code 0)");
   const Error blocked = ControllerError(msg::FollowPath::kPatienceExceeded);
   EXPECT_EQ(blocked.message, "an obstacle stays in the way");
   EXPECT_TRUE(navigation::Is(blocked, navigation::Fault::kObstacle));

@@ -28,6 +28,18 @@ class Explore : public ::testing::Test, public SkillsOnARobot {
     const Result<> started = Start("explore", more);
     ASSERT_TRUE(started) << started.error().message;
   }
+  // The way of the planner leads around it, and to a place in it through it.
+  void PutABoxOnTheFirstLane() {
+    robot.blocked = [](const navigation::Point& at) {
+      return at.x_m > 6 && at.x_m < 9 && std::abs(at.y_m - 1) < 0.6;
+    };
+    robot.plan = [this](const auto& from, const auto& to) -> Result<navigation::Path> {
+      if (robot.blocked(to.at) || from.at.x_m < 4) return navigation::Path{from, to};
+      constexpr double kBesideM = 2.2;
+      return navigation::Path{
+          from, {{from.at.x_m, kBesideM, 0}, 0}, {{to.at.x_m, kBesideM, 0}, 0}, to};
+    };
+  }
   std::string WhyRefused(const std::string& boundary, Texts more = {}) {
     more.insert(more.begin(), {"boundary", boundary});
     EXPECT_TRUE(Start("explore", more));
@@ -93,19 +105,70 @@ TEST_F(Explore, PassesAnObstacleOnItsPath) {
   EXPECT_THAT(feedback().message, HasSubstr("3.0 m blocked"));
 }
 
-TEST_F(Explore, FailsWhenMostOfItsPathIsBlocked) {
+// Three metres of the first lane.
+TEST_F(Explore, PassesAnObstacleThatIsLongerThanOneStep) {
+  PutABoxOnTheFirstLane();
   Go();
-  ASSERT_TRUE(RunToState("EXECUTING"));
+  EXPECT_TRUE(RunToItsEnd(130));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_NEAR(feedback().details.Number("skipped"), 4, 0.3);
+}
+
+TEST_F(Explore, CountsWhatIsBlockedOnceAlsoWhenTheControllerIsLost) {
+  PutABoxOnTheFirstLane();
+  Go();
+  for (int i = 0; i < 200 && feedback().details.Number("skipped") < 1.5; ++i) Step();
+  robot.KillController();
+  RunFor(3);
+  robot.controller_up = true;
+  EXPECT_TRUE(RunToItsEnd(130));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_NEAR(feedback().details.Number("skipped"), 4, 0.3);
+}
+
+TEST_F(Explore, CompletesWhenOnlyTheEndOfItsPathIsBlocked) {
   const auto plan = robot.plan;
-  robot.plan = [](const auto&, const auto& goal) -> Result<navigation::Path> {
-    if (goal.at.y_m < 6) return Error{kCodeFailed, "walled in"};
-    return navigation::Path{goal, goal};
-  };
-  RunFor(2);
-  robot.FailDrive(MakeError(navigation::Fault::kObstacle, "a box"));
+  for (const bool refuses : {false, true}) {
+    robot.at = {};
+    robot.blocked = [](const navigation::Point& at) { return at.x_m < 0.9 && at.y_m > 6.5; };
+    robot.plan = [&, refuses](const auto& from, const auto& to) -> Result<navigation::Path> {
+      if (refuses && robot.blocked(to.at)) return Error{kCodeFailed, "walled in"};
+      return plan(from, to);
+    };
+    Go();
+    EXPECT_TRUE(RunToItsEnd(120));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+    EXPECT_THAT(feedback().message, HasSubstr("0.9 m blocked"));
+  }
+}
+
+TEST_F(Explore, FailsWhenMostOfItsPathIsBlocked) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 4; };
+  Go();
   EXPECT_TRUE(RunToItsEnd(120));
   EXPECT_EQ(feedback().status, Status::kFailed);
-  EXPECT_THAT(feedback().message, HasSubstr("m of the path of 66.0 m were blocked"));
+  EXPECT_THAT(feedback().message, HasSubstr("m of the path of 66.0 m were blocked: an obstacle"));
+}
+
+TEST_F(Explore, WaitsAtAnObstacleOnTheWayToItsStart) {
+  robot.at = {{-6, 1, 0}, 0};
+  bool closed = true;
+  robot.blocked = [&](const navigation::Point& at) { return closed && at.x_m > -2; };
+  Go();
+  RunFor(20);
+  closed = false;
+  EXPECT_TRUE(RunToItsEnd(130));
+  EXPECT_EQ(feedback().message, "Exploration completed (66.0 m in 4 lanes)");
+}
+
+// The pose of a humanoid is that of its pelvis.
+TEST_F(Explore, DoesNotCountHeightsOnTheGround) {
+  robot.robot_kind = "h1";
+  robot.pelvis_m = 0.7;
+  Go();
+  EXPECT_TRUE(RunToItsEnd(120));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  EXPECT_EQ(robot.plans, 1);
 }
 
 TEST_F(Explore, FailsWhenNothingCanBeReached) {

@@ -28,6 +28,7 @@ class FakeRobot : public Robot {
   navigation::Velocity command{};  // of the body; zero when none is sent
   double ground_m = 0;
   double stopped_above_m = -1;  // a flyer descends no lower: held up by something
+  std::optional<double> ceiling;
   bool has_odometry = true;
   bool has_scan = true;
   bool has_objects = true;
@@ -58,6 +59,7 @@ class FakeRobot : public Robot {
   const std::string& kind() const override { return kind_; }
   bool flies() const override { return kind_ != "jetbot" && kind_ != "g1" && kind_ != "h1"; }
   double radius_m() const override { return 0.2; }
+  std::optional<double> ceiling_m() const override { return ceiling; }
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override {
     return has_odometry ? std::optional(body) : std::nullopt;
@@ -79,6 +81,7 @@ class FakeRobot : public Robot {
   }
   bool HasObjects() const override { return has_objects; }
   std::optional<navigation::Pose> PoseOf(const std::string&) override { return std::nullopt; }
+  std::uint64_t PosesOf(const std::string&) const override { return 0; }
   bool HasCamera(const std::string& camera) const override;
   std::vector<std::string> cameras() const override { return camera_names; }
   skill::Future<Picture> TakePicture(const std::string& camera) override;

@@ -113,6 +113,23 @@ TEST_F(Flight, RefusesImpossibleRequests) {
   }
 }
 
+TEST_F(Flight, AGoalLowersTheCeilingOfTheRobotAndCannotRaiseIt) {
+  bench_.robot.ceiling = 2.2;
+  const auto message = [&](double height_m, const std::string& skill, const Values& parameters) {
+    InTheAir(height_m);
+    return bench_.Execute(skill, parameters).message;
+  };
+  EXPECT_EQ(message(0, "take_off", {{"altitude", 5.0}}),
+            "Invalid altitude: 5.0m is above the ceiling of 2.2m");
+  EXPECT_EQ(message(0, "take_off", {{"altitude", 5.0}, {"ceiling", 9.0}}),
+            "Invalid altitude: 5.0m is above the ceiling of 2.2m");
+  EXPECT_EQ(message(0, "take_off", {{"altitude", 2.0}, {"ceiling", 1.5}}),
+            "Invalid altitude: 2.0m is above the ceiling of 1.5m");
+  EXPECT_EQ(message(1, "hover", {{"altitude", 3.0}, {"ceiling", 9.0}}),
+            "Invalid altitude: 3.0m is not between the ground and the ceiling of 2.2m");
+  EXPECT_EQ(message(0, "take_off", {{"altitude", 2.0}}), "Reached altitude");
+}
+
 TEST_F(Flight, TakeOffAtItsAltitudeHasNothingToDo) {
   InTheAir(0.95);
   EXPECT_EQ(bench_.Execute("take_off").message, "Reached altitude");

@@ -24,6 +24,8 @@ class MovingRobot : public Robot {
   // --- what a test sets ---
   std::string robot_kind = "jetbot";
   navigation::Pose at;
+  double pelvis_m = 0;  // the height of its pose above `at`
+  std::optional<double> ceiling;
   double drive_speed_m_s = 1;
   bool planner_up = true;
   bool controller_up = true;
@@ -37,9 +39,14 @@ class MovingRobot : public Robot {
     return navigation::Path{start, goal};
   };
   std::vector<navigation::Point> points;  // of obstacles
+  // A place that is blocked by what the map does not have. The robot stops in front of it, and the
+  // drive ends as those of the controller server do. The planner then plans as the real one: where
+  // no way leads around it, its path leads through.
+  std::function<bool(const navigation::Point&)> blocked = [](const auto&) { return false; };
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };
   std::map<std::string, std::function<std::optional<navigation::Pose>(Time)>> targets;
+  double target_hz = 10;  // of their poses
 
   // --- what a test reads ---
   int plans = 0;
@@ -86,9 +93,11 @@ class MovingRobot : public Robot {
   const std::string& kind() const override { return robot_kind; }
   bool flies() const override { return robot_kind == "cf2x" || robot_kind == "drone_autel"; }
   double radius_m() const override { return 0.2; }
+  std::optional<double> ceiling_m() const override { return ceiling; }
   Time Now() const override { return now_; }
   std::optional<navigation::Pose> pose() const override {
-    return odometry_up ? std::optional(at) : std::nullopt;
+    if (!odometry_up) return std::nullopt;
+    return navigation::Pose{{at.at.x_m, at.at.y_m, at.at.z_m + pelvis_m}, at.yaw_rad};
   }
   navigation::Velocity velocity() const override { return velocity_; }
   void SetVelocity(const navigation::Velocity& command) override { command_ = command; }
@@ -125,6 +134,9 @@ class MovingRobot : public Robot {
     const auto found = targets.find(topic);
     return found == targets.end() ? std::nullopt : found->second(now_);
   }
+  std::uint64_t PosesOf(const std::string& /*topic*/) const override {
+    return static_cast<std::uint64_t>(target_hz * ToSeconds(now_.time_since_epoch()));
+  }
   bool HasCamera(const std::string& /*camera*/) const override { return false; }
   std::vector<std::string> cameras() const override { return {}; }
   skill::Future<Picture> TakePicture(const std::string& /*camera*/) override { return {}; }
@@ -141,6 +153,7 @@ class MovingRobot : public Robot {
     navigation::Path path;
     std::size_t next = 0;
     bool cancelled = false;
+    double waited_s = 0;
     skill::Source<bool> end;
   };
   class Handle : public Drive {
@@ -196,7 +209,7 @@ class MovingRobot : public Robot {
   void Move(double step_s) {
     const navigation::Point before = at.at;
     if (drive_) {
-      MoveAlong(step_s);
+      if (!WaitsAtObstacle(step_s)) MoveAlong(step_s);
     } else {
       const navigation::Velocity body = command_.value_or(navigation::Velocity());
       const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
@@ -211,6 +224,36 @@ class MovingRobot : public Robot {
     for (const navigation::Point& point : points) {
       nearest_m = std::min(nearest_m, std::hypot(point.x_m - at.at.x_m, point.y_m - at.at.y_m));
     }
+  }
+
+  // 0.5 m before it, for 2 s.
+  bool WaitsAtObstacle(double step_s) {
+    if (drive_->cancelled || drive_->next >= drive_->path.size()) return false;
+    constexpr double kRoomM = 0.5, kLookM = 0.05;
+    navigation::Point from = at.at;
+    double looked_m = 0;
+    bool stops = false;
+    for (std::size_t i = drive_->next; i < drive_->path.size() && looked_m < kRoomM; ++i) {
+      const navigation::Point to = drive_->path[i].at;
+      const double length_m = navigation::Distance(from, to);
+      for (double along = 0; along <= length_m && looked_m + along <= kRoomM; along += kLookM) {
+        stops =
+            stops || blocked(navigation::Between(from, to, length_m > 0 ? along / length_m : 0));
+      }
+      looked_m += length_m;
+      from = to;
+    }
+    if (!stops) {
+      drive_->waited_s = 0;
+      return false;
+    }
+    velocity_ = {};
+    drive_->waited_s += step_s;
+    constexpr double kPatienceS = 2;
+    if (drive_->waited_s >= kPatienceS) {
+      FailDrive(MakeError(navigation::Fault::kObstacle, "an obstacle stays in the way"));
+    }
+    return true;
   }
 
   // On the path at once, without a lag; the speed changes by 2 m/s².

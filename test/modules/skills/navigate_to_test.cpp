@@ -96,6 +96,11 @@ TEST_F(NavigateTo, RefusesAGoalThatIsNone) {
   robot.robot_kind = "cf2x";
   ExpectRefusal({{"goal_pos", "[1, 2]"}}, "expected 3: x, y and z");
   ExpectRefusal({{"goal_pos", "[1, 2, -1]"}}, "Invalid altitude: goal_pos is at -1.00 m");
+  ExpectRefusal({{"goal_pos", "[1, 2, 1]"}},
+                "Invalid altitude: robot_0 is at 0.00 m; it has to take off first");
+  robot.ceiling = 2.2;
+  ExpectRefusal({{"goal_pos", "[1, 2, 5]"}},
+                "goal_pos is at 5.00 m; expected at most 2.20 m, the ceiling of robot_0");
 }
 
 TEST_F(NavigateTo, CannotBeginWithoutAGoalOrWithNumbersThatAreNotFinite) {

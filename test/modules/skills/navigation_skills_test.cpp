@@ -60,6 +60,18 @@ TEST(NavigationSkills, AreUnknownByAWrongParameter) {
   EXPECT_THAT(started.error().message, ::testing::HasSubstr("goal_po"));
 }
 
+TEST(NavigationSkills, SayWhatReplacesAParameterOfOlderClients) {
+  SkillsOnARobot skills;
+  EXPECT_EQ(skills.Start("track", {{"cancel", "true"}}).error().message,
+            "track: there is no parameter cancel: to cancel the skill, cancel its goal");
+  EXPECT_EQ(
+      skills.Start("move", {{"path", "[[1, 0], [0, 0]]"}, {"cancel", "true"}}).error().message,
+      "move: there is no parameter cancel: to cancel the skill, cancel its goal");
+  EXPECT_EQ(skills.Start("explore", {{"target_prim", "car"}}).error().message,
+            "explore: there is no parameter target_prim: it goes over an area, not to an object; "
+            "detect finds an object");
+}
+
 // A robot in a hall with two pillars, a line along the x axis and a target that walks in a circle.
 class Hall : public SkillsOnARobot {
  public:
@@ -91,6 +103,7 @@ class Hall : public SkillsOnARobot {
     };
     const auto& [name, parameters] = kRequests[static_cast<std::size_t>(which) % kRequests.size()];
     robot.robot_kind = name == "nav_3d" ? "cf2x" : "jetbot";
+    if (name == "nav_3d") robot.at.at.z_m = 1;
     RC_ASSERT(Start(name, parameters));
   }
 

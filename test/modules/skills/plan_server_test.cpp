@@ -142,6 +142,38 @@ TEST_F(APlanServer, CancelsAllRobotsForItsClient) {
   EXPECT_EQ(EndOf(*sent), "canceled: Cancelled in timestep 1: by its client");
 }
 
+// A robot that loses the first two cancellations.
+TEST_F(APlanServer, RepeatsACancellationUntilItIsAnswered) {
+  using Action = msg::SkillExecution;
+  const std::string name = "d/skill_execution/_action/";
+  const auto status = transport::MakePublisher<msg::GoalStatusArray>(*a_node_, name + "status",
+                                                                     transport::kLatchedQos);
+  const auto feedback =
+      transport::MakePublisher<Action::FeedbackMessage>(*a_node_, name + "feedback");
+  const auto send_goal = transport::MakeServer<Action::SendGoal>(
+      *a_node_, name + "send_goal", [](const auto&, const auto& reply) {
+        reply({true, {}});
+      });
+  std::optional<transport::Server<Action::GetResult>::Reply> result;
+  const auto get_result = transport::MakeServer<Action::GetResult>(
+      *a_node_, name + "get_result", [&](const auto&, auto reply) { result = std::move(reply); });
+  int cancels = 0;
+  const auto cancel_goal = transport::MakeServer<msg::CancelGoal>(
+      *a_node_, name + "cancel_goal", [&](const auto& request, const auto& reply) {
+        if (++cancels < 3) return;
+        reply({msg::CancelGoal::kErrorNone, {request.goal_info}});
+        (*result)({msg::GoalStatus::kStatusCanceled, {false, "cancelled"}});
+      });
+  Run(500);
+  const auto sent = Send(PlanOf({{"d"}}));
+  client_->Cancel(sent->id, std::chrono::seconds(1), [](const auto&) {});
+  Run(4000);
+  EXPECT_EQ(cancels, 3);
+  EXPECT_EQ(EndOf(*sent), "canceled: Cancelled in timestep 1: by its client");
+  Run(3000);
+  EXPECT_EQ(cancels, 3);
+}
+
 TEST_F(APlanServer, FailsWhenARobotCrashes) {
   const auto sent = Send(PlanOf({{"a", "b"}}));
   network_.Crash(*b_node_);

@@ -177,7 +177,8 @@ TEST_F(ARosRobot, GetsAPathFromThePlannerOrItsReason) {
   EXPECT_TRUE(peers_->plans[1].goal().use_start);
   result.error_code = msg::ComputePathToPose::kGoalOccupied;
   peers_->plans[1].Abort(result);
-  EXPECT_EQ(ResultOf(bad).error().message, "the robot does not fit at the goal");
+  EXPECT_EQ(ResultOf(bad).error().message,
+            "the goal (3.00, 1.00) has no room for the robot: an obstacle is too near");
 }
 
 TEST_F(ARosRobot, CancelsAPlanningThatNoSkillWantsAnyMore) {
@@ -316,6 +317,7 @@ TEST_F(ARosRobot, SeesObstaclesObjectsTheLineAndWhatItTracks) {
   EXPECT_NEAR(robot_.line()->offset_m, -0.2, 1e-6);
   ASSERT_TRUE(robot_.PoseOf("/target_0/odom"));
   EXPECT_EQ(robot_.PoseOf("/target_0/odom")->at.x_m, 7);
+  EXPECT_EQ(robot_.PosesOf("/target_0/odom"), 1U);
   lines.contours = 0;
   EXPECT_TRUE(peers_->line->Publish(lines));
   Run(50);

@@ -32,6 +32,7 @@ TEST(SkillsConfig, NeedsOnlyTheRobotAndItsKind) {
   EXPECT_THAT(reading.config->photo_folder, EndsWith("/dog_1"));
   EXPECT_EQ(reading.config->skill_config, "");
   EXPECT_FALSE(reading.config->hand);
+  EXPECT_EQ(reading.config->ceiling_m, std::nullopt);
 }
 
 TEST(SkillsConfig, ReadsEachKey) {
@@ -40,6 +41,7 @@ robot = "dog_1"
 kind = "dog"
 radius_m = 0.3
 hand = true
+ceiling_m = 2.2
 self_check_ms = 100
 photo_folder = "/b/photos"
 skill_config = "../skills.toml"
@@ -56,6 +58,7 @@ front = "dog_1/camera/image"
   ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
   EXPECT_EQ(reading.config->names.odometry, "/odom");
   EXPECT_EQ(reading.config->names.scan, "");
+  EXPECT_EQ(reading.config->ceiling_m, 2.2);
   EXPECT_EQ(reading.config->line.width_m, 2);
   EXPECT_EQ(reading.config->skill_config, "/a/skills.toml");
   EXPECT_THAT(reading.config->cameras, ElementsAre(Pair("front", "dog_1/camera/image")));
@@ -105,6 +108,8 @@ TEST(DispatcherConfig, OfTheExampleIsValid) {
     EXPECT_THAT(Lines(reading.diagnostics), IsEmpty());
     ASSERT_TRUE(reading.config);
     EXPECT_EQ(reading.config->robot, robot);
+    // Of config/scenes/rooms.toml and config/navigation/planner.toml: 2.4 m.
+    EXPECT_TRUE(!reading.config->flies || reading.config->ceiling_m.value_or(10) < 2.4);
   }
   EXPECT_TRUE(ReadDispatcherFile(SourceDir() + "/config/skills/plan_dispatcher.toml").config);
 }

@@ -40,6 +40,13 @@ TEST_F(TakePhotoSkill, TakesTheNamedCamera) {
   EXPECT_EQ(Take({{"camera_type", "default"}}).status, Status::kCompleted);
 }
 
+TEST_F(TakePhotoSkill, TakesTheParametersOfOlderClients) {
+  EXPECT_EQ(
+      bench_.Execute("take_photo", {{"camera_name", "down"}, {"save_to_file", "b.png"}}).message,
+      "Photo saved to b.png");
+  EXPECT_EQ(bench_.run().parameters().Text("camera_type"), "down");
+}
+
 TEST_F(TakePhotoSkill, NamesTheCamerasWhenOneIsUnknown) {
   EXPECT_EQ(Take({{"camera_type", "rear"}}).message,
             "Camera 'rear' not available; there are front and down");

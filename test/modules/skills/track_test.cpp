@@ -78,6 +78,14 @@ TEST_F(Track, PlansAfterSoManyPoses) {
   EXPECT_NEAR(robot.plans, 60 / 2, 5);
 }
 
+TEST_F(Track, CountsThePosesOfTheTargetNotItsOwnSteps) {
+  walks_m_s = 0.95;
+  robot.target_hz = 50;
+  Go({{"track_period", "100"}});
+  RunFor(60);
+  EXPECT_NEAR(robot.plans, 60 / 2, 5);
+}
+
 TEST_F(Track, BacksAwayFromATargetThatIsTooNear) {
   start = {0.3, 0, 0};
   Go();
@@ -136,7 +144,27 @@ TEST_F(Track, FailsWhenThereIsNoWayForALongTime) {
   EXPECT_THAT(feedback().message, HasSubstr("No way to the target ("));
   EXPECT_TRUE(RunToItsEnd(8));
   EXPECT_EQ(feedback().status, Status::kFailed);
-  EXPECT_EQ(feedback().message, "Planning failed: walled in");
+  EXPECT_EQ(feedback().message, "No way to the target for 10.0 s: Planning failed: walled in");
+}
+
+// The planner's path leads through it.
+TEST_F(Track, FailsAtAnObstacleThatStays) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
+  Go();
+  RunFor(8);
+  EXPECT_THAT(feedback().message,
+              HasSubstr("s): the robot does not get on along its path, as at an obstacle"));
+  EXPECT_TRUE(RunToItsEnd(8));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_EQ(feedback().message,
+            "No way to the target for 10.0 s: the robot does not get on along its path, as at an "
+            "obstacle");
+  RunFor(1);
+  EXPECT_TRUE(robot.Rests());
+  robot.at = {};
+  Go({{"track_period", "100"}});
+  EXPECT_TRUE(RunToItsEnd(20));
+  EXPECT_EQ(feedback().message, "No way to the target for 10.0 s: an obstacle stays in the way");
 }
 
 TEST_F(Track, OutlivesAnObstacleAndARestartOfServers) {

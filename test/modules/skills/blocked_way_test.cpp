@@ -1,0 +1,86 @@
+// navigate_to and move at an obstacle that stays: they wait, plan again, and fail in the end.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/test/modules/skills/moving_robot.hpp"
+
+namespace musher::blocked_way_test {
+
+using skill::Status;
+using skills::testing::SkillsOnARobot;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class BlockedWay : public ::testing::Test, public SkillsOnARobot {
+ protected:
+  void GoTo(const std::string& place) {
+    const Result<> started = Start("navigate_to", {{"goal_pos", place}});
+    ASSERT_TRUE(started) << started.error().message;
+  }
+  void ExpectFailure(double seconds, const std::string& message) {
+    EXPECT_TRUE(RunToItsEnd(seconds)) << feedback().state;
+    EXPECT_EQ(feedback().status, Status::kFailed);
+    EXPECT_THAT(feedback().message, HasSubstr(message));
+    for (int i = 0; i < 20; ++i) robot.Advance(Milliseconds(100));
+    EXPECT_TRUE(robot.Rests());
+  }
+};
+
+// A door that is closed, behind which the goal is: the planner's path leads through it.
+TEST_F(BlockedWay, FailsAfterOneMinuteAtAnObstacleThatStays) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
+  GoTo("[4, 0]");
+  RunFor(60);
+  EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
+  ExpectFailure(
+      12, "Blocked for 62 s, 2.5 m from the goal, at (1.50, 0.00): an obstacle stays in the way");
+  EXPECT_GT(run().replans(), 20);
+}
+
+TEST_F(BlockedWay, GoesOnWhenAnObstacleLeavesInTime) {
+  for (int door = 0; door < 3; ++door) {
+    const double door_m = 2.0 + door;
+    bool closed = true;
+    robot.at = {};
+    robot.blocked = [&](const navigation::Point& at) { return closed && at.x_m > door_m; };
+    GoTo("[6, 0]");
+    RunFor(50);
+    EXPECT_EQ(feedback().status, Status::kProcessing) << feedback().message;
+    closed = false;
+    EXPECT_TRUE(RunToItsEnd(20));
+    EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+  }
+}
+
+// Doors on the way, each closed for 50 s once the robot is there.
+TEST_F(BlockedWay, WaitsAgainAtEachObstacle) {
+  double door_m = 2;
+  robot.blocked = [&](const navigation::Point& at) { return at.x_m > door_m; };
+  GoTo("[8, 0]");
+  for (; door_m < 8; door_m += 2) RunFor(50);
+  EXPECT_TRUE(RunToItsEnd(20));
+  EXPECT_EQ(feedback().status, Status::kCompleted) << feedback().message;
+}
+
+// Between two closed doors the planner sends the robot from one to the other.
+TEST_F(BlockedWay, FailsAlsoWhenItIsSentFromObstacleToObstacle) {
+  const navigation::Point doors[] = {{3, 2, 0}, {3, -2, 0}};
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2.9; };
+  robot.plan = [&](const auto& start, const auto& goal) -> Result<navigation::Path> {
+    return navigation::Path{start, {doors[robot.plans % 2], 0}, goal};
+  };
+  GoTo("[6, 0]");
+  ExpectFailure(300, "an obstacle stays in the way");
+}
+
+TEST_F(BlockedWay, EndsAMoveToo) {
+  robot.blocked = [](const navigation::Point& at) { return at.x_m > 2; };
+  ASSERT_TRUE(Start("move", {{"path", "[[1, 0], [4, 0]]"}, {"loops", "1"}}));
+  EXPECT_TRUE(RunToItsEnd(90));
+  EXPECT_EQ(feedback().status, Status::kFailed);
+  EXPECT_THAT(feedback().message, StartsWith("Way-point 2 of 2: Blocked for 62 s, 2.5 m from"));
+  EXPECT_TRUE(robot.Rests());
+}
+
+}  // namespace musher::blocked_way_test
