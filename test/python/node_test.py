@@ -92,6 +92,17 @@ class Nodes(unittest.TestCase):
         with self.assertRaisesRegex(musher.GoalFailed, "the goal was aborted"):
             client.send(Fibonacci.Goal(0), DEADLINE_S).result(DEADLINE_S)
 
+    def test_an_action_handler_that_exits_aborts_its_goal_and_logs_the_reason(self):
+        ended = run_python(
+            "import sys\nfrom musher.example_interfaces.action import Fibonacci\n"
+            "here, there = musher.Node(), musher.Node()\n"
+            "there.serve_action('fibonacci', Fibonacci, lambda goal: sys.exit('no paper'))\n"
+            "goal = here.action_client('fibonacci', Fibonacci).send(Fibonacci.Goal(3), 20)\n"
+            "try: goal.result(20)\nexcept musher.GoalFailed as failed: print(failed.end)")
+        self.assertEqual((ended.returncode, ended.stdout), (0, "aborted\n"), ended.stderr)
+        self.assertIn("action fibonacci: the handler raised an exception; the goal is aborted", ended.stderr)
+        self.assertIn("SystemExit: no paper", ended.stderr)
+
     def test_wrong_arguments_and_use_after_the_end_are_refused_with_a_sentence(self):
         publisher = self.here.publisher("chat", String)
         for call, text in ((lambda: self.here.publisher("chat", str), "a message class is expected"),
