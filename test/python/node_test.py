@@ -103,6 +103,15 @@ class Nodes(unittest.TestCase):
         self.assertIn("action fibonacci: the handler raised an exception; the goal is aborted", ended.stderr)
         self.assertIn("SystemExit: no paper", ended.stderr)
 
+    def test_without_a_file_descriptor_a_call_fails_at_once_with_a_sentence(self):
+        ended = run_python(
+            "import resource\nfrom musher.std_srvs.srv import Trigger\n"
+            "node = musher.Node()\nclient = node.client('begin', Trigger)\n"
+            "resource.setrlimit(resource.RLIMIT_NOFILE, (3, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))\n"
+            "try: client.call(Trigger.Request(), 0.1)\nexcept musher.Failure as failure: print(failure.reason)",
+            deadline_s=20)
+        self.assertEqual(ended.stdout, "no file descriptor for what is received: Too many open files\n", ended.stderr)
+
     def test_wrong_arguments_and_use_after_the_end_are_refused_with_a_sentence(self):
         publisher = self.here.publisher("chat", String)
         for call, text in ((lambda: self.here.publisher("chat", str), "a message class is expected"),
