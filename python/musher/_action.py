@@ -155,7 +155,7 @@ class ActionServer(Endpoint):
         if node._native is not None:
             response = self._action.GetResult.Response
             self._native = _native.ActionServer(node._native, name, action._dds_type, codec_of(response), response(),
-                                                node._mailbox, node._handle(self._on_item))
+                                                node._mailbox, self._handled_by(self._on_item))
 
     def _on_item(self, item: _native.Item) -> None:
         if self._closed:

@@ -103,6 +103,24 @@ class Nodes(unittest.TestCase):
         self.assertIn("action fibonacci: the handler raised an exception; the goal is aborted", ended.stderr)
         self.assertIn("SystemExit: no paper", ended.stderr)
 
+    def test_what_is_closed_leaves_no_handler_behind_and_those_opened_later_work(self):
+        before = len(self.here._delivery._handlers)
+        for _ in range(3):
+            closed = (self.here.subscribe("chat", String, lambda message: None),
+                      self.here.serve("begin", Trigger, lambda request: Trigger.Response(True, "closed")),
+                      self.here.serve_action("fibonacci", Fibonacci, lambda goal: Fibonacci.Result()))
+            opened = self.here.serve("open", Trigger, lambda request: Trigger.Response(True, "open"))
+            for endpoint in closed:
+                endpoint.close()
+                endpoint.close()
+            again = self.here.serve("again", Trigger, lambda request: Trigger.Response(True, "again"))
+            for name in ("open", "again"):
+                reply = self.there.client(name, Trigger).call(Trigger.Request(), DEADLINE_S)
+                self.assertEqual(reply.message, name)
+            for endpoint in (opened, again):
+                endpoint.close()
+        self.assertEqual(len(self.here._delivery._handlers), before)
+
     def test_without_a_file_descriptor_a_call_fails_at_once_with_a_sentence(self):
         ended = run_python(
             "import resource\nfrom musher.std_srvs.srv import Trigger\n"
