@@ -78,6 +78,7 @@ musher_package(view musher-view misc "Web page and recordings of a robot under M
 "A web page of the robot, also for a phone: its state with the reasons, plans,
 history, cameras and the emergency stop; the same port has metrics for
 Prometheus and a connection for Foxglove. Recordings are MCAP files." DEPENDS core)
+set(CPACK_DEBIAN_VIEW_PACKAGE_CONTROL_EXTRA ${folder}/prerm)
 
 musher_package(dev libmusher-dev libdevel "Libraries and headers to write modules for Musher"
 "Static libraries, headers and find_package(musher) for CMake; the messages as
@@ -99,7 +100,7 @@ set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
 musher_package(python python3-musher python "Python package of Musher"
 "Modules, applications and clients of Musher in Python: import musher. The
 projects of the tutorials are in libmusher-dev." DEPENDS core)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${folder}/python/postinst ${folder}/python/prerm)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${folder}/python/postinst ${folder}/prerm)
 if(MUSHER_PYTHON_EXECUTABLE)  # its extension is built for one version of Python
   execute_process(COMMAND ${MUSHER_PYTHON_EXECUTABLE} -c
     "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}~), python3 (<< {a}.{b + 1})', end='')"

@@ -158,6 +158,8 @@ void Machine::CheckAll(std::string_view start) {
 
 Result<> Machine::Build(std::string_view start) {
   MUSHER_CHECK(!built_);
+  const std::size_t registered = errors_.size();  // the errors found before Build()
+  warnings_.clear();
   DeclareStates();
   CheckAll(start);
   if (errors_.empty()) {
@@ -169,6 +171,7 @@ Result<> Machine::Build(std::string_view start) {
   for (const std::string& fault : errors_) {
     all += (all.empty() ? "" : "\n") + options_.name + ": " + fault;
   }
+  errors_.resize(registered);
   return Error{kCodeFailed, all};
 }
 

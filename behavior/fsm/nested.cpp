@@ -18,8 +18,11 @@ Nested::Nested(std::unique_ptr<Machine> inner, std::string start, Options option
 Nested::~Nested() = default;
 
 void Nested::Declare(Transitions& transitions) {
-  if (const Result<> built = inner_->Build(start_); !built)
-    return transitions.Refuse(built.error().message);
+  if (!inner_built_) {  // Build() of the outer machine may be repeated
+    if (const Result<> built = inner_->Build(start_); !built)
+      return transitions.Refuse(built.error().message);
+    inner_built_ = true;
+  }
   if (!options_.finished.empty()) {
     finished_transition_ = transitions.To(options_.finished, "finished");
     const auto is_final = [](const Chart::Node& node) { return node.role == Role::kFinal; };

@@ -78,6 +78,7 @@ class Nested : public State {
   const std::unique_ptr<Machine> inner_;
   const std::string start_;
   const Options options_;
+  bool inner_built_ = false;
   StateId finished_transition_ = kNoState;
   std::vector<EventId> inner_events_;  // by the outer event of the same name
   std::optional<StateId> left_in_;

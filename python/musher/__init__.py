@@ -18,6 +18,7 @@ except ImportError as error:
 
 from typing import TYPE_CHECKING, Any
 
+import musher._upgrade  # before all other parts
 from musher._actuator import Actuator, run, state
 from musher._errors import ConfigError, Failure, Key, NotAllowed
 from musher._log import log

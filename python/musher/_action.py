@@ -155,7 +155,7 @@ class ActionServer(Endpoint):
         if node._native is not None:
             response = self._action.GetResult.Response
             self._native = _native.ActionServer(node._native, name, action._dds_type, codec_of(response), response(),
-                                                node._mailbox, node._handle(self._on_item))
+                                                node._mailbox, self._handled_by(self._on_item))
 
     def _on_item(self, item: _native.Item) -> None:
         if self._closed:
@@ -172,7 +172,11 @@ class ActionServer(Endpoint):
             return
         goal = self._goals[item.token] = ServerGoal(self, item.token, request)
         self._native.execute(item.token)
-        threading.Thread(target=self._work, args=(goal,), daemon=True, name=f"action {self._name}").start()
+        try:
+            threading.Thread(target=self._work, args=(goal,), daemon=True, name=f"action {self._name}").start()
+        except RuntimeError:  # no thread is left
+            self._node.log.exception(f"action {self._name}: a goal cannot be run; it is aborted")
+            self._finish(item.token, _ABORTED, None)
 
     def _work(self, goal: ServerGoal) -> None:
         state, result = _ABORTED, None
@@ -186,7 +190,7 @@ class ActionServer(Endpoint):
                 result = None
         except GoalCanceled as canceled:
             state, result = (_CANCELED if goal._cancel.is_set() else _ABORTED), canceled.result
-        except Exception:
+        except BaseException:  # also sys.exit(): its client waits for the end of the goal
             self._node.log.exception(f"action {self._name}: the handler raised an exception; the goal is aborted")
         try:
             self._finish(goal._token, state, result)

@@ -3,6 +3,7 @@
 import atexit
 import contextlib
 import difflib
+import math
 import os
 import re
 import signal
@@ -138,6 +139,7 @@ class Actuator:
             if native is None and not self._actuator.under_test():
                 raise Failure(_STATE_INVALID, f"{self.name} is not started: open its topics in on_set_up")
             self._node = Node._of(native, self.log)
+            self._node._delivery.watch = self._watch
         return self._node
 
     def on_emergency_stop(self) -> None:
@@ -180,6 +182,10 @@ class Actuator:
             self._node.close()
 
     # Inside.
+
+    def _watch(self, busy: bool) -> None:
+        """The node's thread makes progress: it begins to handle something, or waits for more."""
+        self._actuator.checkpoint(None if busy else math.inf)
 
     @property
     def _actuator(self) -> _native.ActuatorHandle:

@@ -1,6 +1,5 @@
 """The base class of an application that is a state machine: an actuator that runs it while the robot is Active."""
 
-import math
 import time
 from typing import Callable, Dict, List, Optional
 
@@ -67,6 +66,7 @@ class FsmActuator(Actuator):
             raise ValueError(f"the rate of ticks is more than 0 Hz, not {self.rate_hz}")
         self._machine: Optional[Machine] = None
         self._ticks: Optional[_native.FsmTicks] = None
+        self._tick_key = 0
         self._opened: List[Endpoint] = []
         self._is_set_up = False
         self._ticking = False
@@ -174,10 +174,10 @@ class FsmActuator(Actuator):
         node = self.node
         for endpoint in self._opened:
             endpoint.close()
-        node._delivery.watch = self._watch
         before = set(node._endpoints)
         try:
-            self._ticks = _native.FsmTicks(self._actuator, node._mailbox, node._handle(self._on_tick))
+            self._tick_key = self._tick_key or node._handle(self._on_tick)
+            self._ticks = _native.FsmTicks(self._actuator, node._mailbox, self._tick_key)
             self._state_topic = node.publisher(f"{self.name}/behavior_state", String, latched=True, depth=1)
             node.serve(f"{self.name}/get_behavior", GetBehavior, self._report)
             node.serve(f"{self.name}/send_command", SendCommand, self._send_requested)
@@ -339,10 +339,6 @@ class FsmActuator(Actuator):
         except Failure as failure:
             return SendCommand.Response(False, failure.reason)
         return SendCommand.Response(True, "")
-
-    def _watch(self, busy: bool) -> None:
-        """The node's thread makes progress: it begins to handle something, or waits for more."""
-        self.checkpoint(None if busy else math.inf)
 
 
 class _Reports(Listener):

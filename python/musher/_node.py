@@ -40,6 +40,7 @@ class Endpoint:
         self._node = node
         self._closed = False
         self._native: Any = None  # of musher._native; None in a fault-injection test
+        self._key: Optional[int] = None  # of its handler
         node._endpoints.add(self)
 
     def close(self) -> None:
@@ -48,6 +49,13 @@ class Endpoint:
         self._node._endpoints.discard(self)
         if self._native is not None:
             self._native.close()
+        if self._key is not None:
+            self._node._delivery.remove(self._key)
+
+    def _handled_by(self, on_item: Callable[[_native.Item], None]) -> int:
+        """The key of its items, which this handles until it is closed."""
+        self._key = self._node._handle(on_item)
+        return self._key
 
     def _open(self) -> Any:
         if self._closed:
@@ -95,7 +103,7 @@ class Subscription(Endpoint, Generic[M]):
         self.malformed = 0
         self._mailbox = _native.Mailbox() if handler is None else node._mailbox
         self._own_mailbox = handler is None
-        key = node._handle(self._on_item(handler)) if handler is not None else 0
+        key = self._handled_by(self._on_item(handler)) if handler is not None else 0
         if node._native is not None:
             self._native = _native.Reader(node._native, topic, message_type._dds_type, reliable, latched, depth,
                                           self._mailbox, key)
@@ -212,7 +220,7 @@ class ServiceServer(Endpoint):
         self._handler = handler
         if node._native is not None:
             self._native = _native.ServiceServer(node._native, name, service._dds_type, node._mailbox,
-                                                 node._handle(self._on_request))
+                                                 self._handled_by(self._on_request))
 
     def _on_request(self, item: _native.Item) -> None:
         if self._closed:
@@ -392,6 +400,7 @@ class _Delivery:
         self._mailbox = mailbox
         self._log = log
         self._handlers: Dict[int, Callable[[_native.Item], None]] = {self._JOBS: self._run_job}
+        self._last_key = self._JOBS
         self._jobs: Deque[_Job] = collections.deque()
         self._lock = threading.Lock()
         self._ended = False
@@ -400,9 +409,13 @@ class _Delivery:
 
     def add(self, on_item: Callable[[_native.Item], None]) -> int:
         """Returns the key of its items. Not from two threads at a time."""
-        key = len(self._handlers)
-        self._handlers[key] = on_item
-        return key
+        self._last_key += 1  # no key is used twice: items of a closed endpoint may still wait
+        self._handlers[self._last_key] = on_item
+        return self._last_key
+
+    def remove(self, key: int) -> None:
+        """Drops the items of this key that still come; idempotent."""
+        self._handlers.pop(key, None)
 
     def post(self, job: _Job, first: bool) -> None:
         with self._lock:
@@ -430,9 +443,12 @@ class _Delivery:
                     job.abandon()
 
     def _handle(self, item: _native.Item) -> None:
+        handler = self._handlers.get(item.key)
+        if handler is None:
+            return
         self.watch(True)
         try:
-            self._handlers[item.key](item)
+            handler(item)
         except BaseException:  # also sys.exit(): without this thread no emergency stop would be handled
             self._log.exception("a handler raised an exception")
         finally:

@@ -175,7 +175,7 @@ class Machine:
 
     def build(self, start: str) -> None:
         """Calls declare() of the states, and checks the machine: dead ends, traps, unknown names. Raises musher.Failure
-        with all errors, a line each."""
+        with all errors, a line each; then add what is missing, and build again."""
         self._native.build(start)
 
     @property

@@ -7,12 +7,14 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "musher/base/unique_fd.hpp"
@@ -31,7 +33,13 @@ struct Item {
 
 class Mailbox {
  public:
-  Mailbox() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+  // Throws std::system_error without a file descriptor: Pop() would wait for ever.
+  Mailbox() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (!fd_.valid()) {
+      throw std::system_error(errno, std::generic_category(),
+                              "no file descriptor for what is received");
+    }
+  }
 
   // Beyond `limit` items of this key (0: none) the oldest one is dropped and counted.
   void Push(Item item, std::size_t limit = 0) {

@@ -34,6 +34,14 @@ PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
   return std::make_shared<PyNode>(PyNode{std::move(thread).value(), name_space});
 }
 
+MailboxPtr MakeMailbox() {
+  try {
+    return std::make_shared<Mailbox>();
+  } catch (const std::system_error& e) {
+    Raise("Failure", {kCodeFailed, e.what()});
+  }
+}
+
 // The next item; None at the end of the time. Raises StopIteration when the mailbox is closed.
 // Signals are handled meanwhile.
 std::optional<Item> Pop(Mailbox& mailbox, std::optional<double> timeout_s) {
@@ -129,7 +137,7 @@ void AddNode(py::module_& native) {
         return message ? message : py::none();
       });
   py::class_<Mailbox, MailboxPtr>(native, "Mailbox")
-      .def(py::init<>())
+      .def(py::init(&MakeMailbox))
       .def("pop", &Pop)
       .def("close", &Mailbox::Close)
       // An item without content, for the thread that takes them: work of this key waits for it.

@@ -7,6 +7,8 @@ import sys
 import unittest
 
 import musher
+from musher.example_interfaces.action import Fibonacci
+from musher.std_msgs.msg import String
 from robot import DEADLINE_S, DOMAIN, Robot, run_python
 
 ALL = """
@@ -119,6 +121,26 @@ class Actuators(unittest.TestCase):
         machine.wait_until(lambda status: not status.degraded and status.actuators[0].state == "LowPower", DEADLINE_S)
         self.assertTrue(any("hung" in entry.message for entry in machine.history()))
         switch.join(DEADLINE_S)
+
+    def test_a_topic_handler_that_computes_for_ever_is_hung_and_a_long_goal_of_an_action_is_not(self):
+        robot, machine = self.start(
+            program("def on_set_up(self):\n    from musher.std_msgs.msg import String\n"
+                    "    from musher.example_interfaces.action import Fibonacci\n"
+                    "    self.node.subscribe('chat', String, self.compute, latched=True)\n"
+                    "    self.node.serve_action('fibonacci', Fibonacci, self.run_long)\n"
+                    "def run_long(self, goal):\n    from musher.example_interfaces.action import Fibonacci\n"
+                    "    goal.wait_for_cancel(1.5)\n    return Fibonacci.Result()\n"
+                    "def compute(self, message):\n    while True: pass"),
+            more="checkpoint_ms = 300")
+        node = musher.Node()
+        self.addCleanup(node.close)
+        node.action_client("fibonacci", Fibonacci).send(Fibonacci.Goal(1), DEADLINE_S).result(DEADLINE_S)
+        self.assertFalse(any("hung" in entry.message for entry in machine.history()))
+        first = machine.status().actuators[0].pid
+        chat = node.publisher("chat", String, latched=True)
+        chat.publish(String("compute"))
+        self.assertTrue(machine.wait_until(lambda status: status.actuators[0].pid not in (0, first), DEADLINE_S))
+        self.assertTrue(any("hung" in entry.message for entry in machine.history()))
 
     def test_checkpoints_keep_a_long_callback_well(self):
         robot, machine = self.start(

@@ -213,6 +213,21 @@ class Machines(WithMachine):
                           "show: the safety check too close has no safe state to go to"])
         self.assertFalse(machine.built)
 
+    def test_a_build_that_failed_can_be_repeated_once_the_missing_state_is_added(self):
+        scenes = fsm.Machine("scenes")
+        scenes.add("FIRST", Scene("FIRST", "END"))
+        scenes.add("END", fsm.State(), fsm.Role.FINAL)
+        machine = fsm.Machine("show")
+        machine.add("SHOW", fsm.Nested(scenes, "FIRST", finished="A"))
+        machine.add("A", Scene("A", "B"))
+        with self.assertRaisesRegex(musher.Failure, "there is no state B"):
+            machine.build("A")
+        machine.add("B", Scene("B", "SHOW"))
+        machine.build("A")
+        machine.start(self.now_s)
+        self.tick(machine, 11)
+        self.assertEqual(machine.state, "B")
+
     def test_a_listener_gets_changes_faults_and_unhandled_commands_and_cannot_disturb(self):
         heard = []
 

@@ -92,6 +92,44 @@ class Nodes(unittest.TestCase):
         with self.assertRaisesRegex(musher.GoalFailed, "the goal was aborted"):
             client.send(Fibonacci.Goal(0), DEADLINE_S).result(DEADLINE_S)
 
+    def test_an_action_handler_that_exits_aborts_its_goal_and_logs_the_reason(self):
+        ended = run_python(
+            "import sys\nfrom musher.example_interfaces.action import Fibonacci\n"
+            "here, there = musher.Node(), musher.Node()\n"
+            "there.serve_action('fibonacci', Fibonacci, lambda goal: sys.exit('no paper'))\n"
+            "goal = here.action_client('fibonacci', Fibonacci).send(Fibonacci.Goal(3), 20)\n"
+            "try: goal.result(20)\nexcept musher.GoalFailed as failed: print(failed.end)")
+        self.assertEqual((ended.returncode, ended.stdout), (0, "aborted\n"), ended.stderr)
+        self.assertIn("action fibonacci: the handler raised an exception; the goal is aborted", ended.stderr)
+        self.assertIn("SystemExit: no paper", ended.stderr)
+
+    def test_what_is_closed_leaves_no_handler_behind_and_those_opened_later_work(self):
+        before = len(self.here._delivery._handlers)
+        for _ in range(3):
+            closed = (self.here.subscribe("chat", String, lambda message: None),
+                      self.here.serve("begin", Trigger, lambda request: Trigger.Response(True, "closed")),
+                      self.here.serve_action("fibonacci", Fibonacci, lambda goal: Fibonacci.Result()))
+            opened = self.here.serve("open", Trigger, lambda request: Trigger.Response(True, "open"))
+            for endpoint in closed:
+                endpoint.close()
+                endpoint.close()
+            again = self.here.serve("again", Trigger, lambda request: Trigger.Response(True, "again"))
+            for name in ("open", "again"):
+                reply = self.there.client(name, Trigger).call(Trigger.Request(), DEADLINE_S)
+                self.assertEqual(reply.message, name)
+            for endpoint in (opened, again):
+                endpoint.close()
+        self.assertEqual(len(self.here._delivery._handlers), before)
+
+    def test_without_a_file_descriptor_a_call_fails_at_once_with_a_sentence(self):
+        ended = run_python(
+            "import resource\nfrom musher.std_srvs.srv import Trigger\n"
+            "node = musher.Node()\nclient = node.client('begin', Trigger)\n"
+            "resource.setrlimit(resource.RLIMIT_NOFILE, (3, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))\n"
+            "try: client.call(Trigger.Request(), 0.1)\nexcept musher.Failure as failure: print(failure.reason)",
+            deadline_s=20)
+        self.assertEqual(ended.stdout, "no file descriptor for what is received: Too many open files\n", ended.stderr)
+
     def test_wrong_arguments_and_use_after_the_end_are_refused_with_a_sentence(self):
         publisher = self.here.publisher("chat", String)
         for call, text in ((lambda: self.here.publisher("chat", str), "a message class is expected"),

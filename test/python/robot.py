@@ -110,7 +110,7 @@ class Robot:
         self.close()
 
 
-def run_python(program: str, **more: str) -> "subprocess.CompletedProcess[str]":
+def run_python(program: str, deadline_s: float = DEADLINE_S, **more: str) -> "subprocess.CompletedProcess[str]":
     """Runs a program of its own to its end."""
     return subprocess.run([sys.executable, "-X", "faulthandler", "-c", "import musher\n" + program],
-                          capture_output=True, text=True, timeout=DEADLINE_S, check=False, env={**os.environ, **more})
+                          capture_output=True, text=True, timeout=deadline_s, check=False, env={**os.environ, **more})

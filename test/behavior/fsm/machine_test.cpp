@@ -280,6 +280,29 @@ TEST_F(MachineTest, IsNotBuiltWithErrorsAndReportsAllOfThem) {
   EXPECT_FALSE(machine_.Start(now_));
 }
 
+TEST_F(MachineTest, IsBuiltOnceTheStatesThatWereMissingAreAdded) {
+  Add("IDLE", {"TRACKING", "PHOTO"});
+  EXPECT_FALSE(machine_.Build("IDLE"));
+  Add("TRACKING", {"IDLE"});
+  const Result<> still = machine_.Build("IDLE");
+  ASSERT_FALSE(still);
+  EXPECT_EQ(still.error().message, "show: IDLE: there is no state PHOTO");
+  Add("PHOTO", {"IDLE"});
+  Start("IDLE");
+  EXPECT_EQ(Current(), "IDLE");
+  EXPECT_EQ(machine_.chart().transitions.size(), 4U);
+}
+
+TEST_F(MachineTest, IsNeverBuiltWithAStateThatIsRegisteredTwice) {
+  Add("IDLE");
+  Add("IDLE");
+  for (int i = 0; i < 2; ++i) {
+    const Result<> built = machine_.Build("IDLE");
+    ASSERT_FALSE(built);
+    EXPECT_EQ(built.error().message, "show: IDLE: registered twice");
+  }
+}
+
 TEST(Machine, WithoutStatesIsNotBuilt) {
   Machine machine;
   EXPECT_FALSE(machine.Build("IDLE"));

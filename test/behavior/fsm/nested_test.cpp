@@ -329,6 +329,14 @@ TEST(NestedBuild, ReportsAllErrorsOfTheInnerMachine) {
             "show: SHOW: photo: B: there is no state Y; did you mean A?");
 }
 
+TEST(NestedBuild, BuildsAnInnerMachineOnceHoweverOftenTheOuterOneIsBuilt) {
+  Log log;
+  auto inner = Of("photo", std::make_unique<LoggingState>("A", log), "A");
+  const auto machine = Of("show", std::make_unique<Nested>(std::move(inner), "A"), "SHOW");
+  EXPECT_FALSE(machine->Build("SHOWW"));
+  EXPECT_TRUE(machine->Build("SHOW"));
+}
+
 TEST(NestedBuild, RefusesATransitionForAnEndThatTheInnerMachineDoesNotHave) {
   Log log;
   const auto machine =
