@@ -8,7 +8,7 @@
 
 #include "musher/base/suggest.hpp"
 #include "musher/base/version.hpp"
-#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/grammar/examples.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 

@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
-#include "musher/controller/cli/console.hpp"
-#include "musher/controller/cli/exit_code.hpp"
-#include "musher/controller/cli/options.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/exit_code.hpp"
+#include "musher/controller/cli/console/options.hpp"
 
 namespace musher::cli {
 

@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "musher/base/words.hpp"
+#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
-#include "musher/controller/cli/render/words.hpp"
 #include "musher/transport/security/key_folder.hpp"
 
 namespace musher::cli {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <regex>
 
+#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
-#include "musher/controller/cli/render/words.hpp"
 #include "musher/transport/dds/settings.hpp"
 
 namespace musher::cli {

@@ -1,8 +1,8 @@
 #pragma once
 // Reads the facts of this computer for `musher doctor`.
 
+#include "musher/controller/cli/console/options.hpp"
 #include "musher/controller/cli/doctor/facts.hpp"
-#include "musher/controller/cli/options.hpp"
 
 namespace musher::cli {
 

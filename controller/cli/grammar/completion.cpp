@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "musher/controller/cli/complete.hpp"
+#include "musher/controller/cli/commands/complete.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "musher/base/code.hpp"
-#include "musher/controller/cli/render/printable.hpp"
-#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/console/printable.hpp"
+#include "musher/controller/cli/console/table.hpp"
+#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
-#include "musher/controller/cli/render/words.hpp"
 
 namespace musher::cli {
 namespace {

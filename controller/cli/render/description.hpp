@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/cli/process_facts.hpp"
+#include "musher/controller/cli/machine/process_facts.hpp"
 #include "musher/controller/cli/render/log_lines.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"

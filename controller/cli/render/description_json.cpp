@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
 #include "musher/base/code.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/render/description.hpp"
-#include "musher/controller/cli/render/json_line.hpp"
-#include "musher/controller/cli/wall_time.hpp"
 
 namespace musher::cli {
 namespace {

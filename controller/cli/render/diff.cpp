@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/console.hpp"
-#include "musher/controller/cli/render/json_line.hpp"
-#include "musher/controller/cli/render/words.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
+#include "musher/controller/cli/console/words.hpp"
 
 namespace musher::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "musher/controller/cli/config_diff.hpp"
+#include "musher/controller/cli/config/config_diff.hpp"
 
 namespace musher::cli {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "musher/controller/cli/render/printable.hpp"
+#include "musher/controller/cli/console/printable.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/state.hpp"
 

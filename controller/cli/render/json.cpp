@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/render/json_line.hpp"
-#include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 
 namespace musher {
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
-#include "musher/controller/cli/ending.hpp"
-#include "musher/controller/cli/exit_code.hpp"
-#include "musher/controller/cli/progress.hpp"
-#include "musher/controller/cli/running.hpp"
-#include "musher/controller/cli/why.hpp"
+#include "musher/controller/cli/console/exit_code.hpp"
+#include "musher/controller/cli/machine/ending.hpp"
+#include "musher/controller/cli/machine/running.hpp"
+#include "musher/controller/cli/machine/why.hpp"
+#include "musher/controller/cli/start/progress.hpp"
 #include "musher/controller/client/latching.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/controller/ota/manifest.hpp"

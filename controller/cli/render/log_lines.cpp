@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "musher/controller/cli/console.hpp"
-#include "musher/controller/cli/render/json_line.hpp"
-#include "musher/controller/cli/render/table.hpp"
-#include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
+#include "musher/controller/cli/console/table.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 
 namespace musher::cli {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/render/json.hpp"
-#include "musher/controller/cli/render/json_line.hpp"
 
 namespace musher::cli {
 

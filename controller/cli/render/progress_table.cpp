@@ -6,8 +6,8 @@
 #include <chrono>
 #include <vector>
 
-#include "musher/controller/cli/console.hpp"
-#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {

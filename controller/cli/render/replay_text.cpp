@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include "musher/base/code.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
+#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
-#include "musher/controller/cli/render/words.hpp"
-#include "musher/controller/cli/wall_time.hpp"
 
 namespace musher::cli {
 namespace {

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "musher/base/code.hpp"
-#include "musher/controller/cli/render/printable.hpp"
-#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/console/printable.hpp"
+#include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "musher/base/words.hpp"
-#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/render/simulation.hpp"
 
 namespace musher::cli {

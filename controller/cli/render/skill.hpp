@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/controller/cli/skill_choice.hpp"
+#include "musher/controller/cli/machine/skill_choice.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 
 namespace musher::cli {

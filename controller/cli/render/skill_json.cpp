@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/render/json_line.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/render/skill.hpp"
-#include "musher/controller/cli/wall_time.hpp"
 #include "musher/messages/stamp.hpp"
 
 namespace musher::cli {

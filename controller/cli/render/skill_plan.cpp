@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/console.hpp"
-#include "musher/controller/cli/render/json_line.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
 
 namespace musher::cli {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "musher/controller/cli/render/printable.hpp"
+#include "musher/controller/cli/console/printable.hpp"
+#include "musher/controller/cli/console/table.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/render/skill.hpp"
-#include "musher/controller/cli/render/table.hpp"
-#include "musher/controller/cli/wall_time.hpp"
 
 namespace musher::cli {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/cli/console.hpp"
-#include "musher/controller/cli/ending.hpp"
-#include "musher/controller/cli/progress.hpp"
-#include "musher/controller/cli/running.hpp"
-#include "musher/controller/cli/why.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/machine/ending.hpp"
+#include "musher/controller/cli/machine/running.hpp"
+#include "musher/controller/cli/machine/why.hpp"
+#include "musher/controller/cli/start/progress.hpp"
 #include "musher/controller/client/latching.hpp"
 #include "musher/controller/journal/replay.hpp"
 #include "musher/lifecycle/config/config.hpp"

@@ -6,10 +6,10 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
+#include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/render/description.hpp"
-#include "musher/controller/cli/render/json_line.hpp"
-#include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/health/health.hpp"
 

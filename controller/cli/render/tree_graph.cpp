@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/render/tree.hpp"
 #include "musher/controller/cli/render/tree_nodes.hpp"
 

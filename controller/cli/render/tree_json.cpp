@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/render/json_line.hpp"
+#include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/render/tree.hpp"
 #include "musher/controller/cli/render/tree_nodes.hpp"
 

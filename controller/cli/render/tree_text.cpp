@@ -2,11 +2,11 @@
 
 #include <array>
 
-#include "musher/controller/cli/render/printable.hpp"
-#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/console/printable.hpp"
+#include "musher/controller/cli/console/table.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/render/tree.hpp"
 #include "musher/controller/cli/render/tree_nodes.hpp"
-#include "musher/controller/cli/wall_time.hpp"
 
 namespace musher::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "musher/controller/cli/program_check.hpp"
+#include "musher/controller/cli/config/program_check.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"

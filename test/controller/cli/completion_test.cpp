@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "musher/controller/cli/completion_scripts.hpp"
+#include "musher/controller/cli/commands/completion_scripts.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/support/paths.hpp"

@@ -1,11 +1,11 @@
-#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/console/console.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <sstream>
 
-#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/console/table.hpp"
 
 namespace musher::cli::console_test {
 

@@ -1,6 +1,6 @@
 // The log takes stdout and stderr, which the fixture gives back.
 
-#include "musher/controller/cli/controller_log.hpp"
+#include "musher/controller/cli/start/controller_log.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>

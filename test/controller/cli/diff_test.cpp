@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "musher/controller/cli/config_diff.hpp"
+#include "musher/controller/cli/config/config_diff.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "musher/controller/cli/external.hpp"
+#include "musher/controller/cli/commands/external.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/process.hpp"
 #include "musher/test/support/temp_folder.hpp"

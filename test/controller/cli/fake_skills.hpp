@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/controller/cli/skill_goal.hpp"
+#include "musher/controller/cli/commands/skill/skill_goal.hpp"
 #include "musher/messages/musher_msgs/skill_feedback.hpp"
 #include "musher/messages/plan_msgs/skill.hpp"
 #include "musher/transport/dds/node_thread.hpp"

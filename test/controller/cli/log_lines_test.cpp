@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 
 namespace musher::cli::log_lines_test {
 

@@ -1,6 +1,6 @@
 // Where the files of a machine are.
 
-#include "musher/controller/cli/machine_files.hpp"
+#include "musher/controller/cli/machine/machine_files.hpp"
 
 #include <gtest/gtest.h>
 

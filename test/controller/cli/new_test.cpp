@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "musher/base/files.hpp"
-#include "musher/controller/cli/new_project.hpp"
+#include "musher/controller/cli/commands/new_project.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/support/paths.hpp"
 #include "musher/test/support/temp_folder.hpp"

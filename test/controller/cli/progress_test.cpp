@@ -1,4 +1,4 @@
-#include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/start/progress.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>

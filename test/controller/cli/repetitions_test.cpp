@@ -1,4 +1,4 @@
-#include "musher/controller/cli/repetitions.hpp"
+#include "musher/controller/cli/start/repetitions.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "musher/controller/cli/service_manager.hpp"
+#include "musher/controller/cli/start/service_manager.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>

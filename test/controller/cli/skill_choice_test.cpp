@@ -1,11 +1,11 @@
-#include "musher/controller/cli/skill_choice.hpp"
+#include "musher/controller/cli/machine/skill_choice.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "musher/controller/cli/commands/skill/skill_goal.hpp"
+#include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/render/skill.hpp"
-#include "musher/controller/cli/render/table.hpp"
-#include "musher/controller/cli/skill_goal.hpp"
 
 namespace musher::cli::skill_choice_test {
 

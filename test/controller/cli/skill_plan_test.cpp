@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "musher/controller/cli/plan_file.hpp"
+#include "musher/controller/cli/commands/skill/plan_file.hpp"
 #include "musher/controller/cli/render/skill_plan.hpp"
 #include "musher/test/controller/cli/fake_skills.hpp"
 #include "musher/test/controller/cli/program.hpp"

@@ -1,4 +1,4 @@
-#include "musher/controller/cli/skill_progress.hpp"
+#include "musher/controller/cli/commands/skill/skill_progress.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The table of a switch, and when it is on the terminal.
 
-#include "musher/controller/cli/switch_progress.hpp"
+#include "musher/controller/cli/commands/switch_progress.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/console/table.hpp"
 
 namespace musher::cli::top_table_test {
 

@@ -1,4 +1,4 @@
-#include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/cli/console/wall_time.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,73 @@
+// musher down: TearDown in reverse order, then the processes exit, then the controller.
+// musher down --without-controller: stops the actuators that run without a controller.
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "musher/base/words.hpp"
+#include "musher/controller/cli/commands/commands.hpp"
+#include "musher/controller/cli/commands/switch_request.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
+#include "musher/controller/cli/machine/ending.hpp"
+#include "musher/controller/cli/machine/link.hpp"
+#include "musher/controller/cli/machine/running.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct DownOptions {
+  bool without_controller = false;  // stop the actuators that run without a controller
+};
+
+constexpr Duration kTearDownTime = std::chrono::seconds(10);
+
+ExitCode DownWithoutController(const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail(link.error());
+  const auto running =
+      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+  if (!running) return console.Fail(running.error());
+  link.value()->RunUntil([&] { return link.value()->HasMachine(); }, link.value()->discovery());
+  if (link.value()->HasMachine() || link.value()->LeaderHere() != 0) {
+    return console.Fail(
+        {ExitCode::kNotDone,
+         {kCodeTargetBusy, "a controller leads the actuators of " +
+                               NamespaceText(global.name_space) +
+                               ": `musher down` stops them in their order, and it"}});
+  }
+  if (running.value()->Now().empty()) {
+    return console.Fail(link.value()->NotFound("controller or actuator"));
+  }
+  const auto ending = Ending::Begin(link.value()->node(), global.name_space, *running.value(),
+                                    global.timeout.value_or(kTearDownTime));
+  if (!ending) return console.Fail(ending.error());
+  link.value()->RunUntil([&] { return ending.value()->Ended() || ending.value()->OutOfTime(); },
+                         std::chrono::hours(1));
+  const auto outcomes = ending.value()->Outcomes();
+  console.Print(console.mode().json ? EndingJson(outcomes)
+                                    : EndingText(outcomes, console.mode().colour));
+  if (link.value()->interrupted()) return ExitCode::kInterrupted;
+  if (ending.value()->Ended()) return ExitCode::kDone;
+  console.PrintError("not all actuators have exited");
+  return ExitCode::kNotDone;
+}
+
+ExitCode Down(const DownOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.without_controller) return DownWithoutController(global, console);
+  return RequestSwitch(State(kTearDown), "", global, console);
+}
+
+}  // namespace
+
+void AddDown(Grammar& grammar) {
+  auto [app, options] =
+      grammar.Add("down", "Take the machine down: TearDown, then stop its processes", Down);
+  app.add_flag("--without-controller", options.without_controller,
+               "Stop the actuators of the namespace that run without a\n"
+               "controller, all at the same time");
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,82 @@
+// musher new module|app|robot NAME: a project that builds and passes its own test, from the
+// templates of the installation.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "musher/controller/cli/commands/commands.hpp"
+#include "musher/controller/cli/commands/new_project.hpp"
+#include "musher/controller/cli/commands/new_project_text.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
+
+namespace musher::cli {
+namespace {
+
+struct NewOptions {
+  std::string name;
+  std::string folder;  // empty: the name
+  std::string language = "cpp";
+};
+
+ExitCode Make(const std::string& kind, const NewOptions& options, Console& console) {
+  const Project project{kind, kind == "robot" ? "" : options.language};
+  const auto name = ProjectName::From(options.name, project);
+  if (!name) return console.Fail(name.error());
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto templates = TemplatesFolder(program);
+  if (templates.empty()) {
+    return console.Fail(Error{kCodeFailed,
+                              "no templates in share/musher/examples beside the folder "
+                              "of " +
+                                  program.string() + "; install Musher again"});
+  }
+  std::filesystem::path folder = options.folder.empty() ? name.value().snake : options.folder;
+  folder = folder.lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();  // "arm/"
+  const auto files = MakeProject(templates, project, name.value(), folder);
+  if (!files) return console.Fail(files.error());
+  console.Print(console.mode().json
+                    ? NewProjectJson(project, name.value(), folder.string(), files.value())
+                    : NewProjectText(project, name.value(), folder.string(), files.value()));
+  return ExitCode::kDone;
+}
+
+ExitCode NewModule(const NewOptions& options, const GlobalOptions& /*global*/, Console& console) {
+  return Make("module", options, console);
+}
+ExitCode NewApp(const NewOptions& options, const GlobalOptions& /*global*/, Console& console) {
+  return Make("app", options, console);
+}
+ExitCode NewRobot(const NewOptions& options, const GlobalOptions& /*global*/, Console& console) {
+  return Make("robot", options, console);
+}
+
+void AddKind(Grammar& grammar, CLI::App& family, const char* kind, const char* what,
+             ExitCode (*run)(const NewOptions&, const GlobalOptions&, Console&)) {
+  auto [app, options] = grammar.Add(kind, what, run, &family);
+  app.add_option("NAME", options.name, "left_arm or LeftArm: letters, digits and '_'")
+      ->required()
+      ->type_name("");
+  if (std::string_view(kind) != "robot") {
+    grammar.OneOf(app.add_option("--language", options.language, "Default cpp"), {"cpp", "python"})
+        ->type_name("LANGUAGE");
+  }
+  grammar
+      .Offer(app.add_option("--folder", options.folder, "The folder to make; default NAME, here"),
+             Names::kFolders)
+      ->type_name("FOLDER");
+}
+
+}  // namespace
+
+void AddNew(Grammar& grammar) {
+  CLI::App& family = grammar.AddFamily("new", "Make a project that builds and passes its own test");
+  AddKind(grammar, family, "module", "An actuator: a class with a callback for each state",
+          NewModule);
+  AddKind(grammar, family, "app", "An application: a state machine that is an actuator", NewApp);
+  AddKind(grammar, family, "robot", "A state config that starts at once, without a program",
+          NewRobot);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,178 @@
+#include "musher/controller/cli/commands/up_launcher.hpp"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "musher/controller/cli/console/signals.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+
+namespace musher::cli {
+namespace {
+
+// "killed by signal 9 (Killed)" or "exit code 1"
+std::string HowItEnded(pid_t pid) {
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFSIGNALED(status)) return "exit code " + std::to_string(WEXITSTATUS(status));
+  return "killed by signal " + std::to_string(WTERMSIG(status)) + " (" +
+         strsignal(WTERMSIG(status)) + ")";  // NOLINT(concurrency-mt-unsafe)
+}
+
+}  // namespace
+
+UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t controller,
+                       UniqueFd progress, UniqueFd signals, bool detach, bool restarted)
+    : console_(console),
+      machine_(config.name),
+      controller_(controller),
+      detach_(detach),
+      restarted_(restarted),
+      signals_(std::move(signals)),
+      abort_(TakeSignals({SIGABRT})),
+      signal_watch_(loop_.WhenReadable(signals_.get(), [this] { OnSignal(); })),
+      abort_watch_(loop_.WhenReadable(abort_.get(), [this] { OnAbort(); })),
+      table_(loop_, console,
+             [&config](const std::string& actuator, const std::string& state) {
+               const auto i = config.IndexOf(actuator);
+               return i && !state.empty() ? std::optional(config.TimeFor(*i, state)) : std::nullopt;
+             }),
+      progress_(
+          loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
+          [this] { OnEnd(); }) {
+  if (getpid() != 1) return;
+  children_ = TakeSignals({SIGCHLD});
+  children_watch_ = loop_.WhenReadable(children_.get(), [this] {
+    if (NextSignal(children_) != 0) ReapOrphans();
+  });
+}
+
+ExitCode UpLauncher::Run() {
+  loop_.Run();
+  return exit_;
+}
+
+void UpLauncher::OnProgress(const Progress& progress) {
+  if (progress.kind == Progress::kMachine) return table_.Show(progress.machine);
+  if (progress.kind == Progress::kNotStarted) {
+    failed_to_start_ = true;
+    exit_ = console_.Fail({progress.code, progress.message});
+    return;  // the controller exits next
+  }
+  if (progress.kind == Progress::kFenced) {
+    fenced_ = true;
+    if (console_.mode().json) console_.Print(ProgressJson(progress));
+    return console_.PrintError(progress.message +
+                               "; this controller exits, the actuators keep running");
+  }
+  if (progress.kind == Progress::kAlone) {
+    console_.PrintError("the terminal is closed; " + Controller() +
+                        " keeps running: `musher down` stops it");
+    return Leave(ExitCode::kDone);
+  }
+  Show(progress);
+  if (progress.kind == Progress::kStopped) stopped_ = true;
+  if (progress.kind == Progress::kStartUp) OnStartUp(progress);
+}
+
+void UpLauncher::Show(const Progress& progress) {
+  const bool printed = progress.kind == Progress::kStartUp;  // already, as a record of the machine
+  if (console_.mode().json) {
+    console_.Print(ProgressJson(progress));
+  } else if (progress.kind == Progress::kTrouble) {
+    console_.PrintError(progress.message);
+  } else if (!printed) {
+    for (const Progress& line : repetitions_.Take(progress)) {
+      console_.Print(ProgressText(line, console_.mode().colour));
+    }
+  }
+  if (console_.HasReader() || reported_unread_ || stop_requested_) return;
+  reported_unread_ = true;
+  console_.PrintError("output lost: its reader has exited; " + machine_ +
+                      " keeps running: Ctrl-C or `musher down` stops it");
+}
+
+std::string UpLauncher::Controller() const {
+  return "the controller (pid " + std::to_string(controller_) + ")";
+}
+
+void UpLauncher::OnStartUp(const Progress& progress) {
+  if (progress.code == kCodeOk) {
+    came_up_ = true;
+    if (stop_requested_ || !detach_) return;
+    if (!console_.mode().json) {
+      console_.Print(machine_ + " is up; " + Controller() +
+                     " keeps running: `musher down` stops it");
+    }
+    return Leave(ExitCode::kDone);
+  }
+  console_.PrintError(progress.message);
+  if (stop_requested_) return;
+  console_.PrintError(Controller() +
+                      " and the actuators stay up for inspection: `musher status` shows "
+                      "them, `musher down` stops them");
+  Leave(ExitCode::kNotDone);
+}
+
+void UpLauncher::OnEnd() {
+  const std::string how = HowItEnded(controller_);
+  if (stopped_) {
+    if (!came_up_) console_.PrintError(machine_ + " was stopped before it was up");
+    return Leave(came_up_ || restarted_ ? ExitCode::kDone : ExitCode::kNotDone);
+  }
+  if (failed_to_start_) return Leave(exit_);
+  if (fenced_) return Leave(ExitCode::kNotDone);
+  Leave(console_.Fail({ExitCode::kNotDone,
+                       {kCodeFailed, "the controller of " + machine_ + " has crashed (" + how +
+                                         "); actuators keep running, and `musher up` takes control "
+                                         "of them again"}}));
+}
+
+void UpLauncher::OnSignal() {
+  const int signal = NextSignal(signals_);
+  if (signal == 0) return;
+  if (signal == SIGHUP) return OnTerminalClosed();
+  if (stop_requested_) return console_.PrintError(machine_ + " is already being taken down");
+  stop_requested_ = true;
+  console_.PrintError("taking " + machine_ + " down");
+  kill(controller_, SIGTERM);
+}
+
+// The controller gets the signal first: until it detaches from this process, it is killed with it.
+void UpLauncher::OnTerminalClosed() {
+  if (std::getenv("NOTIFY_SOCKET") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
+    return console_.PrintError("SIGHUP ignored: a service has no terminal; " + machine_ +
+                               " keeps running");
+  }
+  kill(controller_, SIGHUP);
+}
+
+// Reaps all exited children except the controller, whose exit code is still needed.
+void UpLauncher::ReapOrphans() {
+  std::ifstream file("/proc/self/task/1/children");
+  for (pid_t pid = 0; file >> pid;) {
+    if (pid != controller_) waitpid(pid, nullptr, WNOHANG);
+  }
+}
+
+void UpLauncher::OnAbort() {
+  if (NextSignal(abort_) == 0) return;
+  console_.PrintError("SIGABRT: aborting " + Controller());
+  kill(controller_, SIGABRT);
+  kill(controller_, SIGCONT);  // a stopped process gets no other signal
+}
+
+void UpLauncher::Leave(ExitCode exit) {
+  table_.Hide();
+  exit_ = exit;
+  loop_.Stop();
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,81 @@
+#pragma once
+// The foreground process of `musher up`: prints what the controller process reports and forwards
+// signals to it. On a terminal a table shows the actuators while the machine is on its way.
+//
+//                       ┌ --detach: exits with 0
+//   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
+//      ├─ SIGHUP, terminal closed ─▶ exits with 0; the controller continues, as with --detach
+//      ├─ failed ─▶ exits with 1; the controller and the actuators stay up for inspection
+//      ├─ not started ─▶ 2
+//      ├─ taken over by another controller, now or later ─▶ 1
+//      └─ stopped before it was usable ─▶ 1; 0 with --restarted, when it has completed the TearDown
+//         of the previous controller
+//
+// If the reader of its output exits (`musher up … | head -2`), this process reports that once on
+// stderr and continues. A service has no terminal: there SIGHUP does nothing.
+//
+// As process 1 of a container it reaps orphaned processes.
+//
+// SIGABRT, which systemd's watchdog sends to this process as the main process, is forwarded too, so
+// that the controller exits and leaves a core dump.
+//
+// Threads: one. Does not use DDS.
+
+#include <sys/types.h>
+
+#include <string>
+
+#include "musher/controller/cli/commands/switch_progress.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/start/progress.hpp"
+#include "musher/controller/cli/start/repetitions.hpp"
+#include "musher/lifecycle/config/config.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::cli {
+
+class UpLauncher {
+ public:
+  // `signals`: TakeEndSignals(). `restarted`: see UpOptions. The config must outlive this.
+  UpLauncher(Console& console, const MachineConfig& config, pid_t controller, UniqueFd progress,
+             UniqueFd signals, bool detach, bool restarted);
+
+  ExitCode Run();
+
+ private:
+  void OnProgress(const Progress& progress);
+  void OnStartUp(const Progress& progress);
+  void OnEnd();
+  void Show(const Progress& progress);
+  void OnSignal();
+  void OnTerminalClosed();
+  void OnAbort();
+  void ReapOrphans();
+  void Leave(ExitCode exit);
+  std::string Controller() const;  // "the controller (pid 4711)"
+
+  Console& console_;
+  const std::string machine_;
+  const pid_t controller_;
+  const bool detach_;
+  const bool restarted_;
+  Repetitions repetitions_;
+  bool reported_unread_ = false;
+  bool came_up_ = false;
+  bool stopped_ = false;
+  bool stop_requested_ = false;
+  bool failed_to_start_ = false;
+  bool fenced_ = false;
+  ExitCode exit_ = ExitCode::kNotDone;
+  UniqueFd signals_;
+  UniqueFd abort_;
+  UniqueFd children_;  // as process 1 only
+  transport::LinuxEventLoop loop_;
+  transport::LoopHandlePtr signal_watch_;
+  transport::LoopHandlePtr abort_watch_;
+  transport::LoopHandlePtr children_watch_;
+  SwitchProgress table_;
+  ProgressReceiver progress_;
+};
+
+}  // namespace musher::cli

@@ -1,0 +1,17 @@
+#include "musher/controller/cli/config/config_file.hpp"
+
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/lifecycle/config/config_toml.hpp"
+
+namespace musher::cli {
+
+std::optional<MachineConfig> LoadConfig(const std::string& file, Console& console) {
+  ConfigReading reading = ReadConfigFile(file);
+  for (const Diagnostic& d : reading.diagnostics) console.Note(FormatDiagnostic(d));
+  if (!reading.config && console.mode().json) {
+    console.Print(BadConfigJson(file, reading.diagnostics));
+  }
+  return std::move(reading.config);
+}
+
+}  // namespace musher::cli

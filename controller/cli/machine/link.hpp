@@ -1,0 +1,135 @@
+#pragma once
+// The connection of a command to the controller: joins the domain, finds the controller, calls it.
+//
+//   Open() ── Call() ──▶ the reply
+//                 └──▶ a Failure: no controller, no reply in time, interrupted, or a bad network
+//
+// Threads: one; Call() runs the loop until the reply arrives. Ctrl-C ends a Call(), not the
+// program.
+
+#include <sys/types.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "musher/controller/cli/console/exit_code.hpp"
+#include "musher/controller/cli/console/options.hpp"
+#include "musher/controller/cli/console/signals.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/node.hpp"
+#include "musher/transport/service.hpp"
+#include "musher/wire/lifecycle_wire.hpp"
+
+namespace musher::cli {
+
+class Link {
+ public:
+  // Time for discovering a controller. A running one is found in some 10 ms; a lost discovery
+  // packet is repaired within a second.
+  static constexpr Duration kDiscovery = Milliseconds(1200);
+  // With credentials discovery takes some 400 ms; a lost handshake message is repeated after 1 s.
+  static constexpr Duration kSecuredDiscovery = Milliseconds(4000);
+  Duration discovery() const { return global_.keys.empty() ? kDiscovery : kSecuredDiscovery; }
+  // A controller process of this host, leading or still listening for others, answers soon; it may
+  // also lack CPU for a while.
+  static constexpr Duration kDiscoveryOfOneHere = Milliseconds(4000);
+  static constexpr Duration kSecuredDiscoveryOfOneHere = Milliseconds(9000);
+  Duration discovery_of_one_here() const {
+    return global_.keys.empty() ? kDiscoveryOfOneHere : kSecuredDiscoveryOfOneHere;
+  }
+
+  static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global);
+
+  template <msg::Service S>
+  using Answer = std::variant<typename S::Response, Failure>;
+
+  // `service`: for example "set_state". Waits for --timeout if given, else for `timeout`.
+  template <msg::Service S>
+  Answer<S> Call(const std::string& service, const typename S::Request& request, Duration timeout);
+
+  // Subscribes to the machine's latched status. on_change gets each one, and none when the
+  // controller is lost. To be called once.
+  using OnStatus = std::function<void(const std::optional<msg::MachineStatus>&)>;
+  Result<> FollowStatus(OnStatus on_change);
+  const std::optional<msg::MachineStatus>& status() const { return status_; }
+
+  // The machine's latest status. Runs the loop until the machine switches to `target`, at most for
+  // discovery().
+  const std::optional<msg::MachineStatus>& StatusTowards(const std::string& target);
+  // Runs the loop until a status is received. Returns nullopt, or why there is none.
+  std::optional<Failure> AwaitStatus();
+  // The last status that FollowStatus() received, also of a controller that is lost; none: never
+  // any.
+  const std::optional<msg::MachineStatus>& last_leader() const { return last_leader_; }
+  // Runs the loop until this controller has exited, at most `timeout`. Watches its process if it is
+  // on this host, else its status, which requires FollowStatus(). Returns whether it has.
+  bool AwaitEndOf(const msg::MachineStatus& controller, Duration timeout);
+  // For commands that call other peers than the controller.
+  transport::Node& node() { return *node_; }
+  transport::EventLoop& loop() { return loop_; }
+  // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C. Returns whether it held.
+  bool RunUntil(const std::function<bool()>& done, Duration timeout);
+  bool interrupted() const { return interrupted_; }
+  // Whether Ctrl-C came; the next RunUntil() waits for the next one.
+  bool TakeInterrupt() { return std::exchange(interrupted_, false); }
+  pid_t LeaderHere() const;  // 0: no controller of this host leads in the command's namespace
+  bool HasMachine() const;   // a controller in the command's namespace was discovered
+  // The failure "no <what> in namespace …".
+  Failure NotFound(const std::string& what) const;
+
+  // Runs the loop until Ctrl-C.
+  void RunUntilInterrupted();
+
+  // Runs the loop until the answer arrives. Fails if no controller is found in time, or if it does
+  // not answer within `timeout`.
+  std::optional<Failure> Await(const std::function<bool()>& answered,
+                               const std::function<bool()>& found, Duration timeout);
+
+ private:
+  explicit Link(const GlobalOptions& global);
+  Result<> Join();
+
+  Failure NoAnswer(Duration timeout) const;
+  std::string UnreachableController() const;
+
+  const GlobalOptions& global_;
+  UniqueFd signals_;  // before the node: its threads inherit the mask
+  transport::LinuxEventLoop loop_;
+  bool interrupted_ = false;
+  transport::LoopHandlePtr signal_watch_;
+  std::map<transport::PeerId, msg::MachineInfo> machines_;  // by their writer
+  std::optional<msg::MachineStatus> status_;
+  std::optional<msg::MachineStatus> last_leader_;
+  transport::PeerId status_writer_ = 0;  // the leader that published it
+  OnStatus on_status_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<transport::Subscription> machine_infos_;
+  std::unique_ptr<transport::Subscription> machine_status_;
+};
+
+template <msg::Service S>
+Link::Answer<S> Link::Call(const std::string& service, const typename S::Request& request,
+                           Duration timeout) {
+  auto client =
+      transport::MakeClient<S>(*node_, transport::MachineService(global_.name_space, service));
+  if (!client) return Failure{ExitCode::kUsage, client.error()};
+  const Duration wait = global_.timeout.value_or(timeout);
+  std::optional<Result<typename S::Response>> reply;
+  // The call's own deadline must not expire first, even if the loop is late: Await() reports more
+  // about processes that do not answer.
+  client.value()->Call(request, wait + std::chrono::minutes(1),
+                       [&reply](auto result) { reply = std::move(result); });
+  const auto failure =
+      Await([&] { return reply.has_value(); }, [&] { return client.value()->Ready(); }, wait);
+  if (failure) return *failure;
+  if (!*reply) return Failure{ExitCode::kNoAnswer, reply->error()};
+  return std::move(*reply).value();
+}
+
+}  // namespace musher::cli
