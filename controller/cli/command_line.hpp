@@ -1,32 +1,13 @@
 #pragma once
-// Parses argv: the grammar of `musher` and its help.
+// Parses argv with the grammar of all commands.
 
-#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "musher/controller/cli/console/console.hpp"
-#include "musher/controller/cli/console/exit_code.hpp"
-#include "musher/controller/cli/console/options.hpp"
+#include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
-
-// A command with its own options; prints its result to the console.
-using RunCommand = std::function<ExitCode(const GlobalOptions&, Console&)>;
-
-struct CommandLine {
-  GlobalOptions global;
-  RunCommand run;
-};
-
-// No command to run: the caller requested help, or the command line is wrong.
-struct ParseEnd {
-  ExitCode exit = ExitCode::kDone;
-  std::string out;    // help or version
-  std::string err;    // what is wrong
-  bool json = false;  // with `err`: --json was given
-};
 
 // Uses $MUSHER_NAMESPACE if --namespace is missing.
 std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv);

@@ -6,6 +6,7 @@
 
 #include "musher/controller/cli/commands/behavior_tree.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/behavior_request.hpp"

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/machine/behavior_request.hpp"
 #include "musher/controller/cli/render/json.hpp"

@@ -6,6 +6,7 @@
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/config/program_check.hpp"
 #include "musher/controller/cli/config/ros_check.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"

@@ -1,30 +1,14 @@
 #pragma once
-// The completions of a word on the command line.
-
-#include <string>
-#include <vector>
+// The names with which a word of the command line can be completed: of the running machine, of a
+// config, of files.
 
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
 
-// `musher complete WORD...`: the completions of the last word. The installed scripts call it.
-struct CompleteOptions {
-  struct Word {
-    std::string text;
-    std::string meaning;
-  };
-  std::vector<Word> words;  // from the grammar
-  Names names = Names::kNone;
-  std::string begin;   // prefix that each completion must have
-  std::string prefix;  // text already typed before it: "--format="
-  std::string config;  // complete names of this config; empty: of the running machine
-  std::string application;
-  std::string skill;  // on the command line
-};
-
-// Prints them, one per line with its meaning.
+// `musher complete WORD...`, which the installed scripts call: prints the completions, one per line
+// with its meaning.
 ExitCode Complete(const CompleteOptions& options, const GlobalOptions& global, Console& console);
 
 }  // namespace musher::cli

@@ -7,6 +7,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/link.hpp"

@@ -1,6 +1,6 @@
 #include "musher/controller/cli/config/config_file.hpp"
 
-#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher::cli {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 
 namespace musher::cli {
 namespace {

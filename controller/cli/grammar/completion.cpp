@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "musher/controller/cli/commands/complete.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
@@ -179,15 +178,13 @@ class Grammar::Walk {
   bool after_equals_ = false;  // the last word is the '=' of KEY=VALUE, which bash splits
 };
 
-CommandLine Grammar::Complete(const std::vector<std::string>& words) {
+std::pair<GlobalOptions, CompleteOptions> Grammar::Complete(const std::vector<std::string>& words) {
   CompleteOptions offer;
   Walk walk(*this);
   for (std::size_t i = 0; i + 1 < words.size(); ++i) walk.Over(words[i]);
   walk.At(words.empty() ? "" : words.back(), offer);
   TakeEnvironment();
-  return {global_, [offer](const GlobalOptions& global, Console& console) {
-            return cli::Complete(offer, global, console);
-          }};
+  return {global_, std::move(offer)};
 }
 
 std::vector<std::string> Grammar::Lines() const {
@@ -208,10 +205,6 @@ std::vector<std::string> Grammar::Lines() const {
     if (line.ends_with(' ')) line.pop_back();
   }
   return lines;
-}
-
-std::vector<std::string> GrammarLines() {
-  return Grammar().Lines();
 }
 
 }  // namespace musher::cli

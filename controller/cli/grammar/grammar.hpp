@@ -1,14 +1,18 @@
 #pragma once
-// The grammar of `musher`'s command line, built with CLI11. commands.cpp adds the commands.
+// The grammar of `musher`'s command line, built with CLI11. The commands add themselves
+// (commands/), so that it knows none of them.
 
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
-#include "musher/controller/cli/command_line.hpp"
+#include "musher/controller/cli/console/console.hpp"
+#include "musher/controller/cli/console/exit_code.hpp"
+#include "musher/controller/cli/console/options.hpp"
 
 namespace CLI {
 class App;
@@ -17,6 +21,22 @@ class ParseError;
 }  // namespace CLI
 
 namespace musher::cli {
+
+// A command with its own options; prints its result to the console.
+using RunCommand = std::function<ExitCode(const GlobalOptions&, Console&)>;
+
+struct CommandLine {
+  GlobalOptions global;
+  RunCommand run;
+};
+
+// No command to run: the caller requested help, or the command line is wrong.
+struct ParseEnd {
+  ExitCode exit = ExitCode::kDone;
+  std::string out;    // help or version
+  std::string err;    // what is wrong
+  bool json = false;  // with `err`: --json was given
+};
 
 // What an argument can name: part of the robot, or a file.
 enum class Names {
@@ -36,6 +56,21 @@ enum class Names {
   kTreeFiles,       // .xml files and folders
   kFiles,
   kFolders
+};
+
+// What the last word of a command line can be, as far as the grammar knows it.
+struct CompleteOptions {
+  struct Word {
+    std::string text;
+    std::string meaning;
+  };
+  std::vector<Word> words;  // from the grammar
+  Names names = Names::kNone;
+  std::string begin;   // prefix that each completion must have
+  std::string prefix;  // text already typed before it: "--format="
+  std::string config;  // complete names of this config; empty: of the running machine
+  std::string application;
+  std::string skill;  // on the command line
 };
 
 // A command that was added: CLI11's part of it, and its options, which CLI11 fills in when it
@@ -89,11 +124,11 @@ class Grammar {
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv);
 
-  // The possible completions of the last of these words, which is unfinished. `words` starts after
-  // the program's name.
-  CommandLine Complete(const std::vector<std::string>& words);
+  // The possible completions of the last of these words, which is unfinished, and the options of
+  // every command as given. `words` starts after the program's name.
+  std::pair<GlobalOptions, CompleteOptions> Complete(const std::vector<std::string>& words);
 
-  // See GrammarLines().
+  // Every command with each of its arguments and options, see command_line.hpp.
   std::vector<std::string> Lines() const;
 
  private:
@@ -101,7 +136,6 @@ class Grammar {
 
   CLI::App& AddTo(CLI::App* family, const std::string& name, const std::string& what,
                   RunCommand run);
-  static const char* const kCommandFooter;
   void AddGlobalOptions();
   std::string ErrorText(const CLI::ParseError& e) const;
   void TakeEnvironment();

@@ -18,20 +18,6 @@ void to_json(cli::Json& json, StrongNumber<Kind> number) {
 namespace musher::cli {
 namespace {
 
-Json Of(const Diagnostic& d) {
-  return {{"file", d.file},
-          {"line", d.line},
-          {"column", d.column},
-          {"severity", SeverityName(d.severity)},
-          {"message", d.message}};
-}
-
-Json Of(const std::vector<Diagnostic>& diagnostics) {
-  Json list = Json::array();
-  for (const Diagnostic& d : diagnostics) list.push_back(Of(d));
-  return list;
-}
-
 Json Of(const msg::ActuatorInfo& a) {
   return {{"state", a.state},       {"pid", a.pid},
           {"target", a.target},     {"presence", a.presence},
@@ -112,10 +98,6 @@ Json Of(const msg::PolicyInfo& p) {
 }
 
 }  // namespace
-
-std::string JsonLine(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, Running::Actuator>& unlisted) {
@@ -267,16 +249,6 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
                    {"damage", damage}});
 }
 
-std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {
-  return JsonLine({{"valid", !HasError(diagnostics)}, {"diagnostics", Of(diagnostics)}});
-}
-
-std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics) {
-  return JsonLine({{"error", file + " is not a valid state config"},
-                   {"code", kCodeParametersInvalid},
-                   {"diagnostics", Of(diagnostics)}});
-}
-
 std::string KeysJson(const std::string& folder,
                      const std::vector<transport::keys::Identity>& identities) {
   Json all = Json::object();
@@ -351,12 +323,6 @@ std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
                          {"message", o.trouble}};
   }
   return JsonLine({{"actuators", actuators}});
-}
-
-std::string FailureJson(const Failure& failure) {
-  Json json = {{"error", failure.error.message}, {"code", failure.error.code}};
-  if (failure.switch_number != 0) json["switch"] = failure.switch_number;
-  return JsonLine(json);
 }
 
 }  // namespace musher::cli

@@ -44,9 +44,6 @@ std::string PlanJson(const msg::GetPlan::Response& plan);
 std::string HistoryJson(const msg::GetHistory::Response& history);
 std::string WhyJson(const Why& why);
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage);
-std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
-// The failure of a command with an invalid config.
-std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);
 std::string KeysJson(const std::string& folder,
                      const std::vector<transport::keys::Identity>& identities);
 // The upgrade state of a robot for `musher ota status`.
@@ -75,6 +72,5 @@ std::string BehaviorSentJson(const std::string& name, const std::string& command
 std::string GraphJson(const std::string& format, const std::string& drawing);
 std::string GraphFileJson(const std::string& format, const std::string& file);
 std::string ProgressJson(const Progress& progress);  // a line of `up --json`
-std::string FailureJson(const Failure& failure);
 
 }  // namespace musher::cli

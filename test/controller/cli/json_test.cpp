@@ -1,6 +1,7 @@
 // The exact documents of --json: programs depend on them.
 
 #include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 #include "musher/controller/cli/commands/skill/skill_commands.hpp"
 #include "musher/controller/cli/commands/skill/skill_goal.hpp"
 #include "musher/controller/cli/commands/skill/skill_progress.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/machine/goal_run.hpp"
 #include "musher/controller/cli/machine/skill_offers.hpp"
 #include "musher/controller/cli/render/json.hpp"

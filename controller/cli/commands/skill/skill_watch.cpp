@@ -4,6 +4,7 @@
 
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/skill/skill_commands.hpp"
+#include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/controller/cli/machine/skill_offers.hpp"
 #include "musher/controller/cli/render/json.hpp"
