@@ -11,7 +11,7 @@ install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBD
 foreach(folder base lifecycle wire behavior messages transport actuator application controller cyberdog simulation)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
           FILES_MATCHING PATTERN "*.hpp"
-          PATTERN "lifecycle/authority.hpp" EXCLUDE
+          PATTERN "lifecycle/coordinator/authority.hpp" EXCLUDE
           PATTERN "lifecycle/command" EXCLUDE
           PATTERN "lifecycle/process" EXCLUDE
           PATTERN "lifecycle/recovery" EXCLUDE

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/transport/endpoints.hpp"

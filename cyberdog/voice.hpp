@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 
 namespace musher::cyberdog {
 

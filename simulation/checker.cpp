@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
 
 namespace musher::simulation {

@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 
 namespace musher::recording {
 

@@ -2,7 +2,7 @@
 // The recorded fields of every Event, and of the types that Machine shares with them.
 
 #include "musher/controller/journal/field.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 
 namespace musher::recording {
 

@@ -13,7 +13,7 @@
 
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher {

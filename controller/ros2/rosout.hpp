@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/rcl_interfaces/log.hpp"
 #include "musher/transport/node.hpp"
 

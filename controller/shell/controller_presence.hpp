@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "musher/lifecycle/config/config.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/node.hpp"
 

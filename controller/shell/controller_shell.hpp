@@ -1,6 +1,7 @@
 #pragma once
-// The I/O around the controller's decision code (lifecycle/coordinator.hpp): samples, process exits
-// and requests become events; actions become commands, processes, replies and journal entries.
+// The I/O around the controller's decision code (lifecycle/coordinator/coordinator.hpp): samples,
+// process exits and requests become events; actions become commands, processes, replies and journal
+// entries.
 //
 // Threads: loop thread only. Runs on any transport; the simulation runs this class, too.
 
@@ -24,7 +25,7 @@
 #include "musher/controller/shell/controller_presence.hpp"
 #include "musher/controller/shell/health_watch.hpp"
 #include "musher/controller/shell/policy_inputs.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/node.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "musher/controller/process/process_probe.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/health/health_monitor.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/node.hpp"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/transport/clock.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "musher/controller/journal/journal.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
 namespace musher {

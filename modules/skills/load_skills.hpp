@@ -8,8 +8,8 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/behavior/skill/registry.hpp"
-#include "musher/modules/skills/robot.hpp"
-#include "musher/modules/skills/skills_config.hpp"
+#include "musher/modules/skills/config/skills_config.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

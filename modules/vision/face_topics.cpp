@@ -6,7 +6,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/vision/faces_json.hpp"
+#include "musher/modules/vision/faces/faces_json.hpp"
 
 namespace musher::vision {
 namespace {

@@ -11,9 +11,9 @@
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/modules/vision/course/course_config.hpp"
-#include "musher/modules/vision/detector.hpp"
-#include "musher/modules/vision/face_watch.hpp"
-#include "musher/modules/vision/looker.hpp"
+#include "musher/modules/vision/faces/detector.hpp"
+#include "musher/modules/vision/faces/face_watch.hpp"
+#include "musher/modules/vision/picture/looker.hpp"
 
 namespace musher::vision {
 

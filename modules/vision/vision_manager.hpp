@@ -11,7 +11,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/modules/vision/course/course_detection.hpp"
 #include "musher/modules/vision/face_topics.hpp"
-#include "musher/modules/vision/look_thread.hpp"
+#include "musher/modules/vision/picture/look_thread.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/transport/clock.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
-#include "musher/modules/wedding/gaze.hpp"
+#include "musher/modules/wedding/data/gaze.hpp"
 
 namespace musher::wedding {
 

@@ -12,9 +12,9 @@
 
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
+#include "musher/modules/wedding/data/gaze.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
 #include "musher/modules/wedding/faces.hpp"
-#include "musher/modules/wedding/gaze.hpp"
-#include "musher/modules/wedding/show_data.hpp"
 
 namespace musher::wedding {
 

@@ -19,10 +19,10 @@
 #include "musher/base/rate_limited_log.hpp"
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/behavior/fsm/recorder.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
 #include "musher/modules/wedding/extension/actions.hpp"
 #include "musher/modules/wedding/perception.hpp"
 #include "musher/modules/wedding/show_config.hpp"
-#include "musher/modules/wedding/show_data.hpp"
 
 namespace musher::wedding {
 

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "musher/base/diagnostic.hpp"
+#include "musher/modules/wedding/data/gaze.hpp"
+#include "musher/modules/wedding/data/show_rules.hpp"
 #include "musher/modules/wedding/extension/interview.hpp"
 #include "musher/modules/wedding/extension/observing_idle.hpp"
 #include "musher/modules/wedding/extension/search.hpp"
-#include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/perception.hpp"
-#include "musher/modules/wedding/show_rules.hpp"
 
 namespace musher::wedding {
 

@@ -3,9 +3,9 @@
 // enables.
 
 #include "musher/behavior/fsm/machine.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
 #include "musher/modules/wedding/extension/actions.hpp"
 #include "musher/modules/wedding/show_config.hpp"
-#include "musher/modules/wedding/show_data.hpp"
 
 namespace musher::wedding {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/plan/plan.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
 

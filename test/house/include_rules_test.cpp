@@ -74,9 +74,11 @@ TEST(IncludeRules, ReportFoldersAndSubfoldersThatIncludeEachOther) {
 }
 
 TEST(IncludeRules, LetARoomOfTheLifecycleStandOnAFileThatIsBesideIt) {
-  const SourceFile top = Including("lifecycle/coordinator.cpp", "\"musher/lifecycle/step/a.hpp\"");
+  const SourceFile top =
+      Including("lifecycle/coordinator/coordinator.cpp", "\"musher/lifecycle/step/a.hpp\"");
   const SourceFile below = Including("lifecycle/step/a.hpp", "\"musher/lifecycle/state.hpp\"");
-  const SourceFile up = Including("lifecycle/step/b.cpp", "\"musher/lifecycle/coordinator.hpp\"");
+  const SourceFile up =
+      Including("lifecycle/step/b.cpp", "\"musher/lifecycle/coordinator/coordinator.hpp\"");
   EXPECT_THAT(IncludeCycles({top, below}), IsEmpty());
   EXPECT_THAT(IncludeCycles({top, up}), SizeIs(2));
 }

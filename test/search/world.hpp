@@ -40,7 +40,7 @@
 #include <vector>
 
 #include "musher/lifecycle/actuator/actuator_core.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 
 namespace musher::search {
 

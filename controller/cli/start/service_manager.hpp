@@ -13,7 +13,7 @@
 #include <string>
 
 #include "musher/controller/cli/start/notifier.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::cli {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::skills {

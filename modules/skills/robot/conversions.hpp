@@ -14,8 +14,8 @@
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
-#include "musher/modules/skills/robot.hpp"
-#include "musher/modules/skills/skills_config.hpp"
+#include "musher/modules/skills/config/skills_config.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

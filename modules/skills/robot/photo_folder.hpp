@@ -7,7 +7,7 @@
 #include <string>
 
 #include "musher/base/work_thread.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::skills {

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "musher/modules/skills/robot.hpp"
-#include "musher/modules/skills/skills_config.hpp"
+#include "musher/modules/skills/config/skills_config.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::skills {

@@ -2,7 +2,7 @@
 // All skills of the program musher-skills.
 
 #include "musher/behavior/skill/registry.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

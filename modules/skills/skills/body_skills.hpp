@@ -12,7 +12,7 @@
 // Pure: no thread, clock or DDS. Threads: the loop on which skills are stepped.
 
 #include "musher/behavior/skill/registry.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

@@ -7,7 +7,7 @@
 // object_detection.
 
 #include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

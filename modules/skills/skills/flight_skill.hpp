@@ -9,7 +9,7 @@
 #include <string>
 
 #include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 #include "musher/modules/skills/skills/position_hold.hpp"
 
 namespace musher::skills {

@@ -5,7 +5,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/behavior/skill/registry.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

@@ -6,7 +6,7 @@
 // Metres; in the frame of the map.
 
 #include "musher/base/result.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

@@ -9,7 +9,7 @@
 // of the nearest one name, position (m, in the map) and distance_m.
 
 #include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

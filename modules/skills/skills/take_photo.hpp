@@ -8,7 +8,7 @@
 // Details: path, width, height (pixels).
 
 #include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

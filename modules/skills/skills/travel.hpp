@@ -19,7 +19,7 @@
 
 #include "musher/base/time.hpp"
 #include "musher/behavior/skill/skill.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "musher/messages/musher_msgs/sighting.hpp"
-#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 
 namespace musher::vision {
 

@@ -14,7 +14,7 @@
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/vision/course/course_detectors.hpp"
-#include "musher/modules/vision/looker.hpp"
+#include "musher/modules/vision/picture/looker.hpp"
 
 namespace musher::vision {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "musher/modules/vision/course/course_topics.hpp"
-#include "musher/modules/vision/look_thread.hpp"
+#include "musher/modules/vision/picture/look_thread.hpp"
 
 namespace musher::vision {
 

@@ -13,7 +13,7 @@
 
 #include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
-#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 
 namespace musher::vision {
 

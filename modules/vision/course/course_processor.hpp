@@ -13,8 +13,8 @@
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/modules/vision/course/course_config.hpp"
 #include "musher/modules/vision/course/course_detector.hpp"
-#include "musher/modules/vision/lens.hpp"
-#include "musher/modules/vision/picture.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
+#include "musher/modules/vision/picture/picture.hpp"
 
 namespace musher::vision {
 

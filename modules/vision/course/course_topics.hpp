@@ -19,8 +19,8 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/vision/course/course_config.hpp"
 #include "musher/modules/vision/course/course_processor.hpp"
-#include "musher/modules/vision/looker.hpp"
-#include "musher/modules/vision/picture_feed.hpp"
+#include "musher/modules/vision/picture/looker.hpp"
+#include "musher/modules/vision/picture/picture_feed.hpp"
 #include "musher/transport/endpoints.hpp"
 
 namespace musher::vision {

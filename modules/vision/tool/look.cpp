@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "musher/modules/vision/picture.hpp"
+#include "musher/modules/vision/picture/picture.hpp"
 
 namespace musher::vision::tool {
 namespace {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "musher/modules/wedding/show_data.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
 
 namespace musher::wedding {
 

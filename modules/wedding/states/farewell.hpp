@@ -1,7 +1,7 @@
 #pragma once
 // FAREWELL: the robot waves to guests who leave.
 
-#include "musher/modules/wedding/show_rules.hpp"
+#include "musher/modules/wedding/data/show_rules.hpp"
 #include "musher/modules/wedding/states/wedding_state.hpp"
 
 namespace musher::wedding {

@@ -1,7 +1,7 @@
 #pragma once
 // IDLE: the robot looks about a little and waits for a guest.
 
-#include "musher/modules/wedding/show_rules.hpp"
+#include "musher/modules/wedding/data/show_rules.hpp"
 #include "musher/modules/wedding/states/wedding_state.hpp"
 
 namespace musher::wedding {

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "musher/modules/wedding/show_rules.hpp"
+#include "musher/modules/wedding/data/show_rules.hpp"
 #include "musher/modules/wedding/states/wedding_state.hpp"
 
 namespace musher::wedding {

@@ -3,8 +3,8 @@
 // neutral and looks ahead until there has been no cause for a while.
 
 #include "musher/behavior/fsm/state.hpp"
-#include "musher/modules/wedding/show_data.hpp"
-#include "musher/modules/wedding/show_rules.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
+#include "musher/modules/wedding/data/show_rules.hpp"
 
 namespace musher::wedding {
 

@@ -1,7 +1,7 @@
 #pragma once
 // TRACKING: the robot greets, and head and waist follow the face. A heart or a V requests a photo.
 
-#include "musher/modules/wedding/show_rules.hpp"
+#include "musher/modules/wedding/data/show_rules.hpp"
 #include "musher/modules/wedding/states/wedding_state.hpp"
 
 namespace musher::wedding {

@@ -2,7 +2,7 @@
 // The common base of the show's states: the commands that each of them accepts.
 
 #include "musher/behavior/fsm/state.hpp"
-#include "musher/modules/wedding/show_data.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
 
 namespace musher::wedding {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "musher/modules/vision/detector.hpp"
-#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/faces/detector.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"

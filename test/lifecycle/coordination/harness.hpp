@@ -12,7 +12,7 @@
 
 #include "musher/base/check.hpp"
 #include "musher/lifecycle/actuator/actuator_core.hpp"
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
 
 namespace musher::testing {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "musher/behavior/skill/manager.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 
 namespace musher::skills::testing {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "musher/behavior/skill/manager.hpp"
-#include "musher/modules/skills/robot.hpp"
+#include "musher/modules/skills/robot/robot.hpp"
 #include "musher/modules/skills/skills/navigation_skills.hpp"
 #include "musher/navigation/navigation_fault.hpp"
 

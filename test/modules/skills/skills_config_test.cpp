@@ -1,6 +1,6 @@
 // The configs of musher-skills and musher-plan-dispatcher.
 
-#include "musher/modules/skills/skills_config.hpp"
+#include "musher/modules/skills/config/skills_config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,8 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "musher/modules/vision/detector.hpp"
-#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/faces/detector.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 #include "musher/modules/world/render/render.hpp"
 #include "musher/test/modules/vision/faces.hpp"

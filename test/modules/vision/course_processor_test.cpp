@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/vision/look_thread.hpp"
+#include "musher/modules/vision/picture/look_thread.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 

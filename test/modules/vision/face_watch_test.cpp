@@ -1,10 +1,10 @@
-#include "musher/modules/vision/face_watch.hpp"
+#include "musher/modules/vision/faces/face_watch.hpp"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
-#include "musher/modules/vision/faces_json.hpp"
+#include "musher/modules/vision/faces/faces_json.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 
 namespace musher::vision::face_watch_test {

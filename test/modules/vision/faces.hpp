@@ -6,8 +6,8 @@
 
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
-#include "musher/modules/vision/face_box.hpp"
-#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/picture/face_box.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 
 namespace musher::vision {
 

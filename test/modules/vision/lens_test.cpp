@@ -1,4 +1,4 @@
-#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 
 #include <gmock/gmock.h>
 

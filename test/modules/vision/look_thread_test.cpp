@@ -5,8 +5,8 @@
 #include <future>
 #include <stdexcept>
 
-#include "musher/modules/vision/detector.hpp"
-#include "musher/modules/vision/look_thread.hpp"
+#include "musher/modules/vision/faces/detector.hpp"
+#include "musher/modules/vision/picture/look_thread.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 

@@ -1,4 +1,4 @@
-#include "musher/modules/vision/target_choice.hpp"
+#include "musher/modules/vision/faces/target_choice.hpp"
 
 #include <gtest/gtest.h>
 

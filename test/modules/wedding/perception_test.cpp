@@ -1,6 +1,6 @@
 // Where the robot looks: low pass, the camera that turns with the head, and the trail of the head.
 
-#include "musher/modules/wedding/gaze.hpp"
+#include "musher/modules/wedding/data/gaze.hpp"
 
 #include <gmock/gmock.h>
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "musher/modules/vision/closeness.hpp"
-#include "musher/modules/vision/face_tracker.hpp"
-#include "musher/modules/vision/lens.hpp"
-#include "musher/modules/vision/target_choice.hpp"
+#include "musher/modules/vision/faces/closeness.hpp"
+#include "musher/modules/vision/faces/face_tracker.hpp"
+#include "musher/modules/vision/faces/target_choice.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
 
 namespace musher::vision {
 

@@ -1,4 +1,4 @@
-#include "musher/modules/wedding/gaze.hpp"
+#include "musher/modules/wedding/data/gaze.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "musher/modules/skills/skills_config.hpp"
+#include "musher/modules/skills/config/skills_config.hpp"
 
 #include <filesystem>
 

@@ -10,7 +10,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
-#include "musher/modules/vision/face_box.hpp"
+#include "musher/modules/vision/picture/face_box.hpp"
 
 namespace musher::vision {
 

@@ -1,4 +1,4 @@
-#include "musher/modules/vision/picture.hpp"
+#include "musher/modules/vision/picture/picture.hpp"
 
 #include <algorithm>
 #include <array>

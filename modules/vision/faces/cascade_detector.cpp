@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
-#include "musher/modules/vision/detector.hpp"
+#include "musher/modules/vision/faces/detector.hpp"
 
 namespace musher::vision {
 namespace {

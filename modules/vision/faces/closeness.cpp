@@ -1,4 +1,4 @@
-#include "musher/modules/vision/closeness.hpp"
+#include "musher/modules/vision/faces/closeness.hpp"
 
 #include <algorithm>
 #include <utility>

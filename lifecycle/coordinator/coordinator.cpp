@@ -1,10 +1,10 @@
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/coordinator/coordinator.hpp"
 
 #include <algorithm>
 #include <variant>
 
-#include "musher/lifecycle/authority.hpp"
 #include "musher/lifecycle/command/arrivals.hpp"
+#include "musher/lifecycle/coordinator/authority.hpp"
 #include "musher/lifecycle/machine/machine_invariants.hpp"
 #include "musher/lifecycle/recovery/binding.hpp"
 #include "musher/lifecycle/recovery/fallback.hpp"

@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "musher/behavior/fsm/archive.hpp"
-#include "musher/modules/wedding/gaze.hpp"
-#include "musher/modules/wedding/joints.hpp"
-#include "musher/modules/wedding/words.hpp"
+#include "musher/modules/wedding/data/gaze.hpp"
+#include "musher/modules/wedding/data/joints.hpp"
+#include "musher/modules/wedding/data/words.hpp"
 
 namespace musher::wedding {
 

@@ -15,7 +15,7 @@
 #include <optional>
 #include <thread>
 
-#include "musher/modules/vision/looker.hpp"
+#include "musher/modules/vision/picture/looker.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::vision {

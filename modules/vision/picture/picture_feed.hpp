@@ -13,9 +13,9 @@
 
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
-#include "musher/modules/vision/fault_log.hpp"
-#include "musher/modules/vision/lens.hpp"
-#include "musher/modules/vision/picture.hpp"
+#include "musher/modules/vision/picture/fault_log.hpp"
+#include "musher/modules/vision/picture/lens.hpp"
+#include "musher/modules/vision/picture/picture.hpp"
 #include "musher/transport/clock.hpp"
 #include "musher/transport/endpoints.hpp"
 

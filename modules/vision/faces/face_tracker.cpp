@@ -1,4 +1,4 @@
-#include "musher/modules/vision/face_tracker.hpp"
+#include "musher/modules/vision/faces/face_tracker.hpp"
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "musher/lifecycle/authority.hpp"
+#include "musher/lifecycle/coordinator/authority.hpp"
 
 #include <utility>
 

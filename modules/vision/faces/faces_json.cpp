@@ -1,4 +1,4 @@
-#include "musher/modules/vision/faces_json.hpp"
+#include "musher/modules/vision/faces/faces_json.hpp"
 
 #include <nlohmann/json.hpp>
 

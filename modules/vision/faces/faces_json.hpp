@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "musher/modules/vision/face_watch.hpp"
+#include "musher/modules/vision/faces/face_watch.hpp"
 
 namespace musher::vision {
 

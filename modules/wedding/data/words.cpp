@@ -1,4 +1,4 @@
-#include "musher/modules/wedding/words.hpp"
+#include "musher/modules/wedding/data/words.hpp"
 
 #include <cctype>
 

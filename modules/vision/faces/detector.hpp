@@ -10,8 +10,8 @@
 
 #include "musher/base/result.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
-#include "musher/modules/vision/face_box.hpp"
-#include "musher/modules/vision/picture.hpp"
+#include "musher/modules/vision/picture/face_box.hpp"
+#include "musher/modules/vision/picture/picture.hpp"
 
 namespace musher::vision {
 

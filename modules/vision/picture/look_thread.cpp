@@ -1,4 +1,4 @@
-#include "musher/modules/vision/look_thread.hpp"
+#include "musher/modules/vision/picture/look_thread.hpp"
 
 #include <chrono>
 #include <exception>
@@ -7,7 +7,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/modules/vision/course/course_processor.hpp"
-#include "musher/modules/vision/detector.hpp"
+#include "musher/modules/vision/faces/detector.hpp"
 
 namespace musher::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "musher/modules/vision/picture_feed.hpp"
+#include "musher/modules/vision/picture/picture_feed.hpp"
 
 #include <chrono>
 #include <utility>

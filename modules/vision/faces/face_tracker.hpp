@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "musher/base/time.hpp"
-#include "musher/modules/vision/face_box.hpp"
+#include "musher/modules/vision/picture/face_box.hpp"
 
 namespace musher::vision {
 

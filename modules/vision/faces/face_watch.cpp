@@ -1,4 +1,4 @@
-#include "musher/modules/vision/face_watch.hpp"
+#include "musher/modules/vision/faces/face_watch.hpp"
 
 namespace musher::vision {
 

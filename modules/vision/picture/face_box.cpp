@@ -1,4 +1,4 @@
-#include "musher/modules/vision/face_box.hpp"
+#include "musher/modules/vision/picture/face_box.hpp"
 
 #include <algorithm>
 

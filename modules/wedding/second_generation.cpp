@@ -1,4 +1,4 @@
-#include "musher/modules/wedding/extension/second_generation.hpp"
+#include "musher/modules/wedding/second_generation.hpp"
 
 #include <cmath>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "musher/modules/wedding/show_data.hpp"
+#include "musher/modules/wedding/data/show_data.hpp"
 
 namespace musher::wedding {
 namespace {
