@@ -136,20 +136,12 @@ std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
   return {};
 }
 
-// The folder of a file as a node of the graph. The command line is one node, and so is a module,
-// except modules/world, which has rooms. In lifecycle/ the
-// rooms stand on some files beside them and below others: there each file is a node.
+// The folder of a file is its node of the graph. A main.cpp is above its folder: nothing includes
+// it.
 std::string NodeOf(const std::string& path) {
-  const std::string cli = "controller/cli";
-  if (path.starts_with(cli + "/")) return cli;
-  const std::string lifecycle = "lifecycle/";
-  const bool beside_the_rooms =
-      path.starts_with(lifecycle) && path.find('/', lifecycle.size()) == std::string::npos;
-  if (beside_the_rooms) return path.substr(0, path.rfind('.'));
-  const bool has_rooms = path.starts_with("modules/world/");
-  if (path.starts_with("modules/") && !has_rooms) return "modules/" + ModuleOf(path);
   const std::size_t slash = path.rfind('/');
-  return slash == std::string::npos ? path : path.substr(0, slash);
+  if (slash == std::string::npos || path.substr(slash) == "/main.cpp") return path;
+  return path.substr(0, slash);
 }
 
 using Graph = std::map<std::string, Folders>;

@@ -7,8 +7,8 @@
 
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
-#include "musher/controller/cli/commands/tree/tree_file.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
+#include "musher/controller/cli/config/tree_file.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/behavior_request.hpp"
 #include "musher/controller/cli/machine/skill_choice.hpp"

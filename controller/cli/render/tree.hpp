@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/controller/cli/config/tree_file.hpp"
 #include "musher/messages/musher_msgs/tree.hpp"
 
 namespace musher::cli {
@@ -39,11 +40,7 @@ std::string RecordedChangeLine(const msg::GetTree::Response& report, const msg::
 std::string TreeDot(const std::string& name, const msg::GetTree::Response& report);
 std::string TreeMermaid(const msg::GetTree::Response& report);
 
-// A node of a file.
-struct FileNode {
-  msg::TreeNode node;
-  std::string attributes;  // `msec="5" _skipIf="x"`
-};
+// The nodes of a file.
 std::string FileTreeText(const std::vector<FileNode>& nodes, bool colour);
 std::string FileTreeJson(const std::vector<FileNode>& nodes);
 

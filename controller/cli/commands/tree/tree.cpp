@@ -8,7 +8,7 @@
 #include "musher/behavior/tree/xml/tree_xml.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/tree/tree_commands.hpp"
-#include "musher/controller/cli/commands/tree/tree_file.hpp"
+#include "musher/controller/cli/config/tree_file.hpp"
 #include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"

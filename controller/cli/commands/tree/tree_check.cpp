@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "musher/controller/cli/commands/tree/tree_commands.hpp"
-#include "musher/controller/cli/commands/tree/tree_file.hpp"
+#include "musher/controller/cli/config/tree_file.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/error_json.hpp"
 #include "musher/controller/cli/console/words.hpp"

@@ -9,7 +9,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/behavior/tree/build.hpp"
-#include "musher/controller/cli/render/tree.hpp"
+#include "musher/messages/musher_msgs/tree.hpp"
 
 namespace musher::cli {
 
@@ -22,6 +22,12 @@ struct TreeFile {
 };
 
 TreeFile ReadTreeWithModels(const std::string& file, const std::vector<std::string>& models);
+
+// A node of a file, as a row of a table.
+struct FileNode {
+  msg::TreeNode node;
+  std::string attributes;  // `msec="5" _skipIf="x"`
+};
 
 // The nodes of a tree with those of its subtrees, or of each tree one after the other where none
 // is the main one. An error: there is no tree `name`, or the subtrees are recursive or too large.

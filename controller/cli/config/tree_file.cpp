@@ -1,4 +1,4 @@
-#include "musher/controller/cli/commands/tree/tree_file.hpp"
+#include "musher/controller/cli/config/tree_file.hpp"
 
 #include <algorithm>
 #include <functional>
