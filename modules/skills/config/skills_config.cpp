@@ -1,5 +1,6 @@
 #include "musher/modules/skills/config/skills_config.hpp"
 
+#include <cmath>
 #include <filesystem>
 
 #include "musher/base/toml/file.hpp"
@@ -48,6 +49,7 @@ class Reader {
       reader.RefuseOthers();
     }
     ReadCameras(root);
+    ReadDetectors(root);
     root.RefuseOthers();
     return config_;
   }
@@ -116,6 +118,36 @@ class Reader {
       Topic(reader, member.key, topic, false);
       config_.cameras.emplace_back(member.key, topic);
     }
+  }
+
+  void ReadDetectors(TableReader& root) {
+    const Table* detectors = root.SubTable("detector");
+    if (detectors == nullptr) return;
+    TableReader all(*detectors, root.At("detector"), "detector", findings_);
+    for (const config_toml::Member& member : *detectors) {
+      const Table* table = all.SubTable(member.key);
+      if (table == nullptr) continue;
+      TableReader reader(*table, all.At(member.key), "detector." + member.key, findings_);
+      config_.detectors.push_back(Detector(reader, member.key));
+      reader.RefuseOthers();
+    }
+  }
+
+  static DetectorView Detector(TableReader& reader, const std::string& name) {
+    constexpr double kDegree = M_PI / 180;
+    DetectorView view;
+    view.name = name;
+    reader.Require("topic", "a topic of the vision module, as in \"/qr_detector/sighting\"");
+    Topic(reader, "topic", view.topic, false);
+    reader.Require("width_m", "the width of what it sees");
+    view.width_m = reader.Number("width_m", 0.001, 100).value_or(1);
+    reader.Require("fov_deg", "the horizontal angle of the camera's picture");
+    view.fov_rad = reader.Number("fov_deg", 1, 170).value_or(60) * kDegree;
+    view.camera.at = {reader.Number("camera_x_m", -10, 10).value_or(0),
+                      reader.Number("camera_y_m", -10, 10).value_or(0),
+                      reader.Number("camera_z_m", -10, 10).value_or(0)};
+    view.camera.yaw_rad = reader.Number("camera_yaw_deg", -180, 180).value_or(0) * kDegree;
+    return view;
   }
 
   const std::filesystem::path folder_;

@@ -13,6 +13,7 @@
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
 #include "musher/base/toml/document.hpp"
+#include "musher/navigation/pose.hpp"
 
 namespace musher::skills {
 
@@ -34,6 +35,15 @@ struct LineView {
   double depth_m = 0.6;  // from its lower to its upper edge
 };
 
+// A detector of the vision module, and the camera through which it looks.
+struct DetectorView {
+  std::string name;         // the category of what it sees: "qr"
+  std::string topic;        // musher_msgs/Sighting
+  double width_m = 0;       // of what it sees: its distance, where the detector does not know it
+  double fov_rad = 0;       // the angle from the left to the right edge of the picture
+  navigation::Pose camera;  // in the frame of the body; yaw 0: it looks ahead
+};
+
 struct SkillsConfig {
   std::string file;  // of the diagnostics about it
   std::string robot;
@@ -46,8 +56,9 @@ struct SkillsConfig {
   InterfaceNames names;
   LineView line;
   std::vector<std::pair<std::string, std::string>> cameras;  // name, topic sensor_msgs/Image
-  std::string photo_folder;                                  // absolute
-  std::string skill_config;  // absolute path of the groups and limits; empty: all skills
+  std::vector<DetectorView> detectors;  // empty: skills detect the objects of names.objects
+  std::string photo_folder;             // absolute
+  std::string skill_config;             // absolute path of the groups and limits; empty: all skills
   Duration self_check_time = Milliseconds(5000);  // of the steady clock
 };
 

@@ -135,6 +135,30 @@ std::vector<SeenObject> ToObjects(const msg::ObjectStates& states) {
   return objects;
 }
 
+std::optional<SeenObject> ToObject(const msg::Sighting& sighting, const DetectorView& view,
+                                   const navigation::Pose& body) {
+  const double x = sighting.x;
+  const double width = sighting.width;
+  const bool in_picture = width > 0 && x + width > 0 && x < 1;  // false for NaN, too
+  if (!sighting.seen || !in_picture) return std::nullopt;
+  // The picture as a plane at distance 1, whose half is as wide as this.
+  const double half = std::tan(view.fov_rad / 2);
+  const double left = (1 - 2 * (x + width / 2)) * half;
+  const double known_m = sighting.distance_m;
+  const double ahead_m = view.width_m / (2 * half * width);
+  const double distance_m = known_m > 0 ? known_m : ahead_m * std::hypot(1, left);
+  if (!std::isfinite(distance_m)) return std::nullopt;
+  const double bearing_rad = body.yaw_rad + view.camera.yaw_rad + std::atan(left);
+  const double cos = std::cos(body.yaw_rad);
+  const double sin = std::sin(body.yaw_rad);
+  const navigation::Point& camera = view.camera.at;
+  const navigation::Point at{
+      body.at.x_m + cos * camera.x_m - sin * camera.y_m + distance_m * std::cos(bearing_rad),
+      body.at.y_m + sin * camera.x_m + cos * camera.y_m + distance_m * std::sin(bearing_rad),
+      body.at.z_m + camera.z_m};
+  return SeenObject{sighting.text.empty() ? view.name : sighting.text, view.name, {at, 0}, ""};
+}
+
 std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView& view) {
   if (lines.contours == 0 || !std::isfinite(lines.middle_offset)) return std::nullopt;
   Robot::Line line{-double{lines.middle_offset} * view.width_m, 0};

@@ -10,6 +10,7 @@
 
 #include "musher/messages/geometry_msgs/geometry.hpp"
 #include "musher/messages/musher_msgs/manipulation.hpp"
+#include "musher/messages/musher_msgs/sighting.hpp"
 #include "musher/messages/musher_msgs/yellow_lines.hpp"
 #include "musher/messages/nav_msgs/path.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
@@ -41,6 +42,13 @@ Result<Picture> ToPicture(const msg::Image& image);
 
 // Objects whose pose is not finite are left out.
 std::vector<SeenObject> ToObjects(const msg::ObjectStates& states);
+
+// What a detector has seen, with its name where it has no text. Its place in the map: from the
+// middle of its box, and from the distance that the detector knows, else from the share of the
+// picture that it fills; its height is that of the camera. `body`: where the picture was taken.
+// Nullopt: it has seen nothing, or its numbers are none of a picture.
+std::optional<SeenObject> ToObject(const msg::Sighting& sighting, const DetectorView& view,
+                                   const navigation::Pose& body);
 
 // Nullopt: no line is seen.
 std::optional<Robot::Line> ToLine(const msg::YellowLines& lines, const LineView& view);

@@ -111,6 +111,10 @@ class Robot {
   // Objects by the source of the config, of the last 0.5 s.
   virtual std::vector<SeenObject> objects() const = 0;
   virtual bool HasObjects() const = 0;
+  // What the skills that detect see: the objects, or, where the config names detectors of the
+  // vision module, what those have seen within the last second. Nullopt: not all have looked yet;
+  // the first call asks them to.
+  virtual std::optional<std::vector<SeenObject>> Detect() = 0;
   // The poses that came on `topic` (nav_msgs/Odometry) within the last 0.5 s; the first call
   // subscribes. Nullopt: none.
   virtual std::optional<navigation::Pose> PoseOf(const std::string& topic) = 0;

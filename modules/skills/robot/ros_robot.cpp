@@ -44,6 +44,7 @@ void RosRobot::BeginStep(Time now) {
   if (!wire) return;
   wire->navigator->Tend();
   wire->cameras->Tend();
+  if (wire->detectors) wire->detectors->Tend();
 }
 
 void RosRobot::Rest() {
@@ -122,6 +123,13 @@ std::vector<SeenObject> RosRobot::objects() const {
 bool RosRobot::HasObjects() const {
   const auto wire = wire_.lock();
   return wire && wire->objects.At(wire->Now()) != nullptr;
+}
+
+std::optional<std::vector<SeenObject>> RosRobot::Detect() {
+  const auto wire = wire_.lock();
+  if (wire && wire->detectors) return wire->detectors->Look();
+  if (!HasObjects()) return std::nullopt;
+  return objects();
 }
 
 std::optional<navigation::Pose> RosRobot::PoseOf(const std::string& topic) {

@@ -63,6 +63,7 @@ class RosRobot final : public Robot {
   bool HasScan() const override;
   std::vector<SeenObject> objects() const override;
   bool HasObjects() const override;
+  std::optional<std::vector<SeenObject>> Detect() override;
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override;
   std::uint64_t PosesOf(const std::string& topic) const override;
   bool HasCamera(const std::string& camera) const override;

@@ -33,6 +33,14 @@ RosRobot::Wire::Wire(const SkillsConfig& robot_config, transport::Endpoints& end
   }
   cameras = std::make_unique<CameraFeeds>(node, std::move(topics));
   photos = std::make_unique<PhotoFolder>(config.photo_folder, node.loop());
+  if (!config.detectors.empty()) {
+    detectors = std::make_unique<DetectorFeeds>(node, clock, name_space, config.detectors,
+                                                [this]() -> std::optional<navigation::Pose> {
+                                                  const Motion* now = motion.At(Now());
+                                                  if (now == nullptr) return std::nullopt;
+                                                  return now->pose;
+                                                });
+  }
   if (config.hand) hand = endpoints.OpenClient<msg::ManipulationControl>(names.hand);
   Subscribe(endpoints);
 }

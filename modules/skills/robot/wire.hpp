@@ -10,6 +10,7 @@
 
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/skills/robot/camera_feeds.hpp"
+#include "musher/modules/skills/robot/detector_feeds.hpp"
 #include "musher/modules/skills/robot/navigator.hpp"
 #include "musher/modules/skills/robot/photo_folder.hpp"
 #include "musher/modules/skills/robot/recent_value.hpp"
@@ -61,6 +62,7 @@ struct RosRobot::Wire {
   std::unique_ptr<Navigator> navigator;
   std::unique_ptr<CameraFeeds> cameras;
   std::unique_ptr<PhotoFolder> photos;
+  std::unique_ptr<DetectorFeeds> detectors;  // null: the config names none
 
  private:
   void Subscribe(transport::Endpoints& endpoints);

@@ -33,13 +33,13 @@ skill::Next Detect::Step(skill::Tick& tick) {
   const std::string target = NameOfPrim(tick.parameters.Text("target_prim"));
   if (target.empty()) return skill::Next::Fail("Object path required");
   const auto pose = robot_.pose();
-  if (!robot_.HasObjects() || !pose || !navigation::IsFinite(*pose)) {
-    tick.Report(50, robot_.HasObjects() ? "Waiting for odometry" : "Waiting for objects");
+  const auto objects = robot_.Detect();
+  if (!objects || !pose || !navigation::IsFinite(*pose)) {
+    tick.Report(50, objects ? "Waiting for odometry" : "Waiting for objects");
     return skill::Next::Stay();
   }
-  const std::vector<SeenObject> objects = robot_.objects();
-  const auto found = Sightings(objects, target, *pose, {});
-  if (found.empty()) return skill::Next::Fail(NoSuch("object", target, Detectable(objects)));
+  const auto found = Sightings(*objects, target, *pose, {});
+  if (found.empty()) return skill::Next::Fail(NoSuch("object", target, Detectable(*objects)));
   DetailSightings(found, tick);
   std::string text;
   for (const Sighting& sighting : found) {
@@ -50,7 +50,7 @@ skill::Next Detect::Step(skill::Tick& tick) {
 
 skill::Next Detect::OnLimit(skill::Tick& tick) {
   return skill::Next::Fail(std::string("Timeout: ") +
-                           (robot_.HasObjects() ? "no odometry" : "no objects were received") +
+                           (robot_.Detect() ? "no odometry" : "no objects were received") +
                            " after " + skill::SecondsText(tick.elapsed));
 }
 

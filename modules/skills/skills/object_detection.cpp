@@ -36,13 +36,14 @@ skill::Next ObjectDetection::Check(skill::Tick& tick) {
 skill::Next ObjectDetection::Step(skill::Tick& tick) {
   if (tick.state == initializing_) return Check(tick);
   const auto pose = robot_.pose();
-  if (!robot_.HasObjects() || !pose || !navigation::IsFinite(*pose)) {
-    tick.Report(50, robot_.HasObjects() ? "Waiting for odometry" : "Waiting for objects");
+  const auto objects = robot_.Detect();
+  if (!objects || !pose || !navigation::IsFinite(*pose)) {
+    tick.Report(50, objects ? "Waiting for odometry" : "Waiting for objects");
     return skill::Next::Stay();
   }
   const std::string target = NameOfPrim(tick.parameters.Text("target_class"));
   const View view{tick.parameters.Number("radius"), tick.parameters.Number("angle")};
-  const auto found = Sightings(robot_.objects(), target, *pose, view);
+  const auto found = Sightings(*objects, target, *pose, view);
   tick.Report(70, fmt::format("{} in view", found.size()));
   DetailSightings(found, tick);
   const std::string what = target.empty() ? "object" : target;
@@ -53,7 +54,7 @@ skill::Next ObjectDetection::Step(skill::Tick& tick) {
 
 skill::Next ObjectDetection::OnLimit(skill::Tick& tick) {
   return skill::Next::Fail(std::string("Timeout: ") +
-                           (robot_.HasObjects() ? "no odometry" : "no objects were received") +
+                           (robot_.Detect() ? "no odometry" : "no objects were received") +
                            " after " + skill::SecondsText(tick.elapsed));
 }
 

@@ -158,4 +158,67 @@ TEST(Conversions, SayWhyANavigationFailed) {
                               navigation::Fault::kObstacle));
 }
 
+DetectorView Camera() {
+  return {"qr", "/qr/sighting", 0.4, M_PI / 2, {}};
+}
+
+msg::Sighting Seen(float x, float width, float distance_m) {
+  msg::Sighting sighting;
+  sighting.seen = true;
+  sighting.x = x;
+  sighting.width = width;
+  sighting.distance_m = distance_m;
+  return sighting;
+}
+
+TEST(Conversions, PlaceWhatADetectorHasSeenByItsBoxAndItsDistance) {
+  const auto ahead = ToObject(Seen(0.4F, 0.2F, 2), Camera(), {{1, 1, 0}, M_PI / 2});
+  ASSERT_TRUE(ahead);
+  EXPECT_EQ(ahead->name, "qr");
+  EXPECT_EQ(ahead->category, "qr");
+  EXPECT_NEAR(ahead->pose.at.x_m, 1, 1e-6);
+  EXPECT_NEAR(ahead->pose.at.y_m, 3, 1e-6);
+  // At the left edge of a picture of 90 degrees it is 45 degrees to the left.
+  const auto left = ToObject(Seen(-0.1F, 0.2F, 2), Camera(), {});
+  ASSERT_TRUE(left);
+  EXPECT_NEAR(left->pose.at.x_m, std::sqrt(2), 1e-6);
+  EXPECT_NEAR(left->pose.at.y_m, std::sqrt(2), 1e-6);
+}
+
+TEST(Conversions, FindTheDistanceOfWhatADetectorHasSeenFromItsWidth) {
+  // A fifth of a picture of 90 degrees, which shows 2 m at a distance of 1 m: 0.4 m.
+  const auto ahead = ToObject(Seen(0.4F, 0.2F, kNan), Camera(), {});
+  ASSERT_TRUE(ahead);
+  EXPECT_NEAR(ahead->pose.at.x_m, 1, 1e-6);
+  const auto left = ToObject(Seen(-0.1F, 0.2F, 0), Camera(), {});
+  ASSERT_TRUE(left);
+  EXPECT_NEAR(left->pose.at.x_m, 1, 1e-6);
+  EXPECT_NEAR(left->pose.at.y_m, 1, 1e-6);
+}
+
+TEST(Conversions, LookFromWhereTheCameraIsOnTheBody) {
+  DetectorView camera = Camera();
+  camera.camera = {{0.2, 0.1, 0.5}, -M_PI / 2};
+  msg::Sighting sighting = Seen(0.4F, 0.2F, 2);
+  sighting.text = "A-1";
+  const auto right = ToObject(sighting, camera, {{0, 0, 0.3}, M_PI / 2});
+  ASSERT_TRUE(right);
+  EXPECT_EQ(right->name, "A-1");
+  EXPECT_EQ(right->category, "qr");
+  EXPECT_NEAR(right->pose.at.x_m, -0.1 + 2, 1e-6);
+  EXPECT_NEAR(right->pose.at.y_m, 0.2, 1e-6);
+  EXPECT_NEAR(right->pose.at.z_m, 0.8, 1e-6);
+}
+
+TEST(Conversions, SeeNothingInASightingWithoutABox) {
+  msg::Sighting unseen = Seen(0.4F, 0.2F, 2);
+  unseen.seen = false;
+  EXPECT_FALSE(ToObject(unseen, Camera(), {}));
+  for (const float width : {0.F, -1.F, static_cast<float>(kNan)}) {
+    EXPECT_FALSE(ToObject(Seen(0.4F, width, 2), Camera(), {}));
+  }
+  EXPECT_FALSE(ToObject(Seen(1.5F, 0.2F, 2), Camera(), {}));
+  EXPECT_FALSE(ToObject(Seen(0.4F, 0.2F, std::numeric_limits<float>::infinity()), Camera(), {}));
+}
+
 }  // namespace musher::skills::conversions_test

@@ -80,6 +80,9 @@ class FakeRobot : public Robot {
     return has_objects ? seen : std::vector<SeenObject>();
   }
   bool HasObjects() const override { return has_objects; }
+  std::optional<std::vector<SeenObject>> Detect() override {
+    return has_objects ? std::optional(seen) : std::nullopt;
+  }
   std::optional<navigation::Pose> PoseOf(const std::string&) override { return std::nullopt; }
   std::uint64_t PosesOf(const std::string&) const override { return 0; }
   bool HasCamera(const std::string& camera) const override;

@@ -129,6 +129,7 @@ class MovingRobot : public Robot {
   }
   bool HasScan() const override { return scan_up; }
   std::vector<SeenObject> objects() const override { return {}; }
+  std::optional<std::vector<SeenObject>> Detect() override { return std::nullopt; }
   bool HasObjects() const override { return false; }
   std::optional<navigation::Pose> PoseOf(const std::string& topic) override {
     const auto found = targets.find(topic);

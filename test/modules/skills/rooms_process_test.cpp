@@ -2,70 +2,33 @@
 // Its client is plain C and has only ROS 2's wire.
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <signal.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <utility>
 
-#include "musher/test/support/domain.hpp"
-#include "musher/test/support/paths.hpp"
-#include "musher/test/support/process.hpp"
-#include "musher/test/support/temp_folder.hpp"
+#include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/test/modules/skills/skills_machine.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 
 namespace musher::skills::rooms_process_test {
-
-namespace fs = std::filesystem;
 
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 
-constexpr const char* kMachine = R"([controller]
-actuators = ["world", "planner_server", "controller_server", "jetbot_0"]
-states = ["SetUp", "TearDown", "SelfCheck", "Active"]
-default_time = 15000
-default_state = "Uninitialized"
-name = "rooms"
-clock = "topic"
-)";
-
-class Rooms : public ::testing::Test {
+class Rooms : public SkillsMachine {
  protected:
-  Rooms() {
-    testing::AdoptOrphans();
-    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-    setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
-    setenv("PATH", (BinDir() + ":" + getenv("PATH")).c_str(), 1);
-    fs::copy(SourceDir() + "/config", folder_.path(), fs::copy_options::recursive);
-    std::ofstream config(Config());
-    config << kMachine;
-    Write(config, "world", "[\"musher-world\", \"scenes/rooms.toml\"]", "");
-    Write(config, "planner_server", "[\"musher-planner\", \"navigation/planner.toml\"]",
-          "\"world\"");
-    Write(config, "controller_server", "[\"musher-controller\", \"navigation/controller.toml\"]",
-          "\"world\"");
-    Write(config, "jetbot_0", "[\"musher-skills\", \"skills/jetbot_0.toml\"]",
-          "\"planner_server\", \"controller_server\"");
-  }
-  // Nothing that the test started outlives it.
-  ~Rooms() override {
-    static_cast<void>(Musher({"down", "--timeout", "10"}));
-    for (const pid_t pid : testing::Children()) kill(pid, SIGKILL);
-    testing::AwaitNoChildren();
-  }
-
-  std::string Config() const { return folder_ / "machine.toml"; }
-  static void Write(std::ostream& config, const std::string& name, const std::string& command,
-                    const std::string& after) {
-    config << "[actuator." << name << "]\n"
-           << "states = [\"SetUp\", \"TearDown\", \"SelfCheck\", \"Active\"]\n"
-           << "times = [15000, 15000, 15000, 15000]\ncwd = \".\"\ncommand = " << command
-           << "\nafter = [" << after << "]\n";
-  }
-  static testing::Ended Musher(std::vector<std::string> words) {
-    words.insert(words.begin(), BinDir() + "/musher");
-    return testing::RunToEnd(words);
+  Rooms()
+      : SkillsMachine(
+            {{"world", "[\"musher-world\", \"scenes/rooms.toml\"]"},
+             {"planner_server", "[\"musher-planner\", \"navigation/planner.toml\"]", "\"world\""},
+             {"controller_server", "[\"musher-controller\", \"navigation/controller.toml\"]",
+              "\"world\""},
+             {"jetbot_0", "[\"musher-skills\", \"skills/jetbot_0.toml\"]",
+              "\"planner_server\", \"controller_server\""}},
+            "clock = \"topic\"\n") {
+    Up();
   }
   // What the client prints of a goal of nav_2d. `more`: "cancel".
   static std::string Navigate(const std::string& place, const std::vector<std::string>& more = {}) {
@@ -80,13 +43,30 @@ class Rooms : public ::testing::Test {
     EXPECT_EQ(ended.exit, 0) << ended.out << ended.err;
     return ended.out;
   }
-
-  const TempFolder folder_;
+  // From the robot to a place of the map, m, by its next odometry.
+  static double Distance(double x_m, double y_m) {
+    const auto node = transport::NodeThread::Start().value();
+    std::promise<double> distance;
+    std::unique_ptr<transport::Subscription> subscription;
+    bool first = true;
+    node->RunOnLoop([&] {
+      subscription = transport::MakeSubscription<msg::Odometry>(
+                         node->node(), "jetbot_0/odom",
+                         [&](const msg::Odometry& odometry, const auto&) {
+                           const msg::Point& at = odometry.pose.pose.position;
+                           if (std::exchange(first, false))
+                             distance.set_value(std::hypot(at.x - x_m, at.y - y_m));
+                         })
+                         .value();
+    });
+    auto came = distance.get_future();
+    const bool in_time = came.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    node->RunOnLoop([&] { subscription.reset(); });
+    return in_time ? came.get() : std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 TEST_F(Rooms, LetAPlainClientNavigateARobot) {
-  const testing::Ended up = Musher({"up", Config(), "--detach"});
-  ASSERT_EQ(up.exit, 0) << up.out << up.err;
   EXPECT_THAT(Navigate("[1.8, 1.2, 0]"),
               MatchesRegex("offered by jetbot_0 on /jetbot_0/skill_execution: [^\n]*nav_2d[^\n]*\n"
                            "accepted\n"
@@ -99,6 +79,48 @@ TEST_F(Rooms, LetAPlainClientNavigateARobot) {
   EXPECT_THAT(cancelled, HasSubstr("cancel: code 0\n"));
   EXPECT_THAT(cancelled,
               HasSubstr("result of status 5: false cancelled: Cancelled: by its client"));
+}
+
+TEST_F(Rooms, LetARobotGoFromWayPointToWayPoint) {
+  const testing::Ended moved =
+      Skill({"move", "path=[[1.8, 1.2], [1.8, 2.0], [1.2, 1.2]]", "loops=1"});
+  EXPECT_EQ(moved.exit, 0) << moved.out << moved.err;
+  EXPECT_NEAR(Distance(1.2, 1.2), 0, 0.3);
+}
+
+TEST_F(Rooms, LetARobotGoToAPlaceWithoutAMap) {
+  const testing::Ended arrived = Skill({"avoid_obstacle", "goal_pos=[2.2, 1.2]"});
+  EXPECT_EQ(arrived.exit, 0) << arrived.out << arrived.err;
+  EXPECT_NEAR(Distance(2.2, 1.2), 0, 0.3);
+}
+
+// The target is a robot of another machine, whose odometry this test publishes.
+TEST_F(Rooms, LetARobotFollowATarget) {
+  const auto node = transport::NodeThread::Start().value();
+  std::unique_ptr<transport::Publisher<msg::Odometry>> target;
+  transport::LoopHandlePtr again;
+  msg::Odometry odometry;
+  odometry.header.frame_id = "map";
+  odometry.pose.pose.position = {4, 1.2, 0};
+  odometry.pose.pose.orientation.w = 1;
+  node->RunOnLoop([&] {
+    target = transport::MakePublisher<msg::Odometry>(node->node(), "target_0/odom").value();
+    again =
+        node->loop().Every(Milliseconds(50), [&] { static_cast<void>(target->Publish(odometry)); });
+  });
+  testing::Process tracks({BinDir() + "/musher", "skill", "run", "track",
+                           "target_topic=target_0/odom", "distance=1.5"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  double apart_m = Distance(4, 1.2);
+  while (apart_m > 2 && std::chrono::steady_clock::now() < deadline) apart_m = Distance(4, 1.2);
+  tracks.Signal(SIGINT);  // cancels it
+  const testing::Ended tracked = tracks.Wait();
+  node->RunOnLoop([&] {
+    again.reset();
+    target.reset();
+  });
+  EXPECT_NEAR(apart_m, 1.75, 0.3) << tracked.out << tracked.err;
+  EXPECT_THAT(tracked.out + tracked.err, HasSubstr("ancelled"));
 }
 
 }  // namespace musher::skills::rooms_process_test

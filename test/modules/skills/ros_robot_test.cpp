@@ -97,7 +97,8 @@ class Peers {
 
 class ARosRobot : public ::testing::Test {
  protected:
-  ARosRobot() {
+  ARosRobot() : ARosRobot(Config()) {}
+  explicit ARosRobot(SkillsConfig config) : robot_(std::move(config)) {
     robot_.Open(*endpoints_, "dog");
     EXPECT_TRUE(endpoints_->opened());
     Run(500);
@@ -128,7 +129,7 @@ class ARosRobot : public ::testing::Test {
   std::unique_ptr<transport::Node> body_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> world_ = network_.MakeNode("world");
   std::unique_ptr<Peers> peers_ = std::make_unique<Peers>(*world_);
-  RosRobot robot_{Config()};
+  RosRobot robot_;
   std::unique_ptr<transport::Endpoints> endpoints_ =
       std::make_unique<transport::Endpoints>(*body_, "dog");
 };
@@ -385,6 +386,58 @@ TEST_F(ARosRobot, NamesWhatItCannotReach) {
   Run(30'000);
   EXPECT_THAT(robot_.Look().others, Contains("no server of r/compute_path_to_pose"));
   EXPECT_THAT(robot_.Look().others, Contains("no publisher of r/scan"));
+}
+
+class ARosRobotWithDetectors : public ARosRobot {
+ protected:
+  ARosRobotWithDetectors() : ARosRobot(WithDetectors()) {
+    qr_ = Must(transport::MakePublisher<msg::Sighting>(peers_->node, "dog/qr/sighting"));
+    arrow_ = Must(transport::MakePublisher<msg::Sighting>(peers_->node, "dog/arrow/sighting"));
+    Run(500);
+  }
+  static SkillsConfig WithDetectors() {
+    SkillsConfig config = Config();
+    config.detectors = {{"qr", "qr/sighting", 0.4, M_PI / 2, {}},
+                        {"arrow", "arrow/sighting", 0.4, M_PI / 2, {}}};
+    return config;
+  }
+
+  std::unique_ptr<transport::Publisher<msg::Sighting>> qr_;
+  std::unique_ptr<transport::Publisher<msg::Sighting>> arrow_;
+};
+
+TEST_F(ARosRobotWithDetectors, DetectsWhatTheyHaveSeenOnceAllHaveLooked) {
+  msg::Sighting sighting;
+  sighting.seen = true;
+  sighting.text = "A-1";
+  sighting.x = 0.4F;
+  sighting.width = 0.2F;
+  sighting.distance_m = 2;
+  EXPECT_FALSE(robot_.Detect());
+  Run(500);
+  Stand(1, 0);
+  EXPECT_TRUE(qr_->Publish(sighting));
+  Run(20);
+  EXPECT_FALSE(robot_.Detect());
+  EXPECT_TRUE(arrow_->Publish({}));
+  Run(20);
+  const auto seen = robot_.Detect();
+  ASSERT_TRUE(seen);
+  ASSERT_THAT(*seen, SizeIs(1));
+  EXPECT_EQ(seen->front().name, "A-1");
+  EXPECT_NEAR(seen->front().pose.at.x_m, 3, 1e-6);
+  Run(1100);
+  EXPECT_FALSE(robot_.Detect());
+}
+
+TEST_F(ARosRobotWithDetectors, AsksThemToLookOnlyWhileASkillDetects) {
+  EXPECT_EQ(qr_->MatchedReaders(), 0U);
+  EXPECT_FALSE(robot_.Detect());
+  Run(500);
+  EXPECT_EQ(qr_->MatchedReaders(), 1U);
+  EXPECT_EQ(arrow_->MatchedReaders(), 1U);
+  Run(6000);
+  EXPECT_EQ(qr_->MatchedReaders(), 0U);
 }
 
 }  // namespace musher::skills::ros_robot_test

@@ -15,6 +15,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
+using ::testing::SizeIs;
 
 std::vector<std::string> Lines(const std::vector<Diagnostic>& diagnostics) {
   std::vector<std::string> lines;
@@ -53,6 +54,12 @@ line = "line"
 width_m = 2
 [cameras]
 front = "dog_1/camera/image"
+[detector.qr]
+topic = "/qr_detector/sighting"
+width_m = 0.2
+fov_deg = 90
+camera_z_m = 0.3
+camera_yaw_deg = -90
 )",
                                       "/a/b/dog.toml");
   ASSERT_TRUE(reading.config) << Lines(reading.diagnostics).front();
@@ -62,6 +69,34 @@ front = "dog_1/camera/image"
   EXPECT_EQ(reading.config->line.width_m, 2);
   EXPECT_EQ(reading.config->skill_config, "/a/skills.toml");
   EXPECT_THAT(reading.config->cameras, ElementsAre(Pair("front", "dog_1/camera/image")));
+  ASSERT_THAT(reading.config->detectors, SizeIs(1));
+  const DetectorView& qr = reading.config->detectors[0];
+  EXPECT_EQ(qr.name, "qr");
+  EXPECT_EQ(qr.topic, "/qr_detector/sighting");
+  EXPECT_EQ(qr.width_m, 0.2);
+  EXPECT_NEAR(qr.fov_rad, M_PI / 2, 1e-9);
+  EXPECT_EQ(qr.camera.at.z_m, 0.3);
+  EXPECT_NEAR(qr.camera.yaw_rad, -M_PI / 2, 1e-9);
+}
+
+TEST(SkillsConfig, ReportsWhatADetectorLacks) {
+  const auto reading = ReadSkillsText(R"(robot = "dog_1"
+kind = "dog"
+[detector]
+qr = 3
+[detector.arrow]
+topic = "no topic"
+fov = 60
+)",
+                                      "dog.toml");
+  EXPECT_FALSE(reading.config);
+  EXPECT_THAT(
+      Lines(reading.diagnostics),
+      ElementsAre("dog.toml:4:6: error: detector.qr: expected a table, found an integer",
+                  HasSubstr("dog.toml:5:1: error: detector.arrow: the key \"width_m\" is missing"),
+                  HasSubstr("dog.toml:5:1: error: detector.arrow: the key \"fov_deg\" is missing"),
+                  HasSubstr("dog.toml:6:9: error: detector.arrow.topic: expected a name"),
+                  HasSubstr("dog.toml:7:1: error: detector.arrow: unknown key \"fov\"")));
 }
 
 TEST(SkillsConfig, ReportsAllErrorsWithTheirPlaces) {
