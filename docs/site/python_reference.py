@@ -94,7 +94,7 @@ class Reference:
         options = []
         if isinstance(node, ast.AnnAssign):
             options.append(f":type: {json.dumps(type_text(node.annotation))}")
-        if node.value is not None:
+        if isinstance(node.value, ast.Constant):
             options.append(f":value: {json.dumps(ast.unparse(node.value))}")
         return described(kind, name, options, as_markdown(self.comment(node)))
 
