@@ -1,5 +1,5 @@
 #pragma once
-// Parts of sentences for people.
+// Parts of sentences for people, and of commands that they copy.
 
 #include <cstddef>
 #include <string>
@@ -19,6 +19,21 @@ inline std::string Counted(std::size_t count, std::string_view what, std::string
 inline std::string NamespaceText(std::string_view name_space) {
   if (name_space.empty()) return "the default namespace";
   return "namespace '" + std::string(name_space) + "'";
+}
+
+// A word of a command to copy, in quotes where a shell needs them: robot.toml, 'my robot.toml'.
+inline std::string ShellWord(std::string_view word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=@%+,";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) {
+    return std::string(word);
+  }
+  std::string quoted = "'";
+  for (const char c : word) {
+    if (c == '\'') quoted += "'\\'";
+    quoted += c;
+  }
+  return quoted + "'";
 }
 
 }  // namespace musher

@@ -1,4 +1,4 @@
-# The target docs: the Markdown and the reference of the C++ classes as a site, <build>/docs/html, which
+# The target docs: the Markdown and the reference of the classes as a site, <build>/docs/html, which
 # `cmake --install --component doc` puts into share/doc/musher/html. Not part of all; without Sphinx there is only
 # a message that says what is missing.
 

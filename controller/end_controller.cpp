@@ -12,6 +12,7 @@
 #include <string>
 
 #include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/controller/storage/state_store.hpp"
 
@@ -78,7 +79,7 @@ Result<> EndOwnerOf(const std::string& state_dir) {
                  state_dir + ": its lock file names process " + std::to_string(owner) +
                      ", which does not hold the lock or cannot be inspected; no process is ended; "
                      "`fuser " +
-                     state_dir + "/controller.lock` shows the holder"};
+                     ShellWord(state_dir + "/controller.lock") + "` shows the holder"};
   });
 }
 

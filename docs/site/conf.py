@@ -17,7 +17,7 @@ version = release = os.environ.get("MUSHER_VERSION", "")
 language = "en"
 
 extensions = ["myst_parser", "sphinx_copybutton", "contents", "diagrams", "source_pages",
-              "search_words", "strict_pages", "header"]
+              "search_words", "strict_pages", "header", "python_reference"]
 root_doc = "docs/README"
 include_patterns = ["*.md", "docs/**", "examples/**", "lifecycle/**", "messages/**", "modules/**", "navigation/**", "test/**",
                     "view/**"]
@@ -25,6 +25,7 @@ exclude_patterns = ["build", "**/node_modules", ".*", "examples/new_*"]  # those
 source_suffix = {".md": "markdown"}
 
 myst_heading_anchors = 4
+smartquotes = False  # comments and docstrings have commands and code: --json, "Active"
 suppress_warnings = ["myst.header"]  # a module's page may begin at any level of heading
 
 # The reference of the C++ classes, from the XML that Doxygen has made of the installed headers.

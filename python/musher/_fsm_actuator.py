@@ -3,12 +3,11 @@
 import time
 from typing import Callable, Dict, List, Optional
 
-from musher import _native
+from musher import _native, fsm
 from musher._actuator import Actuator
 from musher._errors import Failure, ProcessKilled
 from musher._log import ERROR, INFO, WARNING, where
 from musher._node import Endpoint
-from musher.fsm import Change, Listener, Machine
 from musher.musher_msgs.srv import GetBehavior, SendCommand
 from musher.std_msgs.msg import String
 from musher.builtin_interfaces.msg import Time
@@ -64,7 +63,7 @@ class FsmActuator(Actuator):
         super().__init__(name)
         if not self.rate_hz > 0:
             raise ValueError(f"the rate of ticks is more than 0 Hz, not {self.rate_hz}")
-        self._machine: Optional[Machine] = None
+        self._machine: Optional[fsm.Machine] = None
         self._ticks: Optional[_native.FsmTicks] = None
         self._tick_key = 0
         self._opened: List[Endpoint] = []
@@ -77,7 +76,7 @@ class FsmActuator(Actuator):
 
     # What a derived class writes.
 
-    def build_machine(self, machine: Machine) -> None:
+    def build_machine(self, machine: fsm.Machine) -> None:
         """In SetUp: registers states, commands and safety checks, and calls machine.build(). What it raises fails
         SetUp. Runs on the worker."""
         raise NotImplementedError(f"write {type(self).__name__}.build_machine(self, machine)")
@@ -106,7 +105,7 @@ class FsmActuator(Actuator):
     # What it uses.
 
     @property
-    def machine(self) -> Machine:
+    def machine(self) -> fsm.Machine:
         """From SetUp on."""
         if self._machine is None:
             raise Failure(_STATE_INVALID, f"{self.name} has no machine before SetUp")
@@ -158,7 +157,7 @@ class FsmActuator(Actuator):
 
     def _set_up(self) -> None:
         self._is_set_up = False
-        machine = Machine(self.name)
+        machine = fsm.Machine(self.name)
         machine._log_to(self.log)
         machine.listen(_Reports(self, machine))
         self._named("build_machine", lambda: self.build_machine(machine))
@@ -341,14 +340,14 @@ class FsmActuator(Actuator):
         return SendCommand.Response(True, "")
 
 
-class _Reports(Listener):
+class _Reports(fsm.Listener):
     """Logs what the machine reports."""
 
-    def __init__(self, actuator: FsmActuator, machine: Machine) -> None:
+    def __init__(self, actuator: FsmActuator, machine: fsm.Machine) -> None:
         self._actuator = actuator
         self._machine = machine
 
-    def on_change(self, change: Change) -> None:
+    def on_change(self, change: fsm.Change) -> None:
         actuator = self._actuator
         line = f"{change.from_state} -> {change.to_state}: {change.cause}"
         if change.command:

@@ -17,4 +17,13 @@ TEST(Words, NameTheDefaultNamespace) {
   EXPECT_EQ("in " + NamespaceText("fleet/dog1"), "in namespace 'fleet/dog1'");
 }
 
+TEST(Words, QuoteAWordOfACommandWhereAShellNeedsIt) {
+  EXPECT_EQ(ShellWord("/robots/dog-1.toml"), "/robots/dog-1.toml");
+  EXPECT_EQ(ShellWord("my robot"), "'my robot'");
+  EXPECT_EQ(ShellWord("dog's"), R"('dog'\''s')");
+  EXPECT_EQ(ShellWord("$HOME;~"), "'$HOME;~'");
+  EXPECT_EQ(ShellWord("größe"), "'größe'");
+  EXPECT_EQ(ShellWord(""), "''");
+}
+
 }  // namespace musher::words_test

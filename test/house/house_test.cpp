@@ -180,6 +180,10 @@ TEST(House, TroubleshootingExplainsEveryRecordFindingAndCode) {
   EXPECT_THAT(SentencesOfNoProgram(page, Tree()), IsEmpty());
 }
 
+TEST(House, TheReferenceOfPythonHasEveryPublicName) {
+  EXPECT_THAT(PythonNamesOutsideTheReference(File("docs/api/python.md"), Tree()), IsEmpty());
+}
+
 TEST(House, EveryPageIsInTheContentsOfTheSite) {
   EXPECT_THAT(PagesOutsideTheContents(Tree()), IsEmpty());
 }

@@ -13,6 +13,17 @@ namespace {
 constexpr std::string_view kAnything = "…";
 constexpr std::size_t kShortestFragment = 8;  // of a sentence, to be looked up in the code
 
+constexpr const char* kSectionsOfSentences[] = {
+    "Refusals",
+    "The command line and the start",
+    "Logs, drawings and new projects",
+    "Credentials",
+    "Upgrades",
+    "A module",
+    "Skills, state machines and trees",
+    "The page and recordings",
+};
+
 // Enums of codes that belong to a module, with the module's number; 0: they include it.
 struct ModuleCodes {
   const char* path;
@@ -225,12 +236,11 @@ std::vector<std::string> SentencesOfNoProgram(const SourceFile& page,
                                               const std::vector<SourceFile>& tree) {
   std::string code;
   for (const SourceFile& file : tree) {
-    if (file.IsCpp() && !file.In("test/") && !file.In("examples/")) {
-      code += WithJoinedLiterals(file.text);
-    }
+    const bool product = !file.In("test/") && !file.In("examples/");
+    if (product && (file.IsCpp() || file.In("python/"))) code += WithJoinedLiterals(file.text);
   }
   std::vector<std::string> wrong;
-  for (const char* section : {"Refusals", "The command line and the start"}) {
+  for (const char* section : kSectionsOfSentences) {
     for (const Row& row : RowsOf(page, section)) {
       if (!IsComplete(row, 3))
         wrong.push_back("not a sentence, a cause and a cure: " + row.front());

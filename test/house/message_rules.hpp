@@ -23,7 +23,7 @@ std::vector<std::string> UnexplainedFindings(const SourceFile& page,
 std::vector<std::string> UnexplainedCodes(const SourceFile& page,
                                           const std::vector<SourceFile>& tree);
 
-// Sentences of "Refusals" and "The command line and the start" that no program prints.
+// Sentences that no program prints, of the sections that have a sentence, a cause and a cure.
 std::vector<std::string> SentencesOfNoProgram(const SourceFile& page,
                                               const std::vector<SourceFile>& tree);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <regex>
@@ -133,6 +134,37 @@ std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& he
       Compare("module", EnumOf(header, "ModuleCode"), modules);
   wrong.insert(wrong.end(), of_modules.begin(), of_modules.end());
   return wrong;
+}
+
+std::vector<std::string> PythonNamesOutsideTheReference(const SourceFile& page,
+                                                        const std::vector<SourceFile>& tree) {
+  static const std::regex directive(R"(\{python_reference\} \S+ ([^\n]+))");
+  static const std::regex word(R"(\w+)");
+  static const std::regex all(R"(__all__ = \[([^\]]*)\])");
+  static const std::regex quoted(R"re("(\w+)")re");
+  std::set<std::string> listed;
+  ForEachMatch(page.text, directive, [&](const std::smatch& match) {
+    ForEachMatch(match[1], word, [&](const std::smatch& name) { listed.insert(name[0]); });
+  });
+  std::set<std::string> modules;
+  for (const SourceFile& file : tree) {
+    if (!file.In("python/musher/") || !file.Is(".py")) continue;
+    modules.insert(std::filesystem::path(file.path).stem().string());
+  }
+  std::vector<std::string> missing;
+  for (const SourceFile& file : tree) {
+    const std::string name = std::filesystem::path(file.path).filename().string();
+    const bool module = file.In("python/musher/") && file.Is(".py");
+    if (!module || (name.starts_with('_') && name != "__init__.py")) continue;
+    ForEachMatch(file.text, all, [&](const std::smatch& names) {
+      ForEachMatch(names[1], quoted, [&](const std::smatch& match) {
+        const std::string of_user = match[1];
+        if (of_user.starts_with('_') || modules.contains(of_user)) return;
+        if (!listed.contains(of_user)) missing.push_back(file.path + " offers " + of_user);
+      });
+    });
+  }
+  return missing;
 }
 
 }  // namespace musher::house

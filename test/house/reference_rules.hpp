@@ -1,5 +1,5 @@
 #pragma once
-// The lists of docs/reference.md agree with the code.
+// The lists of docs/reference.md and docs/api/python.md agree with the code.
 
 #include "musher/test/house/source_tree.hpp"
 
@@ -21,5 +21,10 @@ std::vector<std::string> WrongCodes(const SourceFile& page, const SourceFile& he
 // services" lacks, those it names that no program has, and rows with a type that is in no IDL file.
 std::vector<std::string> WrongTopicsAndServices(const SourceFile& page,
                                                 const std::vector<SourceFile>& tree);
+
+// Names in the __all__ of the Python package's public modules (musher, musher.fsm, …) that no
+// directive {python_reference} of the page has.
+std::vector<std::string> PythonNamesOutsideTheReference(const SourceFile& page,
+                                                        const std::vector<SourceFile>& tree);
 
 }  // namespace musher::house

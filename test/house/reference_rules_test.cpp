@@ -54,4 +54,18 @@ TEST(ReferenceRules, ReportATopicOrServiceThatIsUnlistedOrRemovedOrOfAnUnknownTy
                           "the reference does not list musher/new", "no program has musher/old"));
 }
 
+TEST(ReferenceRules, ReportAPythonNameThatNoDirectiveHas) {
+  const SourceFile page = {
+      "docs/api/python.md",
+      "`Old` is text\n```{python_reference} python/musher/_a.py Actuator run\n"};
+  const std::vector<SourceFile> tree = {
+      {"python/musher/__init__.py",
+       "__all__ = [\n    \"Actuator\", \"Old\", \"__version__\", \"fsm\",\n    \"run\",\n]\n"},
+      {"python/musher/fsm.py", "__all__ = [\"State\"]\n"},
+      {"python/musher/_private.py", "__all__ = [\"Hidden\"]\n"}};
+  EXPECT_THAT(
+      PythonNamesOutsideTheReference(page, tree),
+      ElementsAre("python/musher/__init__.py offers Old", "python/musher/fsm.py offers State"));
+}
+
 }  // namespace musher::house::reference_rules_test

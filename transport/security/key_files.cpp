@@ -10,6 +10,7 @@
 
 #include "musher/base/host.hpp"
 #include "musher/base/unique_fd.hpp"
+#include "musher/base/words.hpp"
 
 namespace musher::transport::keys {
 namespace {
@@ -90,7 +91,7 @@ Result<KeyPtr> ReadKey(const std::string& file) {
   if (fstat(fd.value().get(), &info) != 0) return SystemError(file);
   if ((info.st_mode & kOthers) != 0) {
     return Error{kCodePermissionDenied,
-                 file + " is readable by others; run `chmod 600 " + file + "`"};
+                 file + " is readable by others; run `chmod 600 " + ShellWord(file) + "`"};
   }
   // Without a callback libcrypto would prompt on the terminal for the password of an encrypted key.
   const auto no_password = [](char*, int, int, void*) { return -1; };

@@ -210,7 +210,7 @@ std::string EventError(const std::string& name) {
 
 void AddHistory(Grammar& grammar) {
   auto [app, options] = grammar.Add("history", "Show past events, oldest first", History);
-  app.add_option("--since", options.since, "90s, 10m, 2h, 1d ago, or a date and time")
+  app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
       ->check(TimeError)
       ->type_name("TIME");
   app.add_option("--until", options.until, "Same format; later events are left out")

@@ -220,7 +220,7 @@ void AddLogs(Grammar& grammar) {
              Names::kActuators)
       ->type_name("");
   app.add_flag("-f,--follow", options.follow, "Then print new lines, until Ctrl-C");
-  app.add_option("--since", options.since, "90s, 10m, 2h, 1d ago, or a date and time")
+  app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
       ->check(TimeError)
       ->type_name("TIME");
   app.add_option("-n,--lines", options.lines,

@@ -59,7 +59,7 @@ void AddReplay(Grammar& grammar) {
       .Offer(app.add_option("--config", options.config, "Show what this state config would change"),
              Names::kConfigs)
       ->type_name("FILE");
-  app.add_option("--since", options.since, "90s, 10m, 2h, 1d ago, or a date and time")
+  app.add_option("--since", options.since, "How long ago (90s, 10m, 2h, 1d), or a date and time")
       ->check(TimeError)
       ->type_name("TIME");
   app.add_option("--epoch", options.epoch, "Only decisions of the controller with this epoch")

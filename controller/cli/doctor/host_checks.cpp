@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 
 namespace musher::cli {
@@ -149,9 +150,9 @@ DoctorCheck CheckCoreDumps(const DoctorFacts& facts) {
   if (core.obstacle.empty()) return check;
   check.health = kWarning;
   check.reason += ": " + core.obstacle;
-  check.fix =
-      piped ? "sudo sysctl -w kernel.core_pattern=core.%e.%p"
-            : "sudo install -d -m 1777 '" + core.pattern.substr(0, core.pattern.rfind('/')) + "'";
+  check.fix = piped ? "sudo sysctl -w kernel.core_pattern=core.%e.%p"
+                    : "sudo install -d -m 1777 " +
+                          ShellWord(core.pattern.substr(0, core.pattern.rfind('/')));
   return check;
 }
 

@@ -22,7 +22,8 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
     return NotApplicable(check,
                          facts.config ? "the config has no [security]" : "no config was given");
   const auto command = [&](const std::string& identity) {
-    return fmt::format("musher keys add {} --force --keys '{}'", identity, facts.config->keys);
+    return fmt::format("musher keys add {} --force --keys {}", identity,
+                       ShellWord(facts.config->keys));
   };
   for (const KeyFacts& key : facts.keys) {
     check.health = kError;
@@ -34,7 +35,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
     if ((key.mode & kGroupAndOthers) != 0) {
       check.reason = fmt::format(
           "{} has the permissions {:o}: other users can read the private key", key.file, key.mode);
-      check.fix = "chmod 600 '" + key.file + "'";
+      check.fix = "chmod 600 " + ShellWord(key.file);
       return check;
     }
   }
@@ -70,7 +71,7 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
   if (facts.programs.size() > 1) {
     check.reason += fmt::format(" (and {} more)", facts.programs.size() - 1);
   }
-  check.fix = "musher check '" + facts.config->file + "'";
+  check.fix = "musher check " + ShellWord(facts.config->file);
   return check;
 }
 
@@ -118,8 +119,9 @@ DoctorCheck CheckVersionOfController(const DoctorFacts& facts) {
     check.health = kWarning;
     check.reason = fmt::format("the controller (pid {}) is musher {}, this program is {}", one.pid,
                                one.version, facts.version);
-    check.fix = one.config_file.empty() ? "musher up --takeover with its config"
-                                        : "musher up --detach --takeover '" + one.config_file + "'";
+    check.fix = one.config_file.empty()
+                    ? "musher up --takeover with its config"
+                    : "musher up --detach --takeover " + ShellWord(one.config_file);
   }
   return check;
 }

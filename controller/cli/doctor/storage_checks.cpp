@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 
 namespace musher::cli {
@@ -32,7 +33,7 @@ DoctorCheck CheckStateFolder(const DoctorFacts& facts) {
   } else if (!folder.writable) {
     check.reason = folder.existing + " is not writable for this user" +
                    (exists ? "" : ", and " + folder.path + " does not exist");
-    check.fix = fmt::format("sudo install -d -o \"$USER\" -m 700 '{}'", folder.path);
+    check.fix = fmt::format("sudo install -d -o \"$USER\" -m 700 {}", ShellWord(folder.path));
   } else {
     check.health = kOk;
     check.reason = folder.path + (exists ? " is writable" : " can be created");
@@ -59,11 +60,11 @@ DoctorCheck CheckDisk(const DoctorFacts& facts) {
     check.health = kWarning;
     check.reason +=
         fmt::format(", and journal_size_mb and logs_size_mb permit {:.0f}", Mib(needed));
-    check.fix = "lower logs_size_mb in [controller], or free space: du -xh '" + folder.existing +
-                "' | sort -h | tail";
+    check.fix = "lower logs_size_mb in [controller], or free space: du -xh " +
+                ShellWord(folder.existing) + " | sort -h | tail";
     return check;
   }
-  if (check.health != kOk) check.fix = "du -xh '" + folder.existing + "' | sort -h | tail";
+  if (check.health != kOk) check.fix = "du -xh " + ShellWord(folder.existing) + " | sort -h | tail";
   if (folder.in_memory && check.health != kError) {
     check.health = kWarning;
     check.reason +=
@@ -86,7 +87,7 @@ DoctorCheck CheckLock(const DoctorFacts& facts) {
   } else if (!lock.writable) {
     check.health = kError;
     check.reason = lock.path + " belongs to " + lock.owner + ": this user cannot start the machine";
-    check.fix = "sudo chown -R \"$USER\" '" + folder + "'";
+    check.fix = "sudo chown -R \"$USER\" " + ShellWord(folder);
   } else if (lock.held_by != 0) {
     check.reason = fmt::format("held by the controller (pid {})", lock.held_by);
   } else {
@@ -110,16 +111,16 @@ DoctorCheck CheckLogs(const DoctorFacts& facts) {
     } else if (!folder.is_folder) {
       check.health = kError;
       check.reason += ": " + folder.existing + " is not a folder";
-      check.fix = "mv '" + folder.existing + "' '" + folder.existing + ".old'";
+      check.fix = "mv " + ShellWord(folder.existing) + " " + ShellWord(folder.existing + ".old");
     } else if (!folder.writable) {
       check.health = kError;
       check.reason += ": " + folder.existing + " is not writable for this user";
-      check.fix = fmt::format("sudo chown \"$USER\" '{}'", folder.existing);
+      check.fix = fmt::format("sudo chown \"$USER\" {}", ShellWord(folder.existing));
     } else if (full) {
       check.health = folder.free_bytes < kLittleDisk / 20 ? kError : kWarning;
       check.reason += fmt::format(": {:.0f} of {:.0f} MiB free", Mib(folder.free_bytes),
                                   Mib(folder.total_bytes));
-      check.fix = "du -xh '" + folder.existing + "' | sort -h | tail";
+      check.fix = "du -xh " + ShellWord(folder.existing) + " | sort -h | tail";
     }
     if (check.health != kOk) return check;
     check.reason += folder.path == folder.existing ? " is writable" : " can be created";
@@ -130,7 +131,7 @@ DoctorCheck CheckLogs(const DoctorFacts& facts) {
   check.health = kError;
   check.reason = fmt::format("{} belongs to {}: what its process prints is lost{}", first.path,
                              first.owner, more == 0 ? "" : fmt::format(" (and {} more)", more));
-  check.fix = "sudo chown -R \"$USER\" '" + first.path.substr(0, first.path.rfind('/')) + "'";
+  check.fix = "sudo chown -R \"$USER\" " + ShellWord(first.path.substr(0, first.path.rfind('/')));
   return check;
 }
 

@@ -24,7 +24,7 @@ A first tour:
   musher check robot.toml          report every error in a config
   musher up robot.toml             start the machine; Ctrl-C takes it down
   musher status --watch            (another terminal) watch it live
-  musher top                       who uses the CPU, live
+  musher top                       CPU, memory and heartbeats, live
   musher describe audio            all about one actuator, and what to do next
   musher logs -f audio             what its process prints
   musher capabilities              what the robot can do now, and why not

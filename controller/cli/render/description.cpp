@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "musher/base/code.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/console/printable.hpp"
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
@@ -271,7 +272,7 @@ std::vector<Advice> AdviceFor(const Description& d) {
   if (!d.why_no_machine.empty()) {
     if (!d.log.empty()) steps.push_back({"musher logs " + name, "all that it has printed"});
     if (!d.config_file.empty())
-      steps.push_back({"musher up " + d.config_file, "start the machine"});
+      steps.push_back({"musher up " + ShellWord(d.config_file), "start the machine"});
     return steps;
   }
   if (!d.info) return steps;

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/console/words.hpp"
@@ -59,7 +60,7 @@ std::string KeyLine(const ConfigChange& change, bool colour) {
 }
 
 std::string EffectText(const ConfigDiff& diff) {
-  const std::string file = Printable(diff.after);
+  const std::string file = Printable(ShellWord(diff.after));
   if (diff.needs_new_start) {
     std::vector<std::string> keys;
     for (const ConfigChange& change : diff.changes) {

@@ -113,7 +113,7 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
   text += Invariants(report.summary, colour) + "\n";
   if (report.worst) {
     text += fmt::format("The shortest failing scenario: musher simulate {} --seed {}{}\n\n{}\n",
-                        Printable(report.file), report.worst->seed, Only(*report.worst),
+                        Printable(ShellWord(report.file)), report.worst->seed, Only(*report.worst),
                         failing_scenario);
   }
   return text + Verdict(report, colour);

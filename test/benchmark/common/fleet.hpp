@@ -21,6 +21,7 @@ class Fleet {
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;
 
+  const std::string& folder() const { return folder_; }
   const std::string& config_file() const { return config_file_; }
   const std::vector<std::string>& names() const { return names_; }
   // Of an actuator that is a benchmark_module: its board (board.hpp), and how it is started; `hz`:

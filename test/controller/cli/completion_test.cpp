@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -47,16 +48,52 @@ std::string Shell(const std::string& program, const TempFolder& folder, const st
   return text;
 }
 
-// What bash offers after these words, the last of them unfinished.
-std::string BashOffers(const std::string& words) {
-  const TempFolder folder;
-  return Shell("bash", folder,
-               std::string(kBashCompletion) + "\ncd " + folder.path() + "\nPATH=" + BinDir() +
-                   ":$PATH\ntouch robot.toml 'my robot.toml' other.txt t.xml\nCOMP_WORDS=(" +
-                   words +
-                   ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_musher musher\n"
-                   "printf '%s|' \"${COMPREPLY[@]}\"\n");
-}
+// A folder with files, and the shells' scripts in another.
+class CompletionScripts : public ::testing::Test {
+ protected:
+  CompletionScripts() {
+    for (const char* file : {"robot.toml", "my robot.toml", "other.txt", "tree.xml"}) {
+      const std::ofstream made(files_ / file);
+    }
+    std::filesystem::create_directory(files_ / "sub");
+    std::ofstream(scripts_ / "bash") << kBashCompletion;
+    std::ofstream(scripts_ / "zsh") << kZshCompletion;
+    std::ofstream(scripts_ / "fish") << kFishCompletion;
+  }
+
+  static bool Has(const std::string& shell) {
+    return std::system(("command -v " + shell + " >/dev/null").c_str()) == 0;
+  }
+
+  // What the prompt of bash or zsh has after each line and the completion key. See at_prompt.
+  std::string AtPrompt(const std::string& shell, const std::string& lines) const {
+    return OutputOf(
+        SourceDir() + "/test/controller/cli/at_prompt " + shell + " " + (scripts_ / shell), lines);
+  }
+
+  // What fish offers, one completion on each line.
+  std::string FishOffers(const std::string& line) const {
+    return OutputOf(
+        "fish --no-config -c 'source " + (scripts_ / "fish") + "; read -z line; complete -C $line'",
+        line);
+  }
+
+ private:
+  std::string OutputOf(const std::string& command, const std::string& input) const {
+    std::ofstream(scripts_ / "input") << input;
+    const std::string all = "cd " + files_.path() + " && PATH=" + BinDir() + ":$PATH " + command +
+                            " < " + (scripts_ / "input") + " 2>&1";
+    FILE* pipe = popen(all.c_str(), "r");
+    std::string text;
+    std::array<char, 4096> part{};
+    while (std::fgets(part.data(), part.size(), pipe) != nullptr) text += part.data();
+    pclose(pipe);
+    return text;
+  }
+
+  const TempFolder files_;
+  const TempFolder scripts_;
+};
 
 class Completion : public ::testing::Test {
  protected:
@@ -127,53 +164,76 @@ TEST_F(Completion, WithoutAMachineOffersOnlyTheBuiltInStatesAndPrintsNothing) {
   EXPECT_THAT(offered({"capabilities", ""}), IsEmpty());
 }
 
-TEST(CompletionScripts, ArePrintedByTheCommand) {
+TEST_F(CompletionScripts, ArePrintedByTheCommand) {
   EXPECT_EQ(RunProgram({"completion", "bash"}).out, kBashCompletion);
   EXPECT_EQ(RunProgram({"completion", "zsh"}).out, kZshCompletion);
   EXPECT_EQ(RunProgram({"completion", "fish"}).out, kFishCompletion);
   EXPECT_EQ(RunProgram({"completion", "tcsh"}).exit, 2);
 }
 
-TEST(CompletionScripts, CompleteInBash) {
-  EXPECT_EQ(BashOffers("musher st"), "status |");
-  EXPECT_EQ(BashOffers("musher --namespace of_no_machine set Pro"), "Protected |");
-  EXPECT_EQ(BashOffers("musher check ''"), R"(my\ robot.toml |robot.toml |)");
-  EXPECT_EQ(BashOffers("musher tree show ''"), "t.xml |");
-  EXPECT_EQ(BashOffers("musher history --lim"), "--limit |");
-  EXPECT_EQ(BashOffers("musher keys a"), "add |");
-  EXPECT_EQ(BashOffers("musher status --transport l"), "local |lan |");
-  EXPECT_EQ(BashOffers("musher status --transport = l"), "local |lan |");
-  EXPECT_EQ(BashOffers("musher status --transport ="), "local |lan |");
+const std::string kTyped = R"(musher stat
+)" + BinDir() + R"(/musher se
+musher --namespace of_no_machine set Pro
+musher keys a
+musher history --lim
+musher status --transport=lo
+musher check ro
+musher check my
+musher check my\ ro
+musher check 'my
+musher check "my
+musher tree show tr
+musher history --journal oth
+musher replay --config=ro
+musher ota install s
+musher low-power *
+musher check *
+)";
+
+const std::string kCompleted = R"(musher status 
+)" + BinDir() + R"(/musher set 
+musher --namespace of_no_machine set Protected 
+musher keys add 
+musher history --limit 
+musher status --transport=local 
+musher check robot.toml 
+musher check my\ robot.toml 
+musher check my\ robot.toml 
+musher check 'my robot.toml' 
+musher check "my robot.toml" 
+musher tree show tree.xml 
+musher history --journal other.txt 
+musher replay --config=robot.toml 
+musher ota install sub/
+)";
+
+TEST_F(CompletionScripts, CompleteAtThePromptOfBash) {
+  if (!Has("zsh")) GTEST_SKIP() << "zsh, whose script types at the prompt, is not installed";
+  EXPECT_EQ(AtPrompt("bash", kTyped), kCompleted +
+                                          "musher low-power off  on  \n"
+                                          "musher check my\\ robot.toml robot.toml sub \n");
+  EXPECT_EQ(AtPrompt("bash", "musher check oth\n"), "musher check oth\n");
 }
 
-TEST(CompletionScripts, CompleteInFish) {
-  if (std::system("command -v fish >/dev/null") != 0) GTEST_SKIP() << "there is no fish here";
-  const TempFolder folder;
-  EXPECT_EQ(Shell("fish", folder,
-                  "set PATH " + BinDir() + " $PATH\n" + kFishCompletion +
-                      "\ncomplete -C 'musher stat'\n"),
-            "status\tShow the machine and its actuators\n");
+TEST_F(CompletionScripts, CompleteAtThePromptOfZsh) {
+  if (!Has("zsh")) GTEST_SKIP() << "zsh is not installed";
+  EXPECT_EQ(AtPrompt("zsh", kTyped), kCompleted +
+                                         "musher low-power off on  \n"
+                                         "musher check my\\ robot.toml robot.toml sub/\n");
 }
 
-TEST(CompletionScripts, AreCorrectForZsh) {
-  if (std::system("command -v zsh >/dev/null") != 0) GTEST_SKIP() << "there is no zsh here";
-  const TempFolder folder;
-  EXPECT_EQ(Shell("zsh -n", folder, kZshCompletion), "");
-}
-
-TEST(CompletionScripts, CompleteInZsh) {
-  if (std::system("command -v zsh >/dev/null") != 0) GTEST_SKIP() << "there is no zsh here";
-  const TempFolder folder;
-  // zsh completes at a prompt only: its functions that show what is offered print it here.
-  const std::string prompt = "PATH=" + BinDir() +
-                             ":$PATH\ncompdef() { }\n_describe() { print -l -- ${(P)2} }\n" +
-                             kZshCompletion;
-  EXPECT_EQ(Shell("zsh -f", folder, prompt + "\nwords=(musher stat) CURRENT=2\n_musher\n"),
-            "status:Show the machine and its actuators\n");
-  EXPECT_EQ(
-      Shell("zsh -f", folder,
-            prompt + "\n_files() { print files $@ }\nwords=(musher check '') CURRENT=3\n_musher\n"),
-      "files -g *.toml\n");
+TEST_F(CompletionScripts, CompleteInFish) {
+  if (!Has("fish")) GTEST_SKIP() << "fish is not installed";
+  EXPECT_EQ(FishOffers("musher stat"), "status\tShow the machine and its actuators\n");
+  EXPECT_EQ(FishOffers(BinDir() + "/musher stat"), "status\tShow the machine and its actuators\n");
+  EXPECT_EQ(FishOffers("musher --namespace of_no_machine set Pro"), "Protected\n");
+  EXPECT_EQ(FishOffers("musher status --transport=l"), "--transport=lan\n--transport=local\n");
+  EXPECT_EQ(FishOffers("musher check "), "my robot.toml\nrobot.toml\nsub/\n");
+  EXPECT_EQ(FishOffers("musher check 'my"), "my robot.toml\n");
+  EXPECT_EQ(FishOffers("musher tree show "), "sub/\ntree.xml\n");
+  EXPECT_EQ(FishOffers("musher history --journal oth"), "other.txt\n");
+  EXPECT_EQ(FishOffers("musher replay --config=ro"), "--config=robot.toml\n");
+  EXPECT_EQ(FishOffers("musher ota install "), "sub/\n");
 }
 
 }  // namespace musher::cli::completion_test

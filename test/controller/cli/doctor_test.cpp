@@ -136,7 +136,7 @@ const Planted kPlanted[] = {
      [](DoctorFacts& f) { f.state_dir->error = "the disk did not answer within 2000 ms"; }},
     {"AFileForAStateFolder", "state folder", CheckStatus::kError, "is not a folder",
      "another state_dir", [](DoctorFacts& f) { f.state_dir->is_folder = false; }},
-    {"AFullDisk", "disk", CheckStatus::kError, "5 of 9216 MiB free", "du -xh '/state'",
+    {"AFullDisk", "disk", CheckStatus::kError, "5 of 9216 MiB free", "du -xh /state",
      [](DoctorFacts& f) { f.state_dir->free_bytes = 5 << 20; }},
     {"LittleDisk", "disk", CheckStatus::kWarning, "100 of 9216 MiB free", "du -xh",
      [](DoctorFacts& f) { f.state_dir->free_bytes = 100 << 20; }},
@@ -178,14 +178,14 @@ const Planted kPlanted[] = {
      }},
     {"NoFolderForCoreDumps", "core dumps", CheckStatus::kWarning,
      "to /var/cores/%e.%p, at most 1048576 bytes: the folder does not exist",
-     "sudo install -d -m 1777 '/var/cores'",
+     "sudo install -d -m 1777 /var/cores",
      [](DoctorFacts& f) {
        f.core.pattern = "/var/cores/%e.%p";
        f.core.obstacle = "the folder does not exist";
      }},
     {"ALockOfAnotherUser", "lock file", CheckStatus::kError,
      "/state/controller.lock belongs to root: this user cannot start the machine",
-     "sudo chown -R \"$USER\" '/state'",
+     "sudo chown -R \"$USER\" /state",
      [](DoctorFacts& f) {
        f.lock->owner = "root";
        f.lock->writable = false;
@@ -194,21 +194,21 @@ const Planted kPlanted[] = {
      "/state belongs to another machine, cat of /cat.toml", "a name or a state_dir of its own",
      [](DoctorFacts& f) { f.lock->belongs_to = "cat of /cat.toml"; }},
     {"AnUnwritableLogFolder", "log folder", CheckStatus::kError,
-     "/state/logs is not writable for this user", "sudo chown \"$USER\" '/state/logs'",
+     "/state/logs is not writable for this user", "sudo chown \"$USER\" /state/logs",
      [](DoctorFacts& f) { f.log_dirs[0].writable = false; }},
     {"AFileForALogFolder", "log folder", CheckStatus::kError, "/state/logs is not a folder",
-     "mv '/state/logs'", [](DoctorFacts& f) { f.log_dirs[0].is_folder = false; }},
+     "mv /state/logs", [](DoctorFacts& f) { f.log_dirs[0].is_folder = false; }},
     {"AHungDiskOfTheLog", "log folder", CheckStatus::kError, "did not answer", "set log in",
      [](DoctorFacts& f) { f.log_dirs[0].error = "the disk did not answer within 2000 ms"; }},
     {"AFullDiskOfTheLog", "log folder", CheckStatus::kError, "/logs: 5 of 9216 MiB free",
-     "du -xh '/state/logs'",
+     "du -xh /state/logs",
      [](DoctorFacts& f) {
        f.log_dirs[0].device = 7;
        f.log_dirs[0].free_bytes = 5 << 20;
      }},
     {"LogsOfAnotherUser", "log folder", CheckStatus::kError,
      "/state/logs/legs.log belongs to root: what its process prints is lost (and 1 more)",
-     "sudo chown -R \"$USER\" '/state/logs'",
+     "sudo chown -R \"$USER\" /state/logs",
      [](DoctorFacts& f) {
        f.unwritable_logs = {{"/state/logs/legs.log", "root"}, {"/state/logs/eyes.log", "root"}};
      }},
@@ -219,16 +219,16 @@ const Planted kPlanted[] = {
     {"ACpuQuota", "CPU", CheckStatus::kWarning, "limited to 0.5 by the cgroup", "CPUQuota",
      [](DoctorFacts& f) { f.cpu.quota = 0.5; }},
     {"AMissingCertificate", "keys", CheckStatus::kError, "legs: there is no certificate",
-     "musher keys add legs --force --keys '/etc/keys'",
+     "musher keys add legs --force --keys /etc/keys",
      [](DoctorFacts& f) {
        f.keys.push_back({"legs", "there is no certificate", {}, "", 0});
      }},
     {"AReadableKey", "keys", CheckStatus::kError, "has the permissions 644",
-     "chmod 600 '/etc/keys/c.key'", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
+     "chmod 600 /etc/keys/c.key", [](DoctorFacts& f) { f.keys[0].mode = 0644; }},
     {"ACertificateThatExpiresSoon", "keys", CheckStatus::kWarning, "within 30 days",
      "musher keys add controller", [](DoctorFacts& f) { f.keys[0].until = f.now; }},
     {"AMissingProgram", "programs", CheckStatus::kError, "dog.toml:3:1: warning: no such program",
-     "musher check 'dog.toml'",
+     "musher check dog.toml",
      [](DoctorFacts& f) {
        f.programs = {{"dog.toml", 3, 1, Severity::kWarning, "no such program"}};
      }},
@@ -245,7 +245,7 @@ const Planted kPlanted[] = {
      }},
     {"AControllerOfAnotherVersion", "version", CheckStatus::kWarning,
      "the controller (pid 7) is musher 1.2.2, this program is 1.2.3",
-     "musher up --detach --takeover '/dog.toml'",
+     "musher up --detach --takeover /dog.toml",
      [](DoctorFacts& f) {
        f.controllers = {{"dog", "", 7, "1.2.2", "/dog.toml"}};
      }},

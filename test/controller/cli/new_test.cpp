@@ -180,6 +180,13 @@ TEST_F(NewCommand, IsRefusedWithASentence) {
   EXPECT_THAT(Contents(), IsEmpty());
 }
 
+TEST_F(NewCommand, PrintsCommandsToCopyAlsoForAFolderWithASpace) {
+  const std::string made = folder_ / "my robots/rover";
+  fs::create_directory(folder_ / "my robots");
+  const Ran ran = RunProgram({"new", "robot", "rover", "--folder", made});
+  EXPECT_THAT(ran.out, HasSubstr("next:\n  cd '" + made + "'\n"));
+}
+
 TEST_F(NewCommand, IsOneJsonDocument) {
   const Ran ran = RunProgram({"--json", "new", "robot", "rover", "--folder", folder_ / "rover/"});
   EXPECT_EQ(ran.exit, 0) << ran.err;

@@ -1,5 +1,12 @@
 # fish completion for musher: the program itself prints the completions.
 
+# Files with this ending and folders; without one: all files. Of --option=FILE the part behind the '='.
+function __musher_files -a ending
+    set -l option (string match -r -- '^-[^=]*=' (commandline -ct))
+    set -l begin (string replace -- "$option" '' (commandline -ct))
+    complete -C "'' $begin" | string replace -r -- '\t.*' '' | string match -r -- ".*(?:/|$ending)\$" | string replace -r -- '^' "$option"
+end
+
 function __musher_complete
     set -l words (commandline -opc) (commandline -ct)
     set -l program $words[1]
@@ -7,13 +14,13 @@ function __musher_complete
     $program complete $words[2..] 2>/dev/null | while read -l line
         switch $line
             case ':configs'
-                __fish_complete_suffix .toml
+                __musher_files '\.toml'
             case ':trees'
-                __fish_complete_suffix .xml
+                __musher_files '\.xml'
             case ':files'
-                __fish_complete_path (commandline -ct)
+                __musher_files ''
             case ':folders'
-                __fish_complete_directories (commandline -ct)
+                __musher_files /
             case '*'
                 echo $line
         end

@@ -7,6 +7,7 @@
 
 #include <csignal>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/ota/ota_commands.hpp"
 #include "musher/controller/cli/commands/ota/ota_progress.hpp"
 #include "musher/controller/cli/commands/ota/ota_root.hpp"
@@ -143,9 +144,10 @@ class Upgrade {
     if (flow.failure) return PrintFailure(*flow.failure);
     const bool kept = machine_ != nullptr;
     console_.Print(console_.mode().json ? OtaResultJson(version_, kept ? "kept" : "waiting", "")
-                   : kept               ? "version " + version_ + " runs and is kept"
-                                        : "version " + version_ +
-                                " is trial-booted at the next start: musher up " + root_.path());
+                   : kept
+                       ? "version " + version_ + " runs and is kept"
+                       : "version " + version_ + " is trial-booted at the next start: musher up " +
+                             ShellWord(root_.path()));
     return ExitCode::kDone;
   }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "musher/base/host.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/start/slot_run.hpp"
 #include "musher/controller/ota/fault.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
@@ -210,7 +211,7 @@ Result<> RootMachine::AwaitTrialBoot() {
   const std::string later = "; `musher ota status` shows its outcome";
   if (ended) {
     return Error{kCodeFailed, "the controller exited during the trial boot; the next `musher up " +
-                                  root_.path() + "` rolls back"};
+                                  ShellWord(root_.path()) + "` rolls back"};
   }
   if (link_->interrupted())
     return Error{kCodeFailed, "interrupted; the trial boot continues" + later};
