@@ -19,8 +19,8 @@ language = "en"
 extensions = ["myst_parser", "sphinx_copybutton", "contents", "diagrams", "source_pages",
               "search_words", "strict_pages", "header", "python_reference"]
 root_doc = "docs/README"
-include_patterns = ["*.md", "controller/**", "docs/**", "examples/**", "lifecycle/**", "messages/**", "modules/**", "navigation/**", "test/**",
-                    "view/**"]
+include_patterns = ["*.md", "controller/**", "docs/**", "examples/**", "lifecycle/**", "messages/**", "modules/**",
+                    "navigation/**", "test/**", "view/**"]
 exclude_patterns = ["build", "**/node_modules", ".*", "examples/new_*"]  # those are templates of `musher new`
 source_suffix = {".md": "markdown"}
 
