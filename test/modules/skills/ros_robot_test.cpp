@@ -1,19 +1,6 @@
-// A robot behind its topics, on a simulated network in virtual time, with fakes of its body, its
-// planner, its controller and its hand.
+// A robot behind its topics.
 
-#include "musher/modules/skills/robot/ros_robot.hpp"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "musher/messages/musher_msgs/manipulation.hpp"
-#include "musher/messages/nav2_msgs/compute_path_to_pose.hpp"
-#include "musher/messages/nav2_msgs/follow_path.hpp"
-#include "musher/messages/nav_msgs/odometry.hpp"
-#include "musher/messages/sensor_msgs/image.hpp"
-#include "musher/messages/sensor_msgs/laser_scan.hpp"
-#include "musher/modules/skills/robot/conversions.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/skills/robot_on_network.hpp"
 
 namespace musher::skills::ros_robot_test {
 
@@ -22,117 +9,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-template <class T>
-T Must(Result<T> result) {
-  if (!result) ADD_FAILURE() << result.error().message;
-  return std::move(result).value();
-}
-
-SkillsConfig Config() {
-  auto reading = ReadSkillsText(
-      "robot = \"r\"\nkind = \"jetbot\"\nhand = true\n[topics]\nline = \"line\"\n[cameras]\n"
-      "front = \"r/camera/image\"\n",
-      "/tmp/r.toml");
-  return *reading.config;
-}
-
-// The body of the robot and the servers for it, in a process of its own.
-class Peers {
- public:
-  using PlanGoal = transport::ServerGoal<msg::ComputePathToPose>;
-  using DriveGoal = transport::ServerGoal<msg::FollowPath>;
-
-  explicit Peers(transport::Node& node) : node(node), endpoints(node, "dog") {
-    odometry = endpoints.Advertise<msg::Odometry>("r/odom");
-    scan = endpoints.Advertise<msg::LaserScan>("r/scan", transport::kSensorDataQos);
-    objects = endpoints.Advertise<msg::ObjectStates>("world/objects");
-    line = endpoints.Advertise<msg::YellowLines>("line", transport::kSensorDataQos);
-    camera = endpoints.Advertise<msg::Image>("r/camera/image", transport::kSensorDataQos);
-    target = endpoints.Advertise<msg::Odometry>("/target_0/odom");
-    endpoints.Subscribe<msg::Twist>("r/cmd_vel",
-                                    [this](const msg::Twist& twist) { commands.push_back(twist); });
-    transport::ActionHandlers<msg::ComputePathToPose> plan;
-    plan.start = [this](PlanGoal goal) {
-      goal.Execute();
-      plans.push_back(goal);
-    };
-    plan.cancel = [](PlanGoal goal) { goal.Canceled({}); };
-    endpoints.ServeAction<msg::ComputePathToPose>("r/compute_path_to_pose", std::move(plan));
-    transport::ActionHandlers<msg::FollowPath> drive;
-    drive.start = [this](DriveGoal goal) {
-      goal.Execute();
-      drives.push_back(goal);
-    };
-    drive.cancel = [this](DriveGoal goal) {
-      ++cancels;
-      goal.Canceled({});
-    };
-    endpoints.ServeAction<msg::FollowPath>("r/follow_path", std::move(drive));
-    endpoints.Serve<msg::ManipulationControl>("r/manipulation_control",
-                                              [this](const auto& request, auto reply) {
-                                                hand_object = request.object;
-                                                msg::ManipulationControl::Response response;
-                                                response.success = true;
-                                                response.message = "Object attached";
-                                                response.distance_m = 0.4;
-                                                reply(response);
-                                              });
-  }
-
-  transport::Node& node;
-  std::vector<msg::Twist> commands;
-  std::vector<PlanGoal> plans;
-  std::vector<DriveGoal> drives;
-  int cancels = 0;
-  std::string hand_object;
-  transport::Publisher<msg::Odometry>* odometry = nullptr;
-  transport::Publisher<msg::LaserScan>* scan = nullptr;
-  transport::Publisher<msg::ObjectStates>* objects = nullptr;
-  transport::Publisher<msg::YellowLines>* line = nullptr;
-  transport::Publisher<msg::Image>* camera = nullptr;
-  transport::Publisher<msg::Odometry>* target = nullptr;
-  transport::Endpoints endpoints;
-};
-
-class ARosRobot : public ::testing::Test {
- protected:
-  ARosRobot() : ARosRobot(Config()) {}
-  explicit ARosRobot(SkillsConfig config) : robot_(std::move(config)) {
-    robot_.Open(*endpoints_, "dog");
-    EXPECT_TRUE(endpoints_->opened());
-    Run(500);
-  }
-  void Run(std::int64_t ms) {
-    for (; ms > 0; ms -= 10) {
-      network_.RunFor(Milliseconds(10));
-      robot_.BeginStep(Now());
-    }
-  }
-  Time Now() { return body_->loop().Now(); }
-  void Stand(double x_m, double yaw_rad) {
-    msg::Odometry odometry;
-    odometry.pose.pose = ToMessage(navigation::Pose{{x_m, 0, 0}, yaw_rad}, {}).pose;
-    odometry.twist.twist.linear.x = 0.5;
-    EXPECT_TRUE(peers_->odometry->Publish(odometry));
-    Run(20);
-  }
-  // Until it is done; virtual time.
-  template <class T>
-  Result<T> ResultOf(const skill::Future<T>& future) {
-    for (int i = 0; i < 3000 && !future.done(); ++i) Run(10);
-    if (!future.done()) return Error{kCodeTimeout, "never done"};
-    return future.result();
-  }
-
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> body_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> world_ = network_.MakeNode("world");
-  std::unique_ptr<Peers> peers_ = std::make_unique<Peers>(*world_);
-  RosRobot robot_;
-  std::unique_ptr<transport::Endpoints> endpoints_ =
-      std::make_unique<transport::Endpoints>(*body_, "dog");
-};
 
 TEST_F(ARosRobot, KnowsItsPoseAsLongAsItsOdometryIsRecent) {
   EXPECT_FALSE(robot_.pose());
@@ -254,7 +130,7 @@ TEST_F(ARosRobot, CancelsTheDriveThatACrashedProcessHasLeft) {
   EXPECT_EQ(peers_->cancels, 0);
   const std::unique_ptr<transport::Node> node = network_.MakeNode("robot");
   transport::Endpoints endpoints(*node, "dog");
-  RosRobot next(Config());
+  RosRobot next(ConfigOfR());
   next.Open(endpoints, "dog");
   Run(500);
   next.CancelEarlierDrives();
@@ -386,58 +262,6 @@ TEST_F(ARosRobot, NamesWhatItCannotReach) {
   Run(30'000);
   EXPECT_THAT(robot_.Look().others, Contains("no server of r/compute_path_to_pose"));
   EXPECT_THAT(robot_.Look().others, Contains("no publisher of r/scan"));
-}
-
-class ARosRobotWithDetectors : public ARosRobot {
- protected:
-  ARosRobotWithDetectors() : ARosRobot(WithDetectors()) {
-    qr_ = Must(transport::MakePublisher<msg::Sighting>(peers_->node, "dog/qr/sighting"));
-    arrow_ = Must(transport::MakePublisher<msg::Sighting>(peers_->node, "dog/arrow/sighting"));
-    Run(500);
-  }
-  static SkillsConfig WithDetectors() {
-    SkillsConfig config = Config();
-    config.detectors = {{"qr", "qr/sighting", 0.4, M_PI / 2, {}},
-                        {"arrow", "arrow/sighting", 0.4, M_PI / 2, {}}};
-    return config;
-  }
-
-  std::unique_ptr<transport::Publisher<msg::Sighting>> qr_;
-  std::unique_ptr<transport::Publisher<msg::Sighting>> arrow_;
-};
-
-TEST_F(ARosRobotWithDetectors, DetectsWhatTheyHaveSeenOnceAllHaveLooked) {
-  msg::Sighting sighting;
-  sighting.seen = true;
-  sighting.text = "A-1";
-  sighting.x = 0.4F;
-  sighting.width = 0.2F;
-  sighting.distance_m = 2;
-  EXPECT_FALSE(robot_.Detect());
-  Run(500);
-  Stand(1, 0);
-  EXPECT_TRUE(qr_->Publish(sighting));
-  Run(20);
-  EXPECT_FALSE(robot_.Detect());
-  EXPECT_TRUE(arrow_->Publish({}));
-  Run(20);
-  const auto seen = robot_.Detect();
-  ASSERT_TRUE(seen);
-  ASSERT_THAT(*seen, SizeIs(1));
-  EXPECT_EQ(seen->front().name, "A-1");
-  EXPECT_NEAR(seen->front().pose.at.x_m, 3, 1e-6);
-  Run(1100);
-  EXPECT_FALSE(robot_.Detect());
-}
-
-TEST_F(ARosRobotWithDetectors, AsksThemToLookOnlyWhileASkillDetects) {
-  EXPECT_EQ(qr_->MatchedReaders(), 0U);
-  EXPECT_FALSE(robot_.Detect());
-  Run(500);
-  EXPECT_EQ(qr_->MatchedReaders(), 1U);
-  EXPECT_EQ(arrow_->MatchedReaders(), 1U);
-  Run(6000);
-  EXPECT_EQ(qr_->MatchedReaders(), 0U);
 }
 
 }  // namespace musher::skills::ros_robot_test
