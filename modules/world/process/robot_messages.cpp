@@ -1,10 +1,12 @@
 #include "musher/modules/world/process/robot_messages.hpp"
 
 #include <limits>
+#include <utility>
 
 #include "musher/messages/stamp.hpp"
 #include "musher/messages/yaw.hpp"
 #include "musher/modules/world/sensors/fleet_sensing.hpp"
+#include "musher/modules/world/sensors/object_sight.hpp"
 
 namespace musher::world {
 namespace {
@@ -84,6 +86,16 @@ msg::ObjectStates ToObjectStates(const World& world) {
     states.objects.push_back(std::move(state));
   }
   return states;
+}
+
+msg::ObjectStates ObjectsInSightOf(const World& world, std::size_t robot) {
+  msg::ObjectStates all = ToObjectStates(world);
+  msg::ObjectStates in_sight;
+  in_sight.header = all.header;
+  for (const std::size_t i : ObjectsInSight(world, robot)) {
+    in_sight.objects.push_back(std::move(all.objects[i]));
+  }
+  return in_sight;
 }
 
 BodyVelocity FromMessage(const msg::Twist& twist) {

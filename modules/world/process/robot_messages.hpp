@@ -19,6 +19,8 @@ msg::BatteryState ToBatteryState(const Battery& battery, const BatterySpec& spec
 
 // All objects; the pose is of the middle.
 msg::ObjectStates ToObjectStates(const World& world);
+// Those that the robot has in sight.
+msg::ObjectStates ObjectsInSightOf(const World& world, std::size_t robot);
 
 BodyVelocity FromMessage(const msg::Twist& twist);
 // Fails for an unknown action.

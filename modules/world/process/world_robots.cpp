@@ -54,6 +54,7 @@ void WorldRobots::Open(transport::Endpoints& endpoints, std::size_t robot) {
     outlet.scan = endpoints.Advertise<msg::LaserScan>(prefix + "scan", transport::kSensorDataQos);
   }
   outlet.battery = endpoints.Advertise<msg::BatteryState>(prefix + "battery");
+  outlet.in_sight = endpoints.Advertise<msg::ObjectStates>(prefix + "objects_in_sight");
   endpoints.Subscribe<msg::Twist>(
       prefix + "cmd_vel", [this, robot](const auto& twist) { Drive(robot, FromMessage(twist)); });
   endpoints.Subscribe<msg::Path>(
@@ -120,6 +121,9 @@ void WorldRobots::OnStep() {
     if (outlet.scan != nullptr && IsDue(now, scene.robots[i].lidar.reach.rate_hz) &&
         outlet.scan->MatchedReaders() > 0) {
       static_cast<void>(outlet.scan->Publish(MeasureRobotScan(world_, i)));
+    }
+    if (IsDue(now, kObjectsHz) && outlet.in_sight->MatchedReaders() > 0) {
+      static_cast<void>(outlet.in_sight->Publish(ObjectsInSightOf(world_, i)));
     }
     if (!IsDue(now, kBatteryHz) && now != kStep) continue;
     const Battery& battery = world_.fleet().robots()[i].battery;

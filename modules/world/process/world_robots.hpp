@@ -5,6 +5,7 @@
 //   R/odom                  nav_msgs/Odometry, every step, in the frame "map"
 //   R/scan                  sensor_msgs/LaserScan, best effort, at the rate of its lidar
 //   R/battery               sensor_msgs/BatteryState, once a second
+//   R/objects_in_sight      musher_msgs/ObjectStates, 10 Hz: those that nothing hides from it
 //   R/planned_path          nav_msgs/Path, subscribed, latched: drawn in the picture
 //   R/manipulation_control  musher_msgs/ManipulationControl, served: of a robot with a hand
 //   world/R/set_battery     std_msgs/Float32, subscribed: in %
@@ -50,6 +51,7 @@ class WorldRobots {
     transport::Publisher<msg::Odometry>* odometry = nullptr;
     transport::Publisher<msg::LaserScan>* scan = nullptr;  // null: it has no lidar
     transport::Publisher<msg::BatteryState>* battery = nullptr;
+    transport::Publisher<msg::ObjectStates>* in_sight = nullptr;
     std::string refused;  // the last refusal that was logged
   };
 

@@ -21,27 +21,6 @@ constexpr double kCellM = 0.05;
 constexpr double kPointsEveryM = 0.08;
 constexpr std::int8_t kOccupied = 100;
 
-// The scene with what moves in it, as `robot` sees it.
-Scene SeenBy(const World& world, std::size_t robot) {
-  Scene scene;
-  const Scene& of = world.scene();
-  scene.least_m = of.least_m;
-  scene.most_m = of.most_m;
-  scene.fence_height_m = of.fence_height_m;
-  scene.boxes = of.boxes;
-  scene.circles = of.circles;
-  scene.boards = of.boards;
-  scene.balls = of.balls;
-  std::vector<Solid> moving = world.fleet().MovingSolids(of, robot);
-  const std::vector<Solid> body = world.BodySolid();
-  moving.insert(moving.end(), body.begin(), body.end());
-  for (const Solid& solid : moving) {
-    if (const auto* box = std::get_if<Box>(&solid.shape)) scene.boxes.push_back(*box);
-    if (const auto* circle = std::get_if<Circle>(&solid.shape)) scene.circles.push_back(*circle);
-  }
-  return scene;
-}
-
 NormalRandom RobotRandom(const World& world, std::size_t robot) {
   constexpr std::uint64_t kFleetLidar = 1000;
   transport::sim::Random seed(world.scene().seed);
@@ -121,6 +100,26 @@ msg::PointField FieldOf(const char* name, std::uint32_t offset) {
 
 }  // namespace
 
+Scene SceneAround(const World& world, std::size_t robot) {
+  Scene scene;
+  const Scene& of = world.scene();
+  scene.least_m = of.least_m;
+  scene.most_m = of.most_m;
+  scene.fence_height_m = of.fence_height_m;
+  scene.boxes = of.boxes;
+  scene.circles = of.circles;
+  scene.boards = of.boards;
+  scene.balls = of.balls;
+  std::vector<Solid> moving = world.fleet().MovingSolids(of, robot);
+  const std::vector<Solid> body = world.BodySolid();
+  moving.insert(moving.end(), body.begin(), body.end());
+  for (const Solid& solid : moving) {
+    if (const auto* box = std::get_if<Box>(&solid.shape)) scene.boxes.push_back(*box);
+    if (const auto* circle = std::get_if<Circle>(&solid.shape)) scene.circles.push_back(*circle);
+  }
+  return scene;
+}
+
 msg::LaserScan MeasureRobotScan(const World& world, std::size_t robot) {
   const RobotSpec& spec = world.scene().robots.at(robot);
   const LidarSpec& lidar = spec.lidar;
@@ -128,7 +127,7 @@ msg::LaserScan MeasureRobotScan(const World& world, std::size_t robot) {
   const Reach& reach = lidar.reach;
   Vector3d mount = lidar.mount.position_m;
   mount.head<2>() = Rotation2Dd(body.yaw_rad()) * Vector2d(mount.head<2>());
-  const RayTargets around(SeenBy(world, robot), body.position_m() + mount,
+  const RayTargets around(SceneAround(world, robot), body.position_m() + mount,
                           reach.most_m + 3 * reach.noise_m);
   NormalRandom random = RobotRandom(world, robot);
   const double step = (lidar.to_rad - lidar.from_rad) / (lidar.rays - 1);
