@@ -9,7 +9,8 @@
 
 namespace musher::world {
 
-// What stands around a robot: the fixed things, and what moves, without the robot and what it holds.
+// What stands around a robot: the fixed things, and what moves, without the robot and what it
+// holds.
 Scene SceneAround(const World& world, std::size_t robot);
 
 // In the frame of the robot, `<robot>/scan`, whose angles are from its own direction.
