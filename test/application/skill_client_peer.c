@@ -18,7 +18,7 @@ static dds_entity_t goal_writer, goal_reader, result_writer, result_reader, canc
     cancel_reader, feedback_reader, offers_reader;
 static uint64_t client;
 static uint8_t goal_id[kIdSize];  // of this client alone
-static bool offered, accepted, cancels, ended;
+static bool offered, accepted, cancels, awaits_cancel, ended;
 static int feedbacks;
 
 static void OnOffers(const SkillOffers* offers) {
@@ -46,10 +46,13 @@ static void OnFeedback(const SkillFeedbackMessage* message) {
   CancelRequest request = {.client_id = client, .sequence_number = 1};
   memcpy(request.goal_info.goal_id.uuid, goal_id, kIdSize);
   dds_write(cancel_writer, &request);
+  awaits_cancel = true;
 }
 
 static void OnCancelReply(const CancelReply* reply) {
-  if (reply->client_id == client) printf("cancel: code %d\n", reply->return_code);
+  if (reply->client_id != client) return;
+  printf("cancel: code %d\n", reply->return_code);
+  awaits_cancel = false;
 }
 
 static void OnResult(const SkillResult* reply) {
@@ -105,7 +108,7 @@ int main(int argc, char** argv) {
   Open(argv[2]);
   bool sent = false;
   const dds_time_t end = dds_time() + DDS_SECS(20);
-  while (dds_time() < end && !ended) {
+  while (dds_time() < end && (!ended || awaits_cancel)) {  // the result may come first
     if (!sent && offered && Matched()) {
       SendGoal(argv[3], argv[4], argv[5]);
       sent = true;
