@@ -158,13 +158,15 @@ TEST(Flood, OfASlowClientIsClosedWithItsReason) {
   Options options;
   options.max_queue = 100000;
   std::promise<void> filled;
+  // 20 MB: more than the kernel takes, however fast the network thread writes meanwhile.
   const auto on_websocket = [&](const std::shared_ptr<WebSocket>& socket) {
-    for (int i = 0; i < 3; ++i) socket->Send(Shared(std::string(40000, 'x')), true);
+    const auto message = Shared(std::string(40000, 'x'));
+    for (int i = 0; i < 500; ++i) socket->Send(message, true);
     filled.set_value();
     return WebSocketHandlers();
   };
   RunningServer server(options, Echo, on_websocket);
-  WebSocketClient client(server.port());
+  WebSocketClient client(server.port(), "/", {}, 4096);
   filled.get_future().get();
   Frame frame = client.TakeFrame();
   while (frame.ok && frame.opcode == Opcode::kBinary) frame = client.TakeFrame();
