@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 using Fields = std::vector<std::string>;  // "int32 pid"
 
 const fs::path kIdl = fs::path(SourceDir()) / "messages";
-const fs::path kPackages = fs::path(MUSHER_BINARY_DIR) / "share" / "musher" / "ros";
+const fs::path kPackages = fs::path(BuildDir()) / "share" / "musher" / "ros";
 
 std::string Text(const fs::path& path) {
   std::ifstream file(path);

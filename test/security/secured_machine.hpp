@@ -48,7 +48,7 @@ class SecuredMachine : public MachineByCli {
   static std::unique_ptr<Process> Liar(const std::string& keys, const std::string& identity,
                                        std::vector<std::string> actions) {
     actions.insert(actions.end(), {"watch", "heartbeats"});
-    setenv("LD_LIBRARY_PATH", LYING_PLUGIN_DIR, 1);
+    setenv("LD_LIBRARY_PATH", (BuildDir() + "/test/security/lying").c_str(), 1);
     auto liar = Peer(keys, identity, actions);
     unsetenv("LD_LIBRARY_PATH");
     EXPECT_EQ(liar->LineWith("ready"), "ready");

@@ -6,8 +6,12 @@ std::string SourceDir() {
   return MUSHER_SOURCE_DIR;
 }
 
+std::string BuildDir() {
+  return MUSHER_BUILD_DIR;
+}
+
 std::string BinDir() {
-  return MUSHER_BIN_DIR;
+  return BuildDir() + "/bin";
 }
 
 }  // namespace musher

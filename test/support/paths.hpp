@@ -7,6 +7,7 @@
 namespace musher {
 
 std::string SourceDir();  // of the whole tree
+std::string BuildDir();   // of the whole build
 std::string BinDir();     // of all programs
 
 }  // namespace musher

@@ -10,25 +10,26 @@
 #include "musher/modules/world/render/render.hpp"
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::world {
 namespace {
 
-Scene Read(const char* path) {
+Scene Read(const std::string& path) {
   SceneReading reading = ReadSceneFile(path);
   if (!reading.scene) {
-    std::fprintf(stderr, "%s cannot be read\n", path);
+    std::fprintf(stderr, "%s cannot be read\n", path.c_str());
     std::exit(1);
   }
   return std::move(*reading.scene);
 }
 
 Scene Yard() {
-  return Read(MUSHER_CONFIGS "/scenes/yard.toml");
+  return Read(SourceDir() + "/config/scenes/yard.toml");
 }
 
 Scene Hall() {
-  return Read(MUSHER_CONFIGS "/scenes/wedding.toml");
+  return Read(SourceDir() + "/config/scenes/wedding.toml");
 }
 
 void Shoot(benchmark::State& state, std::size_t index) {

@@ -11,6 +11,7 @@
 #include "musher/test/benchmark/common/process.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/benchmark/robot/robot.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::benchmark {
 namespace {
@@ -146,7 +147,7 @@ void Fall(Robot& robot, int step) {
 }
 
 int Main(int rounds, int idle_s, bool smoke) {
-  Robot robot(MUSHER_CONFIGS);
+  Robot robot(SourceDir() + "/config");
   const Table table("The robot");
   Streams(robot, rounds, table);
   Idle(robot, "Active, standing", idle_s, table);

@@ -26,6 +26,7 @@
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
+#include "musher/test/support/paths.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -97,7 +98,7 @@ T Must(Result<T> made) {
 
 // What the front camera of the wedding hall sees at that time of its scene.
 msg::Image PictureAt(Duration time, msg::CameraInfo& info) {
-  world::SceneReading reading = world::ReadSceneFile(MUSHER_CONFIGS "/scenes/wedding.toml");
+  world::SceneReading reading = world::ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml");
   if (!reading.scene) Fail("the wedding's scene cannot be read");
   const world::CameraSpec camera = reading.scene->cameras.cameras[0];
   world::World world(std::move(*reading.scene));

@@ -20,6 +20,7 @@
 #include "musher/modules/world/render/shot.hpp"
 #include "musher/modules/world/scene_file/scene_toml.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
+#include "musher/test/support/paths.hpp"
 
 namespace musher::benchmark {
 namespace {
@@ -162,8 +163,8 @@ Score ScoreOf(const Found& found, const std::vector<Frame>& frames, const vision
 }
 
 void Run(int seconds, const std::string& model) {
-  const auto frames = FramesOf(MUSHER_CONFIGS "/scenes/wedding.toml", seconds);
-  const auto reading = world::ReadSceneFile(MUSHER_CONFIGS "/scenes/wedding.toml");
+  const auto frames = FramesOf(SourceDir() + "/config/scenes/wedding.toml", seconds);
+  const auto reading = world::ReadSceneFile(SourceDir() + "/config/scenes/wedding.toml");
   const vision::Lens lens = vision::PinholeOf(reading.scene->cameras.cameras[0].hfov_rad, 640, 480);
   const Table table("A picture of 640 x 480 of the wedding scene, " +
                     std::to_string(frames.size()) + " of them");
