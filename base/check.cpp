@@ -30,6 +30,8 @@ namespace internal {
 
 void FailCheck(std::string_view condition, std::string_view file, int line,
                const std::string& values) {
+  // With CCACHE_BASEDIR the compiler sees paths that are relative to the build.
+  while (file.substr(0, 3) == "../") file.remove_prefix(3);
   std::string message = std::string(file) + ":" + std::to_string(line) +
                         ": a check failed: " + std::string(condition);
   if (!values.empty()) message += " (" + values + ")";

@@ -1,9 +1,11 @@
 #include "musher/modules/camera/camera_manager.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
 #include "musher/actuator/program/states.hpp"
+#include "musher/modules/camera/media.hpp"
 
 namespace musher::camera {
 
@@ -69,6 +71,14 @@ Result<> CameraManager::MakeCameras() {
       Cameras::Make(dependencies, config_, MakeStore(node.loop(), config_.service.folder));
   if (!cameras) return cameras.error();
   cameras_ = std::move(cameras).value();
+  // Two hundred libraries take seconds to load while a robot starts: in the self-check these would
+  // count as the silence of a camera.
+  const auto needs_media = [](const CameraConfig& camera) {
+    return camera.source != SourceKind::kWorld;
+  };
+  if (std::any_of(config_.cameras.begin(), config_.cameras.end(), needs_media)) {
+    threads_.Start([] { static_cast<void>(LoadMedia()); });
+  }
   return Ok();
 }
 

@@ -113,6 +113,12 @@ class Door(WithRobot):
         opening = self.node.subscribe("door/opening", Float32)
         obstacle = self.node.publisher("door/obstacle", Bool, latched=True)
         states = self.states_of("door")
+        self.await_state(states, "CLOSED")
+        # The door's subscription is volatile: it gets what is published once both know each other.
+        end = time.monotonic() + DEADLINE_S
+        while not obstacle.matched:
+            self.behavior("door")
+            self.assertLess(time.monotonic(), end, "the door does not subscribe to door/obstacle")
         obstacle.publish(Bool(True))
         self.await_state(states, "BLOCKED")
         self.assertEqual(self.behavior("door")["unsafe"], "an obstacle")

@@ -15,6 +15,9 @@ struct Route {
   std::map<std::string, std::string> chosen;
   bool yellow_light = false;
 };
+void PrintTo(const Route& route, std::ostream* out) {
+  *out << "seed " << route.seed;
+}
 
 class WholeCourse : public ::testing::TestWithParam<Route> {};
 
@@ -40,7 +43,8 @@ TEST_P(WholeCourse, IsDrivenByTheCamerasAlone) {
 INSTANTIATE_TEST_SUITE_P(
     OfBothWays, WholeCourse,
     ::testing::Values(Route{1, {{"qr_a", "A-1"}, {"arrow", "left"}, {"qr_b", "B-2"}}},
-                      Route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}, true}));
+                      Route{4, {{"qr_a", "A-2"}, {"arrow", "right"}, {"qr_b", "B-1"}}, true}),
+    [](const auto& route) { return "To_" + route.param.chosen.at("arrow"); });
 
 }  // namespace
 }  // namespace musher::race::testing
