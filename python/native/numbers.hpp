@@ -111,7 +111,7 @@ bool FromBuffer(const py::handle& value, std::vector<T>& values) {
 // bytes of uint8, else an array.array.
 template <class T>
 py::object ToArray(const std::vector<T>& values) {
-  const py::bytes bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  py::bytes bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
   if constexpr (std::is_same_v<T, std::uint8_t>) return bytes;
   static PyObject* const array =
       py::object(py::module_::import("array").attr("array")).release().ptr();

@@ -35,7 +35,7 @@ std::vector<Vector3d> PointsOf(const ObjectSpec& spec, const FleetObject& object
           spec.round ? Vector2d(x, y) * half.x() * M_SQRT1_2 : Vector2d(x * half.x(), y * half.y());
       const Vector2d turned = Rotation2Dd(object.yaw_rad) * flat;
       for (const double z : sides) {
-        points.push_back(object.middle_m + Vector3d(turned.x(), turned.y(), z * half.z()));
+        points.emplace_back(object.middle_m + Vector3d(turned.x(), turned.y(), z * half.z()));
       }
     }
   }
