@@ -132,7 +132,9 @@ double RayTargets::ToFence(const Vector3d& along) const {
     const double side = along[axis] > 0 ? most_place_m_[axis] : least_place_m_[axis];
     const double distance = (side - from_m_[axis]) / along[axis];
     const double height = from_m_.z() + distance * along.z();
-    if (distance >= 0 && height >= 0 && height <= fence_height_m_) {
+    const double aside = from_m_[1 - axis] + distance * along[1 - axis];  // not beyond a corner
+    if (distance >= 0 && height >= 0 && height <= fence_height_m_ &&
+        aside >= least_place_m_[1 - axis] && aside <= most_place_m_[1 - axis]) {
       nearest = std::min(nearest, distance);
     }
   }

@@ -104,6 +104,13 @@ TEST(Ranging, IsInfiniteBeyondItsReachAndZeroInsideAThing) {
   EXPECT_EQ(DistanceAlong(scene, {0, 0, -0.1}, Heading(0), 2.4), 0);
 }
 
+// Over one side, it comes down to the height of the fence beyond the corner.
+TEST(Ranging, MeetsNoFenceBeyondItsCorner) {
+  Scene scene = EmptyYard();
+  scene.fence_height_m = 0.54;
+  EXPECT_EQ(DistanceAlong(scene, {1.549, -7.787, 0.766}, Heading(-2.885, 0.019), kMost), kNothing);
+}
+
 // A number in steps of a thousandth.
 rc::Gen<double> Between(double least, double most) {
   return rc::gen::map(
