@@ -121,7 +121,9 @@ function(musher_test name)
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)  # for ccache
   if(NOT MUSHER_OPTIMISED_FOLDER)  # these headers are compiled with the flags of the other tests
     target_precompile_headers(${name} REUSE_FROM musher_test_headers)
-    add_dependencies(${name} musher_test_headers_sum)
+    if(TARGET musher_test_headers_sum)
+      add_dependencies(${name} musher_test_headers_sum)
+    endif()
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
@@ -129,15 +131,10 @@ function(musher_test name)
   if(NOT ARG_COST)
     set(ARG_COST 0)
   endif()
-  set(properties TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST} LABELS "${ARG_LABELS}")
-  if(ARG_EACH)
-    include(GoogleTest)
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
-  else()
-    set(suites ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
-    add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${suites}
-      COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${suites} "-DPROPERTIES=${properties}"
-              -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake)
-    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${suites})
-  endif()
+  set(tests ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
+  add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${tests}
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DOUTPUT=${tests} -DEACH=${ARG_EACH}
+            -DTIMEOUT=${ARG_TIMEOUT} -DCOST=${ARG_COST} "-DLABELS=${ARG_LABELS}"
+            -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverTests.cmake)
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${tests})
 endfunction()

@@ -12,6 +12,9 @@ function(musher_join_sources target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   get_target_property(sources ${target} SOURCES)
   get_target_property(size ${target} UNITY_BUILD_BATCH_SIZE)
+  if(size LESS 1)  # as with CMake's: all of them
+    set(size -1)
+  endif()
   set(alone)
   set(joined)
   foreach(source ${sources})
@@ -32,7 +35,7 @@ function(musher_join_sources target)
   endwhile()
   set_target_properties(${target} PROPERTIES SOURCES "${alone}")
   target_compile_options(${target} PRIVATE
-    "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-iquote ${PROJECT_SOURCE_DIR} -iquote ${PROJECT_BINARY_DIR}>")
+    "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-iquote \"${PROJECT_SOURCE_DIR}\" -iquote \"${PROJECT_BINARY_DIR}\">")
 endfunction()
 
 function(musher_stays_alone result source)
