@@ -71,19 +71,25 @@ Result<> CameraManager::MakeCameras() {
       Cameras::Make(dependencies, config_, MakeStore(node.loop(), config_.service.folder));
   if (!cameras) return cameras.error();
   cameras_ = std::move(cameras).value();
-  // Two hundred libraries take seconds to load while a robot starts: in the self-check these would
-  // count as the silence of a camera.
-  const auto needs_media = [](const CameraConfig& camera) {
-    return camera.source != SourceKind::kWorld;
-  };
-  if (std::any_of(config_.cameras.begin(), config_.cameras.end(), needs_media)) {
-    threads_.Start([] { static_cast<void>(LoadMedia()); });
-  }
   return Ok();
+}
+
+// Two hundred libraries take seconds to load while a robot starts: these are not the silence of a
+// camera. Why they could not be loaded is said by the camera that needs them.
+void CameraManager::LoadCodecs() {
+  const auto needs_codecs = [this](const CameraConfig& camera) {
+    const bool skipped =
+        std::find(config_.skip.begin(), config_.skip.end(), camera.name) != config_.skip.end();
+    return camera.source != SourceKind::kWorld && !skipped;
+  };
+  if (std::any_of(config_.cameras.begin(), config_.cameras.end(), needs_codecs)) {
+    static_cast<void>(LoadMedia());
+  }
 }
 
 // A camera may need a moment to its first picture: failed checks are repeated until the timeout.
 Result<> CameraManager::SelfCheck() {
+  LoadCodecs();
   SelfCheckVerdict result;
   node_->RunOnLoop([&] { cameras_->SetChecked(true); });
   const auto check = [&]() -> Result<> {

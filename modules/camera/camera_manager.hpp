@@ -24,6 +24,7 @@ class CameraManager : public MachineActuator {
   Result<> SetUp();
   Result<> SelfCheck();
   Result<> MakeCameras();
+  void LoadCodecs();
 
   CamerasConfig config_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on

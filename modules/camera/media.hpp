@@ -1,7 +1,8 @@
 #pragma once
 // Video files, devices and picture files, through OpenCV's codecs. These need two hundred shared
-// libraries and some 55 MB of memory, so they are a library of their own that is loaded on first
-// use: a robot whose cameras are topics never loads it.
+// libraries and some 55 MB of memory, so they are a library of their own that is loaded before the
+// self-check of a camera that needs it, or on first use: a robot whose cameras are topics never
+// loads it.
 //
 // Threads: LoadMedia() and the Media from any, each reader and recorder one at a time. All of it
 // may block: never call it on a loop. No exception leaves it; codes are the camera server's
