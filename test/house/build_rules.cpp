@@ -7,21 +7,25 @@
 namespace musher::house {
 
 std::vector<std::string> DeadFiles(const std::vector<SourceFile>& tree) {
-  static const std::regex name(R"([\w./-]+\.cpp\b)");
+  static const std::regex name(R"([\w./*-]+\.cpp\b)");  // or a pattern: "commands/*.cpp"
   std::set<std::string> built;
+  std::set<std::string> built_folders;
   for (const SourceFile& file : tree) {
     if (!file.Is("CMakeLists.txt")) continue;
     const auto folder = std::filesystem::path(file.path).parent_path();
     for (const Line& line : Lines(file.text)) {
       const std::string text = line.text.substr(0, line.text.find('#'));
       for (std::sregex_iterator i(text.begin(), text.end(), name), end; i != end; ++i) {
-        built.insert((folder / i->str()).lexically_normal().string());
+        const auto path = (folder / i->str()).lexically_normal();
+        if (path.filename() == "*.cpp") built_folders.insert(path.parent_path().string());
+        built.insert(path.string());
       }
     }
   }
   std::vector<std::string> unbuilt;
   for (const SourceFile& file : tree) {
-    if (file.Is(".cpp") && !built.contains(file.path)) {
+    const std::string folder = std::filesystem::path(file.path).parent_path().string();
+    if (file.Is(".cpp") && !built.contains(file.path) && !built_folders.contains(folder)) {
       unbuilt.push_back(file.path + ": is in no CMake target");
     }
   }

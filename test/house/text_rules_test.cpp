@@ -82,13 +82,16 @@ TEST(TextRules, KeepStringsAndLineNumbersWhenCommentsGo) {
 
 TEST(BuildRules, FindFilesThatNoTargetBuilds) {
   const std::vector<SourceFile> tree = {
-      {"a/CMakeLists.txt", "add_library(a one.cpp b/two.cpp)  # three.cpp\n"},
+      {"a/CMakeLists.txt", "add_library(a one.cpp b/two.cpp c/*.cpp)  # three.cpp\n"},
       {"a/b/two.cpp", ""},
+      {"a/c/d/four.cpp", ""},
+      {"a/c/two.cpp", ""},
       {"a/one.cpp", ""},
       {"a/three.cpp", ""},
       {"test/CMakeLists.txt", "musher_test(t SOURCES t_test.cpp ../a/one.cpp)"},
       {"test/t_test.cpp", ""}};
-  EXPECT_THAT(DeadFiles(tree), ElementsAre("a/three.cpp: is in no CMake target"));
+  EXPECT_THAT(DeadFiles(tree), ElementsAre("a/c/d/four.cpp: is in no CMake target",
+                                           "a/three.cpp: is in no CMake target"));
 }
 
 }  // namespace musher::house::text_rules_test

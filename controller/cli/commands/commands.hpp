@@ -1,45 +1,61 @@
 #pragma once
-// The commands of `musher`. Add<Command>() is in <command>.cpp, with the options of the command,
-// its help and what it does; wake, keep, low-power, poweroff and reboot are in policy.cpp;
-// view, record and play in external.cpp. AddCommands() calls all of them.
+// The commands of `musher`, in the order of its help. A command is a file of this folder with its
+// options, its help and what it does; its Add…() is named here and nowhere else. wake, keep,
+// low-power, poweroff and reboot are in policy.cpp; view, record and play in external.cpp.
 
 namespace musher::cli {
 
 class Grammar;
 
-void AddCheck(Grammar& grammar);
-void AddDiff(Grammar& grammar);
-void AddDoctor(Grammar& grammar);
-void AddGraph(Grammar& grammar);
-void AddNew(Grammar& grammar);
-void AddSimulate(Grammar& grammar);
-void AddTree(Grammar& grammar);
-void AddUp(Grammar& grammar);
-void AddDown(Grammar& grammar);
-void AddPowerOff(Grammar& grammar);
-void AddReboot(Grammar& grammar);
-void AddStatus(Grammar& grammar);
-void AddDescribe(Grammar& grammar);
-void AddTop(Grammar& grammar);
-void AddCapabilities(Grammar& grammar);
-void AddSet(Grammar& grammar);
-void AddRestart(Grammar& grammar);
-void AddEstop(Grammar& grammar);
-void AddPlan(Grammar& grammar);
-void AddWake(Grammar& grammar);
-void AddKeep(Grammar& grammar);
-void AddLowPower(Grammar& grammar);
-void AddBehavior(Grammar& grammar);
-void AddSkill(Grammar& grammar);
-void AddLogs(Grammar& grammar);
-void AddHistory(Grammar& grammar);
-void AddReplay(Grammar& grammar);
-void AddExternal(Grammar& grammar);
-void AddKeys(Grammar& grammar);
-void AddOta(Grammar& grammar);
-void AddCompletion(Grammar& grammar);
+// Calls `group` with each heading of the help, and `command` with each function below it.
+// clang-format off
+#define MUSHER_CLI_COMMANDS(group, command) \
+  group("Prepare a config")                 \
+  command(AddCheck)                         \
+  command(AddDiff)                          \
+  command(AddDoctor)                        \
+  command(AddGraph)                         \
+  command(AddNew)                           \
+  command(AddSimulate)                      \
+  command(AddTree)                          \
+  group("Start and stop")                   \
+  command(AddUp)                            \
+  command(AddDown)                          \
+  command(AddPowerOff)                      \
+  command(AddReboot)                        \
+  group("Operate the machine")              \
+  command(AddStatus)                        \
+  command(AddDescribe)                      \
+  command(AddTop)                           \
+  command(AddCapabilities)                  \
+  command(AddSet)                           \
+  command(AddRestart)                       \
+  command(AddEstop)                         \
+  command(AddPlan)                          \
+  command(AddWake)                          \
+  command(AddKeep)                          \
+  command(AddLowPower)                      \
+  command(AddBehavior)                      \
+  command(AddSkill)                         \
+  group("Inspect the past")                 \
+  command(AddHistory)                       \
+  command(AddLogs)                          \
+  command(AddReplay)                        \
+  group("Look and record")                  \
+  command(AddExternal)                      \
+  group("Install and upgrade")              \
+  command(AddKeys)                          \
+  command(AddOta)                           \
+  command(AddCompletion)
+// clang-format on
 
-// All of them, in the order of the help.
+#define MUSHER_CLI_NOTHING(heading)
+#define MUSHER_CLI_DECLARE(add) void add(Grammar& grammar);
+MUSHER_CLI_COMMANDS(MUSHER_CLI_NOTHING, MUSHER_CLI_DECLARE)
+#undef MUSHER_CLI_NOTHING
+#undef MUSHER_CLI_DECLARE
+
+// All of them.
 void AddCommands(Grammar& grammar);
 
 }  // namespace musher::cli
