@@ -48,7 +48,7 @@ bool IsHeader(const SourceFile& file) {
   return file.Is(".hpp");
 }
 bool IsPure(const SourceFile& file) {
-  return file.IsCpp() && (file.In("lifecycle/") || file.In("behavior/"));
+  return file.IsCpp() && (file.In("lifecycle/") || file.In("behavior/") || file.In("navigation/"));
 }
 bool IsDocument(const SourceFile& file) {
   return file.Is(".md");
@@ -58,7 +58,9 @@ bool IsGuide(const SourceFile& file) {
 }
 // By readers who are new to the project.
 bool IsRead(const SourceFile& file) {
-  return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/");
+  return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/") ||
+         file.In("cmake/") || file.Is(".py") || file.Is(".js") || file.Is(".idl") ||
+         file.Is(".toml");
 }
 bool IsAny(const SourceFile&) {
   return true;

@@ -41,6 +41,22 @@ TEST(IncludeRules, LetAFolderIncludeWhatIsBelowIt) {
   }
 }
 
+TEST(IncludeRules, LetOnlyTheCommandLineOfTheControllerIncludeTheSimulation) {
+  const std::string simulation = "\"musher/simulation/robot.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("controller/cli/commands/a.cpp", simulation)), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes(Including("controller/process/a.cpp", simulation)), SizeIs(1));
+}
+
+TEST(IncludeRules, ReportAFolderThatHasNoRow) {
+  EXPECT_THAT(ForbiddenIncludes(Including("tools/a.cpp", "\"musher/base/result.hpp\"")),
+              ElementsAre("tools/a.cpp:2: tools has no row in the table of what it may include"));
+}
+
+TEST(IncludeRules, KeepTheKernelOutOfNavigation) {
+  EXPECT_THAT(ForbiddenIncludes(Including("navigation/a.cpp", "\"musher/base/host.hpp\"")),
+              SizeIs(1));
+}
+
 TEST(IncludeRules, KeepModulesApartFromEachOther) {
   const std::string header = "\"musher/modules/world/body/body.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("modules/exec/a.cpp", header)), SizeIs(1));
