@@ -61,8 +61,14 @@ class FsmActuator::Impl : public fsm::Listener {
     return machine_->Send(command);
   }
 
+  // For calls that are on the loop only.
+  Impl& OnLoop() {
+    ticks_.CheckThread();
+    return *this;
+  }
+
   fsm::Machine& machine() {
-    MUSHER_CHECK(machine_ != nullptr);
+    MUSHER_CHECK(machine_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *machine_;
   }
   bool ticking() const { return ticking_; }
@@ -243,19 +249,19 @@ FsmActuator::~FsmActuator() {
 }
 
 fsm::Machine& FsmActuator::machine() {
-  return impl_->machine();
+  return impl_->OnLoop().machine();
 }
 Result<> FsmActuator::Send(std::string_view command) {
-  return impl_->Send(command);
+  return impl_->OnLoop().Send(command);
 }
 bool FsmActuator::ticking() const {
-  return impl_->ticking();
+  return impl_->OnLoop().ticking();
 }
 Time FsmActuator::Now() const {
-  return impl_->Now();
+  return impl_->OnLoop().Now();
 }
 msg::Stamp FsmActuator::Stamp() const {
-  return impl_->Stamp();
+  return impl_->OnLoop().Stamp();
 }
 
 void FsmActuator::OnEmergencyStop() {

@@ -65,8 +65,14 @@ class SkillActuator::Impl {
     if (open_) CancelAtOnce("emergency stop");
   }
 
+  // For calls that are on the loop only.
+  Impl& OnLoop() {
+    ticks_.CheckThread();
+    return *this;
+  }
+
   skill::Manager& manager() {
-    MUSHER_CHECK(manager_ != nullptr);
+    MUSHER_CHECK(manager_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *manager_;
   }
   bool stepping() const { return stepping_; }
@@ -291,13 +297,13 @@ SkillActuator::~SkillActuator() {
 }
 
 skill::Manager& SkillActuator::manager() {
-  return impl_->manager();
+  return impl_->OnLoop().manager();
 }
 bool SkillActuator::stepping() const {
-  return impl_->stepping();
+  return impl_->OnLoop().stepping();
 }
 Time SkillActuator::Now() const {
-  return impl_->Now();
+  return impl_->OnLoop().Now();
 }
 
 void SkillActuator::OnEmergencyStop() {

@@ -50,6 +50,11 @@ class Ticks {
     if (const auto wire = wire_.lock()) wire->ticks.reset();
   }
 
+  // Ends the process when another thread than the loop's asks for what is changed by ticks.
+  void CheckThread() const {
+    if (const auto wire = wire_.lock()) wire->loop->CheckThread();
+  }
+
   Time Now() const {
     const auto wire = wire_.lock();
     return wire ? wire->clock->Now() : Time{};

@@ -63,13 +63,19 @@ class TreeActuator::Impl {
   void Restart() { Stop(false); }
   void Halt() { Stop(true); }
 
+  // For calls that are on the loop only.
+  Impl& OnLoop() {
+    ticks_.CheckThread();
+    return *this;
+  }
+
   bool has_tree() const { return loaded_.tree != nullptr; }
   tree::Tree& tree() {
     MUSHER_CHECK(has_tree(), owner_.name(), "has no tree");
     return *loaded_.tree;
   }
   const tree::Factory& factory() const {
-    MUSHER_CHECK(factory_ != nullptr);
+    MUSHER_CHECK(factory_ != nullptr, "SetUp of", owner_.name(), "has not run");
     return *factory_;
   }
   bool ticking() const { return ticking_; }
@@ -356,41 +362,41 @@ Result<tree::Document> TreeActuator::LoadTree() {
   return impl_->ReadFile();
 }
 bool TreeActuator::has_tree() const {
-  return impl_->has_tree();
+  return impl_->OnLoop().has_tree();
 }
 tree::Tree& TreeActuator::tree() {
-  return impl_->tree();
+  return impl_->OnLoop().tree();
 }
 const tree::Factory& TreeActuator::factory() const {
-  return impl_->factory();
+  return impl_->OnLoop().factory();
 }
 Result<> TreeActuator::Load(tree::Document document, const Entries& entries,
                             const std::string& main) {
-  return impl_->Load(std::move(document), entries, main);
+  return impl_->OnLoop().Load(std::move(document), entries, main);
 }
 TreeView TreeActuator::view() {
-  return impl_->View();
+  return impl_->OnLoop().View();
 }
 void TreeActuator::Restart() {
-  impl_->Restart();
+  impl_->OnLoop().Restart();
 }
 void TreeActuator::Halt() {
-  impl_->Halt();
+  impl_->OnLoop().Halt();
 }
 bool TreeActuator::ticking() const {
-  return impl_->ticking();
+  return impl_->OnLoop().ticking();
 }
 tree::Status TreeActuator::result() const {
-  return impl_->result();
+  return impl_->OnLoop().result();
 }
 const std::string& TreeActuator::last_fault() const {
-  return impl_->last_fault();
+  return impl_->OnLoop().last_fault();
 }
 Time TreeActuator::Now() const {
-  return impl_->Now();
+  return impl_->OnLoop().Now();
 }
 msg::Stamp TreeActuator::Stamp() const {
-  return impl_->Stamp();
+  return impl_->OnLoop().Stamp();
 }
 
 void TreeActuator::OnEmergencyStop() {
