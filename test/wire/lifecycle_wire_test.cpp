@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <string>
+#include <tuple>
+#include <type_traits>
 
 namespace musher::transport::lifecycle_wire_test {
 
@@ -10,6 +13,30 @@ ActuatorReport Stamped(std::int64_t stamp_ns) {
   msg::ActuatorStatus status;
   status.stamp_ns = stamp_ns;
   return FromMessage(status);
+}
+
+// A value of its own in each field, whatever fields the IDL has.
+msg::ActuatorStatus Filled() {
+  msg::ActuatorStatus status;
+  int number = 0;
+  const auto fill = [&](auto& field) {
+    using Field = std::remove_reference_t<decltype(field)>;
+    ++number;
+    if constexpr (std::is_same_v<Field, std::string>) {
+      field = std::to_string(number);
+    } else if constexpr (std::is_same_v<Field, bool>) {
+      field = true;
+    } else {
+      field = static_cast<Field>(number);
+    }
+  };
+  std::apply([&](auto&... fields) { (fill(fields), ...); }, msg::ActuatorStatus::Fields(status));
+  return status;
+}
+
+TEST(LifecycleWire, PassesEveryFieldOfAStatusToTheCoreAndBack) {
+  const msg::ActuatorStatus status = Filled();
+  EXPECT_EQ(ToMessage(status.name, FromMessage(status)), status);
 }
 
 TEST(LifecycleWire, KeepsTheStampOfAClock) {

@@ -1,0 +1,45 @@
+// Most of it is checked by the compiler: a number of one kind cannot be given where another is
+// expected.
+#include "musher/lifecycle/ids.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
+
+namespace musher::ids_test {
+
+// One of each, so that a new kind is compared with all others.
+using Kinds = std::tuple<Epoch, CommandNumber, Incarnation, RecordId, RequestId, RequestToken,
+                         Sender, StopId, SaveNumber>;
+
+template <typename From, typename... To>
+constexpr int ConversionsOf(std::tuple<To...>*) {
+  return (static_cast<int>(std::is_convertible_v<From, To>) + ...);
+}
+template <typename... From>
+constexpr int Conversions(std::tuple<From...>* kinds) {
+  return (ConversionsOf<From>(kinds) + ...);
+}
+static_assert(Conversions(static_cast<Kinds*>(nullptr)) == std::tuple_size_v<Kinds>,
+              "a kind of number converts to itself and to no other");
+
+template <typename From>
+constexpr bool kIsNoNumber = !std::is_convertible_v<From, std::uint64_t>;
+static_assert(kIsNoNumber<Epoch> && kIsNoNumber<CommandNumber> && kIsNoNumber<Sender>);
+
+template <typename... Arguments>
+constexpr bool kTakesCommand = std::is_invocable_v<void (*)(Epoch, CommandNumber), Arguments...>;
+static_assert(kTakesCommand<Epoch, CommandNumber> && !kTakesCommand<CommandNumber, Epoch>,
+              "swapped arguments do not compile");
+
+TEST(StrongNumber, CountsAndComparesAsItsValue) {
+  Epoch epoch = 6;
+  EXPECT_EQ(++epoch, Epoch(7));
+  EXPECT_EQ((epoch + 3).value(), 10U);
+  EXPECT_LT(epoch - 1, epoch);
+  EXPECT_EQ(ToString(epoch), "7");
+}
+
+}  // namespace musher::ids_test
