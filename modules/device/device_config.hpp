@@ -1,5 +1,5 @@
 #pragma once
-// The config of the device manager, a TOML file; README.md and config/device.toml explain its keys.
+// The device manager's config; README.md and config/device/device_manager.toml explain its keys.
 
 #include <cstdint>
 #include <optional>
