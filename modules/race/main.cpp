@@ -23,11 +23,11 @@ int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "check") return musher::race::tool::Check(argc - 1, argv + 1);
   if (command == "replay") return musher::race::tool::Replay(argc - 1, argv + 1);
-  if (command == "tell") return musher::race::tool::PublishCommand(argc - 1, argv + 1);
+  if (command == "send") return musher::race::tool::PublishCommand(argc - 1, argv + 1);
   return musher::program::Main(
       argc, argv,
       {"musher-race", "The race course, as the actuator race.",
-       "`musher-race check COURSE` reports the errors of a course, `musher-race tell START` "
+       "`musher-race check COURSE` reports the errors of a course, `musher-race send START` "
        "publishes\n"
        "a command of a running race, `musher-race replay FILE COURSE` replays a recorded one; see\n"
        "their --help.\n\n"

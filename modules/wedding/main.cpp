@@ -19,11 +19,11 @@ int Run(const musher::program::Options& options) {
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "replay") return musher::wedding::tool::Replay(argc - 1, argv + 1);
-  if (command == "tell") return musher::wedding::tool::PublishInput(argc - 1, argv + 1);
+  if (command == "send") return musher::wedding::tool::PublishInput(argc - 1, argv + 1);
   return musher::program::Main(
       argc, argv,
       {"musher-wedding", "The show of the wedding robot, as the actuator wedding.",
-       "`musher-wedding tell` publishes inputs of a running show, `musher-wedding replay` replays\n"
+       "`musher-wedding send` publishes inputs of a running show, `musher-wedding replay` replays\n"
        "a recorded one; see their --help.\n\n"
        "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);

@@ -11,7 +11,7 @@ speed=4  # factor of the world's time
 walking_speed=2  # the same during a walk, which the tool controls twenty times a second
 
 world() {
-  shown musher-world tell "$@"
+  shown musher-world send "$@"
 }
 motion() {
   shown musher-motion --clock topic --json "$@"
@@ -212,11 +212,11 @@ ${bold}The robot keeps running.${plain} Commands to try, also from another termi
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
   musher status --watch
   musher capabilities
-  musher-world tell battery 60
+  musher-world send battery 60
   musher-motion result 111 && musher-motion walk --square 1
   musher-audio say "Good morning"
   musher-camera shot image_rgb seen.png
-  musher-world tell draw
+  musher-world send draw
   musher down && kill $yard && rm -r $scratch
 END
 }

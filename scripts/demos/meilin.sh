@@ -9,10 +9,10 @@ logs=$XDG_STATE_HOME/musher/meilin.domain$ROS_DOMAIN_ID/logs
 speed=2  # factor of the world's time. On a busy computer time waits for the robot, and is slower
 
 mission() {
-  musher-meilin tell state --json 2> /dev/null | jq -r "$1"
+  musher-meilin send state --json 2> /dev/null | jq -r "$1"
 }
 field() {
-  musher-world tell field | jq -r "$1"
+  musher-world send field | jq -r "$1"
 }
 # await_mission FILTER SECONDS: waits until the filter holds for the state of the match.
 await_mission() {
@@ -23,7 +23,7 @@ await_mission() {
   done
 }
 send_plan() {
-  shown musher-meilin tell plan "$1"
+  shown musher-meilin send plan "$1"
   say "$result"
 }
 
@@ -73,7 +73,7 @@ lose_arm() {
   local process
   await_mission '.state == "WAITING_MF_ACTION_SEQ"' 90
   # A stuck arm stays busy until it is killed, however slowly this script looks.
-  shown musher-world tell fault "arm stuck"
+  shown musher-world send fault "arm stuck"
   send_plan "$scratch/config/meilin/plan_red.toml"
   for _ in {1..600}; do
     [[ $(field .arm.busy) == true ]] && break
@@ -84,7 +84,7 @@ lose_arm() {
   say "\$ kill -KILL $process  # arm"
   kill -KILL "$process"
   fails ArmAction
-  shown musher-world tell fault none
+  shown musher-world send fault none
   await ".actuators.arm | .pid > 0 and .pid != $process and .state == \"Active\""
 }
 
@@ -111,7 +111,7 @@ END
 
 time_out() {
   step "The wheels are stuck, and a climb times out: the match fails with the reason"
-  shown musher-world tell fault "suspension stuck"
+  shown musher-world send fault "suspension stuck"
   cat > "$scratch/climb.toml" << 'END'
 side = "red"
 start = [1, 1]
@@ -121,7 +121,7 @@ END
   send_plan "$scratch/climb.toml"
   expect "the plan: exit code" 0 "$code"
   fails Timeout  # the message of the suspension
-  shown musher-world tell fault none
+  shown musher-world send fault none
 }
 
 recover() {
@@ -156,7 +156,7 @@ END
 
 end() {
   step "Power-off, and a picture of the way"
-  shown musher-world tell draw
+  shown musher-world send draw
   [[ -s $result ]] && cp "$result" "$pictures/meilin-$1.png"
   shown musher down
   expect "exit code" 0 "$code"
@@ -169,9 +169,9 @@ explain_keeping() {
 ${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
-  musher-meilin tell state
+  musher-meilin send state
   musher behavior meilin --tree --watch
-  musher-world tell field
+  musher-world send field
   musher down && rm -r $scratch
 END
 }

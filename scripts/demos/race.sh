@@ -96,10 +96,10 @@ film() {
 
 begin() {
   step "An unknown command changes nothing; START begins the race"
-  shown musher-race tell FLY
+  shown musher-race send FLY
   expect "it is refused" yes "$(await_line "no command 'FLY'")"
   expect "the state" START "$(behavior .state)"
-  shown musher-race tell START
+  shown musher-race send START
   expect "it begins: exit code" 0 "$code"
   expect "the state" START_TO_QRA "$(state_within 20 START_TO_QRA)"
 }
@@ -118,7 +118,7 @@ lose_sight() {
   local process
   step "Its vision module is killed on the way: it is restarted, and the race continues"
   expect "the state" "${1}" "$(state_within 400 "$1" ERROR)"
-  shown musher-world tell speed 1
+  shown musher-world send speed 1
   process=$(status .actuators.vision.pid)
   say "\$ kill -KILL $process  # vision"
   kill -KILL "$process"
@@ -127,7 +127,7 @@ lose_sight() {
     "$(status ".actuators.vision | if .pid > 0 and .pid != $process then .state else \"none\" end")"
   expect "the machine" Active "$(status .state)"
   expect "the race runs" true "$(behavior '.ticking and .state != "ERROR"')"
-  shown musher-world tell speed $speed
+  shown musher-world send speed $speed
 }
 
 # same_words EXPECTED GOT: how many words of the two are the same, from the first one on.
@@ -147,18 +147,18 @@ drive() {
     "$(same_words "${states[robot]}" "$(behavior '.history[].to')")"
   # END begins with lying down in START, which the referee sees a moment later.
   for _ in {1..10}; do
-    report=$(musher-world tell referee --json)
+    report=$(musher-world send referee --json)
     [[ $(referee .finished) == true ]] && break
     sleep 0.2
   done
-  say "\$ musher-world tell referee"
+  say "\$ musher-world send referee"
   expect "the referee: finished" true "$(referee .finished)"
   expect "zones in this order" "${orders[robot]}" \
     "$(referee '[.reached[] | select(.in_order) | .zone] | join(" ")')"
   expect "feet that were wholly on a line" 0 "$(referee .lines.whole_foot)"
   expect "collisions" 0 "$(referee .collisions)"
   say "it took $(referee '.time_s | round') s of world time"
-  shown musher-world tell draw
+  shown musher-world send draw
   expect "the picture of its way: exit code" 0 "$code"
   [[ -s $result ]] && cp "$result" "$pictures/race-way$((robot + 1)).png"
 }
@@ -191,10 +191,10 @@ explain_keeping() {
 ${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
-  musher-race tell RESET && musher-race tell START
+  musher-race send RESET && musher-race send START
   musher behavior race --watch
   musher graph --behavior race -o machine.svg
-  musher-world tell referee
+  musher-world send referee
   musher down && rm -r $scratch
 END
 }

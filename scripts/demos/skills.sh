@@ -37,7 +37,7 @@ expect_end() {
   expect "$1" "$2: $3" "$(answer '"\(.outcome): \(.message)"')"
 }
 robots() {
-  musher-world tell robots --json | jq -r "$1"
+  musher-world send robots --json | jq -r "$1"
 }
 # await_message ROBOT SKILL TEXT: waits until the feedback of the skill begins with the text.
 await_message() {
@@ -214,10 +214,10 @@ end() {
     ended explore.json "$explorer"
     expect "explore" completed "$(answer .outcome)"
   fi
-  shown musher-world tell robots
+  shown musher-world send robots
   printf '%s\n' "$result"
   expect "collisions" 0 "$(robots '[.robots[].collisions] | add')"
-  shown musher-world tell draw
+  shown musher-world send draw
   expect "the picture: exit code" 0 "$code"
   [[ -s $result ]] && cp "$result" "$picture"
   shown musher down
@@ -236,7 +236,7 @@ ${bold}The robots keep running.${plain} Commands to try, also from another termi
   musher skill run nav_2d goal_pos=[7,2] --actuator jetbot_0
   musher skill watch
   musher graph --skill nav_2d --actuator jetbot_0 -o nav_2d.svg
-  musher-world tell robots
+  musher-world send robots
   musher down && rm -r $scratch
 END
 }

@@ -39,7 +39,7 @@ class Help:
 
 
 def options_of(words):
-    """By command line ("musher-race tell"): its options."""
+    """By command line ("musher-race send"): its options."""
     name = " ".join([os.path.basename(words[0]), *words[1:]])
     run = subprocess.run([*words, "--help"], capture_output=True, text=True, timeout=30, check=False)
     if run.returncode != 0:
@@ -120,18 +120,18 @@ class Options(unittest.TestCase):
         page = Reference("# Reference\n\n## Shared\n\n`--config`\n\n### Others\n\n`--keys`\n\n"
                          "## The `a` and `b` programs\n\n`--old`, `--in-page`, [shared](#shared), [page](../a/b.md)\n",
                          page={"a/b.md": "`--of-page`"}.get)
-        wrong = differences(page, {"a": {"a": {"--config", "--keys", "--of-page"}, "a tell": {"--in"}},
+        wrong = differences(page, {"a": {"a": {"--config", "--keys", "--of-page"}, "a send": {"--in"}},
                                    "b": {"b": {"--in-page"}}, "c": {"c": set()}})
         self.assertEqual([line.removeprefix(REFERENCE) for line in wrong], [
-            " does not explain --in of `a tell`, in the section of `a` or a page that it links",
+            " does not explain --in of `a send`, in the section of `a` or a page that it links",
             " has no section \"## The `c` program\"",
             " explains --old in \"The `a` and `b` programs\", which no program of that section has"])
 
     def test_are_those_of_the_help_of_each_command(self):
         printed = Help("a", "A. Usage: a [OPTIONS]\n\nOptions:\n  -h,--help  Print\n  --for S --not\n\n"
-                            "Subcommands:\n  say   Speaks\n  too-far\n\nExamples:\n  a --x\n      --y\n`a tell X` tells\n")
+                            "Subcommands:\n  say   Speaks\n  too-far\n\nExamples:\n  a --x\n      --y\n`a send X` tells\n")
         self.assertEqual(printed.options, {"--help", "--for"})
-        self.assertEqual(printed.commands, ["say", "too-far", "tell"])
+        self.assertEqual(printed.commands, ["say", "too-far", "send"])
 
 
 if __name__ == "__main__":

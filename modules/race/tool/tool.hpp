@@ -9,7 +9,7 @@ namespace musher::race::tool {
 int Check(int argc, const char* const* argv);
 // musher-race replay FILE COURSE: replays a recording and prints the outcome.
 int Replay(int argc, const char* const* argv);
-// musher-race tell START: publishes a command of a running race.
+// musher-race send START: publishes a command of a running race.
 int PublishCommand(int argc, const char* const* argv);
 
 }  // namespace musher::race::tool

@@ -7,7 +7,7 @@ namespace musher::wedding::tool {
 
 // musher-wedding replay FILE: replays a recording and prints the outcome.
 int Replay(int argc, const char* const* argv);
-// musher-wedding tell gesture heart: publishes an input of the show, in place of a guest, a
+// musher-wedding send gesture heart: publishes an input of the show, in place of a guest, a
 // detector or an operator.
 int PublishInput(int argc, const char* const* argv);
 

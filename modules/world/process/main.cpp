@@ -70,9 +70,9 @@ int Run(const Options& options) {
   return musher::program::RunToEnd(world, options.state_config);
 }
 
-// musher-world tell WORDS...
+// musher-world send WORDS...
 int WorldControlMain(int argc, char** argv) {
-  CLI::App app("Controls a running world from the command line.", "musher-world tell");
+  CLI::App app("Controls a running world from the command line.", "musher-world send");
   app.footer(std::string("Commands:\n") + musher::world::kWorldCommands +
              "\n\nExit codes: 0 done; 1 no world, or it refused; 2 usage.");
   std::vector<std::string> words;
@@ -110,12 +110,12 @@ int WorldControlMain(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && argv[1] == std::string_view("tell")) return WorldControlMain(argc - 1, argv + 1);
+  if (argc > 1 && argv[1] == std::string_view("send")) return WorldControlMain(argc - 1, argv + 1);
   Options options;
   CLI::App app("A simulated robot and the place it is in, as the actuator world or alone.",
                "musher-world");
   app.footer(
-      "`musher-world tell` controls a running world, see its --help.\n\n"
+      "`musher-world send` controls a running world, see its --help.\n\n"
       "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn\n"
       "(reason on stderr); 2 usage or config.");
   app.set_version_flag("--version", "musher-world " + std::string(musher::Version()),

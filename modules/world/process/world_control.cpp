@@ -257,7 +257,7 @@ Result<WorldCommand> ParseWorldCommand(const Words& words) {
   std::string command_line;
   for (const std::string& word : words) command_line += " " + word;
   return Error{kCodeParametersInvalid,
-               "unknown command `tell" + command_line + "`; the commands are\n" + kWorldCommands};
+               "unknown command `send" + command_line + "`; the commands are\n" + kWorldCommands};
 }
 
 Result<std::string> SendWorldCommand(const WorldCommand& command, const std::string& name_space,

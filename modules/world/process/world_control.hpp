@@ -1,5 +1,5 @@
 #pragma once
-// World control: changes a running world from the command line, with `musher-world tell battery
+// World control: changes a running world from the command line, with `musher-world send battery
 // 18` and the like, for people and scripts without ROS.
 //
 // Threads: those of the caller; SendWorldCommand() blocks until the reply or the timeout.
@@ -50,7 +50,7 @@ using WorldCommand =
 // Help text: one line for each command.
 extern const char* const kWorldCommands;
 
-// Parses the words after `tell`, among them `--json`; an Error lists the expected ones.
+// Parses the words after `send`, among them `--json`; an Error lists the expected ones.
 Result<WorldCommand> ParseWorldCommand(const std::vector<std::string>& words);
 
 // Sends the command to the world of that namespace. Returns its reply: the picture's file, the

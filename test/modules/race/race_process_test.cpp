@@ -306,12 +306,12 @@ TEST_F(RaceProcess, FailsItsSelfCheckWithTheDetectorThatIsMissing) {
 
 TEST_F(RaceProcess, TakesCommandsOfItsTool) {
   StartActive();
-  EXPECT_EQ(Run({"tell", "SET_QR_A:A-1"}), 0) << output_;
-  EXPECT_EQ(Run({"tell", "command", "START:BOARD", "--json"}), 0) << output_;
+  EXPECT_EQ(Run({"send", "SET_QR_A:A-1"}), 0) << output_;
+  EXPECT_EQ(Run({"send", "command", "START:BOARD", "--json"}), 0) << output_;
   EXPECT_EQ(output_, "{\"told\": true}\n");
   ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
   EXPECT_THAT(infos_, Contains(HasSubstr("QRResult:A-1")));
-  EXPECT_EQ(Run({"tell"}), 2);
+  EXPECT_EQ(Run({"send"}), 2);
 }
 
 // The tool published once any reader was matched: with a recorder of the topic the race missed it.
@@ -321,7 +321,7 @@ TEST_F(RaceProcess, ACommandOfTheToolIsForTheRaceAndNotForAnotherReader) {
       peer_.node(), "state_machine/start_command",
       [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
   ASSERT_TRUE(recorder);
-  EXPECT_EQ(Run({"tell", "RESET"}), 1);
+  EXPECT_EQ(Run({"send", "RESET"}), 1);
   EXPECT_THAT(output_, HasSubstr("no race subscribes to state_machine/start_command"));
   peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
   EXPECT_EQ(recorded, 0);

@@ -12,15 +12,15 @@ class WeddingTool : public WeddingProcess {};
 
 TEST_F(WeddingTool, PublishesInputsWithoutRos) {
   StartActive();
-  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "0.3"}), 0) << output_;
+  EXPECT_EQ(Run({"send", "target", "0.5", "0.4", "--for", "0.3"}), 0) << output_;
   ASSERT_TRUE(AwaitShown("TRACKING"));
-  EXPECT_EQ(Run({"tell", "command", "photo"}), 0) << output_;
+  EXPECT_EQ(Run({"send", "command", "photo"}), 0) << output_;
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
-  EXPECT_EQ(Run({"tell", "too-close", "true", "--json"}), 0) << output_;
+  EXPECT_EQ(Run({"send", "too-close", "true", "--json"}), 0) << output_;
   EXPECT_EQ(output_, "{\"told\": true}\n");
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
-  EXPECT_EQ(Run({"tell", "gesture"}), 2);
-  EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
+  EXPECT_EQ(Run({"send", "gesture"}), 2);
+  EXPECT_EQ(Run({"send", "target", "left", "0.4"}), 2);
 }
 
 // The tool published once any reader was matched: with a recorder of the topic the show missed it.
@@ -30,7 +30,7 @@ TEST_F(WeddingTool, AnInputIsForTheShowAndNotForAnotherReader) {
       peer_.node(), "wedding/fsm/command",
       [&](const msg::String&, const transport::SampleInfo&) { ++recorded; });
   ASSERT_TRUE(recorder);
-  EXPECT_EQ(Run({"tell", "command", "reset"}), 1);
+  EXPECT_EQ(Run({"send", "command", "reset"}), 1);
   EXPECT_THAT(output_, HasSubstr("no show subscribes to /wedding/fsm/command"));
   peer_.node().loop().RunUntil([] { return false; }, peer_.node().loop().Now());
   EXPECT_EQ(recorded, 0);
@@ -44,7 +44,7 @@ TEST_F(WeddingTool, TimesOutOnAClockThatStandsStill) {
   const auto ticks = peer_.node().loop().Every(Milliseconds(50), [&] {
     static_cast<void>(clock->Publish({{7, 0}}));
   });
-  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1) << output_;
+  EXPECT_EQ(Run({"send", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1) << output_;
   EXPECT_THAT(output_, HasSubstr("/clock has stood still for 5 s"));
 }
 

@@ -1,4 +1,4 @@
-#include "musher/modules/meilin/mission/tell_tool.hpp"
+#include "musher/modules/meilin/mission/send_tool.hpp"
 
 #include <iostream>
 #include <memory>
@@ -22,16 +22,16 @@ namespace {
 using program::ExitCode;
 using program::ToolLink;
 
-constexpr const char* kTellFooter = R"(
+constexpr const char* kSendFooter = R"(
 Examples:
-  musher-meilin tell plan config/meilin/plan_blue.toml
-  musher-meilin tell reset
-  musher-meilin tell state --json
+  musher-meilin send plan config/meilin/plan_blue.toml
+  musher-meilin send reset
+  musher-meilin send state --json
 
 Exit codes: 0 done; 1 refused, or no mission (reason on stderr); 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
-int FailTell(ExitCode exit, const std::string& message) {
+int FailSend(ExitCode exit, const std::string& message) {
   std::cerr << "musher-meilin: " << message << std::endl;
   return static_cast<int>(exit);
 }
@@ -67,7 +67,7 @@ struct Watch {
 
 int NoMission(const ToolLink& link) {
   if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
-  return FailTell(ExitCode::kNotDone, link.NotFound("mission").message);
+  return FailSend(ExitCode::kNotDone, link.NotFound("mission").message);
 }
 
 void PrintState(const Watch& watch, bool json) {
@@ -90,16 +90,16 @@ template <msg::Message M>
 std::optional<int> PublishTo(ToolLink& link, const std::string& name, const M& message,
                              std::unique_ptr<transport::DirectedPublisher<M>>& kept) {
   auto made = transport::MakeDirectedPublisher<M>(link.node(), link.Name(name), Mission(link));
-  if (!made) return FailTell(ExitCode::kUsage, made.error().message);
+  if (!made) return FailSend(ExitCode::kUsage, made.error().message);
   kept = std::move(made).value();
   if (!link.RunUntil([&] { return kept->Ready(); }, link.discovery())) return NoMission(link);
   Result<> sent = kept->Publish(message);
   if (sent) sent = kept->Flush(link.discovery());
-  if (!sent) return FailTell(ExitCode::kNotDone, sent.error().message);
+  if (!sent) return FailSend(ExitCode::kNotDone, sent.error().message);
   return std::nullopt;
 }
 
-int TellPlan(ToolLink& link, const std::string& file, bool json) {
+int SendPlan(ToolLink& link, const std::string& file, bool json) {
   const DrawnPlanReading reading = ReadPlanFile(file);
   // The mission checks it from where the robot is; here only what is no plan at all is refused.
   if (!reading.plan) {
@@ -112,28 +112,28 @@ int TellPlan(ToolLink& link, const std::string& file, bool json) {
   const int states = watch.states;
   auto made = transport::MakeDirectedPublisher<msg::Float32MultiArray>(
       link.node(), link.Name("mf_action_seq"), Mission(link), transport::kLatchedQos);
-  if (!made) return FailTell(ExitCode::kUsage, made.error().message);
+  if (!made) return FailSend(ExitCode::kUsage, made.error().message);
   const auto& publisher = made.value();
   if (!link.RunUntil([&] { return publisher->Ready(); }, link.discovery())) return NoMission(link);
   Result<> sent = publisher->Publish(ToActionSequence(reading.plan->steps));
   if (sent) sent = publisher->Flush(link.discovery());
-  if (!sent) return FailTell(ExitCode::kNotDone, sent.error().message);
+  if (!sent) return FailSend(ExitCode::kNotDone, sent.error().message);
   const auto answered = [&] {
     return *watch.plan_id != before || (watch.states > states && *watch.state == kPlanRejected);
   };
   if (!link.RunUntil(answered, link.discovery())) {
-    return FailTell(ExitCode::kNotDone, "the mission did not answer");
+    return FailSend(ExitCode::kNotDone, "the mission did not answer");
   }
   PrintState(watch, json);
   return *watch.plan_id != before ? 0 : static_cast<int>(ExitCode::kNotDone);
 }
 
-int TellReset(ToolLink& link) {
+int SendReset(ToolLink& link) {
   std::unique_ptr<transport::DirectedPublisher<msg::String>> publisher;
   return PublishTo<msg::String>(link, "meilin/command", {"RESET"}, publisher).value_or(0);
 }
 
-int TellState(ToolLink& link, bool json) {
+int SendState(ToolLink& link, bool json) {
   Watch watch(link);
   if (!link.RunUntil([&] { return watch.complete(); }, link.discovery())) return NoMission(link);
   PrintState(watch, json);
@@ -142,10 +142,10 @@ int TellState(ToolLink& link, bool json) {
 
 }  // namespace
 
-int Tell(int argc, const char* const* argv) {
-  CLI::App app("Gives a running match a plan, or shows its state.", "musher-meilin tell");
+int Send(int argc, const char* const* argv) {
+  CLI::App app("Gives a running match a plan, or shows its state.", "musher-meilin send");
   program::ToolOptions options;
-  program::SetUpCommandLineTool(app, options, "Not used by this tool", kTellFooter);
+  program::SetUpCommandLineTool(app, options, "Not used by this tool", kSendFooter);
   std::string file;
   CLI::App* plan = app.add_subcommand("plan", "Publishes a drawn plan");
   plan->add_option("FILE", file, "As config/meilin/plan_blue.toml")->required();
@@ -155,10 +155,10 @@ int Tell(int argc, const char* const* argv) {
     return program::Say(*end, "musher-meilin");
   }
   const auto link = ToolLink::Open(options);
-  if (!link) return FailTell(ExitCode::kUsage, link.error().message);
-  if (plan->parsed()) return TellPlan(*link.value(), file, options.json);
-  if (reset->parsed()) return TellReset(*link.value());
-  return TellState(*link.value(), options.json);
+  if (!link) return FailSend(ExitCode::kUsage, link.error().message);
+  if (plan->parsed()) return SendPlan(*link.value(), file, options.json);
+  if (reset->parsed()) return SendReset(*link.value());
+  return SendState(*link.value(), options.json);
 }
 
 }  // namespace musher::meilin

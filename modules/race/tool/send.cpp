@@ -1,4 +1,4 @@
-// musher-race tell START: publishes a command of a running race, without ROS.
+// musher-race send START: publishes a command of a running race, without ROS.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -17,11 +17,11 @@ using program::ToolLink;
 
 constexpr const char* kFooter = R"(
 Examples:
-  musher-race tell command START           begins the race
-  musher-race tell START                   the same
-  musher-race tell START:IN_QRB            to this state, by its name or number
-  musher-race tell SET_QR_A:A-2            the text of a board; SET_QR_B:B-1, SET_ARROW:left
-  musher-race tell RESET                   to START, with all results forgotten
+  musher-race send command START           begins the race
+  musher-race send START                   the same
+  musher-race send START:IN_QRB            to this state, by its name or number
+  musher-race send SET_QR_A:A-2            the text of a board; SET_QR_B:B-1, SET_ARROW:left
+  musher-race send RESET                   to START, with all results forgotten
 
 Exit codes: 0 published; 1 no race (reason on stderr); 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
@@ -49,14 +49,14 @@ int Publish(ToolLink& link, const std::string& text) {
 }  // namespace
 
 int PublishCommand(int argc, const char* const* argv) {
-  CLI::App app("Publishes a command of a running race.", "musher-race tell");
+  CLI::App app("Publishes a command of a running race.", "musher-race send");
   program::ToolOptions options;
   program::SetUpCommandLineTool(app, options, "Not used by this tool", kFooter);
   std::string text;
   CLI::App* command = app.add_subcommand("command", "The command's text");
   command->add_option("TEXT", text, "START, STOP, RESET, START:<state>, SET_QR_A:A-1, …")
       ->required();
-  // `tell START` is `tell command START`.
+  // `send START` is `send command START`.
   std::vector<const char*> words(argv, argv + argc);
   const bool is_text = argc > 1 && argv[1][0] != '-' && std::string_view(argv[1]) != "command";
   if (is_text) words.insert(words.begin() + 1, "command");

@@ -1,4 +1,4 @@
-// musher-wedding tell: publishes inputs of a guest, a detector or a remote control, without ROS.
+// musher-wedding send: publishes inputs of a guest, a detector or a remote control, without ROS.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -21,11 +21,11 @@ using program::ToolLink;
 
 constexpr const char* kFooter = R"(
 Examples:
-  musher-wedding tell target 0.5 0.4 --for 5   a face in the middle, 5 s long
-  musher-wedding tell gesture heart            requests a photo
-  musher-wedding tell too-close true
-  musher-wedding tell command photo            stop, idle, photo, tracking, reset
-  musher-wedding tell voice stop               as if it had been spoken
+  musher-wedding send target 0.5 0.4 --for 5   a face in the middle, 5 s long
+  musher-wedding send gesture heart            requests a photo
+  musher-wedding send too-close true
+  musher-wedding send command photo            stop, idle, photo, tracking, reset
+  musher-wedding send voice stop               as if it had been spoken
 
 Exit codes: 0 published; 1 no show, or /clock stands still (reason on stderr);
 2 usage; 130 interrupted.
@@ -126,7 +126,7 @@ class Grammar {
     command->callback([this, topic] { input_ = {topic, msg::String{word_}}; });
   }
 
-  CLI::App app_{"Publishes inputs of the wedding robot's show.", "musher-wedding tell"};
+  CLI::App app_{"Publishes inputs of the wedding robot's show.", "musher-wedding send"};
   program::ToolOptions options_;
   double seconds_ = 0;
   msg::Point point_{0.5, 0.5, 1.5};
