@@ -1,5 +1,5 @@
 #pragma once
-// Asks a running musher-view of this host for a link with which a person may log in.
+// Requests from a running musher-view of this host a link with which a person may log in.
 //
 // Threads: any; waits up to three seconds. Errors: a sentence; kCodeNetError if no process answers
 // as musher-view does.

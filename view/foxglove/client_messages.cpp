@@ -1,4 +1,4 @@
-// What clients ask for.
+// The requests of clients.
 
 #include <algorithm>
 #include <array>

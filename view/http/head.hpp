@@ -31,7 +31,7 @@ struct CheckedHead {
   bool expects_continue = false;
   bool websocket = false;
   std::string key;          // Sec-WebSocket-Key
-  std::string subprotocol;  // empty: the client asked for none
+  std::string subprotocol;  // empty: the client requested none
 };
 
 std::variant<CheckedHead, Refusal> CheckHead(const Head& head, const Connection& connection,

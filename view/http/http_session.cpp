@@ -260,7 +260,7 @@ bool HttpSession::OnHead() {
   state_ = State::kBody;
   SetDeadline(network_.options.idle_timeout);
   if (head_.expects_continue && !parser_->is_done() && buffer_.empty()) {
-    // Fits into an empty buffer; if not, the client sends the body unasked after a while.
+    // Fits into an empty buffer; if not, the client sends the body all the same after a while.
     std::ignore = send(socket_.native_handle(), kContinue.data(), kContinue.size(),
                        MSG_DONTWAIT | MSG_NOSIGNAL);
   }

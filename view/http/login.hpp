@@ -55,7 +55,8 @@ class Login {
   // Whether a program has the token. A wrong one counts as a failure of its address.
   Result<> MayMakeLinks(std::string_view token, const std::string& peer, Time now);
 
-  // A code for a link. `name`: of the person it is for, as the program that asks for it says.
+  // A code for a link. `name`: of the person it is for, as the requesting program names that
+  // person.
   std::string NewCode(const std::string& name, Time now);
   // Begins a session; the value of its cookie.
   Result<std::string> Redeem(std::string_view code, const std::string& peer, Time now);

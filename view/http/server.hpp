@@ -82,7 +82,7 @@ class WebSocket {
   // on_message is not called after it.
   virtual void Close(unsigned code, std::string reason) = 0;
   virtual const Request& request() const = 0;          // that opened it
-  virtual const std::string& subprotocol() const = 0;  // empty: the client asked for none
+  virtual const std::string& subprotocol() const = 0;  // empty: the client requested none
 };
 
 struct WebSocketHandlers {

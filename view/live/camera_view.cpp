@@ -36,7 +36,7 @@ void CameraView::Get(const std::string& topic, std::int64_t after_ms, int width,
     camera.reader = std::move(reader).value();
   }
   const Time now = node_.loop().Now();
-  camera.asked_at = now;
+  camera.requested_at = now;
   if (!timer_) timer_ = node_.loop().Every(kLookPeriod, [this] { Look(); });
   if (camera.stamp_ms > after_ms) return Answer(camera, width, respond);
   camera.waiting.push_back({after_ms, width, respond, now + kPatience});
@@ -87,7 +87,7 @@ void CameraView::Look() {
     }
   }
   std::erase_if(cameras_, [now](const auto& camera) {
-    return camera.second.waiting.empty() && now - camera.second.asked_at > kKept;
+    return camera.second.waiting.empty() && now - camera.second.requested_at > kKept;
   });
   if (cameras_.empty()) timer_.reset();
 }

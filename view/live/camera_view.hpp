@@ -1,9 +1,9 @@
 #pragma once
-// Pictures of camera topics as JPEG, for pages. A topic is subscribed to while a page asks for
+// Pictures of camera topics as JPEG, for pages. A topic is subscribed to while a page requests
 // its pictures, and only the newest picture is kept: a slow page gets fewer, never older ones.
 //
 // Threads: loop thread only; a picture of 640 × 480 takes some 2 ms of it, once for all pages that
-// ask for the same width.
+// request the same width.
 
 #include <cstdint>
 #include <list>
@@ -45,7 +45,7 @@ class CameraView {
     std::int64_t stamp_ms = 0;
     std::map<int, std::shared_ptr<const std::string>> jpegs;  // of the newest, by width
     std::list<Request> waiting;
-    Time asked_at;
+    Time requested_at;
     std::unique_ptr<transport::RawReader> reader;  // last: its callback uses all of the above
   };
 

@@ -13,8 +13,8 @@ namespace {
 
 using FeedJson = nlohmann::ordered_json;
 
-constexpr std::uint32_t kAskedEntries = 400;
-constexpr Duration kAskDelay = Milliseconds(50);  // the records of a change come together
+constexpr std::uint32_t kQueriedEntries = 400;
+constexpr Duration kQueryDelay = Milliseconds(50);  // the records of a change come together
 constexpr Duration kAnswerTime = std::chrono::seconds(3);
 constexpr int kSecondsOfProcesses = 2;
 constexpr int kSecondsOfHistory = 5;  // beside each change of the status
@@ -103,7 +103,7 @@ void MachineFeed::Keep(const std::string& key, const SharedText& message) {
 void MachineFeed::OnStatus(const msg::MachineStatus& status) {
   last_ = status;
   events_.on_status();
-  AskSoon();
+  QueryHistorySoon();
   if (status_timer_) {
     status_waits_ = true;
   } else {
@@ -148,35 +148,35 @@ void MachineFeed::SetOpenPages(std::size_t count) {
   if (count == 0) every_second_.reset();
   if (!first) return;
   LookAtProcesses();
-  Ask();
+  QueryHistory();
   every_second_ = node_.loop().Every(std::chrono::seconds(1), [this, seconds = 0]() mutable {
     ++seconds;
     if (seconds % kSecondsOfProcesses == 0) LookAtProcesses();
-    if (seconds % kSecondsOfHistory == 0) Ask();
+    if (seconds % kSecondsOfHistory == 0) QueryHistory();
   });
 }
 
-void MachineFeed::AskSoon() {
-  if (pages_ == 0 || ask_timer_) return;
-  ask_timer_ = node_.loop().At(node_.loop().Now() + kAskDelay, [this] {
-    ask_timer_.reset();
-    Ask();
+void MachineFeed::QueryHistorySoon() {
+  if (pages_ == 0 || query_timer_) return;
+  query_timer_ = node_.loop().At(node_.loop().Now() + kQueryDelay, [this] {
+    query_timer_.reset();
+    QueryHistory();
   });
 }
 
-void MachineFeed::Ask() {
-  if (asking_) {
-    ask_again_ = true;
+void MachineFeed::QueryHistory() {
+  if (querying_) {
+    query_again_ = true;
     return;
   }
   if (!get_history_->Ready()) return;
-  asking_ = true;
-  get_history_->Call({cursor_.since_ns(), kAskedEntries}, kAnswerTime,
+  querying_ = true;
+  get_history_->Call({cursor_.since_ns(), kQueriedEntries}, kAnswerTime,
                      [this](const Result<msg::GetHistory::Response>& answer) { OnAnswer(answer); });
 }
 
 void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {
-  asking_ = false;
+  querying_ = false;
   if (answer) {
     const msg::GetHistory::Response& history = answer.value();
     std::vector<SharedText> fresh;
@@ -188,7 +188,7 @@ void MachineFeed::OnAnswer(const Result<msg::GetHistory::Response>& answer) {
     }
     if (!fresh.empty()) events_.on_entries(fresh);
   }
-  if (std::exchange(ask_again_, false)) AskSoon();
+  if (std::exchange(query_again_, false)) QueryHistorySoon();
 }
 
 void MachineFeed::LookAtProcesses() {

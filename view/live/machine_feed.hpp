@@ -1,7 +1,7 @@
 #pragma once
 // What every page gets of one machine, as messages for pages: the status and the capabilities,
 // which are latched, new entries of the history, and what the processes of this host use. It
-// observes as any process on the network can; the history is asked for while a page is open.
+// observes as any process on the network can; the history is queried while a page is open.
 //
 // Threads: loop thread only, callbacks too.
 
@@ -45,7 +45,7 @@ class MachineFeed {
   static Result<std::unique_ptr<MachineFeed>> Make(transport::Node& node, Options options,
                                                    Events events);
 
-  // While no page is open nothing is asked for.
+  // While no page is open nothing is queried.
   void SetOpenPages(std::size_t count);
   // For a page that opens: the latest messages by key, without the history.
   std::vector<std::pair<std::string, SharedText>> Latest() const;
@@ -64,8 +64,8 @@ class MachineFeed {
   void OnStatus(const msg::MachineStatus& status);
   void PublishStatus();
   void OnEnd();
-  void AskSoon();
-  void Ask();
+  void QueryHistorySoon();
+  void QueryHistory();
   void OnAnswer(const Result<msg::GetHistory::Response>& answer);
   void LookAtProcesses();
   void Keep(const std::string& key, const SharedText& message);
@@ -80,13 +80,13 @@ class MachineFeed {
   std::vector<std::pair<std::string, SharedText>> latest_;
   std::deque<SharedText> entries_;
   JournalCursor cursor_{0};
-  bool asking_ = false;
-  bool ask_again_ = false;
+  bool querying_ = false;
+  bool query_again_ = false;
   std::size_t pages_ = 0;
   std::map<std::string, std::pair<ProcessUsage, Time>> usage_;
   bool status_waits_ = false;
   transport::LoopHandlePtr status_timer_;  // until the status may be passed on again
-  transport::LoopHandlePtr ask_timer_;
+  transport::LoopHandlePtr query_timer_;
   transport::LoopHandlePtr every_second_;  // while a page is open
   std::unique_ptr<transport::Client<msg::GetHistory>> get_history_;
   std::unique_ptr<transport::Subscription> capabilities_;

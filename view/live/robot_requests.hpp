@@ -1,6 +1,6 @@
 #pragma once
-// What a page asks of the robot, over the services of its controller and its applications. Answers
-// are JSON with the fields of the service's response.
+// The requests of a page to the robot, over the services of its controller and its applications.
+// Answers are JSON with the fields of the service's response.
 //
 // Threads: loop thread only, callbacks too. Each `respond` runs once, within a time; never after
 // this is dropped. Errors are responses with a status and a sentence:

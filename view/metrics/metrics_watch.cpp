@@ -10,7 +10,7 @@ namespace musher::view {
 namespace {
 
 // A scrape reads the newest entries, and more if these are not all that it does not know. It does
-// not ask for those since the last scrape: the wall clock of a robot may be set back, and the
+// not query those since the last scrape: the wall clock of a robot may be set back, and the
 // controller would search its whole journal for them.
 constexpr std::uint32_t kFewEntries = 200;
 constexpr std::uint32_t kManyEntries = 5000;

@@ -29,7 +29,7 @@ export function healthMark(a) {
 
 async function readTail(ctx, name) {
   const tail = ctx.ui.tail;
-  tail.asked = ctx.now;
+  tail.requestedAt = ctx.now;
   try {
     const answer = await get('api/log', {actuator: name, from: -TAIL_BYTES});
     tail.text = answer.from > 0 ? answer.text.slice(answer.text.indexOf('\n') + 1) : answer.text;
@@ -41,8 +41,8 @@ async function readTail(ctx, name) {
 }
 
 function tailPart(ctx, name) {
-  if (ctx.ui.tail?.name !== name) ctx.ui.tail = {name, text: null, error: '', asked: 0};
-  if (ctx.now - ctx.ui.tail.asked > TAIL_EVERY_MS) readTail(ctx, name);
+  if (ctx.ui.tail?.name !== name) ctx.ui.tail = {name, text: null, error: '', requestedAt: 0};
+  if (ctx.now - ctx.ui.tail.requestedAt > TAIL_EVERY_MS) readTail(ctx, name);
   const {text, error} = ctx.ui.tail;
   return h('div', {class: 'tail'},
     h('div', {class: 'card-head'}, h('h3', {id: 'tail-title'}, t('log.tail')),

@@ -31,7 +31,7 @@ const ctx = {
     ctx.ui.alarm = text;
     redraw();
   },
-  confirm: question => confirmDialog(document.getElementById('dialogs'), question),
+  confirm: request => confirmDialog(document.getElementById('dialogs'), request),
   focus: id => requestAnimationFrame(() => document.getElementById(id)?.focus()),
   watch: topics => connection.watch(topics),
   receive: message => onMessage(message),
@@ -56,7 +56,7 @@ function announceChanges(before, after) {
 }
 
 // A WebSocket does not say why it was not opened; a request does.
-function askWhetherDenied() {
+function checkWhetherDenied() {
   get('api/topics').then(() => (ctx.ui.denied = false),
     error => (ctx.ui.denied = error.status === 401 || error.status === 403)).then(redraw);
 }
@@ -67,7 +67,7 @@ function onMessage(message) {
   ctx.state = apply(before, message, ctx.now);
   announceChanges(before, ctx.state);
   if (message.refused) ctx.ui.denied = true;
-  else if (message.link === 'closed' && ctx.state.hello === null) askWhetherDenied();
+  else if (message.link === 'closed' && ctx.state.hello === null) checkWhetherDenied();
   if (message.op === 'hello') ctx.ui.denied = false;
   redraw();
 }

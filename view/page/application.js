@@ -8,7 +8,7 @@ import {t} from './i18n.js';
 import {card, levelShape, quoted, shape} from './parts.js';
 
 const KINDS = {behavior_state: 'behavior', tree_state: 'tree'};
-const ASK_EVERY_MS = 1000;
+const REQUEST_EVERY_MS = 1000;
 const MOST_LABELS = 14;
 
 // [{name, behavior: topic or '', tree: topic or '', skills: bool}], by the topics that are published.
@@ -27,13 +27,13 @@ export function applicationsOf(topics, offers) {
 
 const skillTopics = topics => topics.filter(({type}) => /^musher_msgs\/msg\/Skill(Offers|Feedback)$/.test(type)).map(({name}) => name);
 
-// ui.reports: by "kind name": {value, error, asked, mark}; asked again when `mark` changes.
+// ui.reports: by "kind name": {value, error, requestedAt, mark}; requested again when `mark` changes.
 function report(ctx, kind, name, mark) {
   const reports = (ctx.ui.reports ??= {});
   const key = `${kind} ${name}`;
-  const known = (reports[key] ??= {value: null, error: '', asked: 0, mark: null});
-  if (known.mark !== mark && ctx.now - known.asked > ASK_EVERY_MS) {
-    Object.assign(known, {asked: ctx.now, mark});
+  const known = (reports[key] ??= {value: null, error: '', requestedAt: 0, mark: null});
+  if (known.mark !== mark && ctx.now - known.requestedAt > REQUEST_EVERY_MS) {
+    Object.assign(known, {requestedAt: ctx.now, mark});
     const query = kind === 'behavior' ? {name, format: 'mermaid'} : {name};
     get(`api/${kind}`, query).then(
       value => Object.assign(known, {value, error: value.error ?? ''}),

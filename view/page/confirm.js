@@ -1,4 +1,4 @@
-// A question in the way of the page, for what cannot be taken back.
+// A modal dialog that confirms what cannot be taken back.
 import {draw, h} from './dom.js';
 
 // True when the person says yes; Escape and the other button say no.
@@ -14,10 +14,10 @@ export function confirmDialog(parent, {title, text, yes, no}) {
       draw(parent, []);
       resolve(answer);
     };
-    draw(parent, [h('dialog', {class: 'ask', 'aria-labelledby': 'ask-title', 'aria-describedby': 'ask-text',
-      onclose,
+    draw(parent, [h('dialog', {class: 'confirm', 'aria-labelledby': 'confirm-title',
+      'aria-describedby': 'confirm-text', onclose,
       ref: element => (dialog = element)},
-    h('h2', {id: 'ask-title'}, title), h('p', {id: 'ask-text'}, text),
+    h('h2', {id: 'confirm-title'}, title), h('p', {id: 'confirm-text'}, text),
     h('p', {class: 'buttons'},
       h('button', {type: 'button', class: 'button', onclick: () => end(false)}, no),
       h('button', {type: 'button', class: 'button danger', onclick: () => end(true)}, yes)))]);

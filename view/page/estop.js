@@ -1,5 +1,5 @@
-// The emergency stop: in the header of every view. One press engages it, without a question; its release
-// asks.
+// The emergency stop: in the header of every view. One press engages it, without a confirmation; its release
+// needs one.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {t} from './i18n.js';
@@ -23,8 +23,8 @@ async function engage(ctx) {
 }
 
 export async function release(ctx) {
-  const yes = await ctx.confirm({title: t('stop.ask.title'), text: t('stop.ask.text'), yes: t('stop.ask.yes'),
-    no: t('stop.ask.no')});
+  const yes = await ctx.confirm({title: t('stop.confirm.title'), text: t('stop.confirm.text'),
+    yes: t('stop.confirm.yes'), no: t('stop.confirm.no')});
   if (!yes) return;
   try {
     await post('api/release', {});

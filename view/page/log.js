@@ -11,12 +11,12 @@ const MOST_BYTES = 1000000;
 const EVERY_MS = 1000;
 const CONTROLLER = 'controller';
 
-// ui.log: {name, from, to, size, text, error, asked, busy}
+// ui.log: {name, from, to, size, text, error, requestedAt, busy}
 async function read(ctx, from) {
   const log = ctx.ui.log;
   if (log.busy) return;
   log.busy = true;
-  log.asked = ctx.now;
+  log.requestedAt = ctx.now;
   try {
     const answer = await get('api/log', {actuator: log.name, from});
     const fits = log.text !== null && answer.from === log.to;
@@ -37,9 +37,9 @@ async function read(ctx, from) {
 
 function follow(ctx, name) {
   if (ctx.ui.log?.name !== name) ctx.ui.log = {name, from: 0, to: 0, size: 0, text: null, error: '',
-    asked: 0};
+    requestedAt: 0};
   const log = ctx.ui.log;
-  if (log.busy || ctx.now - log.asked < EVERY_MS) return log;
+  if (log.busy || ctx.now - log.requestedAt < EVERY_MS) return log;
   if (log.text === null) read(ctx, -PART_BYTES);
   else if (ctx.ui.follow !== false) read(ctx, log.to);
   return log;
@@ -63,8 +63,8 @@ function lineParts(text, find) {
 
 export function view(ctx) {
   const names = [CONTROLLER, ...(statusOf(ctx.state)?.actuators ?? []).map(a => a.name)];
-  const asked = ctx.route.rest[0] ?? '';
-  const name = names.includes(asked) ? asked : CONTROLLER;
+  const requested = ctx.route.rest[0] ?? '';
+  const name = names.includes(requested) ? requested : CONTROLLER;
   const log = follow(ctx, name);
   const find = ctx.ui.find ?? '';
   const shown = lineParts(log.text ?? '', find);

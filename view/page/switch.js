@@ -1,5 +1,5 @@
 // A change of the state: choose it, see the plan, confirm, watch its legs, see the outcome. ui.switch is
-// null, or {target, actuator, step: "asking"|"plan"|"going"|"ended", plan, answer, error}.
+// null, or {target, actuator, step: "requesting"|"plan"|"going"|"ended", plan, answer, error}.
 import {post} from './connection.js';
 import {h} from './dom.js';
 import {duration} from './format.js';
@@ -8,18 +8,18 @@ import {actButton, card, levelShape, lookHint, quoted, stateChip} from './parts.
 import {legState, mayAct, offeredStates} from './store.js';
 
 
-export async function askPlan(ctx, target, actuator) {
-  const asked = {target, actuator, step: 'asking'};
-  ctx.ui.switch = asked;
+export async function requestPlan(ctx, target, actuator) {
+  const change = {target, actuator, step: 'requesting'};
+  ctx.ui.switch = change;
   ctx.redraw();
   try {
-    asked.plan = await post('api/plan', {target, actuator});
+    change.plan = await post('api/plan', {target, actuator});
   } catch (error) {
-    asked.error = error.message || t('no_answer');
+    change.error = error.message || t('no_answer');
   }
-  asked.step = 'plan';
+  change.step = 'plan';
   ctx.redraw();
-  if (ctx.ui.switch === asked) ctx.focus('plan');
+  if (ctx.ui.switch === change) ctx.focus('plan');
 }
 
 async function go(ctx) {
@@ -58,7 +58,7 @@ function chooser(ctx, status) {
       status.actuators.map(a => h('option', {value: a.name, key: a.name}, a.name)))),
     h('div', {class: 'choices', role: 'group', 'aria-labelledby': 'switch-title'},
       offeredStates(ctx.state).map(name => h('button', {key: name, type: 'button', class: 'choice',
-        onclick: () => askPlan(ctx, name, actuator)}, stateChip(name),
+        onclick: () => requestPlan(ctx, name, actuator)}, stateChip(name),
       name === present ? h('span', {class: 'here'}, t('switch.present')) : null))),
   ];
 }
@@ -134,7 +134,7 @@ function planButtons(ctx, change) {
 
 function planPart(ctx, status) {
   const change = ctx.ui.switch;
-  if (change.step === 'asking') return h('p', {class: 'quiet'}, t('switch.asking'));
+  if (change.step === 'requesting') return h('p', {class: 'quiet'}, t('switch.requesting'));
   const plan = change.plan;
   const refused = plan && !plan.allowed;
   return h('div', {class: 'plan', key: 'plan', id: 'plan', tabindex: '-1', role: 'group',

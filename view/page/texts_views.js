@@ -7,7 +7,7 @@ export const VIEW_TEXTS = {
   'switch.present': ['present state', '当前状态'],
   'switch.again': ['Drive again what is not in {state}', '把不在 {state} 的再次切换'],
   'switch.plan': ['Plan: {from} → {to}', '计划：{from} → {to}'],
-  'switch.asking': ['Asking for the plan …', '正在获取计划…'],
+  'switch.requesting': ['Requesting the plan …', '正在获取计划…'],
   'switch.refused.plan': ['Not possible now', '现在不可行'],
   'switch.up': ['The robot becomes more active.', '机器人将更加活跃。'],
   'switch.down': ['The robot becomes less active.', '机器人将降低活跃度。'],

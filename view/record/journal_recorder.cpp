@@ -44,17 +44,17 @@ Result<std::unique_ptr<JournalRecorder>> JournalRecorder::Make(transport::Node& 
   std::unique_ptr<JournalRecorder> recorder(
       new JournalRecorder(name_space, sink, since_ns, std::move(on_event)));
   recorder->client_ = std::move(client).value();
-  recorder->timer_ = node.loop().Every(kPeriod, [self = recorder.get()] { self->Ask(); });
+  recorder->timer_ = node.loop().Every(kPeriod, [self = recorder.get()] { self->Query(); });
   return recorder;
 }
 
-void JournalRecorder::Ask() {
-  if (asking_ || !client_->Ready()) return;
-  asking_ = true;
+void JournalRecorder::Query() {
+  if (querying_ || !client_->Ready()) return;
+  querying_ = true;
   msg::GetHistory::Request request;
   request.since_wall_ns = cursor_.since_ns();
   client_->Call(request, kTimeout, [this](Result<msg::GetHistory::Response> answer) {
-    asking_ = false;
+    querying_ = false;
     if (answer) OnAnswer(answer.value());
   });
 }

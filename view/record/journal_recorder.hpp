@@ -1,6 +1,6 @@
 #pragma once
 // Records a machine's journal as the topic <namespace>/musher/journal, which does not exist on the
-// network: asks the controller once a second for what is new. Without a controller it records
+// network: queries the controller once a second for new entries. Without a controller it records
 // nothing, and goes on when there is one.
 //
 // Threads: loop thread only.
@@ -49,7 +49,7 @@ class JournalRecorder {
  private:
   JournalRecorder(std::string name_space, Sink& sink, std::int64_t since_ns, OnEvent on_event);
 
-  void Ask();
+  void Query();
   void OnAnswer(const msg::GetHistory::Response& answer);
 
   std::string name_space_;
@@ -59,7 +59,7 @@ class JournalRecorder {
   std::optional<std::size_t> channel_;
   std::uint64_t count_ = 0;
   std::uint64_t lost_ = 0;
-  bool asking_ = false;
+  bool querying_ = false;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Client<msg::GetHistory>> client_;
 };

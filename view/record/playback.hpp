@@ -45,7 +45,7 @@ class Remapping {
 
 // Whether a robot would obey what is published there, or take it for another machine's reports: the
 // topics of a machine ("/musher/…", "/dog1/musher/…") and the commands and latched states of its
-// actuators. Published again only if a person asks for it.
+// actuators. Published again only on request.
 bool IsOfMachine(std::string_view topic, std::string_view type);
 
 // "90s", "10m", "2h", "1.5s"; a number alone is seconds.

@@ -89,16 +89,16 @@ void TakeLog(const MachineFiles& files, Description& d) {
   if (d.log.empty()) d.why_no_log = d.log_file + " is empty";
 }
 
-// The questions to the controller and the actuator, all at the same time.
-class Questions {
+// The queries to the controller and the actuator, all at the same time.
+class Queries {
  public:
-  Questions(Link& link, const GlobalOptions& global, Description& description)
+  Queries(Link& link, const GlobalOptions& global, Description& description)
       : link_(link), global_(global), d_(description) {}
 
-  void Ask(const std::vector<std::string>& states) {
-    AskPlans(states);
-    AskHistory();
-    AskCapabilities();
+  void Run(const std::vector<std::string>& states) {
+    QueryPlans(states);
+    QueryHistory();
+    QueryCapabilities();
     Subscribe();
     FindServices();
     link_.RunUntil([this] { return waiting_ == 0; }, kAnswers);
@@ -122,7 +122,7 @@ class Questions {
     return ClientOf<S>(transport::MachineService(global_.name_space, service));
   }
 
-  void AskPlans(const std::vector<std::string>& states) {
+  void QueryPlans(const std::vector<std::string>& states) {
     plans_ = Machine<msg::GetPlan>("get_plan");
     if (!plans_) return;
     d_.reach.resize(states.size());
@@ -140,7 +140,7 @@ class Questions {
     }
   }
 
-  void AskHistory() {
+  void QueryHistory() {
     history_ = Machine<msg::GetHistory>("get_history");
     if (!history_) return;
     ++waiting_;
@@ -150,7 +150,7 @@ class Questions {
     });
   }
 
-  void AskCapabilities() {
+  void QueryCapabilities() {
     capabilities_ = Machine<msg::GetCapabilities>("get_capabilities");
     if (!capabilities_) return;
     ++waiting_;
@@ -207,7 +207,7 @@ class Questions {
   std::unique_ptr<transport::Subscription> heartbeats_;
 };
 
-std::vector<std::string> StatesToAsk(const Description& d) {
+std::vector<std::string> StatesToQuery(const Description& d) {
   std::vector<std::string> states;
   if (d.config) {
     states = d.config->states;
@@ -294,7 +294,7 @@ ExitCode Describe(const DescribeOptions& options, const GlobalOptions& of_caller
     d.why_no_log = "the logs are on the host of the controller";
   }
   if (status && !link.value()->interrupted()) {
-    Questions(*link.value(), global, d).Ask(StatesToAsk(d));
+    Queries(*link.value(), global, d).Run(StatesToQuery(d));
   }
   const auto now = running.value()->Now();
   const auto own = now.find(d.name);

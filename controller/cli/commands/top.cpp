@@ -62,7 +62,7 @@ class TopWatch {
   }
 
   // Calls only after a change of the status: without one the journal has nothing new to show.
-  void AskForEvents() {
+  void RequestEvents() {
     if (!history_due_ || !history_->Ready()) return;
     history_due_ = false;
     history_->Call({0, kLastEntries}, std::chrono::seconds(5), [this](const auto& answer) {
@@ -200,7 +200,7 @@ class TopScreen {
     while (!done_ && !link_.interrupted()) {
       link_.RunUntil([this] { return done_; }, interval);
       if (done_ || link_.interrupted()) break;
-      watch_.AskForEvents();
+      watch_.RequestEvents();
       view_ = watch_.Sample();
       Draw();
     }
@@ -243,13 +243,13 @@ ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& co
   TopWatch watch(link, global);
   if (const auto begun = watch.Begin(); !begun) return console.Fail(begun.error());
   if (const auto failure = link.AwaitStatus()) return console.Fail(*failure);
-  watch.AskForEvents();
+  watch.RequestEvents();
   watch.Sample();
   const Duration interval = Milliseconds(static_cast<std::int64_t>(options.interval_s * 1000));
   const bool screen = !options.once && console.mode().terminal && !console.mode().json;
   // CPU shares are of the time between two samples.
   link.RunUntil([] { return false; }, std::min(interval, kFirstSample));
-  watch.AskForEvents();
+  watch.RequestEvents();
   if (screen) {
     TopScreen(link, watch, console).Run(interval);
     return ExitCode::kDone;
@@ -260,7 +260,7 @@ ExitCode Top(const TopOptions& options, const GlobalOptions& global, Console& co
     console.Print(console.mode().json ? TopJson(view) : TopText(view, 0, 0, console.mode().colour));
     if (options.once) break;
     link.RunUntil([] { return false; }, interval);
-    watch.AskForEvents();
+    watch.RequestEvents();
   }
   return ExitCode::kDone;
 }

@@ -116,8 +116,8 @@ DdsTrial ReadTrial(const std::string& text) {
 
 DdsTrial TryDds(TransportProfile profile, Duration timeout) {
   const std::string topic = fmt::format("musher/doctor_{}", getpid());
-  const Side asking{topic + "/there", topic + "/back"};
-  const Side echoing{asking.receives, asking.publishes};
+  const Side measuring{topic + "/there", topic + "/back"};
+  const Side echoing{measuring.receives, measuring.publishes};
   const auto run = [profile](const Side& side, const auto& then) {
     Peer peer(profile);
     peer.Open(side);
@@ -125,11 +125,11 @@ DdsTrial TryDds(TransportProfile profile, Duration timeout) {
   };
   auto echo =
       InChild::Start([&] { return run(echoing, [&](Peer& peer) { return peer.Echo(timeout); }); });
-  auto ask = InChild::Start(
-      [&] { return run(asking, [&](Peer& peer) { return peer.Measure(timeout); }); });
-  if (!echo || !ask) return {!echo ? echo.error().message : ask.error().message};
+  auto measure = InChild::Start(
+      [&] { return run(measuring, [&](Peer& peer) { return peer.Measure(timeout); }); });
+  if (!echo || !measure) return {!echo ? echo.error().message : measure.error().message};
   const auto text =
-      ask.value().Await(std::chrono::steady_clock::now() + timeout + Milliseconds(500));
+      measure.value().Await(std::chrono::steady_clock::now() + timeout + Milliseconds(500));
   if (!text) {
     return {fmt::format("a process did not join the DDS domain within {} ms ({})",
                         ToMilliseconds(timeout), text.error().message)};

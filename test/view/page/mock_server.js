@@ -124,8 +124,8 @@ export class MockServer {
     if (url.pathname === '/api/log') {
       const lines = Array.from({length: 300},
         (_, i) => `2026-06-01T12:00:${String(i % 60).padStart(2, '0')} ${url.searchParams.get('actuator')} line ${i + 1}: ${i % 37 === 5 ? 'warning: the gyroscope drifts' : 'the loop took 2.1 ms'}\n`).join('');
-      const asked = Number(url.searchParams.get('from') ?? 0);
-      const from = Math.min(lines.length, Math.max(0, asked < 0 ? lines.length + asked : asked));
+      const requested = Number(url.searchParams.get('from') ?? 0);
+      const from = Math.min(lines.length, Math.max(0, requested < 0 ? lines.length + requested : requested));
       return json({from, to: lines.length, size: lines.length, text: lines.slice(from)});
     }
     return json({error: {code: 404, message: `nothing here: ${url.pathname}`}}, 404);

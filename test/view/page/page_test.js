@@ -74,7 +74,7 @@ test('a switch that is refused after its plan was shown reports the reason',
   await page.waitForSelector('.outcome.bad >> text=another switch is under way');
 }));
 
-test('one press engages the emergency stop; its release asks first',
+test('one press engages the emergency stop; its release needs a confirmation',
   () => inPage({}, async (page, {server, robot}) => {
   await page.click('.stop');
   await page.waitForSelector('.banner.bad >> text=Emergency stop is engaged');
@@ -155,14 +155,14 @@ test('a slow server delays answers and breaks nothing', () => inPage({}, async (
   const slow = gate();
   server.delay = () => slow.opened;
   await page.click('.choice:has-text("Protected")');
-  await page.waitForSelector('text=Asking for the plan');
+  await page.waitForSelector('text=Requesting the plan');
   robot.engage('bob', 'a person is near');
   await page.waitForSelector('.banner.bad >> text=a person is near');
   slow.release();
   await page.waitForSelector('#plan');
 }));
 
-test('a restart asks first, and its end is announced', () => inPage({hash: 'actuators'},
+test('a restart needs a confirmation, and its end is announced', () => inPage({hash: 'actuators'},
   async (page, {server, robot}) => {
   robot.fault('camera');
   await page.waitForSelector('.actuator.bad >> text=crashed');

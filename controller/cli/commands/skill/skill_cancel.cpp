@@ -57,7 +57,7 @@ Result<> CancelGoalOf(Link& link, const GlobalOptions& global, const OfferedSkil
   return Ok();
 }
 
-// Asks an actuator for the goal of the skill, and cancels it. Nothing if the skill does not run.
+// Queries an actuator for the goal of the skill, and cancels it. Nothing if the skill does not run.
 std::optional<Failure> CancelOn(Link& link, const GlobalOptions& global, const OfferedSkill& skill,
                                 Duration timeout, std::list<Cancelled>& all) {
   const auto answer = QuerySkill(link, global, skill.actuator, {skill.offer.skill, ""});
