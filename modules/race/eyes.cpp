@@ -9,7 +9,7 @@ bool Eyes::Takes(Index detector, Detector::Kind kind, Time taken) {
   if (detector >= open_.size() || !open_[detector]) return false;
   if (course_.detectors[detector].kind != kind) return false;
   Watched& watched = watched_[detector];
-  watched.heard = true;
+  watched.received = true;
   watched.taken = taken;
   return true;
 }
@@ -50,13 +50,13 @@ std::optional<Index> Eyes::EndTick(Duration now) {
       watched.silent = Duration(0);
       open_[i] = watched.wanted;
       watched.taken.reset();
-      watched.heard_at = now;
+      watched.received_at = now;
     }
-    if (std::exchange(watched.heard, false)) {
-      watched.heard_at = now;
+    if (std::exchange(watched.received, false)) {
+      watched.received_at = now;
       watched.silent = Duration(0);
     }
-    if (watched.wanted && now - watched.heard_at >= course_.check.silent) silent = i;
+    if (watched.wanted && now - watched.received_at >= course_.check.silent) silent = i;
   }
   if (changed) outputs_.Watch(open_);
   return silent;

@@ -61,8 +61,8 @@ class Eyes {
  private:
   struct Watched {
     bool wanted = false;
-    bool heard = false;  // a sample since the last tick
-    Duration heard_at{};
+    bool received = false;  // a sample since the last tick
+    Duration received_at{};
     Duration silent{};
     std::optional<Time> taken;
     Sighting sighting;

@@ -32,14 +32,14 @@ void LaneWalker::Begin(Index walk) {
 LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
   const LaneWalk& walk = course_.walks[*walk_];
   if (!std::exchange(started_, true)) {
-    started_at_ = heard_at_ = now;
-    heard_ = running_ = false;
+    started_at_ = received_at_ = now;
+    received_ = running_ = false;
     end_.clear();
     ended_at_.reset();
     outputs_.CommandWalker(walk, true);
     return End::kNone;
   }
-  if (std::exchange(heard_, false)) heard_at_ = now;
+  if (std::exchange(received_, false)) received_at_ = now;
   const bool ended = !end_.empty() && (running_ || now - started_at_ >= kOldEnd);
   if (ended && end_ == walk.end) return End::kGood;
   if (ended) {
@@ -49,12 +49,12 @@ LaneWalker::End LaneWalker::Advance(Duration now, std::string& reason) {
     return End::kOther;
   }
   ended_at_.reset();
-  if (!running_ && now - started_at_ >= kLatestBegin && now - heard_at_ < walk.silent) {
+  if (!running_ && now - started_at_ >= kLatestBegin && now - received_at_ < walk.silent) {
     reason = "the line walker has not begun to walk within " +
              std::to_string(ToMilliseconds(kLatestBegin)) + " ms of its START";
     return End::kOther;
   }
-  if (now - heard_at_ >= walk.silent) {
+  if (now - received_at_ >= walk.silent) {
     reason = "no " + walk.status + " for " + std::to_string(ToMilliseconds(walk.silent)) +
              " ms: the line walker is lost";
     return End::kLost;
@@ -73,13 +73,13 @@ void LaneWalker::Stop() {
 
 void LaneWalker::Pause() {
   if (!walk_ || !std::exchange(started_, false)) return;
-  walked_ += heard_at_ > started_at_ ? heard_at_ - started_at_ : Duration(0);
+  walked_ += received_at_ > started_at_ ? received_at_ - started_at_ : Duration(0);
   outputs_.CommandWalker(course_.walks[*walk_], false);
 }
 
 void LaneWalker::OnStatus(Index walk, std::string_view status) {
   if (walk_ != walk || !started_) return;
-  heard_ = true;
+  received_ = true;
   end_ = EndOf(status);
   if (!end_.empty()) return;
   const bool idle = status.find("Active:False") != std::string_view::npos;

@@ -35,8 +35,8 @@ class LaneWalker {
   bool started_ = false;
   Duration started_at_{};
   Duration walked_{};  // before the last pause
-  Duration heard_at_{};
-  bool heard_ = false;                // since the last tick
+  Duration received_at_{};
+  bool received_ = false;             // since the last tick
   bool running_ = false;              // a status without an end was received since START
   std::string end_;                   // of the last status
   std::optional<Duration> ended_at_;  // with another end than the course's

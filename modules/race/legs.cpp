@@ -59,7 +59,7 @@ bool Legs::AdvanceWalk(Duration now, Time time) {
   if (busy() || stands_) return false;  // the body is not free yet
   if (!streaming_) {
     streaming_ = true;
-    stream_from_ = body_heard_at_ = now;
+    stream_from_ = body_received_at_ = now;
     refused_from_.reset();
     refused_ = false;
   } else {
@@ -183,7 +183,7 @@ bool Legs::AdvanceStanding(Duration now) {
 }
 
 void Legs::OnBody(int switch_status, int motion_id) {
-  body_heard_ = true;
+  body_received_ = true;
   const bool silent = motion_id < 0;
   if (!silent && switch_status <= msg::MotionStatus::kTransitioning) {
     bad_reports_ = 0;
@@ -201,7 +201,7 @@ void Legs::OnServoReply(bool accepted, std::int32_t code) {
 std::optional<std::string> Legs::Fault(Duration now) {
   ExpireCall(now);
   if (fault_) return std::exchange(fault_, std::nullopt);
-  if (std::exchange(body_heard_, false)) body_heard_at_ = now;
+  if (std::exchange(body_received_, false)) body_received_at_ = now;
   // A motion reports its own failure: a fallen body stands up by one.
   const bool moves = motion_ || stands_ || busy();
   if (moves) bad_reports_ = std::min(bad_reports_, kBadReports - 1);
@@ -210,7 +210,7 @@ std::optional<std::string> Legs::Fault(Duration now) {
     return bad_;
   }
   if (!streaming_) return std::nullopt;
-  if (course_.body.silent > Duration(0) && now - body_heard_at_ >= course_.body.silent) {
+  if (course_.body.silent > Duration(0) && now - body_received_at_ >= course_.body.silent) {
     return "no motion_status for " + std::to_string(ToMilliseconds(course_.body.silent)) +
            " ms: the motion manager is lost";
   }

@@ -132,8 +132,8 @@ class Legs {
   // The body.
   int bad_reports_ = 0;  // in a row
   std::string bad_;
-  bool body_heard_ = false;  // since the last tick
-  Duration body_heard_at_{};
+  bool body_received_ = false;  // since the last tick
+  Duration body_received_at_{};
   bool refused_ = false;  // the last servo reply
   std::optional<Duration> refused_from_;
   std::int32_t refused_code_ = 0;

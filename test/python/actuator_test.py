@@ -158,9 +158,9 @@ class Actuators(unittest.TestCase):
                     " latched=True)"))
         from musher.std_msgs.msg import String
         with musher.Node() as node:
-            heard = node.subscribe("echo", String, latched=True)
+            received = node.subscribe("echo", String, latched=True)
             node.publisher("say", String, latched=True).publish(String("hello"))
-            self.assertEqual(heard.take(DEADLINE_S), String("hello!"))
+            self.assertEqual(received.take(DEADLINE_S), String("hello!"))
 
     def test_an_own_state_and_several_states_have_a_method_by_decorator(self):
         robot, machine = self.start(program(

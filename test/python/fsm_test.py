@@ -229,18 +229,18 @@ class Machines(WithMachine):
         self.assertEqual(machine.state, "B")
 
     def test_a_listener_gets_changes_faults_and_unhandled_commands_and_cannot_disturb(self):
-        heard = []
+        received = []
 
         class Hears(fsm.Listener):
             def on_change(self, change):
-                heard.append(repr(change))
+                received.append(repr(change))
                 raise ValueError("a listener")
 
             def on_unhandled(self, command, state):
-                heard.append((command, state))
+                received.append((command, state))
 
             def on_fault(self, fault):
-                heard.append(fault.partition(" (")[0])
+                received.append(fault.partition(" (")[0])
 
         safe = Scene("STOP", "A", 9)
         machine = self.machine(Scene("A", "STOP", 9, raises=("run",)), safe, safe=safe, begin=False)
@@ -249,8 +249,9 @@ class Machines(WithMachine):
         machine.run_once(0.1)
         machine.send("skip")
         machine.run_once(0.2)
-        self.assertEqual(heard, ["Change(0.000000 s:  -> A, started)", "A: Run: ValueError: no run",
-                                 "Change(0.100000 s: A -> STOP, fault)", "Change(0.200000 s: STOP -> A, decided by skip)"])
+        self.assertEqual(received, ["Change(0.000000 s:  -> A, started)", "A: Run: ValueError: no run",
+                                    "Change(0.100000 s: A -> STOP, fault)",
+                                    "Change(0.200000 s: STOP -> A, decided by skip)"])
         self.assertEqual(machine.counts["listener_faults"], 3)
 
     def test_a_picture_marks_the_present_state(self):

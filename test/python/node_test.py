@@ -28,11 +28,11 @@ class Nodes(unittest.TestCase):
         self.assertEqual(client.call(Trigger.Request()).message, "begun")
 
     def test_a_handler_gets_the_messages_and_an_exception_of_it_does_not_stop_the_next(self):
-        heard, all_there = [], threading.Event()
+        received, all_there = [], threading.Event()
 
         def hear(message):
-            heard.append(message.data)
-            if len(heard) == 2:
+            received.append(message.data)
+            if len(received) == 2:
                 all_there.set()
             raise ValueError("expected by the test")
 
@@ -41,7 +41,7 @@ class Nodes(unittest.TestCase):
         publisher.publish(String("one"))
         publisher.publish(String("two"))
         self.assertTrue(all_there.wait(DEADLINE_S))
-        self.assertEqual(heard, ["one", "two"])
+        self.assertEqual(received, ["one", "two"])
 
     def test_a_subscription_without_a_handler_is_iterated_until_it_is_closed(self):
         subscription = self.there.subscribe("chat", String, latched=True)

@@ -103,7 +103,7 @@ function banner(level, key, ...children) {
 }
 
 function oldBanner() {
-  const silent = ctx.state.lastHeard ? duration(ctx.now - ctx.state.lastHeard) : '–';
+  const silent = ctx.state.lastReceived ? duration(ctx.now - ctx.state.lastReceived) : '–';
   const rest = ctx.state.link === 'closed' ? Math.ceil((ctx.state.retryAt - ctx.now) / 1000) : 0;
   // Only the first sentence is read out: the counting times are hidden from screen readers.
   return h('div', {class: 'banner warn', key: 'old'}, levelShape('warn'),

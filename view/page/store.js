@@ -9,7 +9,7 @@ const MOST_OBSERVED = 500;
 export function initialState() {
   return {
     link: 'connecting',  // 'connecting', 'open' or 'closed'
-    lastHeard: 0,        // the page's clock, when the last message was received
+    lastReceived: 0,     // the page's clock, when the last message was received
     retryAt: 0,
     offset: 0,           // of the robot's clock: add it to the page's
     hello: null,
@@ -83,7 +83,7 @@ function addLatest(state, message) {
 // The state after one message of the server, or one of the connection ("link").
 export function apply(before, message, now) {
   if (message.op === 'link') return {...before, link: message.link, retryAt: message.retryAt ?? 0};
-  const state = {...before, lastHeard: now};
+  const state = {...before, lastReceived: now};
   switch (message.op) {
     case 'hello':
       return {...state, hello: message, offset: (message.time_ms ?? now) - now, latest: {}, gone: {}};
@@ -119,7 +119,7 @@ export const capabilitiesOf = state => find(state, '/musher/capabilities')?.mess
 // "live"; "old": the server is silent or unreachable; "gone": the controller has ended; "waiting":
 // connected, but no controller has been seen.
 export function freshness(state, now) {
-  if (state.link !== 'open' || now - state.lastHeard > OLD_AFTER_MS) {
+  if (state.link !== 'open' || now - state.lastReceived > OLD_AFTER_MS) {
     return state.hello === null && state.link === 'connecting' ? 'connecting' : 'old';
   }
   const status = find(state, '/musher/machine_status');

@@ -136,9 +136,9 @@ TEST_F(MusherWorld, ASpokenTextAndThePowerKeyAreForAnActuatorAndNotForAnotherRea
   const auto sent = [](const WorldCommand& command) {
     return SendWorldCommand(command, "dog9", seconds(1));
   };
-  const auto unheard = sent(Speech{"sit"});
-  ASSERT_FALSE(unheard);
-  EXPECT_THAT(unheard.error().message,
+  const auto unreceived = sent(Speech{"sit"});
+  ASSERT_FALSE(unreceived);
+  EXPECT_THAT(unreceived.error().message,
               ::testing::HasSubstr("no actuator reads dog9/world/speech_text"));
   EXPECT_FALSE(sent(PowerKey{true}));
   loop_.RunUntil([] { return false; }, loop_.Now());

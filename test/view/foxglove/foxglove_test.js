@@ -21,23 +21,26 @@ after(() => robot?.close());
 // A client that keeps what it hears; `until` waits for something in it.
 class Client {
   constructor(query = '', {url} = view) {
-    this.heard = {channels: new Map(), services: new Map(), statuses: [], messages: [], answers: new Map(),
+    this.received = {channels: new Map(), services: new Map(), statuses: [], messages: [], answers: new Map(),
       failures: new Map()};
     this.waiting = [];
-    const {heard} = this;
+    const {received} = this;
     this.client = new FoxgloveClient({ws: new WebSocket(`${url.replace('http', 'ws')}${query}`,
       [FoxgloveClient.SUPPORTED_SUBPROTOCOL])});
-    this.on('serverInfo', info => (heard.info = info));
-    this.on('status', status => heard.statuses.push(status.message));
-    this.on('advertise', channels => channels.forEach(channel => heard.channels.set(channel.topic, channel)));
+    this.on('serverInfo', info => (received.info = info));
+    this.on('status', status => received.statuses.push(status.message));
+    this.on('advertise', channels => channels.forEach(channel => received.channels.set(channel.topic, channel)));
     this.on('unadvertise', ids => {
-      for (const [topic, channel] of heard.channels) if (ids.includes(channel.id)) heard.channels.delete(topic);
+      for (const [topic, channel] of received.channels) {
+        if (ids.includes(channel.id)) received.channels.delete(topic);
+      }
     });
-    this.on('advertiseServices', services => services.forEach(service => heard.services.set(service.name, service)));
-    this.on('message', message => heard.messages.push(message));
-    this.on('serviceCallResponse', answer => heard.answers.set(answer.callId, answer));
-    this.on('serviceCallFailure', failure => heard.failures.set(failure.callId, failure.message));
-    this.on('error', error => (heard.error = error));
+    this.on('advertiseServices',
+      services => services.forEach(service => received.services.set(service.name, service)));
+    this.on('message', message => received.messages.push(message));
+    this.on('serviceCallResponse', answer => received.answers.set(answer.callId, answer));
+    this.on('serviceCallFailure', failure => received.failures.set(failure.callId, failure.message));
+    this.on('error', error => (received.error = error));
   }
 
   on(event, keep) {
@@ -49,10 +52,11 @@ class Client {
 
   until(what, read) {
     return new Promise((done, fail) => {
-      const timer = setTimeout(() => fail(new Error(`not within ${DEADLINE_MS} ms: ${what}; heard ${
-        JSON.stringify(this.heard.statuses)} ${[...this.heard.channels.keys()]} ${this.heard.error}`)), DEADLINE_MS);
+      const timer = setTimeout(() => fail(new Error(`not within ${DEADLINE_MS} ms: ${what}; received ${
+        JSON.stringify(this.received.statuses)} ${[...this.received.channels.keys()]} ${this.received.error}`)),
+        DEADLINE_MS);
       const look = () => {
-        const value = read(this.heard);
+        const value = read(this.received);
         if (value === undefined || value === null || value === false) return false;
         clearTimeout(timer);
         done(value);
@@ -63,23 +67,23 @@ class Client {
   }
 
   channel(topic) {
-    return this.until(topic, heard => heard.channels.get(topic));
+    return this.until(topic, received => received.channels.get(topic));
   }
 
   async read(channel) {
     const subscription = this.client.subscribe(channel.id);
     const message = await this.until(`a message of ${channel.topic}`,
-      heard => heard.messages.find(one => one.subscriptionId === subscription));
+      received => received.messages.find(one => one.subscriptionId === subscription));
     return new MessageReader(parse(channel.schema, {ros2: true})).readMessage(message.data);
   }
 
   async call(name, request) {
-    const service = await this.until(name, heard => heard.services.get(name));
+    const service = await this.until(name, received => received.services.get(name));
     const callId = (this.calls = (this.calls ?? 0) + 1);
     this.client.sendServiceCallRequest({serviceId: service.id, callId, encoding: 'cdr',
       data: new Uint8Array(new MessageWriter(parse(service.request.schema, {ros2: true})).writeMessage(request))});
     const answer = await this.until(`the answer of ${name}`,
-      heard => heard.answers.get(callId) ?? heard.failures.get(callId));
+      received => received.answers.get(callId) ?? received.failures.get(callId));
     return typeof answer === 'string' ? {failure: answer}
       : new MessageReader(parse(service.response.schema, {ros2: true})).readMessage(answer.data);
   }
@@ -97,7 +101,7 @@ test('a client reads the status of the machine as it is on the wire', async () =
   assert.equal(status.machine, 'dog');
   assert.equal(status.state, 'Active');
   assert.deepEqual(status.actuators.map(actuator => actuator.name), ['motion', 'audio']);
-  assert.deepEqual(client.heard.info.supportedEncodings, ['cdr']);
+  assert.deepEqual(client.received.info.supportedEncodings, ['cdr']);
   client.close();
 });
 
@@ -118,7 +122,8 @@ test('without the token a client calls what changes nothing, and nothing else', 
   const refused = await client.call(topic('set_state'), {target: 'DeActive', actuator: ''});
   assert.match(refused.failure, /needs a login/);
   client.client.advertise({topic: '/chat', encoding: 'cdr', schemaName: 'std_msgs/msg/String'});
-  await client.until('the refusal', heard => heard.statuses.find(text => /\/chat is not published: .*login/.test(text)));
+  await client.until('the refusal',
+    received => received.statuses.find(text => /\/chat is not published: .*login/.test(text)));
   assert.equal((await robot.status()).state, 'Active');
   client.close();
 });
@@ -134,13 +139,13 @@ test('with the token a client switches the machine', async () => {
 
 test('with the token a client publishes, and others receive it', async () => {
   const client = new Client(`?token=${view.token}`);
-  await client.until('the server', heard => heard.info);
+  await client.until('the server', received => received.info);
   const id = client.client.advertise({topic: '/chat', encoding: 'cdr', schemaName: 'std_msgs/msg/String'});
   const bytes = new Uint8Array(new MessageWriter(parse('string data', {ros2: true})).writeMessage({data: 'hello'}));
   const other = new Client('', await robot.view());
   other.client.subscribe((await other.channel('/chat')).id);
   const timer = setInterval(() => client.client.sendMessage(id, bytes), 50);  // discovery takes a moment
-  const message = await other.until('the message', heard => heard.messages[0]);
+  const message = await other.until('the message', received => received.messages[0]);
   clearInterval(timer);
   other.close();
   const received = new MessageReader(parse('string data', {ros2: true})).readMessage(message.data);
@@ -149,7 +154,8 @@ test('with the token a client publishes, and others receive it', async () => {
     [topic('machine_status'), 'musher_msgs/msg/MachineStatus', /the machine's own/],
     ['/no such name', 'std_msgs/msg/String', /letters, digits/]]) {
     client.client.advertise({topic: topicName, encoding: 'cdr', schemaName});
-    await client.until(`the refusal of ${topicName}`, heard => heard.statuses.find(text => why.test(text)));
+    await client.until(`the refusal of ${topicName}`,
+      received => received.statuses.find(text => why.test(text)));
   }
   client.close();
 });
