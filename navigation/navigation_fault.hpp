@@ -16,7 +16,7 @@ enum class Fault : std::int32_t {
   kStartBlocked = 5322,  // the body does not fit where it is
   kGoalBlocked = 5323,   // the body does not fit at the goal
   kOutside = 5324,       // start or goal are not on the map
-  kWalledIn = 5325,      // no way from start to goal for a body of this radius
+  kWalledIn = 5325,      // no path from start to goal for a body of this radius
   kTimeLimit = 5326,     // the search was stopped before its end
   kLate = 5327,          // the body did not arrive in time
   kObstacle = 5328,      // an obstacle stayed in the way

@@ -76,9 +76,9 @@ std::vector<Index> Successors(const Course& course, Index state, bool back) {
   const auto add_otherwise = [&](const Otherwise& otherwise) {
     if (otherwise.kind == Otherwise::Kind::kState) add(otherwise.state);
   };
-  for (const Way& way : rule.ways) {
-    if (way.to != kInterrupted) {
-      add(way.to);
+  for (const TransitionRule& transition : rule.transitions) {
+    if (transition.to != kInterrupted) {
+      add(transition.to);
       continue;
     }
     for (Index i = 0; back && i < course.states.size(); ++i) {

@@ -1,7 +1,8 @@
 #pragma once
-// A course as data: movements, checks, waits, states and the ways between them. course_reader.hpp
-// reads it from a TOML file, whose head explains every key; config/race/course.toml is the one of
-// the race. Names are those of the file; inside, things are referred to by their index.
+// A course as data: movements, checks, waits, states and the transitions between them.
+// course_reader.hpp reads it from a TOML file, whose head explains every key;
+// config/race/course.toml is the one of the race. Names are those of the file; inside, things are
+// referred to by their index.
 //
 // Frame of a twist: that of the body, x ahead, y to the left, yaw to the left. Units are last in a
 // name; a Duration of the machine's clock otherwise.
@@ -215,8 +216,9 @@ struct CountStep {
 };
 using Step = std::variant<MoveStep, CheckStep, WaitStep, UntilStep, WalkStep, SayStep, CountStep>;
 
-// A way out of a state, taken when all of its conditions hold; the first such way is taken.
-struct Way {
+// A transition from a state, taken when all of its conditions hold; the first such transition is
+// taken.
+struct TransitionRule {
   std::optional<Index> result;  // has the value `is`
   Index is = 0;
   std::vector<Index> from;  // the state before is one of these; empty: any
@@ -232,7 +234,7 @@ struct StateRule {
   std::string name;
   int number = 0;
   std::vector<Step> steps;
-  std::vector<Way> ways;
+  std::vector<TransitionRule> transitions;
   bool light = false;  // a yellow light stops its movements ahead
   Index on_fault = 0;
 };
@@ -250,7 +252,7 @@ struct LightRule {
 struct CourseCommand {
   std::string name;
   std::vector<Index> accepted;  // in these states
-  std::vector<Index> leaves;    // these of them at once, by their ways
+  std::vector<Index> leaves;    // these of them at once, by their transitions
   std::optional<Index> counter;
   int value = 0;
 };
@@ -308,8 +310,9 @@ std::optional<Index> FindByName(const Things& things, std::string_view name) {
 // The longest stay in a state of a robot that is neither paused nor stopped by a light.
 Duration LongestStay(const Course& course, Index state);
 
-// The states that a state may lead to, without repetition: by its ways, its limits, the light and
-// faults. `back`: with those that a light may have interrupted, of a state that leads back.
+// The states that a state may lead to, without repetition: by its transitions, its limits, the
+// light and faults. `back`: with those that a light may have interrupted, of a state that leads
+// back.
 std::vector<Index> Successors(const Course& course, Index state, bool back = true);
 
 }  // namespace musher::race

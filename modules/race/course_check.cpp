@@ -1,5 +1,5 @@
-// The errors of a course's states: states that are not reached, have no way out, lead round without
-// taking time, or lack a way for a value; numbers that are not unique.
+// The errors of a course's states: states that are not reached, have no outgoing transition, lead
+// round without taking time, or lack a transition for a value; numbers that are not unique.
 
 #include <algorithm>
 #include <functional>
@@ -31,12 +31,15 @@ struct Case {
   Index from = 0;
 };
 
-bool Holds(const Way& way, const Case& at) {
-  if (way.result && at.values.at(*way.result) != way.is) return false;
-  if (!way.from.empty() && std::ranges::find(way.from, at.from) == way.from.end()) return false;
-  if (!way.counter) return true;
-  const int count = at.counters.at(*way.counter);
-  return (!way.below || count < *way.below) && (!way.at_least || count >= *way.at_least);
+bool Holds(const TransitionRule& transition, const Case& at) {
+  if (transition.result && at.values.at(*transition.result) != transition.is) return false;
+  if (!transition.from.empty() &&
+      std::ranges::find(transition.from, at.from) == transition.from.end())
+    return false;
+  if (!transition.counter) return true;
+  const int count = at.counters.at(*transition.counter);
+  return (!transition.below || count < *transition.below) &&
+         (!transition.at_least || count >= *transition.at_least);
 }
 
 class Checking {
@@ -47,8 +50,8 @@ class Checking {
     CheckNumbers();
     if (reading_.has_ends && reading_.has_leads) CheckReached();
     for (Index state = 0; state < course_.states.size(); ++state) {
-      if (reading_.has_ends) CheckWayOut(state);
-      if (reading_.places[state].has_all_ways) CheckEachValueHasAWay(state);
+      if (reading_.has_ends) CheckOutgoing(state);
+      if (reading_.places[state].has_all_transitions) CheckEachValueHasATransition(state);
       if (reading_.has_ends && reading_.has_leads) CheckFault(state);
       CheckLight(state);
     }
@@ -97,35 +100,41 @@ class Checking {
     for (Index i = 0; i < reached.size(); ++i) {
       if (!reached[i]) {
         Fail(reading_.places[i].at, i,
-             "is unreachable: no way leads to it from " + At(course_.start).name);
+             "is unreachable: no transition leads to it from " + At(course_.start).name);
       }
     }
   }
 
-  void CheckWayOut(Index state) {
+  void CheckOutgoing(Index state) {
     if (IsEnd(state)) {
-      if (At(state).ways.empty()) return;
+      if (At(state).transitions.empty()) return;
       return Fail(reading_.places[state].next, state,
                   "only a command leaves it: expected no \"next\"");
     }
-    if (At(state).ways.empty() && reading_.places[state].has_all_ways) {
-      return Fail(reading_.places[state].at, state,
-                  "has no way out: the key \"next\" is missing; expected the name of a state");
+    if (At(state).transitions.empty() && reading_.places[state].has_all_transitions) {
+      return Fail(
+          reading_.places[state].at, state,
+          "has no outgoing transition: the key \"next\" is missing; expected the name of a state");
     }
-    if (!reading_.places[state].has_all_ways) return;
-    const bool itself =
-        std::ranges::all_of(At(state).ways, [&](const Way& way) { return way.to == state; });
-    if (itself) Fail(reading_.places[state].next, state, "has no way out: it leads to itself only");
+    if (!reading_.places[state].has_all_transitions) return;
+    const bool itself = std::ranges::all_of(
+        At(state).transitions,
+        [&](const TransitionRule& transition) { return transition.to == state; });
+    if (itself)
+      Fail(reading_.places[state].next, state,
+           "has no outgoing transition: it leads to itself only");
     if (state != course_.start) return;
-    if (At(state).ways.size() != 1 || !At(state).ways[0].always() || !At(state).steps.empty()) {
+    if (At(state).transitions.size() != 1 || !At(state).transitions[0].always() ||
+        !At(state).steps.empty()) {
       Fail(reading_.places[state].next, state,
            "is the start: expected no steps, and the name of one state as \"next\"");
     }
   }
 
   void CheckLight(Index state) {
-    const bool back =
-        std::ranges::any_of(At(state).ways, [](const Way& way) { return way.to == kInterrupted; });
+    const bool back = std::ranges::any_of(
+        At(state).transitions,
+        [](const TransitionRule& transition) { return transition.to == kInterrupted; });
     if (back && !course_.light) {
       Fail(reading_.places[state].next, state,
            "\"back\" leads to the movement that a light has interrupted, and the course has no "
@@ -138,30 +147,30 @@ class Checking {
     }
   }
 
-  // The values of every condition in all combinations: one of the ways holds in each.
-  void CheckEachValueHasAWay(Index state) {
-    const std::vector<Way>& ways = At(state).ways;
-    for (std::size_t i = 0; i + 1 < ways.size(); ++i) {
-      if (!ways[i].always()) continue;
-      Fail(reading_.places[state].ways[i + 1], state,
-           "this way is never taken: the one before it has no condition");
+  // The values of every condition in all combinations: one of the transitions holds in each.
+  void CheckEachValueHasATransition(Index state) {
+    const std::vector<TransitionRule>& transitions = At(state).transitions;
+    for (std::size_t i = 0; i + 1 < transitions.size(); ++i) {
+      if (!transitions[i].always()) continue;
+      Fail(reading_.places[state].transitions[i + 1], state,
+           "this transition is never taken: the one before it has no condition");
       return;
     }
-    if (ways.empty() || ways.back().always()) return;
-    for (const Way& way : ways) {
-      const bool no_value = way.result && course_.results[*way.result].values.empty();
-      if (no_value || (!way.from.empty() && !reading_.has_leads)) return;
+    if (transitions.empty() || transitions.back().always()) return;
+    for (const TransitionRule& transition : transitions) {
+      const bool no_value = transition.result && course_.results[*transition.result].values.empty();
+      if (no_value || (!transition.from.empty() && !reading_.has_leads)) return;
     }
     std::vector<Case> cases(1);
-    for (const Way& way : ways) {
-      if (way.result && !cases.front().values.contains(*way.result)) {
-        Multiply(cases, course_.results[*way.result].values.size(),
-                 [&](Case& at, std::size_t value) { at.values[*way.result] = value; });
+    for (const TransitionRule& transition : transitions) {
+      if (transition.result && !cases.front().values.contains(*transition.result)) {
+        Multiply(cases, course_.results[*transition.result].values.size(),
+                 [&](Case& at, std::size_t value) { at.values[*transition.result] = value; });
       }
-      if (way.counter && !cases.front().counters.contains(*way.counter)) {
-        const std::vector<int> counts = Thresholds(ways, *way.counter);
+      if (transition.counter && !cases.front().counters.contains(*transition.counter)) {
+        const std::vector<int> counts = Thresholds(transitions, *transition.counter);
         Multiply(cases, counts.size(),
-                 [&](Case& at, std::size_t i) { at.counters[*way.counter] = counts[i]; });
+                 [&](Case& at, std::size_t i) { at.counters[*transition.counter] = counts[i]; });
       }
     }
     const std::vector<Index> before = Predecessors(state);
@@ -169,8 +178,11 @@ class Checking {
       Multiply(cases, before.size(), [&](Case& at, std::size_t i) { at.from = before[i]; });
     }
     for (const Case& at : cases) {
-      if (std::ranges::any_of(ways, [&](const Way& way) { return Holds(way, at); })) continue;
-      return Fail(reading_.places[state].next, state, "has no way in the case " + Text(at, ways));
+      if (std::ranges::any_of(
+              transitions, [&](const TransitionRule& transition) { return Holds(transition, at); }))
+        continue;
+      return Fail(reading_.places[state].next, state,
+                  "has no transition in the case " + Text(at, transitions));
     }
   }
 
@@ -187,13 +199,14 @@ class Checking {
     cases = std::move(all);
   }
 
-  // One number of each range that the ways distinguish.
-  static std::vector<int> Thresholds(const std::vector<Way>& ways, Index counter) {
+  // One number of each range that the transitions distinguish.
+  static std::vector<int> Thresholds(const std::vector<TransitionRule>& transitions,
+                                     Index counter) {
     std::vector<int> counts = {0};
-    for (const Way& way : ways) {
-      if (way.counter != counter) continue;
-      if (way.below) counts.push_back(*way.below);
-      if (way.at_least) counts.push_back(*way.at_least);
+    for (const TransitionRule& transition : transitions) {
+      if (transition.counter != counter) continue;
+      if (transition.below) counts.push_back(*transition.below);
+      if (transition.at_least) counts.push_back(*transition.at_least);
     }
     return counts;
   }
@@ -207,7 +220,7 @@ class Checking {
     return before;
   }
 
-  std::string Text(const Case& at, const std::vector<Way>& ways) const {
+  std::string Text(const Case& at, const std::vector<TransitionRule>& transitions) const {
     std::string text;
     const auto add = [&text](const std::string& part) {
       text += (text.empty() ? "" : ", ") + part;
@@ -218,7 +231,9 @@ class Checking {
     for (const auto& [counter, count] : at.counters) {
       add(course_.counters[counter] + " = " + std::to_string(count));
     }
-    if (std::ranges::any_of(ways, [](const Way& way) { return !way.from.empty(); })) {
+    if (std::ranges::any_of(transitions, [](const TransitionRule& transition) {
+          return !transition.from.empty();
+        })) {
       add("from = " + At(at.from).name);
     }
     return text;
@@ -240,13 +255,13 @@ class Checking {
   void Follow(Index state, std::vector<int>& marks) {
     if (marks[state] != 0 || TakesTime(state) || state == course_.start) return;
     marks[state] = 1;
-    for (const Way& way : At(state).ways) {
-      if (way.to == kInterrupted) continue;
-      if (marks[way.to] == 1) {
+    for (const TransitionRule& transition : At(state).transitions) {
+      if (transition.to == kInterrupted) continue;
+      if (marks[transition.to] == 1) {
         Fail(reading_.places[state].next, state,
-             "leads back to " + At(way.to).name + " through states that may take no time");
+             "leads back to " + At(transition.to).name + " through states that may take no time");
       } else {
-        Follow(way.to, marks);
+        Follow(transition.to, marks);
       }
     }
     marks[state] = 2;

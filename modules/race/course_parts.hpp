@@ -21,12 +21,12 @@ using config_toml::TableReader;
 // Where a state stands in the file, and which of its parts have no errors.
 struct StatePlace {
   Position at;
-  Position next;               // the value of `next`
-  std::vector<Position> ways;  // as StateRule::ways
+  Position next;                      // the value of `next`
+  std::vector<Position> transitions;  // as StateRule::transitions
   Position on_fault;
   bool has_number = false;
   bool has_all_steps = false;
-  bool has_all_ways = false;
+  bool has_all_transitions = false;
 };
 
 struct Reading {

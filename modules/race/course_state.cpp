@@ -13,9 +13,9 @@ void Race::CourseState::Declare(fsm::Transitions& transitions) {
     ids_[state] = transitions.To(course.states[state].name, when);
   };
   const StateRule& rule = course.states[index_];
-  for (const Way& way : rule.ways) {
-    if (way.to == kInterrupted) continue;
-    to(way.to, is_start() ? "the command START" : Condition(way));
+  for (const TransitionRule& transition : rule.transitions) {
+    if (transition.to == kInterrupted) continue;
+    to(transition.to, is_start() ? "the command START" : Condition(transition));
   }
   if (index_ == course.error) to(course.start, "the command STOP or RESET");
   for (const Index state : Successors(course, index_)) {
@@ -27,19 +27,19 @@ void Race::CourseState::Declare(fsm::Transitions& transitions) {
 }
 
 // What a person reads in the graph.
-std::string Race::CourseState::Condition(const Way& way) const {
+std::string Race::CourseState::Condition(const TransitionRule& transition) const {
   const Course& course = race_.course_;
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  if (way.result) {
-    const ResultRule& result = course.results[*way.result];
-    add(result.name + " is " + result.values[way.is]);
+  if (transition.result) {
+    const ResultRule& result = course.results[*transition.result];
+    add(result.name + " is " + result.values[transition.is]);
   }
-  for (const Index state : way.from) add("from " + course.states[state].name);
-  if (way.counter) {
-    const std::string& counter = course.counters[*way.counter];
-    if (way.below) add(counter + " < " + std::to_string(*way.below));
-    if (way.at_least) add(counter + " >= " + std::to_string(*way.at_least));
+  for (const Index state : transition.from) add("from " + course.states[state].name);
+  if (transition.counter) {
+    const std::string& counter = course.counters[*transition.counter];
+    if (transition.below) add(counter + " < " + std::to_string(*transition.below));
+    if (transition.at_least) add(counter + " >= " + std::to_string(*transition.at_least));
   }
   return text.empty() ? "its steps are done" : text;
 }
@@ -66,7 +66,7 @@ fsm::Next Race::CourseState::OnCommand(fsm::EventId command) {
     race_.Refuse("START", "START is refused in " + race_.course_.states[index_].name +
                               ": the race is under way; send STOP or RESET before");
   } else {
-    return Go(race_.course_.states[index_].ways[0].to);
+    return Go(race_.course_.states[index_].transitions[0].to);
   }
   return fsm::Next::Handle();
 }

@@ -20,7 +20,7 @@ class Race::CourseState : public fsm::State {
  private:
   fsm::Next OnCommand(fsm::EventId command);
   fsm::Next Go(Index state) const;
-  std::string Condition(const Way& way) const;
+  std::string Condition(const TransitionRule& transition) const;
   bool is_start() const { return index_ == race_.course_.start; }
 
   Race& race_;

@@ -110,7 +110,7 @@ class Race : private fsm::Listener {
   std::optional<Time> first_start_;  // of the machine; times of a recording count from there
   std::vector<std::string> early_commands_;  // before it: recorded with the first tick
   std::optional<Jump> jump_;                 // waits for the reply of a motion
-  bool decided_ = false;                     // the present change is by a way of the state
+  bool decided_ = false;                     // the present change is by a transition of the state
   bool replays_ = false;
   bool resting_ = true;
   Time now_{};

@@ -104,7 +104,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
     if (outcome == Outcome::kDone) return std::nullopt;  // a new stream begins in the next tick
   }
   if (idle() || state_ == course_.error) return std::nullopt;
-  return ChooseWay();
+  return ChooseTransition();
 }
 
 // In the error state itself a fault only drops the step: it has nowhere else to go.
@@ -120,31 +120,34 @@ std::optional<Index> Runner::Fail(const std::string& reason) {
   return rule().on_fault;
 }
 
-bool Runner::Holds(const Way& way) const {
-  if (way.result && memory_.Value(*way.result) != way.is) return false;
-  if (!way.from.empty() && std::ranges::find(way.from, previous_) == way.from.end()) return false;
-  if (!way.counter) return true;
-  const int count = memory_.Count(*way.counter);
-  return (!way.below || count < *way.below) && (!way.at_least || count >= *way.at_least);
+bool Runner::Holds(const TransitionRule& transition) const {
+  if (transition.result && memory_.Value(*transition.result) != transition.is) return false;
+  if (!transition.from.empty() &&
+      std::ranges::find(transition.from, previous_) == transition.from.end())
+    return false;
+  if (!transition.counter) return true;
+  const int count = memory_.Count(*transition.counter);
+  return (!transition.below || count < *transition.below) &&
+         (!transition.at_least || count >= *transition.at_least);
 }
 
-std::optional<Index> Runner::ChooseWay() {
-  for (const Way& way : rule().ways) {
-    if (!Holds(way)) continue;
-    if (way.to != kInterrupted) return way.to;
+std::optional<Index> Runner::ChooseTransition() {
+  for (const TransitionRule& transition : rule().transitions) {
+    if (!Holds(transition)) continue;
+    if (transition.to != kInterrupted) return transition.to;
     if (!interrupted_) return Fail("no movement was interrupted, to which it could go back");
     returns_ = true;
     return interrupted_->state;
   }
   std::string known;
-  for (const Way& way : rule().ways) {
-    if (!way.result) continue;
-    const std::string& name = course_.results[*way.result].name;
+  for (const TransitionRule& transition : rule().transitions) {
+    if (!transition.result) continue;
+    const std::string& name = course_.results[*transition.result].name;
     if (known.find(name) == std::string::npos) {
-      known += (known.empty() ? ": " : ", ") + name + " is " + memory_.Text(*way.result);
+      known += (known.empty() ? ": " : ", ") + name + " is " + memory_.Text(*transition.result);
     }
   }
-  return Fail("none of its ways can be taken" + known);
+  return Fail("none of its transitions can be taken" + known);
 }
 
 }  // namespace musher::race

@@ -1,7 +1,7 @@
 #pragma once
-// Runs the steps of the course's states, one after the other, and chooses the way out. Pure.
+// Runs the steps of the course's states, one after the other, and chooses the transition. Pure.
 //
-//   Enter -> step, step, ... -> a way           to the next state
+//   Enter -> step, step, ... -> a transition    to the next state
 //               | a fault                       to on_fault, with the reason
 //               | a yellow light                to the light's state; "back" continues the movement
 //
@@ -27,7 +27,7 @@ class Runner {
   // `course` and `outputs` outlive it.
   Runner(const Course& course, RaceOutputs& outputs);
 
-  // `by_decision`: of the state before, by one of its ways; else by a command.
+  // `by_decision`: of the state before, by one of its transitions; else by a command.
   void Enter(Index state, bool by_decision, Duration now);
   // Each tick; returns the state to go to. While `held`, nothing moves.
   std::optional<Index> Advance(Duration now, Time time, bool held);
@@ -35,7 +35,7 @@ class Runner {
 
   void Pause();
   void Resume(Duration now);
-  // The steps that are left are dropped: the next tick takes a way.
+  // The steps that are left are dropped: the next tick takes a transition.
   void SkipSteps();
 
   Memory& memory() { return memory_; }
@@ -74,8 +74,8 @@ class Runner {
 
   std::optional<Index> RunSteps(Duration now, Time time);
   std::optional<Index> Fail(const std::string& reason);
-  std::optional<Index> ChooseWay();
-  bool Holds(const Way& way) const;
+  std::optional<Index> ChooseTransition();
+  bool Holds(const TransitionRule& transition) const;
 
   Outcome Run(const MoveStep& step, Duration now, Time time);
   Outcome Run(const CheckStep& step, Duration now, Time time);

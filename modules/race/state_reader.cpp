@@ -1,4 +1,4 @@
-// Reads a state of a course: its steps and its ways.
+// Reads a state of a course: its steps and its transitions.
 
 #include <array>
 
@@ -31,11 +31,11 @@ class StateReader {
     EachTable("steps", "a step, as in { move = \"forward\", count = 12 }",
               [this](TableReader& step) { ReadStep(step); });
     place_.has_all_steps = state_.steps.size() == ItemsOf(table_, "steps");
-    place_.has_all_ways = true;
-    ReadWays();
-    if (state_.ways.size() != ItemsOf(table_, "next")) place_.has_all_ways = false;
+    place_.has_all_transitions = true;
+    ReadTransitions();
+    if (state_.transitions.size() != ItemsOf(table_, "next")) place_.has_all_transitions = false;
     // A step that is not known may be a wait that leads to a state.
-    const bool leads = place_.has_all_steps && place_.has_all_ways;
+    const bool leads = place_.has_all_steps && place_.has_all_transitions;
     if (!leads && MayLead()) reading_.has_leads = false;
   }
 
@@ -49,7 +49,7 @@ class StateReader {
     const auto* items = value->As<Array>();
     return items == nullptr ? 1 : items->size();
   }
-  bool MayLead() const { return !place_.has_all_ways || leads_; }
+  bool MayLead() const { return !place_.has_all_transitions || leads_; }
 
   // `read` gets each table of the list.
   template <class Read>
@@ -154,29 +154,30 @@ class StateReader {
     }
   }
 
-  void ReadWays() {
+  void ReadTransitions() {
     const Value* next = table_.Get("next");
     if (next == nullptr) return;
-    if (next->As<std::string>() != nullptr) return AddWay(table_, "next", {});
-    EachTable("next", "a way, as in { to = \"END\" }, or the name of a state",
-              [this](TableReader& way) { ReadWay(way); });
+    if (next->As<std::string>() != nullptr) return AddTransition(table_, "next", {});
+    EachTable("next", "a transition, as in { to = \"END\" }, or the name of a state",
+              [this](TableReader& transition) { ReadTransition(transition); });
   }
 
-  void ReadWay(TableReader& table) {
-    Way way;
+  void ReadTransition(TableReader& table) {
+    TransitionRule transition;
     std::size_t errors = 0;
-    way.result = Reference(table, "result", "result", course().results);
+    transition.result = Reference(table, "result", "result", course().results);
     if (table.Has("result")) table.Require("is", "a value of the result");
-    if (const auto word = table.String("is"); word && way.result) {
-      const auto is = Refer(table, "is", "value", *word, course().results[*way.result].values);
+    if (const auto word = table.String("is"); word && transition.result) {
+      const auto is =
+          Refer(table, "is", "value", *word, course().results[*transition.result].values);
       if (!is) ++errors;
-      way.is = is.value_or(0);
+      transition.is = is.value_or(0);
     } else if (word && !table.Has("result")) {
       table.Fault(word->at, "is", "expected result = … beside it");
     }
-    way.from = States(table, "from", reading_);
-    if (way.from.size() != ItemsOf(table, "from")) ++errors;
-    way.counter = CounterAt(table, "counter");
+    transition.from = States(table, "from", reading_);
+    if (transition.from.size() != ItemsOf(table, "from")) ++errors;
+    transition.counter = CounterAt(table, "counter");
     const auto number = [&](const char* key, std::optional<int>& limit) {
       if (const auto read = table.Integer(key, 0, kMostSteps)) limit = static_cast<int>(*read);
       if (table.Has(key) != limit.has_value()) ++errors;
@@ -184,31 +185,31 @@ class StateReader {
         table.Fault(table.At(key), key, "expected counter = … beside it");
       }
     };
-    number("below", way.below);
-    number("at_least", way.at_least);
-    if (way.counter && !way.below && !way.at_least) {
+    number("below", transition.below);
+    number("at_least", transition.at_least);
+    if (transition.counter && !transition.below && !transition.at_least) {
       table.Fault(table.At("counter"), "counter", "expected below = … or at_least = … beside it");
     }
-    const bool whole = table.Has("result") == way.result.has_value() &&
+    const bool whole = table.Has("result") == transition.result.has_value() &&
                        table.Has("result") == table.Has("is") &&
-                       table.Has("counter") == way.counter.has_value();
-    if (!whole || errors > 0) place_.has_all_ways = false;
+                       table.Has("counter") == transition.counter.has_value();
+    if (!whole || errors > 0) place_.has_all_transitions = false;
     table.Require("to", "the name of a state");
-    AddWay(table, "to", way);
+    AddTransition(table, "to", transition);
   }
 
-  void AddWay(TableReader& table, const char* key, Way way) {
+  void AddTransition(TableReader& table, const char* key, TransitionRule transition) {
     const auto word = table.String(key);
     if (!word) return;
     if (word->text == kBack) {
-      way.to = kInterrupted;
+      transition.to = kInterrupted;
     } else {
       const auto to = Refer(table, key, "state", *word, NamesOf(course().states));
       if (!to) return;
-      way.to = *to;
+      transition.to = *to;
     }
-    state_.ways.push_back(std::move(way));
-    place_.ways.push_back(word->at);
+    state_.transitions.push_back(std::move(transition));
+    place_.transitions.push_back(word->at);
   }
 
   TableReader& table_;

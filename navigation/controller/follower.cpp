@@ -117,7 +117,7 @@ void Follower::MoveReference(double dt_s, const Pose& pose, const Velocity& velo
   const double speed_m_s = std::max(pace_ * planned_m_s, FiniteOr(Speed(velocity), 0));
   // Once it waits, more has to be free: else it would start again while it still brakes.
   const double more_m = progress_ == Progress::kWaiting ? rules_.obstacles.more_ahead_m : 0;
-  // The way of an obstacle until the body stands.
+  // The path of an obstacle until the body stands.
   const ObstacleRules& rules = rules_.obstacles;
   const double meets_m = approach_m_s_ * (rules.reaction_s + speed_m_s / rules.brake_m_s2);
   const double ahead_m =

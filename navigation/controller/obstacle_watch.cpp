@@ -6,7 +6,7 @@
 namespace musher::navigation {
 namespace {
 
-constexpr double kLookEveryM = 0.03;  // of the way
+constexpr double kLookEveryM = 0.03;  // of the path
 constexpr double kNearerM = 0.01;     // what counts as coming nearer
 constexpr int kMostSteps = 15'000;    // five minutes of a trajectory
 

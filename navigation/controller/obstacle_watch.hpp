@@ -16,7 +16,7 @@ struct ObstacleRules {
   double brake_m_s2 = 0.8;     // with which the body stops
   double hardest_m_s2 = 2.0;   // the same for an obstacle that appears nearer than that
   double reaction_s = 0.1;     // from the scan to the begin of braking
-  double clear_ahead_m = 0.5;  // a body that stands starts only if so much of its way is clear
+  double clear_ahead_m = 0.5;  // a body that stands starts only if so much of its path is clear
   double more_ahead_m = 0.3;   // and so much more after it has waited
 };
 
@@ -33,7 +33,7 @@ struct Scan {
 // `sensor`: where the scan was taken.
 std::vector<Point> PointsOf(const Scan& scan, const Pose& sensor);
 
-// The length of way to a stop.
+// The length of the path to a stop.
 double BrakingDistance(double speed_m_s, const ObstacleRules& rules);
 
 struct Obstruction {

@@ -33,7 +33,7 @@ Cell Moved(const Cell& cell, const Cell& by) {
   return {cell.x + by.x, cell.y + by.y, cell.z + by.z};
 }
 
-// The length of the shortest way without anything in it, in cells.
+// The length of the shortest path without anything in it, in cells.
 float LeastLength(const Cell& from, const Cell& to) {
   std::array<int, 3> away = {std::abs(from.x - to.x), std::abs(from.y - to.y),
                              std::abs(from.z - to.z)};
@@ -148,8 +148,8 @@ std::vector<Cell> CellSearch::EntriesOf(const Point& place, double reach_m, doub
   return cells;
 }
 
-std::optional<CellSearch::Way> CellSearch::Search(const Cell& from, const Cell& to,
-                                                  const std::function<bool()>& stop) const {
+std::optional<CellSearch::Path> CellSearch::Search(const Cell& from, const Cell& to,
+                                                   const std::function<bool()>& stop) const {
   const auto neighbours = Neighbours(map_.flat());
   constexpr std::uint8_t kFirst = 0xff;
   std::vector<float> length(map_.count(), std::numeric_limits<float>::infinity());
@@ -184,17 +184,17 @@ std::optional<CellSearch::Way> CellSearch::Search(const Cell& from, const Cell& 
     }
   }
   if (!closed[last]) return std::nullopt;
-  Way way;
-  way.length_m = length[last] * map_.resolution_m;
+  Path path;
+  path.length_m = length[last] * map_.resolution_m;
   for (Cell cell = to;;) {
-    way.cells.push_back(cell);
+    path.cells.push_back(cell);
     const std::uint8_t by = came_by[index(cell)];
     if (by == kFirst) break;
     const Cell& step = neighbours[by].by;
     cell = Moved(cell, {-step.x, -step.y, -step.z});
   }
-  std::reverse(way.cells.begin(), way.cells.end());
-  return way;
+  std::reverse(path.cells.begin(), path.cells.end());
+  return path;
 }
 
 }  // namespace musher::navigation

@@ -1,8 +1,8 @@
 #pragma once
-// The ways of a body between the cells of a map: which cells belong together, and the shortest way
-// from cell to cell (A* over 8 neighbours on the ground, 26 in the air). Complete: a way between
-// cells is found if there is one, and that there is none is known without a search. Deterministic.
-// Immutable once made; any thread.
+// The paths of a body between the cells of a map: which cells belong together, and the shortest
+// path from cell to cell (A* over 8 neighbours on the ground, 26 in the air). Complete: a path
+// between cells is found if there is one, and that there is none is known without a search.
+// Deterministic. Immutable once made; any thread.
 
 #include <cstdint>
 #include <functional>
@@ -36,15 +36,15 @@ class CellSearch {
   // straight line, the nearest first. `reach_m`: how far to look.
   std::vector<Cell> EntriesOf(const Point& place, double reach_m, double radius_m) const;
 
-  struct Way {
+  struct Path {
     std::vector<Cell> cells;
     double length_m = 0;
   };
 
-  // The shortest way between open cells of one region; none if `stop` returns true, which is
+  // The shortest path between open cells of one region; none if `stop` returns true, which is
   // called every thousand cells.
-  std::optional<Way> Search(const Cell& from, const Cell& to,
-                            const std::function<bool()>& stop) const;
+  std::optional<Path> Search(const Cell& from, const Cell& to,
+                             const std::function<bool()>& stop) const;
 
  private:
   bool FindOpenCells(const std::function<bool()>& stop);
@@ -55,7 +55,7 @@ class CellSearch {
   const CellMap& map_;
   double radius_m_;
   std::vector<std::uint32_t> region_;  // 0: not open
-  std::vector<bool> roomy_;            // the way to each neighbour that is roomy as well fits
+  std::vector<bool> roomy_;            // the path to each neighbour that is roomy as well fits
   std::vector<std::size_t> sizes_;     // of each region, in cells
   bool complete_ = false;
 };

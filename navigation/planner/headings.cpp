@@ -8,7 +8,7 @@ namespace {
 constexpr double kTurnRad = 0.02;  // a smaller turn is done on the way
 constexpr double kStillM = 1e-6;   // a step without a direction on the ground
 
-// Of the way around point i.
+// Of the path around point i.
 double DirectionAt(const std::vector<Point>& points, std::size_t i, double otherwise_rad) {
   const Point& before = points[i == 0 ? 0 : i - 1];
   const Point& after = points[std::min(i + 1, points.size() - 1)];

@@ -1,5 +1,5 @@
 #pragma once
-// Gives the points of a way a direction to look. Pure; any thread.
+// Gives the points of a path a direction to look. Pure; any thread.
 
 #include <vector>
 

@@ -137,7 +137,7 @@ Result<Planner::Ends> Planner::Connect(const Point& start, const Point& goal) co
     const bool goal_enclosed = from_goal <= from_start;
     return MakeError(
         Fault::kWalledIn,
-        fmt::format("no way for a body of {:.2f} m radius: {} {} is walled in, within {}; {} has "
+        fmt::format("no path for a body of {:.2f} m radius: {} {} is walled in, within {}; {} has "
                     "{}",
                     rules_.radius_m, goal_enclosed ? "goal" : "start",
                     PlaceText(goal_enclosed ? goal : start, flat),
@@ -184,7 +184,7 @@ Result<Plan> Planner::Find(const Pose& start, const Pose& goal,
   if (!ends.ok()) return ends.error();
   const auto tight = search_->Search(ends.value().tight.from, ends.value().tight.to, stop);
   const auto& connection = ends.value().comfortable;
-  std::optional<CellSearch::Way> comfortable;
+  std::optional<CellSearch::Path> comfortable;
   if (tight && connection)
     comfortable = comfortable_->Search(connection->from, connection->to, stop);
   if (!tight || (connection && !comfortable)) {

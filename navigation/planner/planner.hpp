@@ -1,14 +1,14 @@
 #pragma once
-// Finds a way for a round body over a map, on the ground or in the air.
+// Finds a path for a round body over a map, on the ground or in the air.
 //
 //   1. Cells with room for the body form regions, computed once for a map. A start or goal in an
 //      obstacle, outside the map or in another region is refused at once, without a search.
-//   2. The shortest way from cell to cell (A*), with `comfort_m` more room if the detour is
+//   2. The shortest path from cell to cell (A*), with `comfort_m` more room if the detour is
 //      small.
 //   3. OMPL's shortcuts and B-splines make it short and smooth; the body fits everywhere.
 //
 // Complete to the resolution of the map: a passage is found if it is wider than the body by a cell.
-// No search by samples: it is not faster for ways of the same length, and cannot say that there is
+// No search by samples: it is not faster for paths of the same length, and cannot say that there is
 // none (docs/decisions/30-search-by-cells.md). Metres, radians, the frame of the map. Immutable
 // once made; any thread. Errors have a code of Fault.
 
@@ -24,7 +24,7 @@ namespace musher::navigation {
 struct PlannerRules {
   double radius_m = 0.3;        // of the body, with what its control needs
   double comfort_m = 0.1;       // more room than that, where it is cheap
-  double detour = 1.25;         // the longest comfortable way, by the shortest one
+  double detour = 1.25;         // the longest comfortable path, by the shortest one
   double start_within_m = 0.1;  // a body that stands so much too close to a wall may leave
   Heading heading = Heading::kAlong;
   SmoothingRules smoothing;
@@ -33,7 +33,7 @@ struct PlannerRules {
 struct Plan {
   Path path;
   double length_m = 0;       // of the path
-  double cell_length_m = 0;  // of the shortest way from cell to cell
+  double cell_length_m = 0;  // of the shortest path from cell to cell
 };
 
 class Planner {

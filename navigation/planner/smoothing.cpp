@@ -53,15 +53,15 @@ class SeededSimplifier final : public og::PathSimplifier {
 };
 
 ob::SpaceInformationPtr MakeSpace(const Clearance& clearance, double radius_m,
-                                  const std::vector<Point>& way) {
+                                  const std::vector<Point>& points) {
   const bool flat = clearance.map().flat();
   ompl::msg::setLogLevel(ompl::msg::LOG_ERROR);
   auto space = std::make_shared<ob::RealVectorStateSpace>(flat ? 2 : 3);
   ob::RealVectorBounds bounds(flat ? 2 : 3);
-  bounds.low = {way[0].x_m, way[0].y_m};
-  if (!flat) bounds.low.push_back(way[0].z_m);
+  bounds.low = {points[0].x_m, points[0].y_m};
+  if (!flat) bounds.low.push_back(points[0].z_m);
   bounds.high = bounds.low;
-  for (const Point& point : way) {
+  for (const Point& point : points) {
     const std::array<double, 3> values = {point.x_m, point.y_m, point.z_m};
     for (std::size_t i = 0; i < bounds.low.size(); ++i) {
       bounds.low[i] = std::min(bounds.low[i], values[i] - 1);
@@ -81,14 +81,14 @@ ob::SpaceInformationPtr MakeSpace(const Clearance& clearance, double radius_m,
 
 }  // namespace
 
-std::vector<Point> Smoothed(const std::vector<Point>& way, const Clearance& clearance,
+std::vector<Point> Smoothed(const std::vector<Point>& points, const Clearance& clearance,
                             double radius_m, const SmoothingRules& rules) {
-  if (way.size() < 3) return way;
+  if (points.size() < 3) return points;
   const bool flat = clearance.map().flat();
-  const auto information = MakeSpace(clearance, radius_m, way);
+  const auto information = MakeSpace(clearance, radius_m, points);
   og::PathGeometric path(information);
   ob::ScopedState<ob::RealVectorStateSpace> state(information);
-  for (const Point& point : way) {
+  for (const Point& point : points) {
     state->values[0] = point.x_m;
     state->values[1] = point.y_m;
     if (!flat) state->values[2] = point.z_m;
@@ -107,8 +107,8 @@ std::vector<Point> Smoothed(const std::vector<Point>& way, const Clearance& clea
   }
   std::vector<Point> smooth;
   for (const ob::State* point : path.getStates()) smooth.push_back(PointOf(point, flat));
-  smooth.front() = way.front();
-  smooth.back() = way.back();
+  smooth.front() = points.front();
+  smooth.back() = points.back();
   return smooth;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Shortens a way and rounds its corners, as far as a body of a radius fits everywhere: OMPL's
+// Shortens a path and rounds its corners, as far as a body of a radius fits everywhere: OMPL's
 // shortcuts and its smoothing by B-splines. Deterministic by the seed. Any thread.
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct SmoothingRules {
   std::uint32_t seed = 1;
 };
 
-// `way` has at least one point, and the body fits along it. The first and the last point stay.
-std::vector<Point> Smoothed(const std::vector<Point>& way, const Clearance& clearance,
+// `points` has at least one point, and the body fits along it. The first and the last point stay.
+std::vector<Point> Smoothed(const std::vector<Point>& points, const Clearance& clearance,
                             double radius_m, const SmoothingRules& rules);
 
 }  // namespace musher::navigation

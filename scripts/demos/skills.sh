@@ -1,8 +1,8 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
 # Sourced by scripts/demo: two ground robots, a humanoid and a flyer in simulated rooms. They are given goals
-# and a plan, report progress, carry things and can be cancelled. People and a target cross their ways; what
-# stands in a way and is not in the map is seen by the scan.
+# and a plan, report progress, carry things and can be cancelled. People and a target cross their paths; what
+# stands on a path and is not in the map is seen by the scan.
 
 journal=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/skills.domain$ROS_DOMAIN_ID/logs
@@ -155,7 +155,7 @@ refuse() {
   step "Goals that cannot be reached, and a second one beside the first, are refused with the reason"
   run jetbot_0 nav_2d "goal_pos=[11,8]"
   expect "a goal behind walls: exit code" 1 "$code"
-  expect_end nav_2d failed "Planning failed: no way is wide enough for the robot: the goal (11.00, 8.00) or the start is walled in"
+  expect_end nav_2d failed "Planning failed: no path is wide enough for the robot: the goal (11.00, 8.00) or the start is walled in"
   run jetbot_0 nav_2d "goal_pos=[30,2]"
   expect_end "a goal outside the map" failed "Planning failed: the goal (30.00, 2.00) is outside the map"
   start=$(position jetbot_0)
@@ -209,7 +209,7 @@ lose_planner() {
 }
 
 end() {
-  step "The exploration ends; a picture of all ways; power-off"
+  step "The exploration ends; a picture of all paths; power-off"
   if [[ -n $explorer ]]; then
     ended explore.json "$explorer"
     expect "explore" completed "$(answer .outcome)"

@@ -105,7 +105,7 @@ TEST(Follower, WaitsForABodyThatIsBehind) {
   for (int i = 0; i < 60 * 5; ++i) command = body.Step();
   const double lead_m =
       MakeTrajectory(kAhead, {}).value().At(command.reference).pose.at.x_m - body.pose.at.x_m;
-  EXPECT_LT(lead_m, 1.5) << "0.5 m and the way to a stop";
+  EXPECT_LT(lead_m, 1.5) << "0.5 m and the path to a stop";
 }
 
 // The body drives at full speed when an obstacle appears.

@@ -24,7 +24,7 @@ auto Look(Duration at, double ahead_m, const std::vector<Point>& obstacles, bool
 TEST(ObstacleWatch, SeesAnObstacleWithinItsWayOnly) {
   EXPECT_TRUE(Look({}, 2, {{1.5, 0, 0}}));
   EXPECT_TRUE(Look({}, 2, {{1.5, 0.35, 0}})) << "the body would pass it too near";
-  EXPECT_FALSE(Look({}, 2, {{1.5, 0.45, 0}})) << "beside its way";
+  EXPECT_FALSE(Look({}, 2, {{1.5, 0.45, 0}})) << "beside its path";
   EXPECT_FALSE(Look({}, 1, {{1.5, 0, 0}})) << "farther ahead";
   EXPECT_FALSE(Look({}, 2, {}));
 }

@@ -1,4 +1,4 @@
-// The way over a map: clearance, length, refusals that name what is wrong, and large maps.
+// The path over a map: clearance, length, refusals that name what is wrong, and large maps.
 
 #include "musher/navigation/planner/planner.hpp"
 
@@ -85,7 +85,7 @@ TEST(Planner, IsSmooth) {
   EXPECT_LT(sharpest_rad, 0.15);
 }
 
-TEST(Planner, TurnsToItsWayAndAtTheGoal) {
+TEST(Planner, TurnsToItsPathAndAtTheGoal) {
   const Path path = Made(Wall()).Find({{1, 2.7, 0}, 1}, {{4, 2.7, 0}, 2}).value().path;
   ASSERT_GE(path.size(), 4u);
   EXPECT_EQ(path[0].at, path[1].at);
@@ -225,7 +225,7 @@ TEST(Planner, FliesOverAWall) {
   EXPECT_EQ(plan.path.back(), (Pose{{9, 1.5, 1}, 1}));
 }
 
-// On random maps: what the planner finds has room everywhere, and it finds a way where the
+// On random maps: what the planner finds has room everywhere, and it finds a path where the
 // cells have one.
 RC_GTEST_PROP(Planner, KeepsRoomForTheBodyOnEveryMap, ()) {
   const auto seed = *rc::gen::inRange<std::uint64_t>(0, 1'000'000);
@@ -260,7 +260,7 @@ CellMap Refined(const CellMap& map) {
   return fine;
 }
 
-RC_GTEST_PROP(Planner, FindsEachWayThatIsWiderThanTheBodyByACell, ()) {
+RC_GTEST_PROP(Planner, FindsEachPathThatIsWiderThanTheBodyByACell, ()) {
   const auto seed = *rc::gen::inRange<std::uint64_t>(0, 1'000'000);
   const CellMap map = RandomBoxes(seed, 6, 0.1, *rc::gen::element(0.2, 0.3, 0.4));
   PlannerRules rules;

@@ -103,7 +103,7 @@ std::string Move::PlanClimb() {
   const Direction direction = NearestDirection(NormalizeYaw(turned_rad));
   if (YawDistance(turned_rad, YawOf(direction)) > settings_.yaw_tolerance_rad) {
     return fmt::format(
-        "Move climb direction is invalid: target_yaw {:.2f} rad is across the way "
+        "Move climb direction is invalid: target_yaw {:.2f} rad is across the path "
         "{}; expected a right angle within {:.2f} rad",
         plan_.to_yaw_rad, DirectionText(*way), settings_.yaw_tolerance_rad);
   }

@@ -9,8 +9,8 @@
 // `settle` is left out where there is nothing to do. A climb begins only at the centre of a cell,
 // with wheels at their normal height and the heading of the target, within the tolerance: the robot
 // returns to the centre, and lowers the wheels that a fetch has left lifted, before. Then the climb
-// and the way to the target run together on purpose: the wheels change when the body is at the
-// edge. The direction of the climb is that of the way in the frame of the body.
+// and the path to the target run together on purpose: the wheels change when the body is at the
+// edge. The direction of the climb is that of the path in the frame of the body.
 //
 // The start is the live pose where it is fresh, else what the mission remembers, with a warning.
 // Failures set last_error and ACTION_FAILED, and cancel what runs; so does a halt. A halt during a

@@ -80,7 +80,7 @@ void PlannerEndpoint::OnMap(const std::string& text) {
   publish_paths_({RoutesJson(report_->routes)});
   const Route* best = BestRoute(report_->routes);
   if (best == nullptr)
-    return Report(std::string("there is no plan for the map of boxes: ") + kNoWay);
+    return Report(std::string("there is no plan for the map of boxes: ") + kNoPath);
   Report("");
   dependencies_.log(
       LogLevel::kInfo,

@@ -1,8 +1,8 @@
 #pragma once
 // Finds the plans of a field whose boxes (KFS) are known. A plan starts in row 0, moves forward,
 // left or right, visits no cell twice, and ends in row 5. It takes up to four boxes of kind KFS2
-// from the cells beside its way; it drives over no cell with a fake box, or with a KFS2 that it has
-// not taken. Boxes of kind KFS1 are the partner's; those on its way are counted.
+// from the cells beside its path; it drives over no cell with a fake box, or with a KFS2 that it
+// has not taken. Boxes of kind KFS1 are the partner's; those on its way are counted.
 //
 // The search is exact: it visits every plan, always in the same order. Each plan passes
 // ReadActionSequence(). Pure: no clock, no thread. Costs are seconds.
@@ -61,8 +61,8 @@ struct RouteReport {
 RouteReport FindRoutes(const BoxMap& map, const RouteRules& rules = {});
 
 // Why a map has no plan.
-inline constexpr const char* kNoWay =
-    "no way leads to row 5: fake boxes, and boxes that the robot cannot fetch, are in the way (a "
+inline constexpr const char* kNoPath =
+    "no path leads to row 5: fake boxes, and boxes that the robot cannot fetch, are in the way (a "
     "box on a "
     "lower platform is out of reach)";
 

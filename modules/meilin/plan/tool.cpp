@@ -107,7 +107,7 @@ int PlanOfMap(const PlanOptions& options) {
   if (route == nullptr) {
     const bool none = BestRoute(report.routes) == nullptr;
     std::cerr << options.file << ": there is no "
-              << (none ? std::string("plan for this map: ") + kNoWay : "such plan for this map")
+              << (none ? std::string("plan for this map: ") + kNoPath : "such plan for this map")
               << "\n";
     return kErrors;
   }

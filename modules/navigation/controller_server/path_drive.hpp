@@ -5,14 +5,14 @@
 //   standing ──Start()──▶ driving ──▶ standing, with an end
 //                          │   ▲
 //     Start() of another   ▼   │
-//     path in motion      braking on the present way, until it stands
+//     path in motion      braking on the present path, until it stands
 //
 // A body that moves in the direction of the new path goes on without braking.
 //
-// - Points of a scan that the map has are left out, as long as the way fits the map: they do not
+// - Points of a scan that the map has are left out, as long as the path fits the map: they do not
 //   slow the body down. Those that are on its way stop it.
 // - The velocity is in the frame of the body. A differential body gets none aside: its distance
-//   from the way turns it.
+//   from the path turns it.
 // - Where the body is now: the last odometry, with its velocity since then.
 // - Without odometry or a scan (if the robot has one) for their times the drive ends.
 //

@@ -34,7 +34,7 @@ struct PathReply {
   bool around_seen = false;      // the plan avoids points that the map does not have
 };
 
-// What is seen and the map does not have blocks the way, where there is a way around it. Where
+// What is seen and the map does not have blocks the path, where there is a path around it. Where
 // there is none the plan is that of the map alone: what blocks it may move.
 PathReply FindPath(const Planner& planner, const PathRequest& request, const PlannerConfig& config,
                    const PlannerRobot& robot, const std::function<bool()>& stop);

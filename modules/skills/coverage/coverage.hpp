@@ -1,6 +1,6 @@
 #pragma once
 // A path by which a round robot covers a region: parallel lanes over a polygon with holes
-// (boustrophedon), with the ways between them.
+// (boustrophedon), with the paths between them.
 //
 //   region → cells without a hole → lanes in each → the order of the cells → one path
 //

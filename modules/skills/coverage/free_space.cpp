@@ -95,7 +95,7 @@ bool FreeSpace::Passes(const GroundPoint& a, const GroundPoint& b) const {
     return (first < least && second < least) || (first > most && second > most);
   };
   for (const Edge& edge : edges_) {
-    // Along the way and across it: most edges are far from it by one of them.
+    // Along the path and across it: most edges are far from it by one of them.
     const GroundPoint from{edge.from.x_m - a.x_m, edge.from.y_m - a.y_m};
     const GroundPoint to{edge.to.x_m - a.x_m, edge.to.y_m - a.y_m};
     if (outside(x * from.y_m - y * from.x_m, x * to.y_m - y * to.x_m, -radius_m_, radius_m_) ||

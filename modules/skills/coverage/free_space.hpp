@@ -39,19 +39,19 @@ class FreeSpace {
   double highest_m_ = 0;
 };
 
-// The shortest ways in a free space: straight, or around corners of the region.
+// The shortest paths in a free space: straight, or around corners of the region.
 class Router {
  public:
   Router(const FreeSpace& space, const Region& region);
 
   // From a to b, both included; empty: there is none.
   std::vector<GroundPoint> Route(const GroundPoint& a, const GroundPoint& b);
-  // To each of the points; infinite: there is no way.
+  // To each of the points; infinite: there is no path.
   std::vector<double> Lengths(const GroundPoint& from, const std::vector<GroundPoint>& to);
 
  private:
   using Node = std::size_t;
-  struct Tree {  // the shortest ways from a point to all nodes
+  struct Tree {  // the shortest paths from a point to all nodes
     std::vector<double> length_m;
     std::vector<std::optional<Node>> before;
   };
@@ -59,7 +59,7 @@ class Router {
   void AddNodes(const Ring& ring, bool hole);
   const std::vector<Node>& Visible(const GroundPoint& point);
   Tree From(const GroundPoint& point);
-  // The last node of the shortest way over nodes, with its length.
+  // The last node of the shortest path over nodes, with its length.
   std::pair<std::optional<Node>, double> Last(const Tree& tree, const GroundPoint& to);
 
   const FreeSpace& space_;

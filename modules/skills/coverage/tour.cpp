@@ -14,7 +14,7 @@ GroundPoint EndOf(const Lane& lane, bool right) {
   return {right ? lane.x.end_m : lane.x.begin_m, lane.y_m};
 }
 
-// One way through a cell: lane after lane, each from one of its ends to the other.
+// One path through a cell: lane after lane, each from one of its ends to the other.
 struct Passage {
   std::vector<GroundPoint> ends;  // two a lane
   double between_m = 0;           // from lane to lane
@@ -26,7 +26,7 @@ Passage PassageOf(const Cell& cell, bool from_top, bool from_right) {
   std::vector<Lane> lanes = cell.lanes;
   if (from_top) std::ranges::reverse(lanes);
   const std::size_t count = lanes.size();
-  // By lane and the side on which it begins: the least way to the end of the cell, and the side on
+  // By lane and the side on which it begins: the least path to the end of the cell, and the side on
   // which the next one begins.
   std::vector<std::array<double, 2>> left_m(count, {0, 0});
   std::vector<std::array<bool, 2>> next(count, {false, false});

@@ -1,5 +1,5 @@
 #pragma once
-// The order in which the cells of a region are covered, so that the ways between them are short.
+// The order in which the cells of a region are covered, so that the paths between them are short.
 // Metres. Pure; any thread.
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace musher::coverage {
 
-// The corners of a way through cells; to each but the first whether it is reached along a lane.
+// The corners of a path through cells; to each but the first whether it is reached along a lane.
 struct Tour {
   std::vector<GroundPoint> corners;
   std::vector<bool> on_lane;
   std::size_t cells = 0;           // that it covers
-  std::size_t cells_left_out = 0;  // with no way to them that keeps the radius
+  std::size_t cells_left_out = 0;  // with no path to them that keeps the radius
 };
 
 // From `start`, if there is one, through the largest part of the cells that is joined. Exact for

@@ -218,8 +218,8 @@ Error PlannerError(std::uint16_t error_code, const navigation::Pose& goal,
     case Code::kTimeout:
       return MakeError(Fault::kTimeLimit, "the planner found no path to " + to + " in its time");
     case Code::kNoValidPath:
-      return MakeError(Fault::kWalledIn,
-                       "no way is wide enough for the robot: " + to + " or the start is walled in");
+      return MakeError(Fault::kWalledIn, "no path is wide enough for the robot: " + to +
+                                             " or the start is walled in");
     default:
       return {kCodeFailed, "the planner has failed (code " + std::to_string(error_code) + ")"};
   }

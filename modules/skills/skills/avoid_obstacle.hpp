@@ -12,7 +12,7 @@
 //   EXECUTING      120 s; at the goal within 0.2 m; where it is blocked, it stands
 //   STOPPING       at the end: until the robot stands
 //
-// It is never faster than it can brake before what is ahead. A way out of a dead end is not its
+// It is never faster than it can brake before what is ahead. A path out of a dead end is not its
 // task: it fails 30 s after it has come nearer to its goal. Without scan or odometry it stands, and
 // fails after 3 s. Details: distance_to_goal (m), current_velocity (m/s), free_ahead (m).
 

@@ -11,8 +11,8 @@
 // A flyer stays at its height, and has to be in the air. Heights of corners do not count.
 //
 //   INITIALIZING         the path is computed, planner and controller are reachable within 2.0 s
-//   NAVIGATING_TO_START  60 s, on a way of the planner
-//   EXECUTING            120 s, along the path; where an obstacle stays on it, on a way of the
+//   NAVIGATING_TO_START  60 s, on a path of the planner
+//   EXECUTING            120 s, along the path; where an obstacle stays on it, on a path of the
 //                        planner to the next free point of the path, metre by metre
 //   STOPPING             of a cancellation: until the robot stands
 //
@@ -40,7 +40,7 @@ class Explore : public TravelSkill {
   skill::Next GoToStart(skill::Tick& tick);
   skill::Next Execute(skill::Tick& tick);
   Result<> MakePath(skill::Tick& tick);
-  // The way of the planner to the next point of the path, or, where that is blocked, to a later
+  // The path of the planner to the next point of the path, or, where that is blocked, to a later
   // one. kDone: there, or there is no later one.
   TravelStep Approach(skill::Tick& tick);
   bool IsFarFrom(const navigation::Pose& target) const;
@@ -58,7 +58,7 @@ class Explore : public TravelSkill {
 
   coverage::Plan plan_;
   navigation::Path path_;    // empty: not computed yet
-  bool approaches_ = false;  // it is on a way of the planner
+  bool approaches_ = false;  // it is on a path of the planner
   std::string obstacle_;     // why it has left out a part
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId to_start_ = skill::kIdle;

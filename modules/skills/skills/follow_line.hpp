@@ -33,7 +33,7 @@ class FollowLine : public TravelSkill {
   std::optional<std::string> WhyRefused(const skill::Values& parameters) const;
   skill::Next Execute(skill::Tick& tick);
   skill::Next Search(skill::Tick& tick);
-  // The way since the last step, kept in the data of the run.
+  // The path since the last step, kept in the data of the run.
   double Followed(skill::Tick& tick);
 
   std::optional<navigation::Point> last_;

@@ -43,7 +43,7 @@ class GoalSkill : public TravelSkill {
   virtual std::optional<std::string> OnArrival(skill::Tick& tick) = 0;
   // Stands before messages: "Waypoint 2 of 4: ".
   virtual std::string Prefix(const skill::Tick& /*tick*/) const { return {}; }
-  // The share of the whole, where `share` of the way to this goal is done. May add details.
+  // The share of the whole, where `share` of the path to this goal is done. May add details.
   virtual double Share(skill::Tick& /*tick*/, double share) const { return share; }
 
   Robot& robot() { return robot_; }

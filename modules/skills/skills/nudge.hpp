@@ -1,5 +1,5 @@
 #pragma once
-// Drives a robot a short way towards a point that is out of its reach by little: it turns on the
+// Drives a robot a short path towards a point that is out of its reach by little: it turns on the
 // spot, then drives forward slowly, without a plan. It needs a scan, and stops for an obstacle
 // ahead.
 //

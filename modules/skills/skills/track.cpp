@@ -39,7 +39,7 @@ void Track::Declare(skill::Table& table) {
   table.Takes("target_topic", std::string("/target_0/odom"), "nav_msgs/Odometry of the target");
   table.Takes("track_period", std::int64_t{10}, "poses of the target from plan to plan");
   table.Takes("distance", 1.5, "m, kept from the target");
-  table.Takes("lost_limit", 10.0, "s without the target or a way to it, then it fails");
+  table.Takes("lost_limit", 10.0, "s without the target or a path to it, then it fails");
   table.Takes("duration", 0.0, "s, 0: until it is cancelled");
   table.RefusesParameter("cancel", "to cancel the skill, cancel its goal");
 }
@@ -95,7 +95,7 @@ Next Track::Execute(Tick& tick) {
   }
   PlanAndDrive(tick);
   if (ToSeconds(standstill_.time()) >= limit_s) {
-    return Next::Fail(fmt::format("No way to the target for {:.1f} s: {}", limit_s,
+    return Next::Fail(fmt::format("No path to the target for {:.1f} s: {}", limit_s,
                                   trouble_.empty() ? kStands : trouble_));
   }
   Report(tick);
@@ -133,12 +133,12 @@ void Track::PlanAndDrive(const Tick& tick) {
                                 tick.parameters.Number("distance")) <= kToleranceM;
     if (travel_.driving() && right) {
       Note(travel_.Drive(tick.step));
-      HasWay();
+      HasPath();
       return;
     }
     if (travel_.driving() || travel_.planning()) travel_.GiveUp();
     goal_.reset();
-    HasWay();
+    HasPath();
     return;
   }
   const auto period = tick.parameters.Get<std::int64_t>("track_period", 1);
@@ -153,13 +153,13 @@ void Track::PlanAndDrive(const Tick& tick) {
   if (travel_.driving()) {
     const TravelStep step = travel_.Drive(tick.step);
     Note(step);
-    if (step.kind == Kind::kDone) return HasWay();
+    if (step.kind == Kind::kDone) return HasPath();
   }
   standstill_.Note(robot_.pose(), tick.step);
   if (standstill_.time() == Duration{}) trouble_.clear();
 }
 
-void Track::HasWay() {
+void Track::HasPath() {
   standstill_.Restart();
   trouble_.clear();
 }
@@ -182,7 +182,7 @@ void Track::Report(Tick& tick) const {
   if (unseen_ >= kUnseen) {
     message = fmt::format("Target lost ({:.1f}s)", ToSeconds(unseen_));
   } else if (standstill_.time() >= (trouble_.empty() ? kStandsLong : kUnseen)) {
-    message = fmt::format("No way to the target ({:.1f}s): {}", ToSeconds(standstill_.time()),
+    message = fmt::format("No path to the target ({:.1f}s): {}", ToSeconds(standstill_.time()),
                           trouble_.empty() ? kStands : trouble_);
   }
   tick.Report(10 + 85 * share, message);

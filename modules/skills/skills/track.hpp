@@ -4,7 +4,7 @@
 //   target_topic   nav_msgs/Odometry of the target, default /target_0/odom
 //   track_period   poses of the target, as they come, from plan to plan; default 10
 //   distance       m, kept from the target, default 1.5
-//   lost_limit     s without a pose, or at one place without a way, then it fails; default 10
+//   lost_limit     s without a pose, or at one place without a path, then it fails; default 10
 //   duration       s, then it succeeds; 0: until it is cancelled (default)
 //
 // A flyer stays at its height. While the robot is at most 0.3 m farther away than `distance`, it
@@ -15,7 +15,7 @@
 //   STOPPING       at the end: until the robot stands
 //
 // A target that is lost: it says so after 1 s, and goes to where the target was. A lost server, a
-// goal without a way and an obstacle end it only once the robot has not got on for `lost_limit`.
+// goal without a path and an obstacle end it only once the robot has not got on for `lost_limit`.
 // Details: those of navigate_to and target_distance (m).
 
 #include <optional>
@@ -43,7 +43,7 @@ class Track : public TravelSkill {
   void PlanAndDrive(const skill::Tick& tick);
   void Plan(Duration step);
   // A drive is done, or none is needed.
-  void HasWay();
+  void HasPath();
   // Keeps the reason of a failure.
   void Note(const TravelStep& step);
   void Report(skill::Tick& tick) const;
@@ -54,7 +54,7 @@ class Track : public TravelSkill {
   std::uint64_t counted_ = 0;               // of the robot's count of them
   Duration unseen_{};
   Standstill standstill_;  // since it has to move
-  std::string trouble_;    // why there is no way
+  std::string trouble_;    // why there is no path
   skill::StateId initializing_ = skill::kIdle;
   skill::StateId executing_ = skill::kIdle;
 };

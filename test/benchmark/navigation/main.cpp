@@ -1,4 +1,4 @@
-// The navigation chain: how long planner, trajectory and controller take, how short the ways are,
+// The navigation chain: how long planner, trajectory and controller take, how short the paths are,
 // how well a body follows, and what happens among movers.
 //
 //   benchmark_navigation [RUNS [SEED [PART]]]
@@ -79,13 +79,13 @@ void MeasurePlanner(int runs, std::uint64_t seed) {
   }
   Head("Planner, 200 x 200 cells of 5 cm, 20 % blocked, a body of 0.3 m radius");
   Row("a map: distances, regions", map_ms, "ms");
-  Row("a way", find_ms, "ms");
+  Row("a path", find_ms, "ms");
   Row("its length / the shortest from cell to cell", ratio, "");
-  std::printf("\nSolved: %d of %d; no way by the map: %d; other refusals: %d.\n", solved, runs,
+  std::printf("\nSolved: %d of %d; no path by the map: %d; other refusals: %d.\n", solved, runs,
               walled_in, runs - solved - walled_in);
 }
 
-// The same ways by samples.
+// The same paths by samples.
 void CompareSearches(int runs, std::uint64_t seed) {
   std::printf(
       "\nSearches by samples, the first %d of these maps, 1 s of CPU each\n\n"
@@ -139,7 +139,7 @@ void MeasureFlight(int runs, std::uint64_t seed) {
   }
   Head("Planner in space, 100 x 100 x 25 cells of 20 cm, 60 pillars");
   Row("a map: distances, regions", map_ms, "ms");
-  Row("a way", find_ms, "ms");
+  Row("a path", find_ms, "ms");
   std::printf("\nSolved: %d of %d.\n", solved, runs);
 }
 
@@ -187,7 +187,7 @@ void MeasureController(int runs, std::uint64_t seed) {
   }
 }
 
-// A body with a lag of 0.2 s on random ways, with what the controller knows and weighs.
+// A body with a lag of 0.2 s on random paths, with what the controller knows and weighs.
 void MeasureTracking(int runs, std::uint64_t seed) {
   std::puts(
       "\nTracking, a body with a lag of 0.2 s\n\n"
@@ -270,7 +270,7 @@ void MeasureNavigations(int runs, std::uint64_t seed, bool yield) {
   Row("time to the goal", seconds, "s");
   Row("of it in waiting", waited, "s");
   std::printf(
-      "\nArrived: %d of %d; no way by the map: %d; an obstacle stayed: %d; late: %d; new plans: "
+      "\nArrived: %d of %d; no path by the map: %d; an obstacle stayed: %d; late: %d; new plans: "
       "%d.\nCollisions with walls: %d; of the body, driving towards a mover: %d; of a mover "
       "that comes to the body: %d.\n",
       arrived, runs, refused, failed["obstacle"], failed["late"], replans, walls, hits_of_body,

@@ -51,7 +51,7 @@ TEST_F(ControllerServerTest, ArrivesWithinItsTolerancesAndSaysSo) {
   ExpectStanding();
 }
 
-TEST_F(ControllerServerTest, ReportsTheWayLeftTenTimesASecond) {
+TEST_F(ControllerServerTest, ReportsThePathLeftTenTimesASecond) {
   StartServers();
   const std::size_t drive = Follow(PathOf({At(1, 2), At(6, 2)}));
   Run(500);

@@ -84,7 +84,7 @@ TEST(PlannerWork, GivesEachFailureItsCodeOfNav2) {
   EXPECT_EQ(stopped.error_code, 207);
 }
 
-TEST(PlannerWork, SaysThatThereIsNoWay) {
+TEST(PlannerWork, SaysThatThereIsNoPath) {
   const CellMap map = testing::Drawn({"#########", "#...#...#", "#...#...#", "#########"}, 1, 10);
   const auto planner = MakePlanner(testing::GridOf(map), {}, Ground());
   const PathReply reply = Find(planner.value(), {{2, 2, 0}, 0}, {{6, 2, 0}, 0});

@@ -241,8 +241,9 @@ TEST(BadInput, APauseInEveryStateIsQuietAndTheStateIsLeftAfterIt) {
   const Course& course = TheCourse();
   for (Index i = 0; i < course.states.size(); ++i) {
     const StateRule& state = course.states[i];
-    if (i == course.start || i == course.end || i == course.error || state.ways.empty()) continue;
-    if (state.ways[0].to == kInterrupted) continue;  // only a light leads there
+    if (i == course.start || i == course.end || i == course.error || state.transitions.empty())
+      continue;
+    if (state.transitions[0].to == kInterrupted) continue;  // only a light leads there
     for (int tick = 1; tick < 700; tick += 67) {
       Rig rig;
       Show(rig, {true, 1, "top", "left"});

@@ -112,10 +112,11 @@ TEST(CourseFile, HasAnotherBayWithoutCompiling) {
   EXPECT_TRUE(rig.RunTo("IN_A3", std::chrono::seconds(5)));
 }
 
-TEST(CourseFile, ReportsAValueWithoutAWay) {
-  EXPECT_THAT(Faults("  { result = \"arrow\", is = \"right\", to = \"S2_TO_R1\" },\n", ""),
-              ElementsAre(HasSubstr("error: state.IN_S2: has no way in the case arrow = \"right\""),
-                          HasSubstr("error: state.S2_TO_R1: is unreachable")));
+TEST(CourseFile, ReportsAValueWithoutATransition) {
+  EXPECT_THAT(
+      Faults("  { result = \"arrow\", is = \"right\", to = \"S2_TO_R1\" },\n", ""),
+      ElementsAre(HasSubstr("error: state.IN_S2: has no transition in the case arrow = \"right\""),
+                  HasSubstr("error: state.S2_TO_R1: is unreachable")));
 }
 
 TEST(CourseFile, ReportsAMisspelledWord) {
@@ -156,7 +157,7 @@ TEST(CourseFile, ReportsCommandsThatHideOthers) {
   ExpectGolden("hidden_commands");
 }
 
-TEST(CourseFile, ReportsAWayBackThatNothingLeadsBackFrom) {
+TEST(CourseFile, ReportsATransitionBackThatNothingLeadsBackFrom) {
   std::string text = Shipped();
   const std::size_t light = text.find("[light]");
   text.erase(light, text.find("[speech.qr_a]") - light);

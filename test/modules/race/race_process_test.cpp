@@ -331,7 +331,8 @@ TEST_F(RaceProcess, ChecksACourse) {
   EXPECT_EQ(Run({"check", SourceDir() + "/config/race/course.toml"}), 0);
   EXPECT_THAT(output_, HasSubstr("42 states"));
   EXPECT_EQ(Run({"check", SourceDir() + "/test/modules/race/courses/stuck.toml"}), 2);
-  EXPECT_THAT(output_, HasSubstr("stuck.toml:24:8: error: state.FORK: has no way in the case"));
+  EXPECT_THAT(output_,
+              HasSubstr("stuck.toml:24:8: error: state.FORK: has no transition in the case"));
   EXPECT_EQ(Run({"check"}), 2);
 }
 

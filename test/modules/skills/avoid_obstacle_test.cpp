@@ -1,4 +1,4 @@
-// avoid_obstacle: past obstacles, never into one, and the end where there is no way.
+// avoid_obstacle: past obstacles, never into one, and the end where there is no path.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -147,8 +147,9 @@ TEST(Conversions, SayWhyANavigationFailed) {
   EXPECT_EQ(PlannerError(Code::kGoalOutsideMap, high, {}).message,
             "the goal (4.00, 3.00, 5.00) is outside the map, or above the ceiling");
   const Error walled = PlannerError(Code::kNoValidPath, goal, {});
-  EXPECT_EQ(walled.message,
-            "no way is wide enough for the robot: the goal (4.00, 3.00) or the start is walled in");
+  EXPECT_EQ(
+      walled.message,
+      "no path is wide enough for the robot: the goal (4.00, 3.00) or the start is walled in");
   EXPECT_TRUE(navigation::Is(walled, navigation::Fault::kWalledIn));
   EXPECT_EQ(PlannerError(0, goal, {}).message, "the planner has failed (code 0)");
   const Error blocked = ControllerError(msg::FollowPath::kPatienceExceeded);

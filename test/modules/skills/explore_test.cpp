@@ -28,7 +28,7 @@ class Explore : public ::testing::Test, public SkillsOnARobot {
     const Result<> started = Start("explore", more);
     ASSERT_TRUE(started) << started.error().message;
   }
-  // The way of the planner leads around it, and to a place in it through it.
+  // The path of the planner leads around it, and to a place in it through it.
   void PutABoxOnTheFirstLane() {
     robot.blocked = [](const navigation::Point& at) {
       return at.x_m > 6 && at.x_m < 9 && std::abs(at.y_m - 1) < 0.6;

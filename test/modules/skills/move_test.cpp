@@ -51,10 +51,10 @@ TEST_F(Move, SaysWhichWayPointItGoesTo) {
   RunFor(3);
   EXPECT_THAT(feedback().message, StartsWith("Way-point 2 of 3: "));
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
-    return Error{kCodeFailed, "no way"};
+    return Error{kCodeFailed, "no path"};
   };
   EXPECT_TRUE(RunToItsEnd(20));
-  EXPECT_EQ(feedback().message, "Way-point 3 of 3: Planning failed: no way");
+  EXPECT_EQ(feedback().message, "Way-point 3 of 3: Planning failed: no path");
 }
 
 TEST_F(Move, ContinuesAtTheSameWayPointAfterAPauseAndALostController) {

@@ -33,7 +33,7 @@ class MovingRobot : public Robot {
   bool scan_up = true;
   bool answers = true;  // the planner; else a request stays open
   Duration planning_time = std::chrono::milliseconds(300);
-  // The planner; by default a straight way.
+  // The planner; by default a straight path.
   std::function<Result<navigation::Path>(const navigation::Pose&, const navigation::Pose&)> plan =
       [](const navigation::Pose& start, const navigation::Pose& goal) -> Result<navigation::Path> {
     return navigation::Path{start, goal};
@@ -41,7 +41,7 @@ class MovingRobot : public Robot {
   std::vector<navigation::Point> points;  // of obstacles
   // A place that is blocked by what the map does not have. The robot stops in front of it, and the
   // drive ends as those of the controller server do. The planner then plans as the real one: where
-  // no way leads around it, its path leads through.
+  // no path leads around it, its path leads through.
   std::function<bool(const navigation::Point&)> blocked = [](const auto&) { return false; };
   std::function<std::optional<Line>(const navigation::Pose&)> see_line =
       [](const navigation::Pose&) { return std::optional<Line>(); };

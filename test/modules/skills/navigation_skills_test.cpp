@@ -143,7 +143,7 @@ class Hall : public SkillsOnARobot {
       case 12:
         plans_ = !plans_;
         robot.plan = plans_ ? straight_ : [](const auto&, const auto&) -> Result<navigation::Path> {
-          return Error{kCodeFailed, "no way"};
+          return Error{kCodeFailed, "no path"};
         };
         return;
       default:

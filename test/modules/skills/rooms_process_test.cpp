@@ -73,7 +73,7 @@ TEST_F(Rooms, LetAPlainClientNavigateARobot) {
                            "feedback: processing: [^\n]*\n"
                            "result of status 4: true completed: Reached goal .100%.\n"));
   EXPECT_THAT(Navigate("[11, 8]"),
-              HasSubstr("result of status 6: false failed: Planning failed: no way is wide enough "
+              HasSubstr("result of status 6: false failed: Planning failed: no path is wide enough "
                         "for the robot: the goal (11.00, 8.00) or the start is walled in"));
   const std::string cancelled = Navigate("[4, 1.2]", {"cancel"});
   EXPECT_THAT(cancelled, HasSubstr("cancel: code 0\n"));

@@ -135,16 +135,16 @@ TEST_F(Track, FailsWithoutATargetOrAServer) {
   EXPECT_THAT(feedback().message, HasSubstr("Path planner server not available"));
 }
 
-TEST_F(Track, FailsWhenThereIsNoWayForALongTime) {
+TEST_F(Track, FailsWhenThereIsNoPathForALongTime) {
   robot.plan = [](const auto&, const auto&) -> Result<navigation::Path> {
     return Error{kCodeFailed, "walled in"};
   };
   Go();
   RunFor(5);
-  EXPECT_THAT(feedback().message, HasSubstr("No way to the target ("));
+  EXPECT_THAT(feedback().message, HasSubstr("No path to the target ("));
   EXPECT_TRUE(RunToItsEnd(8));
   EXPECT_EQ(feedback().status, Status::kFailed);
-  EXPECT_EQ(feedback().message, "No way to the target for 10.0 s: Planning failed: walled in");
+  EXPECT_EQ(feedback().message, "No path to the target for 10.0 s: Planning failed: walled in");
 }
 
 // The planner's path leads through it.
@@ -157,14 +157,14 @@ TEST_F(Track, FailsAtAnObstacleThatStays) {
   EXPECT_TRUE(RunToItsEnd(8));
   EXPECT_EQ(feedback().status, Status::kFailed);
   EXPECT_EQ(feedback().message,
-            "No way to the target for 10.0 s: the robot does not get on along its path, as at an "
+            "No path to the target for 10.0 s: the robot does not get on along its path, as at an "
             "obstacle");
   RunFor(1);
   EXPECT_TRUE(robot.Rests());
   robot.at = {};
   Go({{"track_period", "100"}});
   EXPECT_TRUE(RunToItsEnd(20));
-  EXPECT_EQ(feedback().message, "No way to the target for 10.0 s: an obstacle stays in the way");
+  EXPECT_EQ(feedback().message, "No path to the target for 10.0 s: an obstacle stays in the way");
 }
 
 TEST_F(Track, OutlivesAnObstacleAndARestartOfServers) {

@@ -131,10 +131,10 @@ TEST_F(PlannerEndpointTest, RefusesWithTheReason) {
   EXPECT_TRUE(plans_.empty());
 }
 
-TEST_F(PlannerEndpointTest, ReportsAMapWithoutAWay) {
+TEST_F(PlannerEndpointTest, ReportsAMapWithoutAPath) {
   Start();
   SendMap(R"({"grid": [[0,0,0],[3,3,3],[0,0,0],[0,0,0],[0,0,0],[0,0,0]], "team": "red"})");
-  EXPECT_THAT(errors_.back().data, HasSubstr("no way leads to row 5"));
+  EXPECT_THAT(errors_.back().data, HasSubstr("no path leads to row 5"));
   Command("SEND");
   EXPECT_THAT(errors_.back().data, HasSubstr("the last map of boxes has no plan"));
 }

@@ -79,10 +79,10 @@ RC_GTEST_PROP(RouteSearch, FindsOnlyPlansThatTheRobotAccepts, ()) {
   }
 }
 
-TEST(RouteSearch, FindsEveryWayThroughAnEmptyField) {
+TEST(RouteSearch, FindsEveryPathThroughAnEmptyField) {
   const RouteReport report = FindRoutes({});
   EXPECT_TRUE(report.complete);
-  // From each cell of a row three ways lead to the next one: 3 starts, 5 rows.
+  // From each cell of a row three paths lead to the next one: 3 starts, 5 rows.
   EXPECT_EQ(report.routes[0].total, 729U);
   EXPECT_EQ(report.routes[1].total, 0U);
   const Route& best = report.routes[0].routes.at(0);
@@ -111,7 +111,7 @@ TEST(RouteSearch, TakesABoxThatIsInItsWay) {
   EXPECT_EQ(report.routes[1].total, 1U);
 }
 
-TEST(RouteSearch, FindsNoWayBehindFakeBoxes) {
+TEST(RouteSearch, FindsNoPathBehindFakeBoxes) {
   for (const bool omni : {false, true}) {
     const auto report = FindRoutes(Map({{{0, 0, 0}, {3, 3, 3}}}, Side::kBlue, omni));
     EXPECT_EQ(BestRoute(report.routes), nullptr);
@@ -146,7 +146,7 @@ TEST(RouteSearch, KeepsTheYawOfTheLastFetchOnlyOneWay) {
 }
 
 TEST(RouteSearch, LeavesABoxThatIsTooLowForTheWheels) {
-  // The only box lies 200 mm below the only way past it.
+  // The only box lies 200 mm below the only path past it.
   const auto report =
       FindRoutes(Map({{{3, 0, 3}, {3, 0, 3}, {3, 0, 2}, {3, 0, 3}, {3, 0, 3}, {3, 0, 3}}}));
   EXPECT_EQ(report.routes[0].total, 1U);

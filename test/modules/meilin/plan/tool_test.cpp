@@ -104,7 +104,7 @@ TEST_F(PlanToolTest, ExitsWithTwoForUsageAndForAMapWithoutAPlan) {
   const Ran closed = Run({"plan", File("closed.json", R"({"grid": [[0,0,0],[3,3,3],[0,0,0],[0,0,0],
       [0,0,0],[0,0,0]], "team": "red"})")});
   EXPECT_EQ(closed.code, 2);
-  EXPECT_THAT(closed.err, HasSubstr("no plan for this map: no way leads to row 5: fake boxes"));
+  EXPECT_THAT(closed.err, HasSubstr("no plan for this map: no path leads to row 5: fake boxes"));
   EXPECT_EQ(Run({"plan", "--help"}).code, 0);
   EXPECT_TRUE(IsPlanTool("plan"));
   EXPECT_FALSE(IsPlanTool("models"));
