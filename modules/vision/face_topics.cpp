@@ -27,12 +27,12 @@ FeedRules FeedRulesOf(const VisionConfig& config) {
           .needs_lens = true,
           .rate_hz = config.rate_hz,
           .silence = config.silence,
-          .hang = config.look.hang};
+          .hang = config.limits.hang};
 }
 
 }  // namespace
 
-FaceTopics::FaceTopics(const Dependencies& dependencies, Looker<Detector>& looker,
+FaceTopics::FaceTopics(const Dependencies& dependencies, DetectorWorker<Detector>& worker,
                        VisionConfig config)
     : stamp_ns_(dependencies.stamp_ns),
       config_(std::move(config)),
@@ -43,15 +43,15 @@ FaceTopics::FaceTopics(const Dependencies& dependencies, Looker<Detector>& looke
       too_close_(endpoints_.Advertise<msg::Bool>(config_.publish_under + "/too_close")),
       faces_(endpoints_.Advertise<msg::String>(config_.publish_under + "/faces_json", kNewestQos)),
       feed_(dependencies, FeedRulesOf(config_),
-            {.on_shot = [&looker](Shot shot) { looker.Look(std::move(shot)); },
+            {.on_shot = [&worker](Shot shot) { worker.Submit(std::move(shot)); },
              .on_jump = [this] { OnJump(); },
              .on_silence = [this] { OnSilence(); },
-             .busy = [&looker] { return looker.Busy(); }}) {}
+             .busy = [&worker] { return worker.Busy(); }}) {}
 
 Result<std::unique_ptr<FaceTopics>> FaceTopics::Make(const Dependencies& dependencies,
-                                                     Looker<Detector>& looker,
+                                                     DetectorWorker<Detector>& worker,
                                                      const VisionConfig& config) {
-  std::unique_ptr<FaceTopics> topics(new FaceTopics(dependencies, looker, config));
+  std::unique_ptr<FaceTopics> topics(new FaceTopics(dependencies, worker, config));
   if (!topics->endpoints_.opened()) return topics->endpoints_.opened().error();
   return topics;
 }
@@ -80,7 +80,7 @@ void FaceTopics::OnJump() {
   too_close_now_ = false;
 }
 
-void FaceTopics::OnResult(const LookResult<Detector>& result) {
+void FaceTopics::OnResult(const DetectionResult<Detector>& result) {
   if (!feed_.OnResult(result.stamp_ns, result.found ? Result<>() : result.found.error())) return;
   NoteGap(Duration(result.stamp_ns - std::exchange(looked_ns_, result.stamp_ns)));
   const Sight sight = watch_.OnPicture(result.stamp_ns, result.found.value(),

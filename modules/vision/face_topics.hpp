@@ -1,6 +1,6 @@
 #pragma once
-// Faces on the network: subscribes to pictures while it is on, passes them to a looker, and
-// publishes the results. Runs on any transport.
+// Faces on the network: subscribes to pictures while it is on, passes them to a detector worker,
+// and publishes the results. Runs on any transport.
 //
 // target and too_close are published with a picture that shows them: subscribers go by their
 // age. After a start too_close is not published until a face was seen or pictures were checked for
@@ -19,8 +19,8 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/vision/faces/detector.hpp"
 #include "musher/modules/vision/faces/face_watch.hpp"
+#include "musher/modules/vision/picture/detector_worker.hpp"
 #include "musher/modules/vision/picture/fault_log.hpp"
-#include "musher/modules/vision/picture/looker.hpp"
 #include "musher/modules/vision/picture/picture_feed.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -30,7 +30,7 @@ namespace musher::vision {
 class FaceTopics {
  public:
   static Result<std::unique_ptr<FaceTopics>> Make(const Dependencies& dependencies,
-                                                  Looker<Detector>& looker,
+                                                  DetectorWorker<Detector>& worker,
                                                   const VisionConfig& config);
 
   // Two reasons to be on: the robot is in a state in which it looks; a self-check runs, which
@@ -42,8 +42,8 @@ class FaceTopics {
   // reason.
   Result<> Check() const { return feed_.Check(); }
 
-  // Called by the looker.
-  void OnResult(const LookResult<Detector>& result);
+  // Called by the worker.
+  void OnResult(const DetectionResult<Detector>& result);
   void OnLeftOut() { ++left_out_; }
 
   bool looks() const { return feed_.on(); }
@@ -51,7 +51,8 @@ class FaceTopics {
   std::uint64_t looked_at() const { return feed_.looked_at(); }
 
  private:
-  FaceTopics(const Dependencies& dependencies, Looker<Detector>& looker, VisionConfig config);
+  FaceTopics(const Dependencies& dependencies, DetectorWorker<Detector>& worker,
+             VisionConfig config);
   Result<> Reconsider();
   void OnJump();
   void OnSilence();

@@ -66,8 +66,8 @@ class Reader {
     cascade.width_px = Integer(reader, "width_px", 40, 4096, cascade.width_px);
     cascade.step = reader.Number("step", 1.01, 2).value_or(cascade.step);
     cascade.neighbours = Integer(reader, "neighbours", 1, 50, cascade.neighbours);
-    config_.look.hang = reader.Time("hang_ms").value_or(config_.look.hang);
-    config_.look.failures = Integer(reader, "failures", 1, 1000, config_.look.failures);
+    config_.limits.hang = reader.Time("hang_ms").value_or(config_.limits.hang);
+    config_.limits.failures = Integer(reader, "failures", 1, 1000, config_.limits.failures);
   }
 
   void ReadFaces(TableReader& reader) {

@@ -13,7 +13,7 @@
 #include "musher/modules/vision/course/course_config.hpp"
 #include "musher/modules/vision/faces/detector.hpp"
 #include "musher/modules/vision/faces/face_watch.hpp"
-#include "musher/modules/vision/picture/looker.hpp"
+#include "musher/modules/vision/picture/detector_worker.hpp"
 
 namespace musher::vision {
 
@@ -28,7 +28,7 @@ struct VisionConfig {
   Duration self_check_time = Milliseconds(5000);
   Duration silence = Milliseconds(2000);  // timeout without a processed picture
   CascadeConfig cascade;
-  LookRules look;
+  DetectorLimits limits;
   FaceRules faces;
   bool detect_faces = true;
   std::vector<CourseEntry> detectors;  // of a course

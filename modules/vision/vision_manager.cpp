@@ -16,12 +16,12 @@ VisionManager::VisionManager(const std::string& actuator_name, VisionConfig conf
 
 VisionManager::~VisionManager() {
   if (!node_) return;
-  // From here on pictures may arrive and are passed to the lookers.
+  // From here on pictures may arrive and are passed to the detectors.
   node_->RunOnLoop([this] {
     topics_.reset();
     for (const auto& detection : detections_) detection->CloseTopics();
   });
-  looker_.reset();
+  detector_thread_.reset();
   detections_.clear();
   node_->RunOnLoop([this] { clock_.reset(); });
 }
@@ -36,8 +36,8 @@ Result<> VisionManager::Run(const State& state) {
 }
 
 Result<> VisionManager::Load() {
-  if (looker_) {
-    if (Result<> loaded = looker_->Load(); !loaded) return loaded;
+  if (detector_thread_) {
+    if (Result<> loaded = detector_thread_->Load(); !loaded) return loaded;
   }
   for (const auto& detection : detections_) {
     if (Result<> loaded = detection->Load(); !loaded) return loaded;
@@ -76,17 +76,17 @@ Result<> VisionManager::MakeTopics() {
 }
 
 Result<> VisionManager::MakeFaceTopics(const Dependencies& dependencies) {
-  looker_ = std::make_unique<LookThread<Detector>>(
-      node_->loop(), maker_, config_.look,
-      LookThreadEvents<Detector>{
+  detector_thread_ = std::make_unique<DetectorThread<Detector>>(
+      node_->loop(), maker_, config_.limits,
+      DetectorThreadEvents<Detector>{
           .on_result =
-              [this](const LookResult<Detector>& result) {
+              [this](const DetectionResult<Detector>& result) {
                 if (topics_) topics_->OnResult(result);
               },
           .on_left_out = [this] { topics_->OnLeftOut(); },
           .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
           .on_detector_lost = [this](const Error& error) { OnLost(error); }});
-  auto topics = FaceTopics::Make(dependencies, *looker_, config_);
+  auto topics = FaceTopics::Make(dependencies, *detector_thread_, config_);
   if (!topics) return topics.error();
   topics_ = std::move(topics).value();
   return Ok();

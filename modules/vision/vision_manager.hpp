@@ -11,7 +11,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/modules/vision/course/course_detection.hpp"
 #include "musher/modules/vision/face_topics.hpp"
-#include "musher/modules/vision/picture/look_thread.hpp"
+#include "musher/modules/vision/picture/detector_thread.hpp"
 #include "musher/modules/vision/vision_config.hpp"
 #include "musher/transport/clock.hpp"
 
@@ -42,7 +42,7 @@ class VisionManager : public MachineActuator {
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
   // Of faces; null: they are not detected.
-  std::unique_ptr<LookThread<Detector>> looker_;
+  std::unique_ptr<DetectorThread<Detector>> detector_thread_;
   std::unique_ptr<FaceTopics> topics_;
   std::vector<std::unique_ptr<CourseDetection>> detections_;
 };

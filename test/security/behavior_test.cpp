@@ -37,9 +37,9 @@ TEST_F(SecuredApplication, ShowsItsStateToParticipantsWithKeysAlsoToObservers) {
   const Ended sent = As("operator", {"behavior", "show", "--send", "go"});
   EXPECT_EQ(sent.exit, 0) << sent.err;
   EXPECT_EQ(sent.out, "sent go to show\n");
-  const Ended looker = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
-  EXPECT_NE(looker.exit, 0) << "an observer commands nothing";
-  EXPECT_THAT(looker.err, HasSubstr("visitor may not do that"));
+  const Ended observer = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
+  EXPECT_NE(observer.exit, 0) << "an observer commands nothing";
+  EXPECT_THAT(observer.err, HasSubstr("visitor may not do that"));
   const Ended unknown = As("operator", {"behavior", "shwo"});
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'show'?"));
   unsetenv("MUSHER_KEYS");

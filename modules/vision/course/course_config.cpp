@@ -62,9 +62,9 @@ class EntriesReader {
     }
     entry.rate_hz = reader.Number("rate_hz", 0, 1000).value_or(entry.rate_hz);
     Topic(reader, "publish", entry.publish);
-    entry.look.hang = reader.Time("hang_ms").value_or(entry.look.hang);
+    entry.limits.hang = reader.Time("hang_ms").value_or(entry.limits.hang);
     if (const auto failures = reader.Integer("failures", 1, 1000)) {
-      entry.look.failures = static_cast<int>(*failures);
+      entry.limits.failures = static_cast<int>(*failures);
     }
     const config_toml::Table* parameters = reader.SubTable("parameters");
     reader.RefuseOthers();

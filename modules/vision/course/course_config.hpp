@@ -14,7 +14,7 @@
 #include "musher/base/toml/findings.hpp"
 #include "musher/base/toml/table_reader.hpp"
 #include "musher/modules/vision/course/course_detectors.hpp"
-#include "musher/modules/vision/picture/looker.hpp"
+#include "musher/modules/vision/picture/detector_worker.hpp"
 
 namespace musher::vision {
 
@@ -50,7 +50,7 @@ struct CourseEntry {
   std::optional<double> hfov_rad;     // of the picture, where no CameraInfo comes
   double rate_hz = 10;                // pictures processed in a second of their own time; 0: all
   std::string publish;                // the text, or of a detector of lines its lines
-  LookRules look;
+  DetectorLimits limits;
   CourseParameters parameters;
   CourseMaking making;  // with them
 

@@ -16,9 +16,9 @@ CourseDetection::CourseDetection(const Dependencies& dependencies, const CourseE
     : name_(entry.name),
       check_(entry.making.check),
       thread_(dependencies.node.loop(),
-              [make = entry.making.make] { return CourseProcessor::Make(make); }, entry.look,
+              [make = entry.making.make] { return CourseProcessor::Make(make); }, entry.limits,
               {.on_result =
-                   [this](const LookResult<CourseProcessor>& result) {
+                   [this](const DetectionResult<CourseProcessor>& result) {
                      if (topics_) topics_->OnResult(result);
                    },
                .on_left_out = [this] { topics_->OnLeftOut(); },

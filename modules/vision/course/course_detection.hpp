@@ -8,7 +8,7 @@
 #include <string>
 
 #include "musher/modules/vision/course/course_topics.hpp"
-#include "musher/modules/vision/picture/look_thread.hpp"
+#include "musher/modules/vision/picture/detector_thread.hpp"
 
 namespace musher::vision {
 
@@ -41,7 +41,7 @@ class CourseDetection {
   const std::string name_;
   const std::function<Result<>()> check_;
   bool is_checked_ = false;
-  LookThread<CourseProcessor> thread_;
+  DetectorThread<CourseProcessor> thread_;
   std::unique_ptr<CourseTopics> topics_;
 };
 

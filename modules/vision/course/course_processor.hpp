@@ -38,7 +38,7 @@ msg::Image MessageOf(const cv::Mat& bgr);
 
 class CourseProcessor {
  public:
-  using Input = CourseShot;  // see looker.hpp
+  using Input = CourseShot;  // see detector_worker.hpp
   using Found = CourseFound;
 
   // Makes the first detector. Fails with the maker's error.

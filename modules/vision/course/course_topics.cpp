@@ -16,22 +16,23 @@ FeedRules FeedRulesOf(const CourseEntry& entry, Duration silence) {
           .needs_lens = false,
           .rate_hz = entry.rate_hz,
           .silence = silence,
-          .hang = entry.look.hang};
+          .hang = entry.limits.hang};
 }
 
 }  // namespace
 
-CourseTopics::CourseTopics(const Dependencies& dependencies, Looker<CourseProcessor>& looker,
-                           const CourseEntry& entry, Duration silence)
+CourseTopics::CourseTopics(const Dependencies& dependencies,
+                           DetectorWorker<CourseProcessor>& worker, const CourseEntry& entry,
+                           Duration silence)
     : loop_(dependencies.node.loop()),
       log_(dependencies.log),
-      looker_(looker),
+      worker_(worker),
       endpoints_(dependencies.node, dependencies.name_space),
       feed_(dependencies, FeedRulesOf(entry, silence),
             {.on_shot = [this](Shot shot) { OnShot(std::move(shot)); },
              .on_jump = [this] { ++run_; },
              .on_silence = [] {},
-             .busy = [&looker] { return looker.Busy(); }}) {
+             .busy = [&worker] { return worker.Busy(); }}) {
   const transport::WriterCallbacks matched = {.on_match_changed = [this] { ReconsiderSoon(); }};
   const CourseOutputs topics = entry.Outputs();
   if (topics.lines) {
@@ -48,10 +49,10 @@ CourseTopics::CourseTopics(const Dependencies& dependencies, Looker<CourseProces
 }
 
 Result<std::unique_ptr<CourseTopics>> CourseTopics::Make(const Dependencies& dependencies,
-                                                         Looker<CourseProcessor>& looker,
+                                                         DetectorWorker<CourseProcessor>& worker,
                                                          const CourseEntry& entry,
                                                          Duration silence) {
-  std::unique_ptr<CourseTopics> topics(new CourseTopics(dependencies, looker, entry, silence));
+  std::unique_ptr<CourseTopics> topics(new CourseTopics(dependencies, worker, entry, silence));
   if (!topics->endpoints_.opened()) return topics->endpoints_.opened().error();
   return topics;
 }
@@ -92,10 +93,10 @@ void CourseTopics::OnShot(Shot shot) {
   course.draws = on_ && Draws();
   course.run = run_;
   static_cast<Shot&>(course) = std::move(shot);
-  looker_.Look(std::move(course));
+  worker_.Submit(std::move(course));
 }
 
-void CourseTopics::OnResult(const LookResult<CourseProcessor>& result) {
+void CourseTopics::OnResult(const DetectionResult<CourseProcessor>& result) {
   if (!feed_.OnResult(result.stamp_ns, result.found ? Result<>() : result.found.error())) return;
   const CourseFound& found = result.found.value();
   if (!on_ || found.run != run_) return;

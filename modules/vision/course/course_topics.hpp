@@ -19,7 +19,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/vision/course/course_config.hpp"
 #include "musher/modules/vision/course/course_processor.hpp"
-#include "musher/modules/vision/picture/looker.hpp"
+#include "musher/modules/vision/picture/detector_worker.hpp"
 #include "musher/modules/vision/picture/picture_feed.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -29,7 +29,7 @@ class CourseTopics {
  public:
   // `silence`: timeout without a processed picture while an output has a subscriber.
   static Result<std::unique_ptr<CourseTopics>> Make(const Dependencies& dependencies,
-                                                    Looker<CourseProcessor>& looker,
+                                                    DetectorWorker<CourseProcessor>& worker,
                                                     const CourseEntry& entry, Duration silence);
 
   // The robot is in a state in which it looks. Fails when the pictures cannot be subscribed to.
@@ -41,8 +41,8 @@ class CourseTopics {
   // reason.
   Result<> Check() const { return feed_.Check(); }
 
-  // Called by the looker.
-  void OnResult(const LookResult<CourseProcessor>& result);
+  // Called by the worker.
+  void OnResult(const DetectionResult<CourseProcessor>& result);
   void OnLeftOut() { ++left_out_; }
 
   bool looks() const { return feed_.on(); }
@@ -50,7 +50,7 @@ class CourseTopics {
   std::uint64_t looked_at() const { return feed_.looked_at(); }
 
  private:
-  CourseTopics(const Dependencies& dependencies, Looker<CourseProcessor>& looker,
+  CourseTopics(const Dependencies& dependencies, DetectorWorker<CourseProcessor>& worker,
                const CourseEntry& entry, Duration silence);
   bool IsSubscribed() const;
   bool Draws() const { return drawings_->MatchedReaders() > 0; }
@@ -60,7 +60,7 @@ class CourseTopics {
 
   transport::EventLoop& loop_;
   const std::function<void(const Error&)> log_;
-  Looker<CourseProcessor>& looker_;
+  DetectorWorker<CourseProcessor>& worker_;
   bool on_ = false;
   bool checked_ = false;
   std::uint32_t run_ = 0;  // of the subscriptions to pictures, and of the jumps of time

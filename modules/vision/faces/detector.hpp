@@ -17,7 +17,7 @@ namespace musher::vision {
 
 class Detector {
  public:
-  using Input = Shot;  // see looker.hpp
+  using Input = Shot;  // see detector_worker.hpp
   using Found = std::vector<FaceBox>;
 
   virtual ~Detector() = default;

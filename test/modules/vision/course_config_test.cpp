@@ -57,7 +57,7 @@ picture = "image_left"
   const CourseEntry& board = config.detectors[0];
   EXPECT_EQ(board.picture, "image_rgb");
   EXPECT_EQ(board.CameraInfoTopic(), "image_rgb/camera_info");
-  EXPECT_EQ(board.look, LookRules());
+  EXPECT_EQ(board.limits, DetectorLimits());
   EXPECT_EQ(board.Outputs().text, "/qr_detector/qr_info");
   EXPECT_EQ(board.Outputs().sighting, "/qr_detector/sighting");
   EXPECT_EQ(board.Outputs().debug_image, "/qr_detector/debug_image");
@@ -94,7 +94,7 @@ least_area_px2 = 100
   EXPECT_NEAR(*sign.hfov_rad, M_PI / 2, 1e-9);
   EXPECT_EQ(sign.rate_hz, 5);
   EXPECT_EQ(sign.Outputs().sighting, "/my/sign/sighting");
-  EXPECT_EQ(sign.look, (LookRules{Milliseconds(300), 2}));
+  EXPECT_EQ(sign.limits, (DetectorLimits{Milliseconds(300), 2}));
   MarkerParameters expected;
   expected.yellow = {{20, 100, 100}, {30, 255, 255}};
   expected.region.bottom = 0.5;

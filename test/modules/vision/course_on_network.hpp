@@ -17,10 +17,10 @@
 namespace musher::vision {
 
 // Processes at once, or keeps the newest picture while it hangs.
-class FakeCourseLooker : public Looker<CourseProcessor> {
+class FakeCourseWorker : public DetectorWorker<CourseProcessor> {
  public:
   Result<> Load() override { return Ok(); }
-  void Look(CourseShot shot) override {
+  void Submit(CourseShot shot) override {
     shots.push_back(shot);
     if (!hangs) Finish(shot);
   }
@@ -39,7 +39,7 @@ class FakeCourseLooker : public Looker<CourseProcessor> {
   bool hangs = false;
   Duration busy{};
   std::vector<CourseShot> shots;
-  std::function<void(LookResult<CourseProcessor>)> on_result;
+  std::function<void(DetectionResult<CourseProcessor>)> on_result;
 };
 
 class CourseTopicsTest : public ::testing::Test {
@@ -57,8 +57,8 @@ class CourseTopicsTest : public ::testing::Test {
     msg::Sighting sighting;
     sighting.seen = true;
     sighting.text = "A-1";
-    looker_.found.sight = {sighting, std::nullopt, "A-1"};
-    looker_.on_result = [this](const LookResult<CourseProcessor>& result) {
+    worker_.found.sight = {sighting, std::nullopt, "A-1"};
+    worker_.on_result = [this](const DetectionResult<CourseProcessor>& result) {
       topics_->OnResult(result);
     };
     pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
@@ -73,7 +73,7 @@ class CourseTopicsTest : public ::testing::Test {
          [this](const Error& error) {
            log_.push_back(std::to_string(error.code) + " " + error.message);
          }},
-        looker_, entry_, Milliseconds(2000)));
+        worker_, entry_, Milliseconds(2000)));
     EXPECT_TRUE(topics_->SetOn(on));
     Run(Milliseconds(500));  // discovery
   }
@@ -108,7 +108,7 @@ class CourseTopicsTest : public ::testing::Test {
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
   std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
   CourseEntry entry_;
-  FakeCourseLooker looker_;
+  FakeCourseWorker worker_;
   std::vector<std::string> log_;
   std::vector<msg::String> texts_;
   std::vector<msg::Sighting> sightings_;

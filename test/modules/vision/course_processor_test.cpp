@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "musher/messages/stamp.hpp"
-#include "musher/modules/vision/picture/look_thread.hpp"
+#include "musher/modules/vision/picture/detector_thread.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -103,14 +103,16 @@ TEST_F(CourseProcessorTest, StartsTheDetectorAgainForEachRun) {
   EXPECT_EQ(looks(), 1);
 }
 
-// The rest of the thread is the same for every kind of detector: look_thread_test.cpp.
+// The rest of the thread is the same for every kind of detector: detector_thread_test.cpp.
 class CourseThreadTest : public CourseProcessorTest {
  protected:
   void Start() {
     thread_.emplace(
-        loop_, [] { return CourseProcessor::Make(Made); }, LookRules{Milliseconds(700), 2},
-        LookThreadEvents<CourseProcessor>{
-            [this](LookResult<CourseProcessor> result) { results_.push_back(std::move(result)); },
+        loop_, [] { return CourseProcessor::Make(Made); }, DetectorLimits{Milliseconds(700), 2},
+        DetectorThreadEvents<CourseProcessor>{
+            [this](DetectionResult<CourseProcessor> result) {
+              results_.push_back(std::move(result));
+            },
             [this] { ++left_out_; }, [](Duration) {},
             [this](const Error& error) { lost_.set_value(error.message); }});
   }
@@ -120,28 +122,28 @@ class CourseThreadTest : public CourseProcessorTest {
   }
 
   transport::LinuxEventLoop loop_;
-  std::vector<LookResult<CourseProcessor>> results_;
+  std::vector<DetectionResult<CourseProcessor>> results_;
   int left_out_ = 0;
   std::promise<std::string> lost_;
-  std::optional<LookThread<CourseProcessor>> thread_;
+  std::optional<DetectorThread<CourseProcessor>> thread_;
 };
 
 TEST_F(CourseThreadTest, ReplacesADetectorThatThrewAndGivesItUpAfterSeveral) {
   Start();
   auto lost = lost_.get_future();
-  thread_->Look(ShotOf("mono8", {7}));
+  thread_->Submit(ShotOf("mono8", {7}));
   ASSERT_TRUE(AwaitResults(1));
   FakeCourseDetector::throws = true;
-  thread_->Look(ShotOf("mono8", {7}));
+  thread_->Submit(ShotOf("mono8", {7}));
   ASSERT_TRUE(AwaitResults(2));
   FakeCourseDetector::throws = false;
-  thread_->Look(ShotOf("mono8", {7}));
+  thread_->Submit(ShotOf("mono8", {7}));
   ASSERT_TRUE(AwaitResults(3));
   EXPECT_EQ(results_[1].found.error().message, "the detector failed: out of luck");
   EXPECT_EQ(results_[2].found.value().sight.sighting->width, 1) << "a new one";
   FakeCourseDetector::throws = true;
   for (const std::size_t count : {4, 5}) {
-    thread_->Look(ShotOf("mono8", {7}));
+    thread_->Submit(ShotOf("mono8", {7}));
     ASSERT_TRUE(AwaitResults(count));
   }
   EXPECT_EQ(lost.get(), "2 pictures in a row: the detector failed: out of luck");
@@ -151,10 +153,10 @@ TEST_F(CourseThreadTest, ProcessesTheNewestPictureOnly) {
   std::promise<void> gate;
   FakeCourseDetector::gate = &gate;
   Start();
-  thread_->Look(ShotOf("mono8", {1}));
+  thread_->Submit(ShotOf("mono8", {1}));
   while (FakeCourseDetector::gate != nullptr) std::this_thread::yield();
   for (int grey = 2; grey <= 4; ++grey) {
-    thread_->Look(ShotOf("mono8", {static_cast<std::uint8_t>(grey)}));
+    thread_->Submit(ShotOf("mono8", {static_cast<std::uint8_t>(grey)}));
   }
   EXPECT_EQ(left_out_, 2);
   gate.set_value();

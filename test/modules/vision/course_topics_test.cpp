@@ -45,15 +45,15 @@ TEST_F(CourseTopicsTest, DrawOnlyWhileTheDebugImageHasASubscriber) {
   Start();
   const auto text = Listen("qr_detector/qr_info", texts_);
   Shoot();
-  EXPECT_FALSE(looker_.shots.back().draws);
+  EXPECT_FALSE(worker_.shots.back().draws);
   auto drawing = Listen("qr_detector/debug_image", drawings_, transport::kSensorDataQos);
   Shoot(2);
-  EXPECT_TRUE(looker_.shots.back().draws);
+  EXPECT_TRUE(worker_.shots.back().draws);
   EXPECT_THAT(drawings_, SizeIs(2));
   drawing.reset();
   Run(Milliseconds(500));
   Shoot();
-  EXPECT_FALSE(looker_.shots.back().draws);
+  EXPECT_FALSE(worker_.shots.back().draws);
 }
 
 TEST_F(CourseTopicsTest, LookForADebugImageAlone) {
@@ -66,8 +66,8 @@ TEST_F(CourseTopicsTest, LookForADebugImageAlone) {
 TEST_F(CourseTopicsTest, OfLinesPublishNoText) {
   entry_.kind = CourseKind::kLines;
   entry_.publish = "/yellow_line_detector/left";
-  looker_.found.sight = {std::nullopt, msg::YellowLines(), std::nullopt};
-  looker_.found.sight.lines->contours = 2;
+  worker_.found.sight = {std::nullopt, msg::YellowLines(), std::nullopt};
+  worker_.found.sight.lines->contours = 2;
   Start();
   const auto lines = Listen("yellow_line_detector/left", lines_);
   Shoot();
@@ -80,7 +80,7 @@ TEST_F(CourseTopicsTest, OfLinesPublishNoText) {
 }
 
 TEST_F(CourseTopicsTest, PublishNoTextWhileTheDetectorIsSilent) {
-  looker_.found.sight.text = std::nullopt;
+  worker_.found.sight.text = std::nullopt;
   Start();
   const auto text = Listen("qr_detector/qr_info", texts_);
   const auto sighting = Listen("qr_detector/sighting", sightings_);
@@ -94,32 +94,32 @@ TEST_F(CourseTopicsTest, StartTheDetectorAgainAfterEachPauseAndJump) {
   Start();
   auto text = Listen("qr_detector/qr_info", texts_);
   Shoot(2);
-  const std::uint32_t first = looker_.shots[0].run;
-  EXPECT_EQ(looker_.shots[1].run, first);
+  const std::uint32_t first = worker_.shots[0].run;
+  EXPECT_EQ(worker_.shots[1].run, first);
   text.reset();
   Run(Milliseconds(500));
   text = Listen("qr_detector/qr_info", texts_);
   Shoot();
-  EXPECT_EQ(looker_.shots[2].run, first + 1);
+  EXPECT_EQ(worker_.shots[2].run, first + 1);
   Run(Milliseconds(60'000));
   Shoot();
-  EXPECT_EQ(looker_.shots[3].run, first + 1);
+  EXPECT_EQ(worker_.shots[3].run, first + 1);
   msg::Image early = Picture();
   early.header.stamp = {3, 0};
   EXPECT_TRUE(pictures_->Publish(early));
   Run(Milliseconds(100));
-  EXPECT_EQ(looker_.shots[4].run, first + 2);
+  EXPECT_EQ(worker_.shots[4].run, first + 2);
 }
 
 TEST_F(CourseTopicsTest, DropAResultFromBeforeAPause) {
   Start();
   auto text = Listen("qr_detector/qr_info", texts_);
-  looker_.hangs = true;
+  worker_.hangs = true;
   Shoot();
   text.reset();
   Run(Milliseconds(500));
   text = Listen("qr_detector/qr_info", texts_);
-  looker_.Finish(looker_.shots[0]);
+  worker_.Finish(worker_.shots[0]);
   Run(Milliseconds(100));
   EXPECT_THAT(texts_, IsEmpty());
 }
@@ -134,7 +134,7 @@ TEST_F(CourseTopicsTest, RefuseInvalidPicturesAndLogItOnce) {
   msg::Image narrow = Picture();
   narrow.step = 10;
   for (const msg::Image& picture : {deep, cut, narrow, msg::Image()}) Shoot(2, picture);
-  EXPECT_THAT(looker_.shots, IsEmpty());
+  EXPECT_THAT(worker_.shots, IsEmpty());
   EXPECT_THAT(log_, ElementsAre("5910 pictures are rgb8, bgr8, rgba8, bgra8 or mono8, this one is "
                                 "'mono16'"));
   Shoot();
@@ -147,12 +147,12 @@ TEST_F(CourseTopicsTest, KnowTheLensOfCameraInfoOrOfTheConfig) {
   Start();
   const auto text = Listen("qr_detector/qr_info", texts_);
   Shoot();
-  ASSERT_TRUE(looker_.shots.back().lens);
-  EXPECT_NEAR(looker_.shots.back().lens->focal_x, 0.5 / std::tan(0.5), 1e-9);
+  ASSERT_TRUE(worker_.shots.back().lens);
+  EXPECT_NEAR(worker_.shots.back().lens->focal_x, 0.5 / std::tan(0.5), 1e-9);
   EXPECT_TRUE(infos_->Publish(FrontInfo()));
   Run(Milliseconds(100));
   Shoot();
-  EXPECT_EQ(looker_.shots.back().lens, FrontLens());
+  EXPECT_EQ(worker_.shots.back().lens, FrontLens());
 }
 
 TEST_F(CourseTopicsTest, LogMissingPicturesOnceWhileAnOutputHasASubscriber) {
@@ -170,15 +170,15 @@ TEST_F(CourseTopicsTest, LogMissingPicturesOnceWhileAnOutputHasASubscriber) {
 TEST_F(CourseTopicsTest, LogADetectorThatFailsAndThatHangs) {
   Start();
   const auto text = Listen("qr_detector/qr_info", texts_);
-  looker_.fault = Error{5912, "the detector failed: out of luck"};
+  worker_.fault = Error{5912, "the detector failed: out of luck"};
   Shoot(3);
   EXPECT_THAT(log_, ElementsAre("5912 the detector failed: out of luck"));
   EXPECT_EQ(Failing(), "the detector failed: out of luck");
-  looker_.fault.reset();
+  worker_.fault.reset();
   Shoot();
   EXPECT_THAT(log_.back(), "0 the detector is ok again");
-  looker_.hangs = true;
-  looker_.busy = Milliseconds(6000);
+  worker_.hangs = true;
+  worker_.busy = Milliseconds(6000);
   Shoot();
   Run(Milliseconds(3000));
   EXPECT_THAT(log_.back(), HasSubstr("the detector has been processing one for 6000 ms"));
@@ -215,10 +215,12 @@ TEST_F(CourseTopicsTest, OfTwoDetectorsOnOneCameraAreIndependent) {
   CourseEntry arrow;
   arrow.name = "green_arrow_detector";
   arrow.publish = "/green_arrow_detector/direction";
-  FakeCourseLooker second;
+  FakeCourseWorker second;
   second.found.sight = {msg::Sighting(), std::nullopt, "left"};
   std::unique_ptr<CourseTopics> topics;
-  second.on_result = [&](const LookResult<CourseProcessor>& result) { topics->OnResult(result); };
+  second.on_result = [&](const DetectionResult<CourseProcessor>& result) {
+    topics->OnResult(result);
+  };
   topics = Must(CourseTopics::Make(
       {*robot_, *clock_, "robot1", [] { return std::int64_t{1}; }, [](const Error&) {}}, second,
       arrow, Milliseconds(2000)));
@@ -227,12 +229,12 @@ TEST_F(CourseTopicsTest, OfTwoDetectorsOnOneCameraAreIndependent) {
   const auto direction = Listen("green_arrow_detector/direction", directions);
   Shoot();
   EXPECT_THAT(directions, ElementsAre(msg::String{"left"}));
-  EXPECT_THAT(looker_.shots, IsEmpty());
+  EXPECT_THAT(worker_.shots, IsEmpty());
   const auto text = Listen("qr_detector/qr_info", texts_);
-  looker_.hangs = true;
+  worker_.hangs = true;
   Shoot();
   EXPECT_THAT(directions, SizeIs(2)) << "one that hangs does not delay the other";
-  EXPECT_THAT(looker_.shots, SizeIs(1));
+  EXPECT_THAT(worker_.shots, SizeIs(1));
 }
 
 }  // namespace musher::vision::course_topics_test

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST_F(FaceTopicsTest, PublishTheTargetAndItsDistance) {
-  looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(1, 0.18))};
+  worker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(1, 0.18))};
   Start();
   Shoot();
   EXPECT_THAT(targets_, IsEmpty()) << "one picture is not enough";
@@ -22,13 +22,13 @@ TEST_F(FaceTopicsTest, PublishTheTargetAndItsDistance) {
   EXPECT_NEAR(targets_[0].point.y, 0.4, 1e-9);
   EXPECT_NEAR(targets_[0].point.z, 1.03, 0.01) << "it is aside";
   EXPECT_EQ(targets_[0].header.frame_id, "camera");
-  EXPECT_EQ(targets_[0].header.stamp, msg::ToStamp(Duration(looker_.looks.back())));
+  EXPECT_EQ(targets_[0].header.stamp, msg::ToStamp(Duration(worker_.looks.back())));
   EXPECT_EQ(closes_.back(), msg::Bool{false});
   EXPECT_THAT(counts_, ElementsAre(0, 1));
 }
 
 TEST_F(FaceTopicsTest, PublishThatAPersonIsTooClose) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Shoot(2);
   EXPECT_EQ(closes_.back().data, true);
@@ -36,7 +36,7 @@ TEST_F(FaceTopicsTest, PublishThatAPersonIsTooClose) {
 
 // Subscribers treat old ones as unknown.
 TEST_F(FaceTopicsTest, DoNotPublishTooCloseWhilePicturesAreMissing) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
   Start();
   Shoot(3);
   Forget();
@@ -46,28 +46,28 @@ TEST_F(FaceTopicsTest, DoNotPublishTooCloseWhilePicturesAreMissing) {
   EXPECT_THAT(counts_, ElementsAre(0, 0, 0)) << "each 2 s";
   EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: no usable picture on "
                                 "robot1/image_rgb"));
-  looker_.found = std::vector<FaceBox>();
+  worker_.found = std::vector<FaceBox>();
   Shoot();
   EXPECT_THAT(log_, ElementsAre(HasSubstr("5907"), "0 receiving pictures again"));
   EXPECT_EQ(closes_.back().data, false);
 }
 
 TEST_F(FaceTopicsTest, RepeatTooCloseWhilePicturesAreMissing) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Shoot(3);
   Forget();
   Run(Milliseconds(7000));
   EXPECT_THAT(closes_, ElementsAre(msg::Bool{true}, msg::Bool{true}, msg::Bool{true}))
       << "each 2 s: no person was seen to leave";
-  looker_.found = std::vector<FaceBox>();
+  worker_.found = std::vector<FaceBox>();
   Shoot();
   EXPECT_EQ(closes_.back().data, true) << "nor by the first picture";
-  looker_.found = std::vector{FaceAt(0.85, 0.4, HeightAt(1.5, 0.18))};
+  worker_.found = std::vector{FaceAt(0.85, 0.4, HeightAt(1.5, 0.18))};
   Shoot(8);
   EXPECT_EQ(closes_.back().data, true) << "this is another one, behind";
   for (const double distance_m : {0.7, 1.2}) {
-    looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(distance_m, 0.18))};
+    worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(distance_m, 0.18))};
     Shoot(8);
   }
   EXPECT_EQ(closes_.back().data, false);
@@ -84,7 +84,7 @@ TEST_F(FaceTopicsTest, DoNotPublishTooCloseAfterAStartUntilTheHoldTimeHasPassed)
 }
 
 TEST_F(FaceTopicsTest, PublishThatNoPersonIsTooCloseAsSoonAsTheySeeOneFartherAway) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
   Start();
   Shoot(2);
   EXPECT_THAT(closes_, ElementsAre(msg::Bool{false}));
@@ -104,7 +104,7 @@ TEST_F(FaceTopicsTest, SubscribeToNoPictureWhileTheyAreOff) {
   Run(Milliseconds(100));
   EXPECT_EQ(pictures_->MatchedReaders(), 1);
   Shoot(2);
-  EXPECT_EQ(looker_.looks.size(), 2U);
+  EXPECT_EQ(worker_.looks.size(), 2U);
   Forget();
   EXPECT_TRUE(topics_->SetOn(false));
   Run(Milliseconds(5000));
@@ -115,7 +115,7 @@ TEST_F(FaceTopicsTest, SubscribeToNoPictureWhileTheyAreOff) {
 }
 
 TEST_F(FaceTopicsTest, RememberAfterAPauseThatAPersonWasTooClose) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Shoot(2);
   EXPECT_TRUE(topics_->SetOn(false));
@@ -123,19 +123,19 @@ TEST_F(FaceTopicsTest, RememberAfterAPauseThatAPersonWasTooClose) {
   Forget();
   EXPECT_TRUE(topics_->SetOn(true));
   Run(Milliseconds(100));
-  looker_.found = std::vector<FaceBox>();
+  worker_.found = std::vector<FaceBox>();
   Shoot();
   EXPECT_THAT(closes_, ElementsAre(msg::Bool{true}));
 }
 
 TEST_F(FaceTopicsTest, DropAResultThatComesAfterTheyWereSwitchedOff) {
-  looker_.hangs = true;
+  worker_.hangs = true;
   Start();
   Shoot();
   EXPECT_TRUE(topics_->SetOn(false));
   Run(Milliseconds(100));
   Forget();
-  topics_->OnResult({looker_.looks[0], 64, 48, std::vector{FaceAt(0.5, 0.5)}, {}});
+  topics_->OnResult({worker_.looks[0], 64, 48, std::vector{FaceAt(0.5, 0.5)}, {}});
   Run(Milliseconds(100));
   EXPECT_THAT(counts_, IsEmpty());
 }
@@ -145,14 +145,14 @@ TEST_F(FaceTopicsTest, RefuseAnInvalidPictureAndLogItOnce) {
   msg::Image broken = Picture();
   broken.data.pop_back();
   Shoot(3, broken);
-  EXPECT_THAT(looker_.looks, IsEmpty());
+  EXPECT_THAT(worker_.looks, IsEmpty());
   EXPECT_THAT(log_, ElementsAre("5910 9215 bytes of a picture of 64 x 48 with 192 in a row"));
   Shoot(1);
   EXPECT_THAT(log_, ElementsAre(HasSubstr("5910"), "0 pictures are ok again"));
 }
 
 TEST_F(FaceTopicsTest, SeeAFaceInRarePicturesAndLogOnceThatTheyAreRare) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   for (int i = 0; i < 20; ++i) {
     Shoot();
@@ -183,8 +183,8 @@ TEST_F(FaceTopicsTest, DoNotFillTheLogWhenGoodAndBadPicturesAlternate) {
 TEST_F(FaceTopicsTest, LogThatTheDetectorHangsAlsoWhenTimePassesFaster) {
   Start();
   Shoot(2);
-  looker_.hangs = true;
-  looker_.busy = Milliseconds(1100);
+  worker_.hangs = true;
+  worker_.busy = Milliseconds(1100);
   Shoot();
   Run(Milliseconds(2000));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("the detector has been processing one for 1100 ms")));
@@ -195,18 +195,18 @@ TEST_F(FaceTopicsTest, StampAPictureWithoutAStampWithTheTimeOfReception) {
   const std::int64_t now_ns = clock_->Now().time_since_epoch().count();
   EXPECT_TRUE(pictures_->Publish(Picture()));
   Run(Milliseconds(100));
-  ASSERT_EQ(looker_.looks.size(), 1U);
-  EXPECT_NEAR(double(looker_.looks[0] - now_ns), 0, double(10 * kMs));
+  ASSERT_EQ(worker_.looks.size(), 1U);
+  EXPECT_NEAR(double(worker_.looks[0] - now_ns), 0, double(10 * kMs));
 }
 
 TEST_F(FaceTopicsTest, StartAgainWhenTheWorldIsRestarted) {
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Run(Milliseconds(60000));
   Shoot(2);
   EXPECT_EQ(closes_.back().data, true);
   Forget();
-  looker_.found = std::vector<FaceBox>();
+  worker_.found = std::vector<FaceBox>();
   msg::Image early = Picture();
   early.header.stamp = {3, 0};
   EXPECT_TRUE(pictures_->Publish(early));
@@ -227,14 +227,14 @@ TEST_F(FaceTopicsTest, DoNotFillTheLogWhenTwoCamerasWithTwoClocksSendOnOneTopic)
     EXPECT_TRUE(pictures_->Publish(picture));
     Run(Milliseconds(10));
   }
-  EXPECT_EQ(looker_.looks.size(), 50U);
+  EXPECT_EQ(worker_.looks.size(), 50U);
   EXPECT_THAT(log_, ElementsAre(HasSubstr("two cameras on robot1/image_rgb")));
 }
 
 TEST_F(FaceTopicsTest, MeasureDistancesByTheConfiguredAngleWithoutCameraInfo) {
   infos_.reset();
   config_.hfov_rad = 2 * std::atan(320.0 / 600);
-  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  worker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   for (int i = 1; i <= 2; ++i) {
     msg::Image picture = Picture(640, 480);

@@ -37,7 +37,7 @@ TEST_F(FaceTopicsTest, CheckThemselves) {
 
 // A self-check of more than two pictures published a face to the show.
 TEST_F(FaceTopicsTest, PublishNothingDuringACheck) {
-  looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(0.3, 0.18))};
+  worker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(0.3, 0.18))};
   Start(false);
   EXPECT_TRUE(topics_->SetChecked(true));
   Shoot(5);
@@ -52,18 +52,18 @@ TEST_F(FaceTopicsTest, PublishNothingDuringACheck) {
 }
 
 TEST_F(FaceTopicsTest, FailTheirCheckWithADetectorThatHangsOrFails) {
-  looker_.found = Error{5912, "the detector failed: out of luck"};
+  worker_.found = Error{5912, "the detector failed: out of luck"};
   Start();
   Shoot(2);
   EXPECT_EQ(Failing(), "the detector failed: out of luck");
   EXPECT_THAT(log_, ElementsAre("5912 the detector failed: out of luck"));
   EXPECT_THAT(counts_, IsEmpty());
-  looker_.found = std::vector<FaceBox>();
+  worker_.found = std::vector<FaceBox>();
   Shoot();
   EXPECT_EQ(Failing(), "");
-  looker_.busy = Milliseconds(5001);
+  worker_.busy = Milliseconds(5001);
   EXPECT_EQ(Failing(), "the detector hangs: it has been processing one picture for 5001 ms");
-  looker_.hangs = true;
+  worker_.hangs = true;
   Shoot();
   Run(Milliseconds(3000));
   EXPECT_THAT(log_.back(), HasSubstr("the detector has been processing one for 5001 ms"));

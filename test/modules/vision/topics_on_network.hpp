@@ -19,10 +19,10 @@ T Must(Result<T> result) {
   return std::move(result).value();
 }
 
-class FakeLooker : public Looker<Detector> {
+class FakeDetectorWorker : public DetectorWorker<Detector> {
  public:
   Result<> Load() override { return Ok(); }
-  void Look(Shot shot) override {
+  void Submit(Shot shot) override {
     looks.push_back(shot.stamp_ns);
     if (hangs) return;
     on_result({shot.stamp_ns, shot.picture.width, shot.picture.height, found, Milliseconds(1)});
@@ -33,14 +33,16 @@ class FakeLooker : public Looker<Detector> {
   bool hangs = false;
   Duration busy{};
   std::vector<std::int64_t> looks;
-  std::function<void(LookResult<Detector>)> on_result;
+  std::function<void(DetectionResult<Detector>)> on_result;
 };
 
 class FaceTopicsTest : public ::testing::Test {
  protected:
   FaceTopicsTest() {
     config_.rate_hz = 0;
-    looker_.on_result = [this](const LookResult<Detector>& result) { topics_->OnResult(result); };
+    worker_.on_result = [this](const DetectionResult<Detector>& result) {
+      topics_->OnResult(result);
+    };
     target_ = Listen<msg::PointStamped>("wedding/perception/target", targets_);
     too_close_ = Listen<msg::Bool>("wedding/perception/too_close", closes_);
     faces_ = Must(transport::MakeSubscription<msg::String>(
@@ -61,7 +63,7 @@ class FaceTopicsTest : public ::testing::Test {
          [this](const Error& error) {
            log_.push_back(std::to_string(error.code) + " " + error.message);
          }},
-        looker_, config_));
+        worker_, config_));
     EXPECT_TRUE(topics_->SetOn(on));
     Run(Milliseconds(500));  // discovery
   }
@@ -101,7 +103,7 @@ class FaceTopicsTest : public ::testing::Test {
   std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
   VisionConfig config_;
   msg::CameraInfo info_ = FrontInfo();
-  FakeLooker looker_;
+  FakeDetectorWorker worker_;
   std::vector<std::string> log_;
   std::vector<msg::PointStamped> targets_;
   std::vector<msg::Bool> closes_;

@@ -83,8 +83,8 @@ hold_ms = 0
   EXPECT_EQ(config.rate_hz, 0);
   EXPECT_EQ(config.self_check_time, Milliseconds(700));
   EXPECT_EQ(config.cascade, (CascadeConfig{"mine.xml", 640, 1.2, 5, 0.1}));
-  EXPECT_EQ(config.look.hang, Milliseconds(100));
-  EXPECT_EQ(config.look.failures, 2);
+  EXPECT_EQ(config.limits.hang, Milliseconds(100));
+  EXPECT_EQ(config.limits.failures, 2);
   FaceRules expected;
   expected.face_m = 0.21;
   expected.tracker = {0.1, 0.3, 0.2, 3, Milliseconds(400), Milliseconds(2000), Duration::zero()};

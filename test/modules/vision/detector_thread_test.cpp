@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "musher/modules/vision/faces/detector.hpp"
-#include "musher/modules/vision/picture/look_thread.hpp"
+#include "musher/modules/vision/picture/detector_thread.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::vision::look_thread_test {
+namespace musher::vision::detector_thread_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -25,7 +25,7 @@ class ScriptedDetector : public Detector {
   const Script& script_;
 };
 
-class LookThreadTest : public ::testing::Test {
+class DetectorThreadTest : public ::testing::Test {
  protected:
   void Start() {
     thread_.emplace(
@@ -36,9 +36,9 @@ class LookThreadTest : public ::testing::Test {
           if (broken_) return Error{5912, "there is no such model"};
           return std::unique_ptr<Detector>(new ScriptedDetector(script_));
         },
-        LookRules{Milliseconds(700), 3},
-        LookThreadEvents<Detector>{
-            [this](LookResult<Detector> result) { results_.push_back(std::move(result)); },
+        DetectorLimits{Milliseconds(700), 3},
+        DetectorThreadEvents<Detector>{
+            [this](DetectionResult<Detector> result) { results_.push_back(std::move(result)); },
             [this] { ++left_out_; },
             [this](Duration allowance) {
               const std::lock_guard lock(mutex_);
@@ -52,7 +52,7 @@ class LookThreadTest : public ::testing::Test {
   }
   std::vector<std::int64_t> Stamps() const {
     std::vector<std::int64_t> stamps;
-    for (const LookResult<Detector>& result : results_) stamps.push_back(result.stamp_ns);
+    for (const DetectionResult<Detector>& result : results_) stamps.push_back(result.stamp_ns);
     return stamps;
   }
 
@@ -63,17 +63,17 @@ class LookThreadTest : public ::testing::Test {
   std::atomic<int> made_ = 0;
   std::function<void()> on_make_;
   std::atomic<bool> broken_ = false;
-  std::vector<LookResult<Detector>> results_;
+  std::vector<DetectionResult<Detector>> results_;
   int left_out_ = 0;
   std::mutex mutex_;
   std::vector<Duration> checkpoints_;
   std::promise<std::string> lost_;
-  std::optional<LookThread<Detector>> thread_;  // last: it uses the rest
+  std::optional<DetectorThread<Detector>> thread_;  // last: it uses the rest
 };
 
-TEST_F(LookThreadTest, GivesWhatTheDetectorFinds) {
+TEST_F(DetectorThreadTest, GivesWhatTheDetectorFinds) {
   Start();
-  thread_->Look({7, Picture()});
+  thread_->Submit({7, Picture()});
   ASSERT_TRUE(AwaitResults(1));
   EXPECT_EQ(results_[0].stamp_ns, 7);
   EXPECT_EQ(results_[0].width_px, 64U);
@@ -81,7 +81,7 @@ TEST_F(LookThreadTest, GivesWhatTheDetectorFinds) {
   EXPECT_EQ(thread_->Busy(), Duration::zero());
 }
 
-TEST_F(LookThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
+TEST_F(DetectorThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
   std::promise<void> begun;
   std::promise<void> let_go;
   bool first = true;
@@ -93,17 +93,17 @@ TEST_F(LookThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
     return std::vector<FaceBox>();
   };
   Start();
-  thread_->Look({1, Picture()});
+  thread_->Submit({1, Picture()});
   begun.get_future().wait();
   EXPECT_GT(thread_->Busy(), Duration::zero());
-  for (const std::int64_t stamp_ns : {2, 3, 4}) thread_->Look({stamp_ns, Picture()});
+  for (const std::int64_t stamp_ns : {2, 3, 4}) thread_->Submit({stamp_ns, Picture()});
   EXPECT_EQ(left_out_, 2);
   let_go.set_value();
   ASSERT_TRUE(AwaitResults(2));
   EXPECT_THAT(Stamps(), ElementsAre(1, 4));
 }
 
-TEST_F(LookThreadTest, ReplacesADetectorThatThrew) {
+TEST_F(DetectorThreadTest, ReplacesADetectorThatThrew) {
   int call = 0;
   script_ = [&](const msg::Image&) -> std::vector<FaceBox> {
     if (++call == 1) throw std::runtime_error("out of luck\nand more");
@@ -112,7 +112,7 @@ TEST_F(LookThreadTest, ReplacesADetectorThatThrew) {
   };
   Start();
   for (const std::size_t count : {1, 2, 3}) {
-    thread_->Look({std::int64_t(count), Picture()});
+    thread_->Submit({std::int64_t(count), Picture()});
     ASSERT_TRUE(AwaitResults(count));
   }
   EXPECT_EQ(results_[0].found.error().message, "the detector failed: out of luck");
@@ -122,23 +122,23 @@ TEST_F(LookThreadTest, ReplacesADetectorThatThrew) {
   EXPECT_EQ(made_, 3);
 }
 
-TEST_F(LookThreadTest, GivesUpADetectorThatFailsRepeatedly) {
+TEST_F(DetectorThreadTest, GivesUpADetectorThatFailsRepeatedly) {
   script_ = [](const msg::Image&) -> std::vector<FaceBox> { throw std::runtime_error("dead"); };
   Start();
   auto lost = lost_.get_future();
   for (const std::size_t count : {1, 2, 3}) {
-    thread_->Look({std::int64_t(count), Picture()});
+    thread_->Submit({std::int64_t(count), Picture()});
     ASSERT_TRUE(AwaitResults(count));
   }
   EXPECT_EQ(lost.get(), "3 pictures in a row: the detector failed: dead");
-  thread_->Look({4, Picture()});  // without a detector nothing hangs
+  thread_->Submit({4, Picture()});  // without a detector nothing hangs
 }
 
-TEST_F(LookThreadTest, LoadsTheModelAheadOrReportsWhyNot) {
+TEST_F(DetectorThreadTest, LoadsTheModelAheadOrReportsWhyNot) {
   broken_ = true;
   Start();
   EXPECT_EQ(thread_->Load().error().message, "there is no such model");
-  thread_->Look({1, Picture()});
+  thread_->Submit({1, Picture()});
   ASSERT_TRUE(AwaitResults(1));
   EXPECT_EQ(results_[0].found.error().message, "there is no such model");
   broken_ = false;
@@ -148,7 +148,7 @@ TEST_F(LookThreadTest, LoadsTheModelAheadOrReportsWhyNot) {
 }
 
 // A caller that waits to load, while another loads for long, does not wait for the picture either.
-TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
+TEST_F(DetectorThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   std::promise<void> making;
   std::promise<void> let_go;
   on_make_ = [&] {
@@ -164,7 +164,7 @@ TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
     return thread_->Load().ok();
   });
   begun.get_future().wait();
-  thread_->Look({1, Picture()});
+  thread_->Submit({1, Picture()});
   EXPECT_EQ(second.wait_for(std::chrono::seconds(10)), std::future_status::ready);
   let_go.set_value();
   EXPECT_TRUE(first.get());
@@ -172,19 +172,19 @@ TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   EXPECT_TRUE(AwaitResults(1));
 }
 
-TEST_F(LookThreadTest, SetsACheckpointBeforeEachPicture) {
+TEST_F(DetectorThreadTest, SetsACheckpointBeforeEachPicture) {
   Start();
-  thread_->Look({1, Picture()});
+  thread_->Submit({1, Picture()});
   ASSERT_TRUE(AwaitResults(1));
   EXPECT_THAT(checkpoints_, ElementsAre(Duration(Milliseconds(700)), Duration::max()));
 }
 
-TEST_F(LookThreadTest, IsDestroyedWhileAPictureIsProcessed) {
+TEST_F(DetectorThreadTest, IsDestroyedWhileAPictureIsProcessed) {
   Start();
-  thread_->Look({1, Picture()});
+  thread_->Submit({1, Picture()});
   thread_.reset();
   loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(20));
   EXPECT_THAT(results_, ::testing::IsEmpty());
 }
 
-}  // namespace musher::vision::look_thread_test
+}  // namespace musher::vision::detector_thread_test

@@ -18,47 +18,47 @@
 #include <utility>
 
 #include "musher/base/code.hpp"
-#include "musher/modules/vision/picture/looker.hpp"
+#include "musher/modules/vision/picture/detector_worker.hpp"
 #include "musher/transport/event_loop.hpp"
 
 namespace musher::vision {
 
 template <class D>
-struct LookThreadEvents {
-  std::function<void(LookResult<D>)> on_result;  // on the loop
-  std::function<void()> on_left_out;             // on the loop: a newer picture took its place
-  std::function<void(Duration)> checkpoint;      // on the thread: see MachineActuator
+struct DetectorThreadEvents {
+  std::function<void(DetectionResult<D>)> on_result;  // on the loop
+  std::function<void()> on_left_out;                  // on the loop: a newer picture took its place
+  std::function<void(Duration)> checkpoint;           // on the thread: see MachineActuator
   std::function<void(const Error&)> on_detector_lost;  // on the thread, as its last call
 };
 
 template <class D>
-class LookThread : public Looker<D> {
+class DetectorThread : public DetectorWorker<D> {
  public:
   using Maker = std::function<Result<std::unique_ptr<D>>()>;  // called on the thread and in Load()
 
   // The loop must outlive it; no callbacks after its destruction.
-  LookThread(transport::EventLoop& loop, Maker maker, const LookRules& rules,
-             LookThreadEvents<D> events);
+  DetectorThread(transport::EventLoop& loop, Maker maker, const DetectorLimits& rules,
+                 DetectorThreadEvents<D> events);
   // Waits for a picture that is being processed.
-  ~LookThread() override;
-  LookThread(const LookThread&) = delete;
-  LookThread& operator=(const LookThread&) = delete;
+  ~DetectorThread() override;
+  DetectorThread(const DetectorThread&) = delete;
+  DetectorThread& operator=(const DetectorThread&) = delete;
 
   Result<> Load() override;
-  void Look(typename D::Input shot) override;
+  void Submit(typename D::Input shot) override;
   Duration Busy() const override;
 
  private:
   void Run();
-  LookResult<D> LookAt(const typename D::Input& shot);
+  DetectionResult<D> RunDetector(const typename D::Input& shot);
   Result<typename D::Found> Process(const typename D::Input& shot);
   Result<> LoadLocked();
 
   transport::EventLoop& loop_;
   const Maker maker_;
-  const LookRules rules_;
+  const DetectorLimits rules_;
   // Shared with work posted to the loop, which may run after the destruction.
-  const std::shared_ptr<const LookThreadEvents<D>> events_;
+  const std::shared_ptr<const DetectorThreadEvents<D>> events_;
   std::atomic<std::int64_t> busy_since_ns_ = 0;  // of the steady clock; 0: not busy
   std::mutex detector_mutex_;                    // guards detector_; held while it is used
   std::unique_ptr<D> detector_;
@@ -71,7 +71,7 @@ class LookThread : public Looker<D> {
 
 // --- the definitions ---
 
-namespace look_thread {
+namespace detector_thread {
 
 inline constexpr Duration kNoMore = Duration::max();  // as MachineActuator::Checkpoint() has it
 
@@ -88,19 +88,19 @@ inline Error FailedBy(const std::exception& thrown) {
   return Failed("the detector failed: " + why.substr(0, why.find('\n')));
 }
 
-}  // namespace look_thread
+}  // namespace detector_thread
 
 template <class D>
-LookThread<D>::LookThread(transport::EventLoop& loop, Maker maker, const LookRules& rules,
-                          LookThreadEvents<D> events)
+DetectorThread<D>::DetectorThread(transport::EventLoop& loop, Maker maker,
+                                  const DetectorLimits& rules, DetectorThreadEvents<D> events)
     : loop_(loop),
       maker_(std::move(maker)),
       rules_(rules),
-      events_(std::make_shared<const LookThreadEvents<D>>(std::move(events))),
+      events_(std::make_shared<const DetectorThreadEvents<D>>(std::move(events))),
       thread_([this] { Run(); }) {}
 
 template <class D>
-LookThread<D>::~LookThread() {
+DetectorThread<D>::~DetectorThread() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
@@ -110,7 +110,7 @@ LookThread<D>::~LookThread() {
 }
 
 template <class D>
-Result<> LookThread<D>::Load() {
+Result<> DetectorThread<D>::Load() {
   // A detector that is processing a picture exists, and may be busy for long, even if it has just
   // begun. (Not a timed_mutex: GCC 12's thread sanitizer does not see how that is locked.)
   std::unique_lock lock(detector_mutex_, std::defer_lock);
@@ -122,7 +122,7 @@ Result<> LookThread<D>::Load() {
 }
 
 template <class D>
-Result<> LookThread<D>::LoadLocked() {
+Result<> DetectorThread<D>::LoadLocked() {
   if (detector_) return Ok();
   try {
     auto made = maker_();
@@ -130,12 +130,12 @@ Result<> LookThread<D>::LoadLocked() {
     detector_ = std::move(made).value();
     return Ok();
   } catch (const std::exception& thrown) {
-    return look_thread::FailedBy(thrown);
+    return detector_thread::FailedBy(thrown);
   }
 }
 
 template <class D>
-void LookThread<D>::Look(typename D::Input shot) {
+void DetectorThread<D>::Submit(typename D::Input shot) {
   bool left_out = false;
   {
     const std::lock_guard lock(mutex_);
@@ -147,13 +147,13 @@ void LookThread<D>::Look(typename D::Input shot) {
 }
 
 template <class D>
-Duration LookThread<D>::Busy() const {
+Duration DetectorThread<D>::Busy() const {
   const std::int64_t since_ns = busy_since_ns_;
-  return since_ns == 0 ? Duration::zero() : Duration(look_thread::SteadyNs() - since_ns);
+  return since_ns == 0 ? Duration::zero() : Duration(detector_thread::SteadyNs() - since_ns);
 }
 
 template <class D>
-void LookThread<D>::Run() {
+void DetectorThread<D>::Run() {
   int failures = 0;
   std::unique_lock lock(mutex_);
   while (true) {
@@ -161,7 +161,7 @@ void LookThread<D>::Run() {
     if (ending_) return;
     const typename D::Input shot = std::move(*std::exchange(given_, std::nullopt));
     lock.unlock();
-    LookResult<D> result = LookAt(shot);
+    DetectionResult<D> result = RunDetector(shot);
     failures = result.found ? 0 : failures + 1;
     const std::string why = result.found ? "" : result.found.error().message;
     loop_.Post([events = std::weak_ptr(events_), result = std::move(result)]() mutable {
@@ -169,36 +169,37 @@ void LookThread<D>::Run() {
     });
     if (failures >= rules_.failures) {
       return events_->on_detector_lost(
-          look_thread::Failed(std::to_string(failures) + " pictures in a row: " + why));
+          detector_thread::Failed(std::to_string(failures) + " pictures in a row: " + why));
     }
     lock.lock();
   }
 }
 
 template <class D>
-LookResult<D> LookThread<D>::LookAt(const typename D::Input& shot) {
-  const std::int64_t begin_ns = look_thread::SteadyNs();
+DetectionResult<D> DetectorThread<D>::RunDetector(const typename D::Input& shot) {
+  const std::int64_t begin_ns = detector_thread::SteadyNs();
   busy_since_ns_ = begin_ns;
   events_->checkpoint(rules_.hang);
-  LookResult<D> result{shot.stamp_ns, shot.picture.width, shot.picture.height, Process(shot), {}};
-  events_->checkpoint(look_thread::kNoMore);
+  DetectionResult<D> result{
+      shot.stamp_ns, shot.picture.width, shot.picture.height, Process(shot), {}};
+  events_->checkpoint(detector_thread::kNoMore);
   busy_since_ns_ = 0;
-  result.took = Duration(look_thread::SteadyNs() - begin_ns);
+  result.took = Duration(detector_thread::SteadyNs() - begin_ns);
   return result;
 }
 
 template <class D>
-Result<typename D::Found> LookThread<D>::Process(const typename D::Input& shot) {
+Result<typename D::Found> DetectorThread<D>::Process(const typename D::Input& shot) {
   const std::lock_guard lock(detector_mutex_);
   if (Result<> loaded = LoadLocked(); !loaded) return loaded.error();
   try {
     return detector_->Process(shot);
   } catch (const std::exception& thrown) {
     detector_.reset();
-    return look_thread::FailedBy(thrown);
+    return detector_thread::FailedBy(thrown);
   } catch (...) {
     detector_.reset();
-    return look_thread::Failed("the detector failed");
+    return detector_thread::Failed("the detector failed");
   }
 }
 
