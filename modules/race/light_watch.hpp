@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "musher/modules/race/eyes.hpp"
+#include "musher/modules/race/perception.hpp"
 
 namespace musher::race {
 

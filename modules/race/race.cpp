@@ -99,7 +99,7 @@ void Race::OnSighting(Index detector, Sighting sighting, Time taken, Time now) {
             sighting.seen ? "1" : "0", NumberText(sighting.distance_m), sighting.phase,
             sighting.text, NumberText(sighting.offset)});
   }
-  runner_.eyes().OnSighting(detector, std::move(sighting), taken);
+  runner_.perception().OnSighting(detector, std::move(sighting), taken);
 }
 
 // What makes no sense is left out and logged. The rest counts, so that a detector that works is not
@@ -142,7 +142,7 @@ void Race::OnLines(Index detector, std::uint32_t contours, std::string_view ycy,
         {std::to_string(detector), std::to_string((taken - *first_start_).count()),
          std::to_string(contours), std::string(ycy), std::string(dy), NumberText(middle_offset)});
   }
-  runner_.eyes().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset}, taken);
+  runner_.perception().OnLines(detector, {contours, *ycy_word, *dy_word, middle_offset}, taken);
 }
 
 void Race::OnWalkerStatus(Index walk, std::string_view status, Time now) {
@@ -157,7 +157,7 @@ void Race::OnMotionDone(std::uint64_t number, const Result<>& done, Time now) {
   now_ = now;
   Record(input::kMotionDone, {std::to_string(number), std::to_string(done ? 0 : done.error().code),
                               done ? "" : done.error().message});
-  runner_.legs().OnMotionDone(number, done);
+  runner_.locomotion().OnMotionDone(number, done);
   ExecuteJump();
 }
 
@@ -171,13 +171,13 @@ void Race::OnSpoken(std::uint64_t number, const Result<>& spoken, Time now) {
 void Race::OnBody(int switch_status, int motion_id, Time now) {
   now_ = now;
   Record(input::kBody, {std::to_string(switch_status), std::to_string(motion_id)});
-  runner_.legs().OnBody(switch_status, motion_id);
+  runner_.locomotion().OnBody(switch_status, motion_id);
 }
 
 void Race::OnServoReply(bool accepted, std::int32_t code, Time now) {
   now_ = now;
   Record(input::kServo, {accepted ? "1" : "0", std::to_string(code)});
-  runner_.legs().OnServoReply(accepted, code);
+  runner_.locomotion().OnServoReply(accepted, code);
 }
 
 void Race::OnCommand(std::string_view text, Time now) {
@@ -295,7 +295,7 @@ void Race::JumpTo(const Jump& jump) {
 
 // Not inside of a tick, where it fails and is repeated after it.
 void Race::ExecuteJump() {
-  if (!jump_ || replays_ || !running() || runner_.legs().busy()) return;
+  if (!jump_ || replays_ || !running() || runner_.locomotion().busy()) return;
   const Jump jump = *jump_;
   const Result<> done =
       jump.reset ? machine_->Reset() : machine_->Force(course_.states[jump.state].name);
@@ -337,7 +337,7 @@ void Race::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
     runner_.memory().Forget();
     runner_.ForgetReason();
   }
-  if (change.to == fsm::kNoState) return runner_.eyes().Close();
+  if (change.to == fsm::kNoState) return runner_.perception().Close();
   if (change.from == change.to) return;
   const auto state = FindByName(course_.states, machine.Name(change.to));
   if (state) outputs_.ShowState(course_.states[*state].number);

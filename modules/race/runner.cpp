@@ -8,8 +8,8 @@ Runner::Runner(const Course& course, RaceOutputs& outputs)
     : course_(course),
       outputs_(outputs),
       memory_(course),
-      eyes_(course, outputs),
-      legs_(course, outputs),
+      perception_(course, outputs),
+      locomotion_(course, outputs),
       lane_walker_(course, outputs),
       voice_(course, outputs),
       state_(course.start),
@@ -27,7 +27,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
     state_ = state;
     previous_ = interrupted.previous;
     at_ = interrupted.activity;
-    legs_.Continue(interrupted.walk);
+    locomotion_.Continue(interrupted.walk);
     light_->Continue(now);
     return;
   }
@@ -45,7 +45,7 @@ void Runner::Enter(Index state, bool by_decision, Duration now) {
 }
 
 void Runner::Leave() {
-  static_cast<void>(legs_.Stop());
+  static_cast<void>(locomotion_.Stop());
   lane_walker_.Stop();
   voice_.Stop();
   if (light_) light_->Interrupt();
@@ -57,24 +57,24 @@ void Runner::SkipSteps() {
 }
 
 void Runner::Pause() {
-  legs_.Pause();
+  locomotion_.Pause();
   lane_walker_.Pause();
   voice_.Pause();
-  eyes_.Close();
+  perception_.Close();
   if (light_) light_->Interrupt();
 }
 
 void Runner::Resume(Duration now) {
   const bool under_way = !idle() && state_ != course_.error && at_.step < rule().steps.size();
-  legs_.Resume(under_way, now);
+  locomotion_.Resume(under_way, now);
 }
 
 std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
-  eyes_.BeginTick();
+  perception_.BeginTick();
   std::optional<Index> next;
-  legs_.ExpireCall(now);
+  locomotion_.ExpireCall(now);
   if (!held) next = RunSteps(now, time);
-  const std::optional<Index> silent = eyes_.EndTick(now);
+  const std::optional<Index> silent = perception_.EndTick(now);
   if (next || !silent) return next;
   return Fail("no sample of the detector " + course_.detectors[*silent].name + " for " +
               std::to_string(ToMilliseconds(course_.check.silent)) +
@@ -83,12 +83,12 @@ std::optional<Index> Runner::Advance(Duration now, Time time, bool held) {
 
 std::optional<Index> Runner::RunSteps(Duration now, Time time) {
   if (skips_) {
-    if (legs_.busy()) return std::nullopt;
+    if (locomotion_.busy()) return std::nullopt;
     at_.step = rule().steps.size();
   }
-  if (legs_.standing_up()) {
-    const bool stands = legs_.AdvanceStanding(now);
-    if (const auto fault = legs_.Fault(now)) return Fail(*fault);
+  if (locomotion_.standing_up()) {
+    const bool stands = locomotion_.AdvanceStanding(now);
+    if (const auto fault = locomotion_.Fault(now)) return Fail(*fault);
     if (!stands) return std::nullopt;
     at_.after = std::max(at_.after, time + course_.check.settle);
   }
@@ -97,7 +97,7 @@ std::optional<Index> Runner::RunSteps(Duration now, Time time) {
     const Outcome outcome =
         std::visit([&](const auto& step) { return Run(step, now, time); }, rule().steps[at_.step]);
     if (!fault_.empty()) return Fail(fault_);
-    if (const auto fault = legs_.Fault(now)) return Fail(*fault);
+    if (const auto fault = locomotion_.Fault(now)) return Fail(*fault);
     if (outcome == Outcome::kTarget) return target_;
     if (outcome == Outcome::kRunning) return std::nullopt;
     at_ = {.step = at_.step + 1, .phase = 0, .since = now, .after = {}, .tries = 0};

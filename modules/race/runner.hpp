@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "musher/modules/race/eyes.hpp"
 #include "musher/modules/race/lane_walker.hpp"
-#include "musher/modules/race/legs.hpp"
 #include "musher/modules/race/light_watch.hpp"
+#include "musher/modules/race/locomotion.hpp"
 #include "musher/modules/race/memory.hpp"
+#include "musher/modules/race/perception.hpp"
 #include "musher/modules/race/voice.hpp"
 
 namespace musher::race {
@@ -40,9 +40,9 @@ class Runner {
 
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
-  Eyes& eyes() { return eyes_; }
-  Legs& legs() { return legs_; }
-  const Legs& legs() const { return legs_; }
+  Perception& perception() { return perception_; }
+  Locomotion& locomotion() { return locomotion_; }
+  const Locomotion& locomotion() const { return locomotion_; }
   LaneWalker& lane_walker() { return lane_walker_; }
   Voice& voice() { return voice_; }
   Index state() const { return state_; }
@@ -111,8 +111,8 @@ class Runner {
   const Course& course_;
   RaceOutputs& outputs_;
   Memory memory_;
-  Eyes eyes_;
-  Legs legs_;
+  Perception perception_;
+  Locomotion locomotion_;
   LaneWalker lane_walker_;
   Voice voice_;
   std::optional<LightWatch> light_;

@@ -24,12 +24,12 @@ std::string Steps(int count) {
 
 Runner::Outcome Runner::Advance(Duration now, Time time) {
   if (Blind()) {
-    legs_.Wait();
+    locomotion_.Wait();
     return Outcome::kRunning;
   }
-  if (legs_.Advance(now, time)) return Outcome::kDone;
+  if (locomotion_.Advance(now, time)) return Outcome::kDone;
   if (!StoppedByLight(now)) return Outcome::kRunning;
-  interrupted_ = Interrupted{state_, previous_, at_, legs_.Halt(time)};
+  interrupted_ = Interrupted{state_, previous_, at_, locomotion_.Halt(time)};
   light_stops_ = true;
   target_ = course_.light->state;
   Say("a yellow light: it stops with " +
@@ -38,16 +38,16 @@ Runner::Outcome Runner::Advance(Duration now, Time time) {
 }
 
 bool Runner::WatchesLight() const {
-  return light_ && rule().light && legs_.ahead();
+  return light_ && rule().light && locomotion_.ahead();
 }
 
 bool Runner::Blind() {
   const bool before = std::exchange(blind_, false);
   if (!WatchesLight()) return false;
   const Index detector = course_.light->detector;
-  blind_ = eyes_.SilentFor(detector) >= course_.light->blind;
+  blind_ = perception_.SilentFor(detector) >= course_.light->blind;
   if (!blind_) return false;
-  eyes_.Want(detector);
+  perception_.Want(detector);
   if (!before) {
     Say("no picture for the detector " + course_.detectors[detector].name + " for " +
         std::to_string(ToMilliseconds(course_.light->blind)) + " ms: it stands until one comes");
@@ -57,24 +57,24 @@ bool Runner::Blind() {
 
 bool Runner::StoppedByLight(Duration now) {
   if (!WatchesLight()) return false;
-  eyes_.Want(course_.light->detector);
-  return light_->Stops(eyes_.SightingSince(course_.light->detector, Time::min()), now);
+  perception_.Want(course_.light->detector);
+  return light_->Stops(perception_.SightingSince(course_.light->detector, Time::min()), now);
 }
 
 // Where only one line is seen its middle is not known: straight on.
 void Runner::Steer(const std::optional<Index>& keep, Time time) {
   if (!keep) return;
   const Keep& rule = course_.keeps[*keep];
-  eyes_.Want(rule.detector);
-  const Lines* lines = eyes_.LinesSince(rule.detector, time - rule.fresh);
+  perception_.Want(rule.detector);
+  const Lines* lines = perception_.LinesSince(rule.detector, time - rule.fresh);
   const bool between =
       lines != nullptr && lines->contours >= 2 && std::isfinite(lines->middle_offset);
   const double yaw_rad_s = between ? -rule.yaw_rad_s * lines->middle_offset : 0;
-  legs_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
+  locomotion_.Steer(std::clamp(yaw_rad_s, -rule.most_rad_s, rule.most_rad_s));
 }
 
 bool Runner::WalkEndsSoon() const {
-  return legs_.walk() && legs_.walk()->left() <= course_.check.open;
+  return locomotion_.walk() && locomotion_.walk()->left() <= course_.check.open;
 }
 
 // A detector needs a moment to start.
@@ -83,11 +83,11 @@ void Runner::WantNext() {
   if (next >= rule().steps.size()) return;
   const Step& step = rule().steps[next];
   if (const auto* check = std::get_if<CheckStep>(&step)) {
-    eyes_.Want(course_.checks[check->check].detector);
+    perception_.Want(course_.checks[check->check].detector);
   } else if (const auto* wait = std::get_if<WaitStep>(&step)) {
-    if (const auto detector = course_.waits[wait->wait].detector) eyes_.Want(*detector);
+    if (const auto detector = course_.waits[wait->wait].detector) perception_.Want(*detector);
   } else if (const auto* until = std::get_if<UntilStep>(&step)) {
-    eyes_.Want(course_.untils[until->until].detector);
+    perception_.Want(course_.untils[until->until].detector);
   }
 }
 
@@ -101,9 +101,9 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
       return Outcome::kSkipped;
     }
     if (walks) {
-      legs_.Walk({step.movement, step.count - made});
+      locomotion_.Walk({step.movement, step.count - made});
     } else {
-      legs_.Move(step.movement, now);
+      locomotion_.Move(step.movement, now);
     }
     Phase(1, now);
   }
@@ -117,14 +117,14 @@ Runner::Outcome Runner::Run(const MoveStep& step, Duration now, Time time) {
 Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
   const Check& check = course_.checks[step.check];
   if (at_.phase == 0) {
-    at_.after = std::max(at_.after, legs_.walked_until() + course_.check.settle);
+    at_.after = std::max(at_.after, locomotion_.walked_until() + course_.check.settle);
     Phase(kLook, now);
   }
-  eyes_.Want(check.detector);
+  perception_.Want(check.detector);
   if (at_.phase == kLook) return Look(check, step.after_turn, now, time);
   const Outcome outcome = Advance(now, time);
   if (outcome != Outcome::kDone) return outcome;
-  at_.after = legs_.walked_until() + course_.check.settle;
+  at_.after = locomotion_.walked_until() + course_.check.settle;
   Phase(kLook, now);
   return Outcome::kRunning;
 }
@@ -132,13 +132,13 @@ Runner::Outcome Runner::Run(const CheckStep& step, Duration now, Time time) {
 // By a picture that is new enough; nothing where it shows no line, or not the thing.
 std::optional<LineWord> Runner::Word(const Check& check) const {
   if (check.by == Check::By::kBox) {
-    const Sighting* sighting = eyes_.SightingSince(check.detector, at_.after);
+    const Sighting* sighting = perception_.SightingSince(check.detector, at_.after);
     if (sighting == nullptr || !sighting->seen) return std::nullopt;
     if (!std::isfinite(sighting->offset)) return std::nullopt;  // it does not say where
     if (sighting->offset > check.threshold) return LineWord::kLeft;
     return sighting->offset < -check.threshold ? LineWord::kRight : LineWord::kCenter;
   }
-  const Lines* lines = eyes_.LinesSince(check.detector, at_.after);
+  const Lines* lines = perception_.LinesSince(check.detector, at_.after);
   if (lines == nullptr || lines->contours == 0) return std::nullopt;
   return check.by == Check::By::kDy ? lines->dy : lines->ycy;
 }
@@ -164,7 +164,7 @@ Runner::Outcome Runner::Look(const Check& check, bool after_turn, Duration now, 
   ++at_.tries;
   Say(found + ", correction " + std::to_string(at_.tries) + ": " +
       course_.movements[correction->movement].name + " " + std::to_string(correction->count));
-  legs_.Walk(*correction);
+  locomotion_.Walk(*correction);
   Phase(kCorrect, now);
   return Outcome::kRunning;
 }
@@ -184,7 +184,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
     Phase(kLook, now);
   }
   if (at_.phase == kRetry) {
-    eyes_.Want(*wait.detector);
+    perception_.Want(*wait.detector);
     const Outcome outcome = Advance(now, time);
     if (outcome != Outcome::kDone) return outcome;
     if (wait.adds) memory_.SetCount(*wait.adds, memory_.Count(*wait.adds) + wait.retry.count);
@@ -192,8 +192,8 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
     Phase(kLook, now);
   }
   if (memory_.Value(wait.result)) return Outcome::kSkipped;  // also by a command meanwhile
-  eyes_.Want(*wait.detector);
-  const Sighting* sighting = eyes_.SightingSince(*wait.detector, at_.after);
+  perception_.Want(*wait.detector);
+  const Sighting* sighting = perception_.SightingSince(*wait.detector, at_.after);
   if (sighting != nullptr && sighting->seen) {
     const auto value = std::ranges::find(result.values, sighting->text);
     if (value != result.values.end()) {
@@ -209,7 +209,7 @@ Runner::Outcome Runner::FindResult(const Wait& wait, Duration now, Time time) {
   if (at_.tries < wait.retries) {
     ++at_.tries;
     Say(none + ", retry " + std::to_string(at_.tries) + " of " + std::to_string(wait.retries));
-    legs_.Walk(wait.retry);
+    locomotion_.Walk(wait.retry);
     Phase(kRetry, now);
     return Outcome::kRunning;
   }
@@ -233,18 +233,18 @@ void Runner::ReportUnknown(const Wait& wait, const std::string& text) {
 Runner::Outcome Runner::Run(const UntilStep& step, Duration now, Time time) {
   const Until& until = course_.untils[step.until];
   if (at_.phase == 0) {
-    legs_.Walk(until.most);
+    locomotion_.Walk(until.most);
     at_.after = time;
     Phase(1, now);
   }
-  eyes_.Want(until.detector);
+  perception_.Want(until.detector);
   Steer(step.keep, time);
   const auto store = [&](int made) {
     if (step.stores) memory_.SetCount(*step.stores, made);
   };
-  const Sighting* sighting = eyes_.SightingSince(until.detector, at_.after);
+  const Sighting* sighting = perception_.SightingSince(until.detector, at_.after);
   if (sighting != nullptr && sighting->phase == until.phase) {
-    const Duration made = legs_.Halt(time).made;
+    const Duration made = locomotion_.Halt(time).made;
     const int steps = static_cast<int>((made + course_.step / 2) / course_.step);
     store(steps);
     Say(until.name + " after " + Steps(steps));
@@ -260,7 +260,7 @@ Runner::Outcome Runner::Run(const WalkStep& step, Duration now, Time /*time*/) {
   if (at_.phase == 0) {
     lane_walker_.Begin(step.walk);
     Phase(1, now);
-    if (legs_.Rise(now)) return Outcome::kRunning;
+    if (locomotion_.Rise(now)) return Outcome::kRunning;
   }
   std::string reason;
   const LaneWalker::End end = lane_walker_.Advance(now, reason);

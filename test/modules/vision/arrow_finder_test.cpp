@@ -100,7 +100,7 @@ class ArrowBoard : public ::testing::Test {
     world::Board board = BoardAt(far_m, 0.5, yaw_deg);
     board.sign = {world::Sign::Kind::kPicture, path};
     scene.boards = {board};
-    return SceneShot(scene, Eye::kFront);
+    return SceneShot(scene, CourseCamera::kFront);
   }
   const TempFolder folder_;
 };

@@ -72,7 +72,7 @@ TEST(BarrierOverALane, HasItsDistanceUntilItReachesTheTop) {
     for (const double yaw_deg : {-15.0, 0.0, 15.0}) {
       world::Scene scene = Hall();
       scene.boxes = {{"", {kEyeM + far_m, 0}, {0.025, 0.5}, 0, 0.1, 0.5, {200, 30, 30}}};
-      const cv::Mat bgr = SceneShot(scene, Eye::kFront, {{0, 0}, yaw_deg * M_PI / 180});
+      const cv::Mat bgr = SceneShot(scene, CourseCamera::kFront, {{0, 0}, yaw_deg * M_PI / 180});
       const auto barrier = FindBarrier(bgr, parameters);
       ASSERT_TRUE(barrier) << far_m << " m " << yaw_deg;
       const double distance_m = DistanceBySizeM(lens, bgr.size(), barrier->height_px, 0.1, 600);
@@ -87,7 +87,7 @@ TEST(BarrierOverALane, ReachesTheTopBeforeItLeavesThePicture) {
   bool was_top = false;
   double top_m = 0;
   for (double x_m = 0; x_m < 2.6; x_m += 0.04) {
-    const auto barrier = FindBarrier(SceneShot(scene, Eye::kFront, {{x_m, 0}, 0}), {});
+    const auto barrier = FindBarrier(SceneShot(scene, CourseCamera::kFront, {{x_m, 0}, 0}), {});
     if (barrier && barrier->top && !was_top) top_m = 3 - kEyeM - x_m;
     EXPECT_FALSE(was_top && barrier && !barrier->top) << x_m;
     was_top = was_top || (barrier && barrier->top);

@@ -50,11 +50,12 @@ inline cv::Mat MatOf(const world::Image& image) {
   return bgr;
 }
 
-enum class Eye { kFront = 0, kLeft = 1, kRight = 2 };
+enum class CourseCamera { kFront = 0, kLeft = 1, kRight = 2 };
 
 // With the camera's noise; the robot stands at that pose.
-inline cv::Mat SceneShot(const world::Scene& scene, Eye eye, const world::Pose2& robot = {}) {
-  const world::CameraSpec spec = world::CameraSet().cameras[std::size_t(eye)];
+inline cv::Mat SceneShot(const world::Scene& scene, CourseCamera camera,
+                         const world::Pose2& robot = {}) {
+  const world::CameraSpec spec = world::CameraSet().cameras[std::size_t(camera)];
   world::View view = world::Standing();
   view.body = robot;
   view.seed = 3;

@@ -265,7 +265,7 @@ TEST(LaneAhead, IsInTheMiddleLeftOrRightAsTheRobotStands) {
   const auto lines = [&](double y_m, double threshold) {
     LinesParameters parameters;
     parameters.ycy_threshold = threshold;
-    return FindLines(SceneShot(lane, Eye::kFront, At(-2, y_m, 0)), parameters).lines;
+    return FindLines(SceneShot(lane, CourseCamera::kFront, At(-2, y_m, 0)), parameters).lines;
   };
   EXPECT_EQ(lines(0, 0.04).ycy, "center");
   EXPECT_EQ(lines(0.1, 0.04).ycy, "left");
@@ -278,8 +278,9 @@ TEST(LaneAhead, IsInTheMiddleLeftOrRightAsTheRobotStands) {
 TEST(LaneAcross, IsSeenByAFisheye) {
   // The robot looks across the lane, so that the lane's lines run from left to right.
   const world::Scene lane = Lane();
-  for (const auto& [eye, yaw_deg] : {std::pair(Eye::kRight, 0.0), std::pair(Eye::kLeft, 0.0)}) {
-    const msg::YellowLines lines = FindLines(SceneShot(lane, eye, At(0, 0, yaw_deg)), {}).lines;
+  for (const auto& [camera, yaw_deg] :
+       {std::pair(CourseCamera::kRight, 0.0), std::pair(CourseCamera::kLeft, 0.0)}) {
+    const msg::YellowLines lines = FindLines(SceneShot(lane, camera, At(0, 0, yaw_deg)), {}).lines;
     EXPECT_EQ(lines.contours, 1U);
     EXPECT_GE(lines.edge_x.size(), 12U);
     EXPECT_NEAR(lines.middle_offset, 0, 0.08);
@@ -289,7 +290,8 @@ TEST(LaneAcross, IsSeenByAFisheye) {
 TEST(LineBeside, IsNearerToTheBottomTheNearerTheRobotIs) {
   const world::Scene lane = Lane();
   const auto middle = [&](double y_m) {
-    const msg::YellowLines lines = FindLines(SceneShot(lane, Eye::kRight, At(0, y_m, 0)), {}).lines;
+    const msg::YellowLines lines =
+        FindLines(SceneShot(lane, CourseCamera::kRight, At(0, y_m, 0)), {}).lines;
     EXPECT_FALSE(lines.edge_y.empty());
     return lines.edge_y.empty() ? 0 : lines.edge_y[lines.edge_y.size() / 2];
   };
@@ -302,14 +304,14 @@ TEST(LaneOfASide, IsLeftOrRightInTheFisheyesPicture) {
   const world::Scene lane = Lane();
   LinesParameters parameters;
   parameters.ycy_threshold = 0.03;
-  const auto ycy = [&](Eye eye, double ahead_m) {
-    return FindLines(SceneShot(lane, eye, At(0, ahead_m - 0.22, 90)), parameters).lines.ycy;
+  const auto ycy = [&](CourseCamera camera, double ahead_m) {
+    return FindLines(SceneShot(lane, camera, At(0, ahead_m - 0.22, 90)), parameters).lines.ycy;
   };
-  EXPECT_EQ(ycy(Eye::kRight, 0), "center");
-  EXPECT_EQ(ycy(Eye::kRight, 0.1), "left");
-  EXPECT_EQ(ycy(Eye::kRight, -0.1), "right");
-  EXPECT_EQ(ycy(Eye::kLeft, 0.1), "right");
-  EXPECT_EQ(ycy(Eye::kLeft, -0.1), "left");
+  EXPECT_EQ(ycy(CourseCamera::kRight, 0), "center");
+  EXPECT_EQ(ycy(CourseCamera::kRight, 0.1), "left");
+  EXPECT_EQ(ycy(CourseCamera::kRight, -0.1), "right");
+  EXPECT_EQ(ycy(CourseCamera::kLeft, 0.1), "right");
+  EXPECT_EQ(ycy(CourseCamera::kLeft, -0.1), "left");
 }
 
 TEST(Lines, AreNotFoundInNoise) {

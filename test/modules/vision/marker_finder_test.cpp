@@ -97,7 +97,7 @@ TEST(HighSign, HasItsDistanceFromNearToFarAndTurned) {
         world::Board board = BoardAt(far_m, 0.3, yaw_deg, 0.65);
         board.sign = {world::Sign::Kind::kPicture, folder / name};
         scene.boards = {board};
-        const cv::Mat bgr = SceneShot(scene, Eye::kFront);
+        const cv::Mat bgr = SceneShot(scene, CourseCamera::kFront);
         const auto marker = FindMarker(bgr, {});
         ASSERT_TRUE(marker) << name << far_m << " m " << yaw_deg;
         EXPECT_NEAR(DistanceM(bgr, *marker), far_m, 0.1 * far_m) << name << yaw_deg;
@@ -116,7 +116,7 @@ TEST(LightInTheWay, HasItsDistanceFromNearToFar) {
       line.points_m = {{-3, y}, {6, y}};
       scene.lines.push_back(line);
     }
-    const cv::Mat bgr = SceneShot(scene, Eye::kFront);
+    const cv::Mat bgr = SceneShot(scene, CourseCamera::kFront);
     const auto light = FindMarker(bgr, LightParameters());
     ASSERT_TRUE(light) << far_m;
     EXPECT_NEAR(DistanceM(bgr, *light), far_m, 0.08 * far_m);

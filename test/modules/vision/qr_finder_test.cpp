@@ -17,7 +17,7 @@ cv::Mat BoardShot(world::Sign::Kind kind, const std::string& content, double siz
   if (kind == world::Sign::Kind::kText) board.width_m *= 1.6;  // room beside the letters
   board.sign = {kind, content};
   scene.boards = {board};
-  return SceneShot(scene, Eye::kFront);
+  return SceneShot(scene, CourseCamera::kFront);
 }
 
 TEST(CodeOfABoard, IsReadFarAndTurnedByOneOfTheLooks) {
@@ -75,7 +75,7 @@ TEST_F(Letters, AreNoneInNoiseAndInAnEmptyHall) {
     EXPECT_EQ(Read(SpottedPicture(seed, 20)), "") << seed;
     EXPECT_FALSE(FindCode(NoisePicture(seed)) || FindCodeThoroughly(NoisePicture(seed)));
   }
-  EXPECT_EQ(Read(SceneShot(Hall(), Eye::kFront)), "");
+  EXPECT_EQ(Read(SceneShot(Hall(), CourseCamera::kFront)), "");
   EXPECT_EQ(Read(GreyPicture()), "");
 }
 

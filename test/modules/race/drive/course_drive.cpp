@@ -95,20 +95,20 @@ CourseDrive::CourseDrive(DriveSettings settings)
   for (std::size_t i = 0; i < cameras_.size(); ++i) cameras_[i].emplace(scene.cameras.cameras[i]);
   const auto reading = vision::ReadVisionFile(Config("vision/course.toml"));
   for (const vision::CourseEntry& entry : Valid(reading, reading.config).detectors) {
-    Eye eye{entry, entry.making.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false,
-            {}};
+    DetectorChannel channel{
+        entry, entry.making.make().value(), vision::StampGate(entry.rate_hz), 0, {}, {}, false, {}};
     const auto camera = std::find(kTopics.begin(), kTopics.end(), entry.picture);
-    eye.camera = static_cast<std::size_t>(camera - kTopics.begin());
+    channel.camera = static_cast<std::size_t>(camera - kTopics.begin());
     const vision::CourseOutputs outputs = entry.Outputs();
     const std::string topic = outputs.lines ? *outputs.lines : *outputs.sighting;
     for (Index i = 0; i < race_.course().detectors.size(); ++i) {
-      if (race_.course().detectors[i].topic == topic) eye.of_race = i;
+      if (race_.course().detectors[i].topic == topic) channel.of_race = i;
     }
     const auto& names = walker_config_.topics;
-    if (topic == names.left) eye.of_walker = line_walker::View::kLeft;
-    if (topic == names.right) eye.of_walker = line_walker::View::kRight;
-    if (topic == names.front) eye.of_walker = line_walker::View::kFront;
-    eyes_.push_back(std::move(eye));
+    if (topic == names.left) channel.of_walker = line_walker::View::kLeft;
+    if (topic == names.right) channel.of_walker = line_walker::View::kRight;
+    if (topic == names.front) channel.of_walker = line_walker::View::kFront;
+    channels_.push_back(std::move(channel));
   }
   dog_.on_servo_reply = [this](const msg::MotionServoResponse& reply) {
     race_.OnServoReply(reply.result, reply.code, dog_.now());
@@ -144,21 +144,21 @@ DriveResult CourseDrive::Run() {
 
 std::vector<std::string> CourseDrive::LinesFrom(const world::Pose2& pose) {
   std::vector<std::string> found;
-  for (Eye& eye : eyes_) {
-    if (eye.entry.kind != vision::CourseKind::kLines) continue;
-    world::View view = world::ViewOf(dog_.world(), eye.camera);
+  for (DetectorChannel& channel : channels_) {
+    if (channel.entry.kind != vision::CourseKind::kLines) continue;
+    world::View view = world::ViewOf(dog_.world(), channel.camera);
     view.body = pose;
     view.attitude = {dog_.world().scene().body.stand_height_m, 0, 0};
-    const world::Image image = cameras_[eye.camera]->Shoot(*scenery_, view);
-    const vision::CourseSight sight = eye.detector->Look(MatOf(image), 1, std::nullopt);
+    const world::Image image = cameras_[channel.camera]->Shoot(*scenery_, view);
+    const vision::CourseSight sight = channel.detector->Look(MatOf(image), 1, std::nullopt);
     const msg::YellowLines& lines = *sight.lines;
-    found.push_back(fmt::format("{:12} {} lines, ycy {:6} {:+.3f}, dy {:6} {:+.3f}", eye.entry.name,
-                                lines.contours, lines.ycy, lines.middle_offset, lines.dy,
-                                lines.line_offset));
+    found.push_back(fmt::format("{:12} {} lines, ycy {:6} {:+.3f}, dy {:6} {:+.3f}",
+                                channel.entry.name, lines.contours, lines.ycy, lines.middle_offset,
+                                lines.dy, lines.line_offset));
     if (settings_.pictures.empty()) continue;
     cv::Mat drawn = MatOf(image).clone();
-    eye.detector->Draw(drawn);
-    cv::imwrite(settings_.pictures + "/" + eye.entry.name + ".png", drawn);
+    channel.detector->Draw(drawn);
+    cv::imwrite(settings_.pictures + "/" + channel.entry.name + ".png", drawn);
   }
   return found;
 }
@@ -195,8 +195,8 @@ void CourseDrive::TickRace(Time now) {
   race_.PassTime(now);
 }
 
-bool CourseDrive::Wanted(const Eye& eye) const {
-  return eye.wanted_by_race || (eye.of_walker && walker_.active());
+bool CourseDrive::Wanted(const DetectorChannel& channel) const {
+  return channel.wanted_by_race || (channel.of_walker && walker_.active());
 }
 
 void CourseDrive::LookAround() {
@@ -204,53 +204,54 @@ void CourseDrive::LookAround() {
   const std::int64_t stamp_ns = dog_.world().now().count();
   for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
     std::optional<world::Image> image;
-    for (Eye& eye : eyes_) {
-      if (eye.camera != camera || !Wanted(eye)) continue;
+    for (DetectorChannel& channel : channels_) {
+      if (channel.camera != camera || !Wanted(channel)) continue;
       using Verdict = vision::StampGate::Verdict;
-      const Verdict verdict = eye.gate.Check(stamp_ns);
+      const Verdict verdict = channel.gate.Check(stamp_ns);
       if (verdict != Verdict::kLook && verdict != Verdict::kLookAfterJump) continue;
       if (!image) {
         image = cameras_[camera]->Shoot(*scenery_, world::ViewOf(dog_.world(), camera));
         ++shots_;
       }
-      Look(eye, MatOf(*image));
+      Look(channel, MatOf(*image));
     }
   }
 }
 
-void CourseDrive::Look(Eye& eye, const cv::Mat& picture) {
+void CourseDrive::Look(DetectorChannel& channel, const cv::Mat& picture) {
   const Time taken = dog_.now();
-  const world::Intrinsics& intrinsics = cameras_[eye.camera]->intrinsics();
+  const world::Intrinsics& intrinsics = cameras_[channel.camera]->intrinsics();
   vision::Lens lens;
   lens.fisheye = intrinsics.model == world::CameraModel::kFisheye;
   lens.focal_x = intrinsics.focal_px / intrinsics.width_px;
   lens.focal_y = intrinsics.focal_px / intrinsics.height_px;
-  vision::CourseSight sight = eye.detector->Look(picture, taken.time_since_epoch().count(), lens);
+  vision::CourseSight sight =
+      channel.detector->Look(picture, taken.time_since_epoch().count(), lens);
   if (!settings_.pictures.empty()) {
     cv::Mat drawn = picture.clone();
-    eye.detector->Draw(drawn);
+    channel.detector->Draw(drawn);
     cv::imwrite(fmt::format("{}/{:07.2f}-{}-{}.jpg", settings_.pictures,
-                            ToSeconds(taken.time_since_epoch()), race_.state(), eye.entry.name),
+                            ToSeconds(taken.time_since_epoch()), race_.state(), channel.entry.name),
                 drawn);
   }
-  Later(settings_.latency, [this, &eye, sight = std::move(sight), taken] {
+  Later(settings_.latency, [this, &channel, sight = std::move(sight), taken] {
     const Time now = dog_.now();
     if (sight.lines) {
       msg::YellowLines lines = *sight.lines;
       lines.header.stamp = msg::ToStamp(taken.time_since_epoch());
-      if (eye.wanted_by_race) {
-        race_.OnLines(*eye.of_race, lines.contours, lines.ycy, lines.dy, lines.middle_offset, taken,
-                      now);
+      if (channel.wanted_by_race) {
+        race_.OnLines(*channel.of_race, lines.contours, lines.ycy, lines.dy, lines.middle_offset,
+                      taken, now);
       }
-      if (eye.wanted_by_race) eye.shown_to_race = taken;
-      if (eye.of_walker) ShowWalker(*eye.of_walker, lines, taken);
-    } else if (eye.wanted_by_race) {
+      if (channel.wanted_by_race) channel.shown_to_race = taken;
+      if (channel.of_walker) ShowWalker(*channel.of_walker, lines, taken);
+    } else if (channel.wanted_by_race) {
       const msg::Sighting& seen = *sight.sighting;
       race_.OnSighting(
-          *eye.of_race,
+          *channel.of_race,
           {seen.seen, seen.distance_m, seen.phase, seen.text, seen.x + seen.width / 2 - 0.5}, taken,
           now);
-      eye.shown_to_race = taken;
+      channel.shown_to_race = taken;
     }
   });
 }
@@ -339,16 +340,16 @@ void CourseDrive::CommandWalker(const LaneWalk& walk, bool start) {
 }
 
 void CourseDrive::Watch(const std::vector<bool>& detectors) {
-  for (Eye& eye : eyes_) {
-    if (!eye.of_race) continue;
-    if (!detectors[*eye.of_race]) {
+  for (DetectorChannel& channel : channels_) {
+    if (!channel.of_race) continue;
+    if (!detectors[*channel.of_race]) {
       // The light is watched while the robot walks; the end of the walk is no decision by it.
-      const bool decides = eye.entry.kind != vision::CourseKind::kLight;
-      if (eye.shown_to_race && decides)
-        result_.latencies.of_race.push_back(dog_.now() - *eye.shown_to_race);
-      eye.shown_to_race.reset();
+      const bool decides = channel.entry.kind != vision::CourseKind::kLight;
+      if (channel.shown_to_race && decides)
+        result_.latencies.of_race.push_back(dog_.now() - *channel.shown_to_race);
+      channel.shown_to_race.reset();
     }
-    eye.wanted_by_race = detectors[*eye.of_race];
+    channel.wanted_by_race = detectors[*channel.of_race];
   }
 }
 

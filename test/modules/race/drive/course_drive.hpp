@@ -70,7 +70,7 @@ class CourseDrive : private RaceOutputs {
 
  private:
   // A detector of the vision module, and who gets what it finds.
-  struct Eye {
+  struct DetectorChannel {
     vision::CourseEntry entry;
     std::unique_ptr<vision::CourseDetector> detector;
     vision::StampGate gate;
@@ -87,7 +87,7 @@ class CourseDrive : private RaceOutputs {
 
   void Step();
   void LookAround();
-  void Look(Eye& eye, const cv::Mat& picture);
+  void Look(DetectorChannel& channel, const cv::Mat& picture);
   void ShowWalker(line_walker::View view, const msg::YellowLines& lines, Time taken);
   void Deliver();
   void TickWalker();
@@ -95,7 +95,7 @@ class CourseDrive : private RaceOutputs {
   void Later(Duration by, std::function<void()> work) {
     due_.push_back({dog_.now() + by, std::move(work)});
   }
-  bool Wanted(const Eye& eye) const;
+  bool Wanted(const DetectorChannel& channel) const;
   void Log(const std::string& who, const std::string& line);
   std::string Where() const;
 
@@ -111,7 +111,7 @@ class CourseDrive : private RaceOutputs {
   SimulatedDog dog_;
   std::unique_ptr<world::Scenery> scenery_;
   std::array<std::optional<world::Camera>, world::kCameras> cameras_;
-  std::vector<Eye> eyes_;
+  std::vector<DetectorChannel> channels_;
   line_walker::WalkerConfig walker_config_;
   line_walker::LineWalker walker_;
   fsm::Machine machine_;

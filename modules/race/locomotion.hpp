@@ -28,9 +28,9 @@ struct WalkProgress {
   Duration left() const { return length - made; }
 };
 
-class Legs {
+class Locomotion {
  public:
-  Legs(const Course& course, RaceOutputs& outputs) : course_(course), outputs_(outputs) {}
+  Locomotion(const Course& course, RaceOutputs& outputs) : course_(course), outputs_(outputs) {}
 
   void Walk(const Stretch& stretch) {
     Continue({stretch.movement, stretch.count * course_.step, {}});
@@ -84,7 +84,7 @@ class Legs {
   // motion_servo_response.
   void OnServoReply(bool accepted, std::int32_t code);
 
-  // Why it cannot go on: once, with the text. Evaluated each tick in which the legs are in use.
+  // Why it cannot go on: once, with the text. Evaluated each tick in which the body is in use.
   std::optional<std::string> Fault(Duration now);
 
  private:

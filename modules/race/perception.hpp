@@ -29,9 +29,9 @@ struct Lines {
   double middle_offset = 0;  // of their middle from its place, as a share of the width; NaN: none
 };
 
-class Eyes {
+class Perception {
  public:
-  Eyes(const Course& course, RaceOutputs& outputs)
+  Perception(const Course& course, RaceOutputs& outputs)
       : course_(course),
         outputs_(outputs),
         watched_(course.detectors.size()),

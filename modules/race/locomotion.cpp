@@ -1,4 +1,4 @@
-#include "musher/modules/race/legs.hpp"
+#include "musher/modules/race/locomotion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ std::string BodyState(int status) {
 
 }  // namespace
 
-void Legs::Continue(const WalkProgress& walk) {
+void Locomotion::Continue(const WalkProgress& walk) {
   EndStream();
   motion_.reset();
   walk_ = walk;
@@ -36,18 +36,18 @@ void Legs::Continue(const WalkProgress& walk) {
   static_cast<void>(Rise({}));
 }
 
-bool Legs::Rise(Duration now) {
+bool Locomotion::Rise(Duration now) {
   if (lying_ && !stands_) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
   return stands_.has_value();
 }
 
-void Legs::Move(Index movement, Duration now) {
+void Locomotion::Move(Index movement, Duration now) {
   EndStream();
   walk_.reset();
   motion_ = Motion{movement, Stage::kBefore, now, 0, {}};
 }
 
-bool Legs::Advance(Duration now, Time time) {
+bool Locomotion::Advance(Duration now, Time time) {
   if (walk_) return AdvanceWalk(now, time);
   if (!motion_) return true;
   if (!AdvanceMotion(*motion_, now)) return false;
@@ -55,7 +55,7 @@ bool Legs::Advance(Duration now, Time time) {
   return true;
 }
 
-bool Legs::AdvanceWalk(Duration now, Time time) {
+bool Locomotion::AdvanceWalk(Duration now, Time time) {
   if (busy() || stands_) return false;  // the body is not free yet
   if (!streaming_) {
     streaming_ = true;
@@ -77,19 +77,19 @@ bool Legs::AdvanceWalk(Duration now, Time time) {
   return true;
 }
 
-void Legs::Send(bool end) {
+void Locomotion::Send(bool end) {
   const Movement& movement = course_.movements[walk_->movement];
   Twist twist = end ? Twist{} : movement.twist;
   if (!end) twist.yaw_rad_s += steer_rad_s_;
   outputs_.Walk({movement.motion_id, twist, movement.step_height_m, end});
 }
 
-void Legs::EndStream() {
+void Locomotion::EndStream() {
   if (!std::exchange(streaming_, false)) return;
   Send(true);
 }
 
-WalkProgress Legs::Stop() {
+WalkProgress Locomotion::Stop() {
   EndStream();
   const WalkProgress walk = walk_.value_or(WalkProgress{});
   walk_.reset();
@@ -98,11 +98,11 @@ WalkProgress Legs::Stop() {
   return walk;
 }
 
-bool Legs::ahead() const {
+bool Locomotion::ahead() const {
   return walk_ && course_.movements[walk_->movement].twist.forward_m_s > 0;
 }
 
-bool Legs::AdvanceMotion(Motion& motion, Duration now) {
+bool Locomotion::AdvanceMotion(Motion& motion, Duration now) {
   const Movement& movement = course_.movements[motion.movement];
   if (motion.stage == Stage::kBefore && now - motion.since >= movement.before) {
     motion.stage = Stage::kCall;
@@ -120,14 +120,14 @@ bool Legs::AdvanceMotion(Motion& motion, Duration now) {
   return motion.stage == Stage::kAfter && now - motion.since >= movement.after;
 }
 
-void Legs::ExpireCall(Duration now) {
+void Locomotion::ExpireCall(Duration now) {
   if (!call_ || now - call_->since < call_->limit) return;
   OnMotionDone(call_->number,
                Error{kCodeTimeout,
                      "no reply within " + std::to_string(ToMilliseconds(call_->limit)) + " ms"});
 }
 
-void Legs::OnMotionDone(std::uint64_t number, const Result<>& done) {
+void Locomotion::OnMotionDone(std::uint64_t number, const Result<>& done) {
   if (!call_ || call_->number != number) return;
   const Call call = *std::exchange(call_, std::nullopt);
   const Movement& movement = course_.movements[call.movement];
@@ -150,7 +150,7 @@ void Legs::OnMotionDone(std::uint64_t number, const Result<>& done) {
   }
 }
 
-void Legs::Pause() {
+void Locomotion::Pause() {
   paused_ = true;
   EndStream();
   stands_.reset();
@@ -158,7 +158,7 @@ void Legs::Pause() {
   if (motion_ && motion_->stage == Stage::kFailed) motion_->stage = Stage::kCall;
 }
 
-void Legs::Resume(bool stand, Duration now) {
+void Locomotion::Resume(bool stand, Duration now) {
   paused_ = false;
   bad_reports_ = 0;
   stands_again_ = stand;
@@ -167,7 +167,7 @@ void Legs::Resume(bool stand, Duration now) {
 
 // Clears the latch of an emergency stop, too, which refuses every other motion, also that of a
 // lying robot. A motion that has not been answered yet may have ended well.
-void Legs::StandFirst(Duration now) {
+void Locomotion::StandFirst(Duration now) {
   const bool begins =
       motion_ && (motion_->stage == Stage::kBefore || motion_->stage == Stage::kCall);
   const bool stands = motion_ && motion_->movement == course_.stand;
@@ -175,14 +175,14 @@ void Legs::StandFirst(Duration now) {
   if (needed) stands_ = Motion{course_.stand, Stage::kCall, now, 0, {}};
 }
 
-bool Legs::AdvanceStanding(Duration now) {
+bool Locomotion::AdvanceStanding(Duration now) {
   if (!stands_) return true;
   if (!AdvanceMotion(*stands_, now)) return false;
   stands_.reset();
   return true;
 }
 
-void Legs::OnBody(int switch_status, int motion_id) {
+void Locomotion::OnBody(int switch_status, int motion_id) {
   body_received_ = true;
   const bool silent = motion_id < 0;
   if (!silent && switch_status <= msg::MotionStatus::kTransitioning) {
@@ -193,12 +193,12 @@ void Legs::OnBody(int switch_status, int motion_id) {
   bad_ = silent ? "the motion board is silent" : "the body reports: " + BodyState(switch_status);
 }
 
-void Legs::OnServoReply(bool accepted, std::int32_t code) {
+void Locomotion::OnServoReply(bool accepted, std::int32_t code) {
   refused_ = !accepted;
   refused_code_ = code;
 }
 
-std::optional<std::string> Legs::Fault(Duration now) {
+std::optional<std::string> Locomotion::Fault(Duration now) {
   ExpireCall(now);
   if (fault_) return std::exchange(fault_, std::nullopt);
   if (std::exchange(body_received_, false)) body_received_at_ = now;

@@ -1,11 +1,11 @@
-#include "musher/modules/race/eyes.hpp"
+#include "musher/modules/race/perception.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace musher::race {
 
-bool Eyes::Takes(Index detector, Detector::Kind kind, Time taken) {
+bool Perception::Takes(Index detector, Detector::Kind kind, Time taken) {
   if (detector >= open_.size() || !open_[detector]) return false;
   if (course_.detectors[detector].kind != kind) return false;
   Watched& watched = watched_[detector];
@@ -14,30 +14,30 @@ bool Eyes::Takes(Index detector, Detector::Kind kind, Time taken) {
   return true;
 }
 
-void Eyes::OnSighting(Index detector, Sighting sighting, Time taken) {
+void Perception::OnSighting(Index detector, Sighting sighting, Time taken) {
   if (!Takes(detector, Detector::Kind::kSighting, taken)) return;
   watched_[detector].sighting = std::move(sighting);
 }
 
-void Eyes::OnLines(Index detector, const Lines& lines, Time taken) {
+void Perception::OnLines(Index detector, const Lines& lines, Time taken) {
   if (Takes(detector, Detector::Kind::kLines, taken)) watched_[detector].lines = lines;
 }
 
-void Eyes::BeginTick() {
+void Perception::BeginTick() {
   for (Watched& watched : watched_) watched.wanted = false;
 }
 
-const Sighting* Eyes::SightingSince(Index detector, Time after) const {
+const Sighting* Perception::SightingSince(Index detector, Time after) const {
   const Watched& watched = watched_[detector];
   return watched.taken && *watched.taken >= after ? &watched.sighting : nullptr;
 }
 
-const Lines* Eyes::LinesSince(Index detector, Time after) const {
+const Lines* Perception::LinesSince(Index detector, Time after) const {
   const Watched& watched = watched_[detector];
   return watched.taken && *watched.taken >= after ? &watched.lines : nullptr;
 }
 
-std::optional<Index> Eyes::EndTick(Duration now) {
+std::optional<Index> Perception::EndTick(Duration now) {
   bool changed = false;
   std::optional<Index> silent;
   const Duration passed =
@@ -62,7 +62,7 @@ std::optional<Index> Eyes::EndTick(Duration now) {
   return silent;
 }
 
-void Eyes::Close() {
+void Perception::Close() {
   BeginTick();
   static_cast<void>(EndTick({}));
 }
