@@ -1,7 +1,7 @@
 #pragma once
-// The skills of a robot's body, hand and eyes: take_off, hover, land, take_photo, object_detection,
-// detect, pick_up, put_down, grasp, place. Each header explains its states, limits and messages;
-// every parameter has its unit in the table of its skill.
+// The skills of a robot's body, hand and camera: take_off, hover, land, take_photo,
+// object_detection, detect, pick_up, put_down, grasp, place. Each header explains its states,
+// limits and messages; every parameter has its unit in the table of its skill.
 //
 //   skill::Registry registry;
 //   Result<> added = skills::RegisterBodySkills(registry, robot);   // robot outlives the registry

@@ -1,4 +1,4 @@
-// The declarations of the skills of the body, the hand and the eyes.
+// The declarations of the skills of the body, the hand and the camera.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

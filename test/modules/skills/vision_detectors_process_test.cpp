@@ -1,5 +1,5 @@
-// musher-skills that detects by the eyes of musher-vision-manager: both real programs, with a
-// camera and a body that the test plays.
+// musher-skills that detects with the detectors of musher-vision-manager: both real programs, with
+// a camera and a body that the test plays.
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 #include "musher/test/modules/skills/skills_machine.hpp"
 #include "musher/transport/dds/node_thread.hpp"
 
-namespace musher::skills::eyes_process_test {
+namespace musher::skills::vision_detectors_process_test {
 
 using ::testing::HasSubstr;
 
@@ -24,12 +24,12 @@ msg::Image Arrow() {
   return vision::MessageOf(bgr);
 }
 
-class Eyes : public SkillsMachine {
+class VisionDetectors : public SkillsMachine {
  protected:
-  Eyes()
-      : SkillsMachine({{"vision", "[\"musher-vision-manager\", \"eyes.toml\"]"},
+  VisionDetectors()
+      : SkillsMachine({{"vision", "[\"musher-vision-manager\", \"vision.toml\"]"},
                        {"r", "[\"musher-skills\", \"r.toml\"]"}}) {
-    std::ofstream(folder_ / "eyes.toml")
+    std::ofstream(folder_ / "vision.toml")
         << "detect_faces = false\n[[detectors]]\nname = \"arrow\"\nkind = \"arrow\"\n"
            "publish = \"/arrow/info\"\n";
     std::ofstream(folder_ / "r.toml")
@@ -45,7 +45,7 @@ class Eyes : public SkillsMachine {
     });
     Up();
   }
-  ~Eyes() override {
+  ~VisionDetectors() override {
     node_->RunOnLoop([this] {
       ticker_.reset();
       camera_.reset();
@@ -75,7 +75,7 @@ class Eyes : public SkillsMachine {
 
 // 200 of 640 pixels of 90 degrees are 0.625 m at a distance of 1 m: 0.3125 m wide, it is 0.5 m
 // away.
-TEST_F(Eyes, FindWhatTheCameraShowsAndNothingElse) {
+TEST_F(VisionDetectors, FindWhatTheCameraShowsAndNothingElse) {
   const testing::Ended found = Skill({"object_detection", "target_class=arrow"});
   EXPECT_EQ(found.exit, 0) << found.out << found.err;
   EXPECT_THAT(found.out, HasSubstr("Detected: 1 x arrow, nearest left at (1.5"));
@@ -85,4 +85,4 @@ TEST_F(Eyes, FindWhatTheCameraShowsAndNothingElse) {
   EXPECT_NE(none.exit, 0) << none.out;
 }
 
-}  // namespace musher::skills::eyes_process_test
+}  // namespace musher::skills::vision_detectors_process_test
