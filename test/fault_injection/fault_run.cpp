@@ -66,7 +66,7 @@ std::string FaultRun::Victim(const std::vector<std::string>& among) {
 }
 
 void FaultRun::MayAllBeAffected() {
-  for (const Member& member : Crew()) MayBeAffected(member.name);
+  for (const Member& member : Members()) MayBeAffected(member.name);
 }
 
 void FaultRun::Sampled(const std::string& what, const std::string& value) {

@@ -27,7 +27,7 @@
 
 #include "musher/test/fault_injection/host/far_host.hpp"
 #include "musher/test/fault_injection/host/isolation.hpp"
-#include "musher/test/fault_injection/robot/crew.hpp"
+#include "musher/test/fault_injection/robot/members.hpp"
 
 namespace musher::fault_injection {
 namespace {
@@ -113,7 +113,7 @@ pid_t Start(const Member& member, const fs::path& folder, const Boot& boot) {
   std::map<pid_t, const Member*> members;
   Boot boot;
   const auto start_all = [&] {
-    for (const Member& member : Crew()) {
+    for (const Member& member : Members()) {
       if (!IsOnBoard(member, Shape::kTwoHosts)) continue;
       members[Start(member, folder, boot)] = &member;
     }

@@ -41,7 +41,7 @@ Robot::Robot(Shape shape, fs::path folder, int domain)
     : shape_(shape), folder_(std::move(folder)), domain_(domain) {
   const std::string programs = fs::path(benchmark::Program("musher")).parent_path();
   std::ofstream(folder_ / "robot.toml") << ConfigText(shape, folder_, programs);
-  for (const Member& member : Crew()) {
+  for (const Member& member : Members()) {
     boards_[member.name] = &OpenBoard(folder_ / (member.name + ".board"));
   }
   if (shape == Shape::kTwoHosts) far_host_ = std::make_unique<FarHost>(folder_, Environment());

@@ -18,7 +18,7 @@
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/fault_injection/host/far_host.hpp"
 #include "musher/test/fault_injection/robot/board.hpp"
-#include "musher/test/fault_injection/robot/crew.hpp"
+#include "musher/test/fault_injection/robot/members.hpp"
 #include "musher/test/fault_injection/robot/observer.hpp"
 
 namespace musher::fault_injection {

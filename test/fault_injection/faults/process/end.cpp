@@ -10,7 +10,7 @@ namespace {
 
 std::vector<std::string> AllActuators() {
   std::vector<std::string> names;
-  for (const Member& member : Crew()) names.push_back(member.name);
+  for (const Member& member : Members()) names.push_back(member.name);
   return names;
 }
 

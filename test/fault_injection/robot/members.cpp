@@ -1,4 +1,4 @@
-#include "musher/test/fault_injection/robot/crew.hpp"
+#include "musher/test/fault_injection/robot/members.hpp"
 
 #include <algorithm>
 #include <map>
@@ -62,8 +62,8 @@ std::string Table(const Member& member, Shape shape, const std::string& folder,
 
 }  // namespace
 
-const std::vector<Member>& Crew() {
-  static const std::vector<Member> crew = {
+const std::vector<Member>& Members() {
+  static const std::vector<Member> members = {
       {"legs", true, "on-failure", 400, "Protected", "", false},
       {"arm", false, "on-failure", 300, "", "after = [\"legs\"]\n", false},
       {"eyes", false, "always", 500, "", "", false},
@@ -72,19 +72,19 @@ const std::vector<Member>& Crew() {
       {"voice", false, "on-failure", 0, "", "", true},
       {"mapper", false, "on-failure", 0, "", "", false, true},
   };
-  return crew;
+  return members;
 }
 
 const Member& MemberOf(const std::string& name) {
-  for (const Member& member : Crew()) {
+  for (const Member& member : Members()) {
     if (member.name == name) return member;
   }
-  throw std::logic_error("the crew has no " + name);
+  throw std::logic_error("no actuator is named " + name);
 }
 
 std::vector<std::string> Modules() {
   std::vector<std::string> names;
-  for (const Member& member : Crew()) {
+  for (const Member& member : Members()) {
     if (!member.wrapped && !member.ros2) names.push_back(member.name);
   }
   return names;
@@ -105,7 +105,7 @@ std::vector<std::string> CommandOf(const Member& member, const std::string& fold
 std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs) {
   std::string names;
   std::string tables;
-  for (const Member& member : Crew()) {
+  for (const Member& member : Members()) {
     if (!IsOnBoard(member, shape)) continue;
     names += (names.empty() ? "[\"" : ", \"") + member.name + '"';
     tables += Table(member, shape, folder, programs);

@@ -28,7 +28,7 @@ struct Member {
   bool ros2 = false;      // a ROS 2 managed node; only with Shape::kHere
 };
 
-const std::vector<Member>& Crew();
+const std::vector<Member>& Members();
 const Member& MemberOf(const std::string& name);
 // The actuators that run fault_injection_module.
 std::vector<std::string> Modules();
