@@ -148,7 +148,7 @@ TEST_F(PlantedFault, FindsASwitchOnTheLevelThatAnEmergencyStopDoesNotEnd) {
     if (machine.current) machine.current->stopped = false;
     return actions;
   };
-  Search(rules, "Active", "Dancing", 1, Dancers());
+  Search(rules, "Active", "Dancing", 1, EqualRanks());
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
 }
@@ -161,7 +161,7 @@ TEST_F(PlantedFault, FindsACallbackOfTheSameRankThatUndoesAnEmergencyStop) {
     lower.ranks["Dancing"] = *BuiltInRank(kDeActive);
     return Step(lower, i, core, event, now);
   };
-  Search(rules, "Active", "Dancing", 1, Dancers());
+  Search(rules, "Active", "Dancing", 1, EqualRanks());
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
   EXPECT_THAT(searched_.fault->violations,
@@ -177,7 +177,7 @@ TEST_F(PlantedFault, FindsACallbackThatTheReleaseOfAnEmergencyStopStarts) {
     if (auto* reply = std::get_if<event::Replied>(&changed)) reply->report.held_by_stop = false;
     return Step(config, machine, changed, now);
   };
-  Search(rules, "Active", "Dancing", 2, Dancers());
+  Search(rules, "Active", "Dancing", 2, EqualRanks());
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
   EXPECT_THAT(searched_.fault->violations,
@@ -191,7 +191,7 @@ TEST_F(PlantedFault, FindsAnActuatorThatAReleasedStopHoldsAlthoughItsSwitchWasRe
     for (ActuatorRecord& record : machine.actuators) record.set_again = false;
     return Step(config, machine, event, now);
   };
-  Search(rules, "Active", "Dancing", 2, Dancers());
+  Search(rules, "Active", "Dancing", 2, EqualRanks());
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(scenario_, HasSubstr("a person releases the emergency stop"));
   EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("is held by a released stop")));

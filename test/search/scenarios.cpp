@@ -46,9 +46,9 @@ const std::vector<Scenario>& Scenarios() {
   return all;
 }
 
-const Scenario& Dancers() {
-  static const Scenario dancers = {"Dancers", testing::WithDancing(MachineOf(kActuators))};
-  return dancers;
+const Scenario& EqualRanks() {
+  static const Scenario equal_ranks = {"EqualRanks", testing::WithDancing(MachineOf(kActuators))};
+  return equal_ranks;
 }
 
 const Scenario& ScenarioNamed(const std::string& name) {

@@ -16,7 +16,7 @@ struct Scenario {
 
 const std::vector<Scenario>& Scenarios();
 // With Dancing, a state of its own that is as active as Active.
-const Scenario& Dancers();
+const Scenario& EqualRanks();
 const Scenario& ScenarioNamed(const std::string& name);
 
 // Every state of the machine, in CyberDog's order.

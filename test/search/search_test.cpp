@@ -83,22 +83,22 @@ TEST_P(ExhaustiveSearch, FindsNoViolation) {
 
 // Of a machine with a state that is as active as Active: between the two, and from and to a lower
 // one. With two faults, by hand, it takes 20 s.
-TEST(ExhaustiveSearchOfDancers, FindsNoViolation) {
+TEST(ExhaustiveSearchOfEqualRanks, FindsNoViolation) {
   const std::vector<std::pair<State, State>> pairs = {{"Active", "Dancing"},
                                                       {"Dancing", "Active"},
                                                       {"Dancing", "Protected"},
                                                       {"Protected", "Dancing"}};
   for (const auto& [from, to] : pairs) {
-    Model model(Dancers().config, to);
+    Model model(EqualRanks().config, to);
     model.releases = true;
     World root = WorldIn(model, from);
     // An emergency stop and a restart of the controller cross the switch on the level.
-    const int more = from == "Active" && FaultsOf(Dancers()) == 1 ? 1 : 0;
-    root.faults = root.faults_left = FaultsOf(Dancers()) + more;
+    const int more = from == "Active" && FaultsOf(EqualRanks()) == 1 ? 1 : 0;
+    root.faults = root.faults_left = FaultsOf(EqualRanks()) + more;
     const Searched searched = SearchAll(model, root);
     EXPECT_FALSE(searched.fault) << "from " << from << " to " << to << "\n"
                                  << ScenarioOf(model, root, searched.fault->path);
-    EXPECT_GT(searched.figures.nodes, FaultsOf(Dancers()) == 0 ? 1U : 100U);
+    EXPECT_GT(searched.figures.nodes, FaultsOf(EqualRanks()) == 0 ? 1U : 100U);
   }
 }
 

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-MachineConfig Dancers() {
+MachineConfig WithEqualRank() {
   return WithDancing(MachineOf(2));
 }
 
@@ -25,7 +25,7 @@ constexpr const char* kStays =
     "is in Dancing, the machine in Active: held by an emergency stop; after its release run "
     "`musher set Active`";
 
-class StoppedDancers : public Switching {
+class StoppedActuators : public Switching {
  protected:
   static void Stop(Harness& t) {
     t.StopAll(5);
@@ -33,8 +33,8 @@ class StoppedDancers : public Switching {
   }
 };
 
-TEST_F(StoppedDancers, StayInTheirState) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, StayInTheirState) {
+  Harness& t = In("Active", WithEqualRank());
   Stop(t);
   EXPECT_EQ(t.Set("Dancing").code, kCodeProtectedError);
   EXPECT_EQ(t.Set("Dancing", "b").code, kCodeProtectedError);
@@ -43,8 +43,8 @@ TEST_F(StoppedDancers, StayInTheirState) {
   EXPECT_TRUE(t.Set("Dancing").done());
 }
 
-TEST_F(StoppedDancers, StayWhereTheyWentByThemselvesUntilTheNextSwitch) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, StayWhereTheyWentByThemselvesUntilTheNextSwitch) {
+  Harness& t = In("Active", WithEqualRank());
   Stop(t);
   t.GoByItself("b", "Dancing");
   t.Rest();
@@ -61,8 +61,8 @@ TEST_F(StoppedDancers, StayWhereTheyWentByThemselvesUntilTheNextSwitch) {
 
 // The search found such a switch reported as done, with every actuator degraded, and its callbacks
 // begun again by the controller at the release.
-TEST_F(StoppedDancers, EndASwitchThatTheStopCrossesInTheStateBefore) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, EndASwitchThatTheStopCrossesInTheStateBefore) {
+  Harness& t = In("Active", WithEqualRank());
   t.On("b", "Dancing").takes = Milliseconds(90);
   const RequestId request = t.RequestSwitch("Dancing");
   t.RunFor(Milliseconds(40));  // a has done its part
@@ -82,8 +82,8 @@ TEST_F(StoppedDancers, EndASwitchThatTheStopCrossesInTheStateBefore) {
 }
 
 // A release starts no callback.
-TEST_F(StoppedDancers, StayWhereTheStopHasEndedTheirSwitchUntilTheNextOne) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, StayWhereTheStopHasEndedTheirSwitchUntilTheNextOne) {
+  Harness& t = In("Active", WithEqualRank());
   t.On("b", "Dancing").takes = Milliseconds(90);
   t.RequestSwitch("Dancing");
   t.RunFor(Milliseconds(40));
@@ -101,8 +101,8 @@ TEST_F(StoppedDancers, StayWhereTheStopHasEndedTheirSwitchUntilTheNextOne) {
 
 // Such an actuator stayed in the state before: the controller took its hold for that of a stop that
 // nothing has been requested after.
-TEST_F(StoppedDancers, AreDrivenAgainByASwitchRequestedAfterTheReleaseThatWasOverdue) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, AreDrivenAgainByASwitchRequestedAfterTheReleaseThatWasOverdue) {
+  Harness& t = In("Active", WithEqualRank());
   Stop(t);
   t.Release();
   t.Rest();
@@ -115,8 +115,8 @@ TEST_F(StoppedDancers, AreDrivenAgainByASwitchRequestedAfterTheReleaseThatWasOve
   EXPECT_FALSE(t.RecordOf("b").fault);
 }
 
-TEST_F(StoppedDancers, AreHeldByTheNextStopAlthoughASwitchWasRequestedBeforeIt) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, AreHeldByTheNextStopAlthoughASwitchWasRequestedBeforeIt) {
+  Harness& t = In("Active", WithEqualRank());
   Stop(t);
   t.Release();
   ASSERT_TRUE(t.Set("Dancing").done());
@@ -130,9 +130,9 @@ TEST_F(StoppedDancers, AreHeldByTheNextStopAlthoughASwitchWasRequestedBeforeIt) 
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(StoppedDancers, ArePermittedNothingByARequestDuringTheStopOrToAStateBelow) {
+TEST_F(StoppedActuators, ArePermittedNothingByARequestDuringTheStopOrToAStateBelow) {
   for (const bool released : {false, true}) {
-    Harness& t = In("Active", Dancers());
+    Harness& t = In("Active", WithEqualRank());
     Stop(t);
     t.On("b", "Protected").code = kCodeFailed;
     if (released) t.Release();
@@ -148,33 +148,33 @@ TEST_F(StoppedDancers, ArePermittedNothingByARequestDuringTheStopOrToAStateBelow
 
 // The state in which such a machine was adopted was that of the first actuator in the config, and
 // the release drove the others there.
-TEST_F(StoppedDancers, AreAdoptedInTheStateOfMostOfThemAndNotDrivenThereByTheRelease) {
-  for (const std::string dancer : {"a", "c"}) {
+TEST_F(StoppedActuators, AreAdoptedInTheStateOfMostOfThemAndNotDrivenThereByTheRelease) {
+  for (const std::string actuator : {"a", "c"}) {
     MachineConfig config = WithDancing(Ours(3));
-    const std::string last = dancer == "a" ? "c" : "a";
-    ActuatorNamed(config, "b").after = {dancer};
+    const std::string last = actuator == "a" ? "c" : "a";
+    ActuatorNamed(config, "b").after = {actuator};
     ActuatorNamed(config, last).after = {"b"};
     Harness& t = In("Active", std::move(config));
     t.On("b", "Dancing").takes = Milliseconds(90);
     t.RequestSwitch("Dancing");
     t.RunFor(Milliseconds(40));
-    ASSERT_EQ(t.StateOf(dancer), "Dancing");
+    ASSERT_EQ(t.StateOf(actuator), "Dancing");
     Stop(t);
     t.RestartController();
     t.Rest();
-    EXPECT_EQ(t.machine().state, "Active") << dancer;
-    ASSERT_TRUE(t.RecordOf(dancer).fault);
-    EXPECT_EQ(t.RecordOf(dancer).fault->message, kStays);
+    EXPECT_EQ(t.machine().state, "Active") << actuator;
+    ASSERT_TRUE(t.RecordOf(actuator).fault);
+    EXPECT_EQ(t.RecordOf(actuator).fault->message, kStays);
     t.ClearLog();
     t.Release();
     t.Rest();
-    EXPECT_THAT(t.log(), IsEmpty()) << dancer;
+    EXPECT_THAT(t.log(), IsEmpty()) << actuator;
     EXPECT_TRUE(t.Set("Dancing").done());
-    EXPECT_FALSE(t.RecordOf(dancer).fault);
+    EXPECT_FALSE(t.RecordOf(actuator).fault);
   }
 }
 
-TEST_F(StoppedDancers, StayAlsoWhereTheControllerIsRestartedAfterTheRelease) {
+TEST_F(StoppedActuators, StayAlsoWhereTheControllerIsRestartedAfterTheRelease) {
   for (const bool most_dance : {false, true}) {
     Harness& t = In("Active", WithDancing(Ours(3)));
     t.On("c", "Dancing").takes = Milliseconds(90);
@@ -192,8 +192,8 @@ TEST_F(StoppedDancers, StayAlsoWhereTheControllerIsRestartedAfterTheRelease) {
   }
 }
 
-TEST_F(StoppedDancers, KeepTheFailureOfTheirOwnThatTheStopCrosses) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, KeepTheFailureOfTheirOwnThatTheStopCrosses) {
+  Harness& t = In("Active", WithEqualRank());
   t.On("a", "Dancing").code = kCodeFailed;
   t.On("a", "Dancing").message = "the motor stalls";
   t.On("b", "Dancing").takes = Milliseconds(90);
@@ -206,8 +206,8 @@ TEST_F(StoppedDancers, KeepTheFailureOfTheirOwnThatTheStopCrosses) {
   EXPECT_EQ(t.RecordOf("a").fault->message, "the motor stalls");
 }
 
-TEST_F(StoppedDancers, AreDrivenBackToAStateBelow) {
-  Harness& t = In("Active", Dancers());
+TEST_F(StoppedActuators, AreDrivenBackToAStateBelow) {
+  Harness& t = In("Active", WithEqualRank());
   ASSERT_TRUE(t.Set("DeActive", "a").done());
   t.On("b", "Dancing").takes = Milliseconds(90);
   t.RequestSwitch("Dancing");
@@ -218,7 +218,7 @@ TEST_F(StoppedDancers, AreDrivenBackToAStateBelow) {
   EXPECT_EQ(t.StateOf("a"), "DeActive");
 }
 
-TEST_F(StoppedDancers, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
+TEST_F(StoppedActuators, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
   MachineConfig config = WithDancing(Ours(2));
   for (Duration& time : ActuatorNamed(config, "b").times) time = Milliseconds(1000);
   Harness& t = In("Active", std::move(config));
@@ -239,17 +239,17 @@ TEST_F(StoppedDancers, PassTheirSelfCheckIfTheyWereRestartedInTheSwitch) {
 }
 
 // A module of another protocol would run the callback: it does not receive the stop.
-class DancersOfAnyProtocol : public OneController {
+class ActuatorsOfAnyProtocol : public OneController {
  protected:
   void StartUp() {
-    config_ = Dancers();
+    config_ = WithEqualRank();
     config_.actuators[1].after = {"a"};
     OneController::StartUp();
   }
   void Stop() { Do(event::EmergencyStopSeen{{7, "alice", "smoke"}}); }
 };
 
-TEST_F(DancersOfAnyProtocol, AreNotCommandedOnceTheStopIsEngaged) {
+TEST_F(ActuatorsOfAnyProtocol, AreNotCommandedOnceTheStopIsEngaged) {
   StartUp();
   Do(event::SetStateRequested{1, "Dancing", {}});
   ASSERT_TRUE(Of(0).command);
@@ -262,7 +262,7 @@ TEST_F(DancersOfAnyProtocol, AreNotCommandedOnceTheStopIsEngaged) {
   EXPECT_EQ(result.actuators.at(1).code, kCodeProtectedError);
 }
 
-TEST_F(DancersOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNoneBack) {
+TEST_F(ActuatorsOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNoneBack) {
   StartUp();
   Do(event::SetStateRequested{1, "Dancing", {}});
   Stop();
@@ -273,7 +273,7 @@ TEST_F(DancersOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNoneB
   EXPECT_EQ(record.cause, machine_.stop_cause);
 }
 
-TEST_F(DancersOfAnyProtocol, AreCommandedWhereTheirRos2StateIsTheSame) {
+TEST_F(ActuatorsOfAnyProtocol, AreCommandedWhereTheirRos2StateIsTheSame) {
   StartUp();
   config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
   config_.actuators[1].ros2_states = {{"Dancing", Ros2State::kActive}};
@@ -285,7 +285,7 @@ TEST_F(DancersOfAnyProtocol, AreCommandedWhereTheirRos2StateIsTheSame) {
 }
 
 // Such a node ran no callback on the way, and was left in the state whose switch had been undone.
-TEST_F(DancersOfAnyProtocol, AreDrivenBackWhereTheirRos2StateIsTheSame) {
+TEST_F(ActuatorsOfAnyProtocol, AreDrivenBackWhereTheirRos2StateIsTheSame) {
   StartUp();
   config_.actuators[0].protocol = Protocol::kRos2Lifecycle;
   config_.actuators[0].ros2_states = {{"Dancing", Ros2State::kActive}};
@@ -297,15 +297,15 @@ TEST_F(DancersOfAnyProtocol, AreDrivenBackWhereTheirRos2StateIsTheSame) {
 }
 
 // In both its ROS 2 state would be inactive, but `configure` runs on the way.
-TEST_F(DancersOfAnyProtocol, AreNotConfiguredDuringTheStop) {
-  config_ = Dancers();
+TEST_F(ActuatorsOfAnyProtocol, AreNotConfiguredDuringTheStop) {
+  config_ = WithEqualRank();
   config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
   EXPECT_TRUE(RunsCallback(config_, 1, config_.default_state, "Protected"));
   EXPECT_FALSE(RunsCallback(config_, 1, "DeActive", "Protected"));
   EXPECT_TRUE(RunsCallback(config_, 0, "DeActive", "Protected"));
 }
 
-TEST_F(DancersOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {
+TEST_F(ActuatorsOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {
   StartUp();
   Of(1).fault = ActuatorFault{5001, "the motor stalls"};
   Stop();
@@ -316,7 +316,7 @@ TEST_F(DancersOfAnyProtocol, KeepTheirOwnFailureWhereAStopHoldsThem) {
   EXPECT_EQ(Of(1).fault->message, "the motor stalls");
 }
 
-TEST_F(DancersOfAnyProtocol, AreNotSaidToBeBusyAnyMoreWhereAStopHoldsThem) {
+TEST_F(ActuatorsOfAnyProtocol, AreNotSaidToBeBusyAnyMoreWhereAStopHoldsThem) {
   StartUp();
   Of(1).fault = ActuatorFault{kCodeTimeout, "still busy with Dancing after 100 ms"};
   Stop();
@@ -325,7 +325,7 @@ TEST_F(DancersOfAnyProtocol, AreNotSaidToBeBusyAnyMoreWhereAStopHoldsThem) {
 }
 
 // The command could overtake the release on the way to the actuator, which would refuse it.
-TEST_F(DancersOfAnyProtocol, AreNotCommandedUpBeforeTheyHaveReportedTheRelease) {
+TEST_F(ActuatorsOfAnyProtocol, AreNotCommandedUpBeforeTheyHaveReportedTheRelease) {
   StartUp();
   Stop();
   ActuatorReport report = Report(1, "DeActive");  // by itself
