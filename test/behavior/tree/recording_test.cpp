@@ -273,14 +273,14 @@ TEST_F(Recorded, AThousandMutationsAreRefusedWithThePlaceOrPlayed) {
     }
     // Half of them with right checksums, so that what is behind those is reached, too.
     if (i % 2 == 0) {
-      std::string mended;
+      std::string fixed;
       std::istringstream lines(mutated);
       for (std::string line; std::getline(lines, line);) {
         line.resize(line.size() - std::min<std::size_t>(line.size(), 10));
         EndRecordingLine(line);
-        mended += line;
+        fixed += line;
       }
-      mutated = mended;
+      mutated = fixed;
     }
     const Result<Recording> read = ReadRecording(mutated, "p.tree");
     if (!read) {

@@ -1,5 +1,5 @@
 // The controller crashes in the middle of a switch that a person waits for: `musher set` waited for
-// 60 s and then blamed the next controller for not answering.
+// 60 s and then reported that the next controller had not answered.
 
 #include <signal.h>
 
