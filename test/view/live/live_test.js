@@ -39,7 +39,7 @@ async function openActing() {
   return open(browser, {url: new URL(path, view.url).href});
 }
 
-test('whoever looks sees the robot, and cannot act', async () => {
+test('a person without a login sees the robot, and cannot act', async () => {
   const {page, close} = await open(browser, {url: view.url});
   await page.waitForSelector('.big-state >> text=Active');
   await page.waitForSelector('text=walk about');
