@@ -63,12 +63,7 @@ class TreeActuator::Impl {
   void Restart() { Stop(false); }
   void Halt() { Stop(true); }
 
-  // For calls that are on the loop only.
-  Impl& OnLoop() {
-    ticks_.CheckThread();
-    return *this;
-  }
-
+  Impl& OnLoop() { return ticks_.CheckThread(), *this; }  // for calls that are on the loop only
   bool has_tree() const { return loaded_.tree != nullptr; }
   tree::Tree& tree() {
     MUSHER_CHECK(has_tree(), owner_.name(), "has no tree");
@@ -398,7 +393,6 @@ Time TreeActuator::Now() const {
 msg::Stamp TreeActuator::Stamp() const {
   return impl_->OnLoop().Stamp();
 }
-
 void TreeActuator::OnEmergencyStop() {
   impl_->StopAtOnce();
 }

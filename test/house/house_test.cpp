@@ -59,8 +59,7 @@ bool IsGuide(const SourceFile& file) {
 // By readers who are new to the project.
 bool IsRead(const SourceFile& file) {
   return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/") ||
-         file.In("cmake/") || file.Is(".py") || file.Is(".js") || file.Is(".idl") ||
-         file.Is(".toml");
+         file.In("cmake/") || file.Is(".py") || file.Is(".idl");
 }
 bool IsAny(const SourceFile&) {
   return true;

@@ -129,7 +129,7 @@ class Options(unittest.TestCase):
 
     def test_are_those_of_the_help_of_each_command(self):
         printed = Help("a", "A. Usage: a [OPTIONS]\n\nOptions:\n  -h,--help  Print\n  --for S --not\n\n"
-                            "Subcommands:\n  say   Speaks\n  too-far\n\nExamples:\n  a --x\n      --y\n`a send X` tells\n")
+                            "Subcommands:\n  say   Speaks\n  too-far\n\nExamples:\n  a --x\n      --y\n`a send X` sends\n")
         self.assertEqual(printed.options, {"--help", "--for"})
         self.assertEqual(printed.commands, ["say", "too-far", "send"])
 

@@ -231,7 +231,7 @@ class Machines(WithMachine):
     def test_a_listener_gets_changes_faults_and_unhandled_commands_and_cannot_disturb(self):
         received = []
 
-        class Hears(fsm.Listener):
+        class Records(fsm.Listener):
             def on_change(self, change):
                 received.append(repr(change))
                 raise ValueError("a listener")
@@ -244,7 +244,7 @@ class Machines(WithMachine):
 
         safe = Scene("STOP", "A", 9)
         machine = self.machine(Scene("A", "STOP", 9, raises=("run",)), safe, safe=safe, begin=False)
-        machine.listen(Hears())
+        machine.listen(Records())
         machine.start(0)
         machine.run_once(0.1)
         machine.send("skip")

@@ -18,7 +18,7 @@ before(async () => {
 });
 after(() => robot?.close());
 
-// A client that keeps what it hears; `until` waits for something in it.
+// A client that keeps what it receives; `until` waits for something in it.
 class Client {
   constructor(query = '', {url} = view) {
     this.received = {channels: new Map(), services: new Map(), statuses: [], messages: [], answers: new Map(),
