@@ -57,8 +57,10 @@ class Controlling : public ::testing::Test {
   void BringUp() {
     ASSERT_TRUE(controller_.Init(file_.path()));
     ASSERT_TRUE(controller_.AwaitSetUp());
-    ASSERT_TRUE(controller_.Switch("SelfCheck").done());
-    ASSERT_TRUE(controller_.Switch("Active").done());
+    for (const char* state : {"SelfCheck", "Active"}) {
+      const SwitchResult result = controller_.Switch(state);
+      ASSERT_TRUE(result.done()) << state << ": " << result.reason;
+    }
   }
 
   RobotFile file_;
@@ -128,7 +130,7 @@ class ControllingInAHurry : public Controlling {
 };
 
 TEST_F(ControllingInAHurry, QueriesAnOverdueActuator) {
-  BringUp();
+  ASSERT_NO_FATAL_FAILURE(BringUp());
   leg_.blocks_in = "LowPower";
   const SwitchResult result = controller_.Switch("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);

@@ -126,7 +126,7 @@ bool RayTargets::IsOnDisc(const Solid& board, double along_y, double along_z, do
 }
 
 double RayTargets::ToFence(const Vector3d& along) const {
-  constexpr double kRounding_m = 1e-9;  // a ray to a corner meets one side or the other
+  constexpr double kRounding = 1e-9;  // m: a ray to a corner meets one side or the other
   double nearest = kNothing;
   for (const int axis : {0, 1}) {
     if (along[axis] == 0) continue;
@@ -135,8 +135,8 @@ double RayTargets::ToFence(const Vector3d& along) const {
     const double height = from_m_.z() + distance * along.z();
     const double aside = from_m_[1 - axis] + distance * along[1 - axis];  // not beyond a corner
     if (distance >= 0 && height >= 0 && height <= fence_height_m_ &&
-        aside >= least_place_m_[1 - axis] - kRounding_m &&
-        aside <= most_place_m_[1 - axis] + kRounding_m) {
+        aside >= least_place_m_[1 - axis] - kRounding &&
+        aside <= most_place_m_[1 - axis] + kRounding) {
       nearest = std::min(nearest, distance);
     }
   }
