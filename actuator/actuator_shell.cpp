@@ -36,7 +36,7 @@ SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   SwitchCommand command;
   command.epoch = request.epoch;
   command.number = request.number;
-  command.target = request.target.substr(0, kLongestName);
+  command.target = State(request.target.substr(0, kLongestName));
   command.budget = Duration(request.budget_ns);
   command.status_stamp = transport::FromNanoseconds(request.status_stamp_ns);
   command.since_status = Duration(request.since_status_ns);
@@ -145,7 +145,7 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
 void ActuatorShell::OnManager(const State& target, OnManagerAnswered answered) {
   const RequestToken token = next_token_++;
   replies_[token] = std::move(answered);
-  Handle(actuator_event::ManagerCommand{token, target.substr(0, kLongestName)});
+  Handle(actuator_event::ManagerCommand{token, State(target.name().substr(0, kLongestName))});
 }
 
 void ActuatorShell::OfferManagedNodeAt(Time when) {

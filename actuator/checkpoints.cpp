@@ -44,7 +44,7 @@ void Checkpoints::Begin(const State& state, Time now) {
 
 void Checkpoints::End() {
   const std::lock_guard lock(mutex_);
-  during_.clear();
+  during_ = {};
   callback_ = {};
   own_ = {};
 }

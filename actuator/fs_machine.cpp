@@ -30,7 +30,7 @@ Result<std::unique_ptr<FsMachine>> FsMachine::Make(transport::Node& node,
   auto server = transport::MakeServer<msg::FsMachine>(
       node, transport::ResolveName(name_space, name + "machine_service"),
       [on_command = std::move(on_command)](const msg::FsMachine::Request& request, auto reply) {
-        on_command(request.target_state, [reply](const State& state, std::int32_t code) {
+        on_command(State(request.target_state), [reply](const State& state, std::int32_t code) {
           reply({MachineStateNumber(state), OnTheWire(code)});
         });
       });

@@ -28,13 +28,13 @@ Result<> MachineActuator::Init(const std::string& config_file,
   return impl_->Init(config_file, std::move(node));
 }
 
-void MachineActuator::RegisterStateCallback(const std::string& state,
+void MachineActuator::RegisterStateCallback(const State& state,
                                             std::function<std::int32_t()> callback) {
   impl_->callbacks().Register(state,
                               [callback = std::move(callback)] { return FromCode(callback()); });
 }
 
-void MachineActuator::RegisterStateCallback(const std::string& state,
+void MachineActuator::RegisterStateCallback(const State& state,
                                             std::function<Result<>()> callback) {
   impl_->callbacks().Register(state, std::move(callback));
 }

@@ -67,10 +67,10 @@ class MachineActuator {
 
   // Registers the callback of `state`; before Start(). The callback returns CyberDog's code, 0 =
   // done.
-  void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
+  void RegisterStateCallback(const State& state, std::function<std::int32_t()> callback);
   // The same with a reason for people; an Error's code must not be 0. An exception counts as
   // Failed.
-  void RegisterStateCallback(const std::string& state, std::function<Result<>()> callback);
+  void RegisterStateCallback(const State& state, std::function<Result<>()> callback);
   // Registers the callback for each state that the config lists for this actuator and that has no
   // callback of its own; it gets the state. A state that is not listed is never commanded.
   void RegisterStateCallback(std::function<std::int32_t(const State&)> callback);

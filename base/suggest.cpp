@@ -44,8 +44,9 @@ std::size_t Distance(std::string_view a, std::string_view b, std::size_t limit) 
   return std::min<std::size_t>(last[b.size()], limit + 1);
 }
 
-template <typename Words>
-std::string NearestOf(std::string_view word, const Words& candidates) {
+}  // namespace
+
+std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates) {
   if (word.empty() || word.size() > kLongestWord) return {};
   std::size_t limit = std::clamp<std::size_t>(word.size() / 3, 1, 3);
   std::string_view nearest;
@@ -58,16 +59,6 @@ std::string NearestOf(std::string_view word, const Words& candidates) {
     limit = distance - 1;
   }
   return std::string(nearest);
-}
-
-}  // namespace
-
-std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates) {
-  return NearestOf(word, candidates);
-}
-
-std::string Nearest(std::string_view word, const std::vector<std::string>& candidates) {
-  return NearestOf(word, candidates);
 }
 
 std::string NoSuch(std::string_view what, std::string_view name,

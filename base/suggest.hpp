@@ -12,7 +12,10 @@ namespace musher {
 // allowed to differ, at least one character and at most three. Of equally near ones the first wins;
 // a candidate equal to `word` is never given. Words over 64 bytes have no nearest one.
 std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates);
-std::string Nearest(std::string_view word, const std::vector<std::string>& candidates);
+template <typename Name>  // that is read as a text
+std::string Nearest(std::string_view word, const std::vector<Name>& candidates) {
+  return Nearest(word, std::vector<std::string_view>(candidates.begin(), candidates.end()));
+}
 
 // "there is no actuator 'lags'; did you mean 'legs'? There are arm, head and legs": `what` is its
 // kind, `names` the known names, of which the first are listed. Safe with any `name`: it is

@@ -22,6 +22,11 @@ bool MachineActuator::ActuatorStart() {
 
 MachineController::MachineController() : musher::MachineController({Extension()}) {}
 
+void MachineActuator::RegisterStateCallback(const std::string& state,
+                                            std::function<std::int32_t()> callback) {
+  musher::MachineActuator::RegisterStateCallback(State(state), std::move(callback));
+}
+
 bool MachineController::MachineControllerInit(const std::string& config_file,
                                               std::shared_ptr<transport::NodeThread> node) {
   const Result<> result = Init(config_file, std::move(node));
@@ -34,7 +39,8 @@ bool MachineController::WaitActuatorsSetUp() {
 }
 
 void MachineController::GetStateMap(std::map<std::string, std::string>& state_map) const {
-  state_map = States();
+  state_map.clear();
+  for (const auto& [actuator, state] : States()) state_map.emplace(actuator, state);
 }
 
 bool MachineController::GetState(const std::string& target_actuator, std::string& state) const {
@@ -45,11 +51,11 @@ bool MachineController::GetState(const std::string& target_actuator, std::string
 
 bool MachineController::SetState(const std::string& target_actuator,
                                  const std::string& target_state) {
-  return Switch(target_actuator, target_state).done();
+  return Switch(target_actuator, State(target_state)).done();
 }
 
 bool MachineController::SetState(const std::string& target_state) {
-  return Switch(target_state).done();
+  return Switch(State(target_state)).done();
 }
 
 }  // namespace musher::cyberdog

@@ -13,6 +13,8 @@
 //
 // Threads: as in the base classes.
 
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -29,6 +31,8 @@ class MachineActuator : public musher::MachineActuator {
   // Init(); false after an error, which is logged.
   bool MachineActuatorInit(const std::string& config_file = "",
                            std::shared_ptr<transport::NodeThread> node = nullptr);
+  // As the base's; a state is any text here.
+  void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
   // Start(); false after an error, which is logged.
   bool ActuatorStart();
 };

@@ -4,8 +4,8 @@
 
 namespace musher {
 
-const std::vector<std::string_view>& BuiltInStates() {
-  static const std::vector<std::string_view> states = {
+const std::vector<BuiltInState>& BuiltInStates() {
+  static const std::vector<BuiltInState> states = {
       kUninitialized, kSetUp,     kTearDown, kSelfCheck, kActive,
       kDeActive,      kProtected, kLowPower, kOta,       kError};
   return states;
@@ -17,8 +17,8 @@ bool IsBuiltInState(std::string_view state) {
 }
 
 std::optional<Rank> BuiltInRank(std::string_view state) {
-  constexpr std::string_view kByRank[] = {kTearDown, kError,     kOta,   kLowPower,
-                                          kDeActive, kProtected, kActive};
+  constexpr BuiltInState kByRank[] = {kTearDown, kError,     kOta,   kLowPower,
+                                      kDeActive, kProtected, kActive};
   const auto* found = std::find(std::begin(kByRank), std::end(kByRank), state);
   if (found == std::end(kByRank)) return std::nullopt;
   return static_cast<Rank>(found - std::begin(kByRank));

@@ -1,27 +1,96 @@
 #pragma once
-// The states of a machine and of its actuators. A state is a string; the built-in ones have
+// The states of a machine and of its actuators. A state has a name; the built-in ones have
 // CyberDog's names. A config may add its own, with a rank.
 
+#include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace musher {
 
-using State = std::string;
+// The name of a built-in state, a constant. It is read as a text by itself.
+class BuiltInState {
+ public:
+  explicit constexpr BuiltInState(std::string_view name) : name_(name) {}
 
-inline constexpr std::string_view kUninitialized = "Uninitialized";
-inline constexpr std::string_view kSetUp = "SetUp";
-inline constexpr std::string_view kTearDown = "TearDown";
-inline constexpr std::string_view kSelfCheck = "SelfCheck";
-inline constexpr std::string_view kActive = "Active";
-inline constexpr std::string_view kDeActive = "DeActive";
-inline constexpr std::string_view kProtected = "Protected";
-inline constexpr std::string_view kLowPower = "LowPower";
-inline constexpr std::string_view kOta = "OTA";
-inline constexpr std::string_view kError = "Error";
+  constexpr std::string_view name() const { return name_; }
+  constexpr operator std::string_view() const {  // NOLINT(google-explicit-constructor)
+    return name_;
+  }
+
+  friend constexpr bool operator==(BuiltInState, BuiltInState) = default;
+  friend constexpr bool operator==(BuiltInState state, std::string_view name) {
+    return state.name_ == name;
+  }
+  friend std::ostream& operator<<(std::ostream& out, BuiltInState state) {
+    return out << state.name_;
+  }
+
+ private:
+  std::string_view name_;
+};
+
+inline constexpr BuiltInState kUninitialized{"Uninitialized"};
+inline constexpr BuiltInState kSetUp{"SetUp"};
+inline constexpr BuiltInState kTearDown{"TearDown"};
+inline constexpr BuiltInState kSelfCheck{"SelfCheck"};
+inline constexpr BuiltInState kActive{"Active"};
+inline constexpr BuiltInState kDeActive{"DeActive"};
+inline constexpr BuiltInState kProtected{"Protected"};
+inline constexpr BuiltInState kLowPower{"LowPower"};
+inline constexpr BuiltInState kOta{"OTA"};
+inline constexpr BuiltInState kError{"Error"};
+
+// A state by its name; empty: none. A built-in state and a literal become one by themselves; any
+// other text, such as the field of a message, by State(text), so that it cannot be taken for one by
+// mistake. It is read as a text by itself.
+class State {
+ public:
+  State() = default;
+  State(BuiltInState state) : name_(state.name()) {}  // NOLINT(google-explicit-constructor)
+  template <std::size_t kSize>
+  State(const char (&literal)[kSize]) : name_(literal) {}  // NOLINT(google-explicit-constructor)
+  explicit State(std::string name) : name_(std::move(name)) {}
+  explicit State(std::string_view name) : name_(name) {}
+  explicit State(const char* name) : name_(name) {}
+
+  const std::string& name() const { return name_; }
+  bool empty() const { return name_.empty(); }
+  State Shortened() const { return State(name_.substr(0, 64)); }  // for one from outside
+
+  operator const std::string&() const { return name_; }  // NOLINT(google-explicit-constructor)
+  operator std::string_view() const { return name_; }    // NOLINT(google-explicit-constructor)
+
+  friend bool operator==(const State&, const State&) = default;
+  friend bool operator==(const State& state, BuiltInState other) {
+    return state.name_ == other.name();
+  }
+  friend bool operator==(const State& state, std::string_view name) { return state.name_ == name; }
+  template <std::size_t kSize>
+  friend bool operator==(const State& state, const char (&literal)[kSize]) {
+    return state.name_ == literal;
+  }
+  friend auto operator<=>(const State&, const State&) = default;
+  friend std::string operator+(const std::string& before, const State& state) {
+    return before + state.name_;
+  }
+  friend std::string operator+(const State& state, const std::string& after) {
+    return state.name_ + after;
+  }
+  friend std::ostream& operator<<(std::ostream& out, const State& state) {
+    return out << state.name_;
+  }
+
+ private:
+  std::string name_;
+};
 
 // How active a robot is in a state: TearDown 0, Error 1, OTA 2, LowPower 3, DeActive 4, Protected
 // 5, Active 6. Uninitialized, SetUp and SelfCheck have none: they are steps of a start, not places
@@ -30,7 +99,7 @@ using Rank = int;
 std::optional<Rank> BuiltInRank(std::string_view state);
 
 // All built-in states in CyberDog's numbering, Uninitialized first.
-const std::vector<std::string_view>& BuiltInStates();
+const std::vector<BuiltInState>& BuiltInStates();
 bool IsBuiltInState(std::string_view state);
 
 // CyberDog's MachineState number, as FsMachine's `current_state` carries it: Uninitialized 0, SetUp

@@ -44,9 +44,10 @@ State LeastState(const MachineConfig& config) {
   return least.empty() ? config.states.front() : least;
 }
 
-std::string Quoted(const std::vector<std::string>& words) {
+template <typename Word>
+std::string Quoted(const std::vector<Word>& words) {
   std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "\"" : ", \"") + word + "\"";
+  for (const Word& word : words) text += (text.empty() ? "\"" : ", \"") + word + "\"";
   return "[" + text + "]";
 }
 

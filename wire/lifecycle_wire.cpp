@@ -77,8 +77,8 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
 
 ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   ActuatorReport report;
-  report.state = status.state;
-  report.target = status.target;
+  report.state = State(status.state);
+  report.target = State(status.target);
   report.busy_number = status.busy_number;
   report.epoch = status.epoch;
   report.number = status.number;

@@ -15,8 +15,8 @@ namespace musher::program {
 // Fails with `code` for the first state that is neither a state of the machine nor a built-in one.
 // Built-in states are accepted because a config may be shared by several machines.
 inline Result<> CheckStates(const MachineConfig& machine, std::string_view key,
-                            const std::vector<std::string>& states, std::int32_t code) {
-  for (const std::string& state : states) {
+                            const std::vector<State>& states, std::int32_t code) {
+  for (const State& state : states) {
     if (machine.HasState(state) || IsBuiltInState(state)) continue;
     const std::string nearest = Nearest(state, machine.states);
     return Error{code, std::string(key) + ": the machine has no state \"" + state + "\"" +

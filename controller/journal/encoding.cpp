@@ -55,6 +55,7 @@ class Writer {
     }
     return Json{{kHex, hex}};
   }
+  Json Of(const State& state) const { return Of(state.name()); }
   template <Enumeration T>
   Json Of(T value) const {
     const auto number = static_cast<std::size_t>(value);
@@ -166,6 +167,11 @@ class Reader {
     for (std::size_t i = 0; i < digits.size(); i += 2) {
       text += static_cast<char>(kDigits.find(digits[i]) << 4 | kDigits.find(digits[i + 1]));
     }
+  }
+  void Read(const Json& json, State& state) const {
+    std::string name;
+    Read(json, name);
+    state = State(std::move(name));
   }
   template <Enumeration T>
   void Read(const Json& json, T& value) const {

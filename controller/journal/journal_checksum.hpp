@@ -17,7 +17,7 @@ inline std::int64_t ChecksumOf(std::int64_t id, const JournalEntry& e) {
                                     std::int64_t(e.id.value()), std::int64_t(e.cause.value())}) {
     all += std::to_string(number) + kEnd;
   }
-  for (const auto* text : {&e.kind, &e.actuator, &e.message, &e.data, &e.state}) {
+  for (const auto* text : {&e.kind, &e.actuator, &e.message, &e.data, &e.state.name()}) {
     all += *text + kEnd;
   }
   if (!e.event.empty()) all += e.event + kEnd;  // entries of older versions have none

@@ -91,7 +91,7 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
   if (row.getColumnCount() == 10) return of_version_1 ? Result<JournalEntry>(entry) : damaged;
   entry.id = Unsigned(row, 10);
   entry.cause = Unsigned(row, 11);
-  entry.state = row.getColumn(12).getString();
+  entry.state = State(row.getColumn(12).getString());
   if (row.getColumnCount() > 14) entry.event = row.getColumn(14).getString();
   const auto checksum = row.getColumn(13);
   const bool may_lack_it = of_version_1 && id < first_with_checksum;

@@ -142,7 +142,7 @@ void ForeignLink::BeginWaiting() {
 
 void ForeignLink::DropPending() {
   pending_.reset();
-  report_.target.clear();
+  report_.target = {};
   report_.busy_number = 0;
   ReportStatus();
   BeginWaiting();
@@ -150,7 +150,7 @@ void ForeignLink::DropPending() {
 
 void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& message) {
   const PendingCommand ended = *std::exchange(pending_, std::nullopt);
-  report_.target.clear();
+  report_.target = {};
   report_.busy_number = 0;
   if (verdict != Verdict::kRefused) {
     report_.outcome_number = ended.number;

@@ -162,7 +162,7 @@ void Ros2Link::OnFirstLook() {
   const auto adopted = may_be_adopted ? AdoptedState(known_) : std::nullopt;
   if (!adopted) return BeginSetUp(kSetUpTimeout);
   set_up_ = true;
-  report().target.clear();
+  report().target = {};
   report().state = *adopted;
   ReportStatus();
 }
@@ -212,7 +212,7 @@ void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
     stray_ = strayed_ = false;
     report().target = report().state;
     ReportStatus();
-    report().target.clear();
+    report().target = {};
   }
   ReportStatus();
 }

@@ -69,8 +69,13 @@ msg::Capabilities CapabilityBoard::Now() const {
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     const CapabilityConfig& declared = config_.capabilities[i];
     const CapabilityVerdict& verdict = verdicts[i];
-    now.capabilities.push_back({declared.name, declared.description, verdict.allowed, verdict.code,
-                                verdict.reason, declared.actuators, declared.states});
+    now.capabilities.push_back({declared.name,
+                                declared.description,
+                                verdict.allowed,
+                                verdict.code,
+                                verdict.reason,
+                                declared.actuators,
+                                {declared.states.begin(), declared.states.end()}});
   }
   return now;
 }

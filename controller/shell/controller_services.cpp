@@ -140,7 +140,7 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   std::optional<std::string> actuator;
   if (!request.actuator.empty()) actuator = request.actuator;
   RecordRequest(request.by, "requests " + request.target + (actuator ? " of " + *actuator : ""));
-  shell_.SetState(request.target, actuator,
+  shell_.SetState(State(request.target), actuator,
                   [reply](const SwitchResult& result) { reply(ToMessage(result)); });
 }
 
@@ -157,7 +157,8 @@ void ControllerServices::OnRequestPolicy(
     return answer(Error{kCodeParametersInvalid,
                         "unknown request '" + request.request.substr(0, kLongestName) + "'"});
   }
-  shell_.SendPolicyRequest({0, *what, request.state, request.seconds, request.enable}, answer);
+  shell_.SendPolicyRequest({0, *what, State(request.state), request.seconds, request.enable},
+                           answer);
 }
 
 msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
@@ -167,7 +168,8 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   if (!error && !request.actuator.empty() && !only) {
     error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
   }
-  if (!error) return ToMessage(config, MakePlan(config, shell_.machine(), request.target, only));
+  if (!error)
+    return ToMessage(config, MakePlan(config, shell_.machine(), State(request.target), only));
   msg::GetPlan::Response response;
   response.code = error->code;
   response.reason = error->message;

@@ -54,7 +54,7 @@ void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
   const Heartbeat received{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
-                           heartbeat.during, Duration(heartbeat.silent_ns),
+                           State(heartbeat.during), Duration(heartbeat.silent_ns),
                            Duration(heartbeat.waited_ns)};
   Act(monitor_.OnSample(found->second, heartbeat.incarnation, received, node_.loop().Now()));
 }

@@ -213,13 +213,13 @@ StoredPolicy StateStore::LoadPolicy() const {
   const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_CLOEXEC));
   std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
   for (std::string word; text >> word;) {
-    Lowering lowering;
+    std::string from;
+    std::string to;
     std::uint64_t epoch = 0;
     if (word == "low_power" && text >> word) {
       if (word == "on" || word == "off") policy.low_power = word == "on";
-    } else if (word == "lowered" && text >> lowering.from >> lowering.to >> epoch) {
-      lowering.epoch = epoch;
-      policy.lowering = lowering;
+    } else if (word == "lowered" && text >> from >> to >> epoch) {
+      policy.lowering = Lowering{State(from), State(to), epoch};
     }
   }
   return policy;

@@ -32,7 +32,7 @@ class Robot : public testing::Test {
     node_->RunOnLoop([&] { gripper_.reset(); });
     robot_.Switch("TearDown");
   }
-  void Go(const std::string& state) {
+  void Go(const musher::State& state) {
     const musher::SwitchResult result = robot_.Switch(state);
     ASSERT_EQ(robot_.StateOf("gripper"), state) << result.reason;
   }

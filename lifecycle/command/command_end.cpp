@@ -137,7 +137,7 @@ void Commands::Lose(std::size_t i, const RecordText& how, RecordId cause, std::i
   record.healthy_at.reset();
   record.outbid_at.reset();
   record.free_by.reset();
-  record.report.target.clear();
+  record.report.target = {};
   record.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;
   if (torn_down) {

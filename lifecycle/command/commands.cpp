@@ -123,7 +123,7 @@ CommandResult Commands::DoneUnlessContradicted(std::size_t i, const std::string&
             true};
   }
   return {ActuatorOutcome::kFailed, kCodeStatusError,
-          texts::ContradictedBy(record.state().substr(0, 64)), true};
+          texts::ContradictedBy(record.state().Shortened()), true};
 }
 
 void Commands::ReportUnchecked(std::size_t i) {

@@ -63,7 +63,7 @@ class Planning {
     if (!config_.HasState(target)) {
       const std::string near = Nearest(target, config_.states);
       return Error{kCodeParametersInvalid,
-                   "unknown state '" + target.substr(0, 64) + "'; " +
+                   "unknown state '" + target.Shortened() + "'; " +
                        (near.empty() ? "" : "did you mean '" + near + "'? ") + "the states are " +
                        List(config_.states)};
     }

@@ -178,14 +178,14 @@ std::optional<State> TargetOf(const Ros2Transition& transition, const ActuatorCo
   switch (transition.to) {
     case S::kInactive:
       if (transition.from == S::kActive) return RestOf(actuator.states, machine);
-      return State(actuator.Lists(kSelfCheck) ? kSelfCheck : "");
+      return actuator.Lists(kSelfCheck) ? State(kSelfCheck) : State();
     case S::kActive:
       if (!actuator.Lists(kActive)) return std::nullopt;
       return State(kActive);
     case S::kUnconfigured:
       return RestOf(actuator.states, machine).value_or(State());
     default:
-      return State(actuator.Lists(kTearDown) ? kTearDown : "");
+      return actuator.Lists(kTearDown) ? State(kTearDown) : State();
   }
 }
 

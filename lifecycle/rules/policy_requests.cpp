@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kLongestKeep = std::int64_t{365} * 24 * 3600;
 
 std::string Describe(const event::PolicyRequested& requested) {
-  const std::string state = requested.state.substr(0, 64);
+  const std::string state = requested.state.Shortened();
   switch (requested.what) {
     case PolicyRequest::kSwitch:
       return "switch to " + state;
@@ -39,7 +39,7 @@ std::string Describe(const event::PolicyRequested& requested) {
 
 // Of a request for a switch; empty: another request.
 State SwitchTargetOf(const event::PolicyRequested& requested) {
-  return requested.what == PolicyRequest::kSwitch ? requested.state.substr(0, 64) : State();
+  return requested.what == PolicyRequest::kSwitch ? requested.state.Shortened() : State();
 }
 
 }  // namespace

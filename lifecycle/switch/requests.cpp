@@ -29,7 +29,7 @@ void Requests::On(const event::SetStateRequested& requested) {
                                Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
-  const State target = requested.target.substr(0, 64);
+  const State target = requested.target.Shortened();
   const RecordId request_record = RecordSwitch(
       only, 0, kCodeOk, texts::SwitchRequested(Describe(config_, target, only), target));
   if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))

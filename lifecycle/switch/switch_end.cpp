@@ -159,7 +159,7 @@ void Switching::Refuse(const State& target, std::optional<std::size_t> only,
   SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
   RecordSwitch(only, 0, why.code,
-               texts::SwitchRefused(Describe(config_, target.substr(0, 64), only), why.message),
+               texts::SwitchRefused(Describe(config_, target.Shortened(), only), why.message),
                cause);
   Answer(requests, result);
 }

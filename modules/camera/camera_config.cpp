@@ -35,7 +35,7 @@ class Reader {
     config_.retry = root.Time("retry_ms").value_or(config_.retry);
     if (const auto states = root.Strings("on_in")) {
       config_.on_in.clear();
-      for (const Word& state : *states) config_.on_in.push_back(state.text);
+      for (const Word& state : *states) config_.on_in.emplace_back(state.text);
     }
     root.Require("camera", "a table [camera.<name>] for each camera");
     if (const Table* cameras = root.SubTable("camera")) ReadCameras(*cameras, root.At("camera"));

@@ -10,6 +10,7 @@
 
 #include "musher/base/diagnostic.hpp"
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/state.hpp"
 
 namespace musher::camera {
 
@@ -58,7 +59,7 @@ struct CamerasConfig {
   Duration retry = Milliseconds(2000);            // from a failure to the next attempt
   std::vector<std::string> skip;                  // not checked
   std::vector<std::string> critical;              // a failure fails SelfCheck
-  std::vector<std::string> on_in = {"Active", "Protected"};  // states in which cameras are on
+  std::vector<State> on_in = {"Active", "Protected"};  // states in which cameras are on
   ServiceConfig service;
   std::vector<CameraConfig> cameras;  // in the order of the file
 

@@ -6,7 +6,8 @@
 namespace musher::camera {
 namespace {
 
-bool Contains(const std::vector<std::string>& names, const std::string& name) {
+template <typename Name>
+bool Contains(const std::vector<Name>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 

@@ -28,7 +28,7 @@ MachineConfig OneActuatorConfig() {
   MachineConfig config;
   ActuatorConfig audio;
   audio.name = "audio";
-  for (const char* state : {"SetUp", "Active"}) {
+  for (const BuiltInState state : {kSetUp, kActive}) {
     audio.states.emplace_back(state);
     audio.times.push_back(Milliseconds(100));
   }

@@ -22,7 +22,7 @@ class Counter : public MachineActuator {
  public:
   explicit Counter(std::string service = "count") : MachineActuator("counter") {
     RegisterStateCallback([](const State&) { return kCodeOk; });
-    RegisterStateCallback(std::string(kSetUp), [this, service = std::move(service)] {
+    RegisterStateCallback(kSetUp, [this, service = std::move(service)] {
       return OpenEndpoints([this, service](transport::Endpoints& wire) {
         const auto kept = std::make_shared<bool>(true);
         kept_ = kept;

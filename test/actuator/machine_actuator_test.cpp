@@ -17,7 +17,7 @@ using testing::RobotFile;
 
 void RegisterAll(MachineActuator& actuator, const std::vector<std::string>& states) {
   for (const std::string& state : states) {
-    actuator.RegisterStateCallback(state, [] { return kCodeOk; });
+    actuator.RegisterStateCallback(State(state), [] { return kCodeOk; });
   }
 }
 
@@ -36,7 +36,7 @@ class Singer : public MachineActuator {
  public:
   Singer() : MachineActuator("singer") {
     RegisterStateCallback([](const State&) { return kCodeOk; });
-    RegisterStateCallback(std::string(kSetUp), [this] { return OpenTopic(); });
+    RegisterStateCallback(kSetUp, [this] { return OpenTopic(); });
   }
   ~Singer() override {
     if (node_) node_->RunOnLoop([this] { subscription_.reset(); });

@@ -185,7 +185,7 @@ TEST(ConfigurationErrors, EndRunWithTwoAndOfferTheNearestName) {
   MachineActuator arm("arm");
   EXPECT_EQ(arm.Run(robot), 2);
   for (const char* state : {"SetUp", "SelfCheck", "active", "Waving"}) {
-    arm.RegisterStateCallback(state, [] { return Result<>(Ok()); });
+    arm.RegisterStateCallback(State(state), [] { return Result<>(Ok()); });
   }
   EXPECT_EQ(arm.Run(robot), 2);
   EXPECT_THAT(

@@ -197,7 +197,7 @@ TEST_F(AFaultyFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
   ASSERT_TRUE(show.Start().ok());
   ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
   ASSERT_TRUE(harness_.controller().AwaitSetUp().ok());
-  for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
+  for (const BuiltInState state : {kSelfCheck, kActive, kLowPower}) {
     ASSERT_TRUE(harness_.controller().Switch(state).done()) << state;
   }
   std::vector<std::string> published;

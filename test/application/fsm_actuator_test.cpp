@@ -18,7 +18,7 @@ using testing::Show;
 
 class AnFsmActuator : public testing::WithHarness {
  protected:
-  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+  bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
 };
 
 TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
@@ -59,7 +59,7 @@ TEST_F(AnFsmActuator, IsPausedInEveryOtherStateAndResumesInItsState) {
   ActuatorRunner<Show> show;
   Begin(show);
   harness_.Tick(show, 3);
-  for (const std::string state : {"Protected", "DeActive", "LowPower", "OTA"}) {
+  for (const BuiltInState state : {kProtected, kDeActive, kLowPower, kOta}) {
     show.TakeLog();
     ASSERT_TRUE(Go(state)) << state;
     EXPECT_THAT(show.TakeLog(), ElementsAre("pauses")) << state;

@@ -194,7 +194,7 @@ TEST_F(ASkillActuator, PausesItsSkillsInLowPowerAndContinuesThem) {
   const auto sent = Send("wait", {{"duration_s", "0.1"}});
   AwaitAccepted(sent);
   harness_.Tick(tasks, 2);
-  for (const std::string state : {"Protected", "DeActive", "LowPower"}) {
+  for (const BuiltInState state : {kProtected, kDeActive, kLowPower}) {
     const int pauses = tasks.Of([](Tasks& t) { return t.pauses; });
     tasks.RunOnLoop([&] { tasks.throws_when_paused = state == "DeActive"; });
     ASSERT_TRUE(Go(state));
@@ -209,7 +209,7 @@ TEST_F(ASkillActuator, PausesItsSkillsInLowPowerAndContinuesThem) {
 }
 
 TEST_F(ASkillActuator, CancelsItsSkillsInOtaAndErrorAndWithThatOptionInLowPower) {
-  for (const std::string state : {"OTA", "Error", "LowPower"}) {
+  for (const BuiltInState state : {kOta, kError, kLowPower}) {
     Harness harness;
     ActuatorRunner<Tasks> tasks(
         SkillActuator::Options{.rate_hz = 50, .cancels_when_paused = state == "LowPower"});

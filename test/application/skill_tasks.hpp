@@ -89,7 +89,7 @@ class SkillActuatorTest : public ::testing::Test {
                     .value();
     });
   }
-  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+  bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
 
   std::shared_ptr<SentSkill> Send(
       const std::string& skill,

@@ -19,7 +19,7 @@ using tree::Status;
 
 class ATreeActuator : public ::testing::Test {
  protected:
-  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+  bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
   void Begin(ActuatorRunner<Course>& course) {
     harness_.Open(course);
     ASSERT_TRUE(Go("SelfCheck"));
@@ -78,7 +78,7 @@ TEST_F(ATreeActuator, IsHaltedOnceInEveryOtherStateAndBeginsAtItsRootWithItsBlac
   ActuatorRunner<Course> course;
   Begin(course);
   course.RunOnLoop([&] { EXPECT_TRUE(course.tree().board().Set("ticks", 50)); });
-  for (const std::string state : {"Protected", "DeActive", "LowPower", "OTA"}) {
+  for (const BuiltInState state : {kProtected, kDeActive, kLowPower, kOta}) {
     harness_.Tick(course, 2);
     course.TakeLog();
     ASSERT_TRUE(Go(state)) << state;

@@ -314,7 +314,7 @@ TEST_F(AMachineAndItsManagers, AFloodOfRequestsDoesNotDelayASwitch) {
     std::vector<double> took;
     for (int i = 0; i < 40 || i % 2 != 0 || !enough(); ++i) {
       const auto begun = std::chrono::steady_clock::now();
-      EXPECT_TRUE(controller_.Switch(i % 2 == 0 ? "Active" : "Protected").done());
+      EXPECT_TRUE(controller_.Switch(i % 2 == 0 ? kActive : kProtected).done());
       const std::chrono::duration<double, std::milli> one =
           std::chrono::steady_clock::now() - begun;
       took.push_back(one.count());

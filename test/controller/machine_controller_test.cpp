@@ -57,7 +57,7 @@ class Controlling : public ::testing::Test {
   void BringUp() {
     ASSERT_TRUE(controller_.Init(file_.path()));
     ASSERT_TRUE(controller_.AwaitSetUp());
-    for (const char* state : {"SelfCheck", "Active"}) {
+    for (const BuiltInState state : {kSelfCheck, kActive}) {
       const SwitchResult result = controller_.Switch(state);
       ASSERT_TRUE(result.done()) << state << ": " << result.reason;
     }

@@ -97,7 +97,7 @@ class ProcessProof : public ::testing::Test {
   const ActuatorRecord& Arm() const { return controller_->shell().machine().actuators[0]; }
 
   // The peer publishes the status of the arm with `pid`.
-  void Say(pid_t pid, Incarnation incarnation = 77, const std::string& state = "SetUp") {
+  void Say(pid_t pid, Incarnation incarnation = 77, const State& state = kSetUp) {
     ActuatorReport report;
     report.state = state;
     report.incarnation = incarnation;

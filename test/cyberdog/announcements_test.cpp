@@ -23,8 +23,8 @@ TEST_F(CyberdogAnnouncements, TheStateIsPublishedWhenItIsReachedOrWhenTheSwitchB
   EXPECT_EQ(States().back(), '0') << "it is up";
   ASSERT_TRUE(robot_.Set("Protected")->done());
   EXPECT_EQ(States(), "1");
-  for (const auto& [target, number] : {std::pair("LowPower", "2"), std::pair("OTA", "3"),
-                                       std::pair("Active", "0"), std::pair("DeActive", "-1")}) {
+  for (const auto& [target, number] : {std::pair(kLowPower, "2"), std::pair(kOta, "3"),
+                                       std::pair(kActive, "0"), std::pair(kDeActive, "-1")}) {
     ASSERT_TRUE(robot_.Set(target)->done());
     EXPECT_EQ(States(), number);
   }

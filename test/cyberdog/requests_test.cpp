@@ -24,11 +24,9 @@ class CyberdogRequests : public ManagedRobot {
 
 TEST_F(CyberdogRequests, TheStateHasItsTextInEveryState) {
   BringUp();
-  const std::pair<const char*, const char*> kTexts[] = {
-      {"Active", "active"},      {"Protected", "protected"},
-      {"LowPower", "lowpower"},  {"OTA", "ota"},
-      {"DeActive", "deactive"},  {"Error", "error-state"},
-      {"SelfCheck", "selfcheck"}};
+  const std::pair<BuiltInState, const char*> kTexts[] = {
+      {kActive, "active"},     {kProtected, "protected"}, {kLowPower, "lowpower"},  {kOta, "ota"},
+      {kDeActive, "deactive"}, {kError, "error-state"},   {kSelfCheck, "selfcheck"}};
   for (const auto& [state, text] : kTexts) {
     Take(state);
     const auto answer = Trigger("machine_state_valget");
@@ -89,7 +87,7 @@ TEST_P(StateRequestFrom, IsExecutedOrRefusedAsInTheTable) {
   const auto [from, number, to] = GetParam();
   const bool refused = std::string(to).empty();
   BringUp();
-  Take(from);
+  Take(State(from));
   const auto answer = Keep(number);
   EXPECT_EQ(answer.success, !refused);
   EXPECT_EQ(answer.code, refused ? kCodeStateInvalid : kCodeOk);

@@ -296,8 +296,8 @@ TEST_F(Stopped, RefusesItsOwnStateWhereItsCallbackWouldSwitchOnAgain) {
 
 TEST_F(Stopped, RefusesAnotherStateOfItsRankThatWouldSwitchOnAgain) {
   for (const auto& [state, like] :
-       {std::pair("Dancing", "Active"), std::pair("Sitting", "LowPower")}) {
-    config_.actuators[0].states.emplace_back(state);
+       {std::pair(State("Dancing"), kActive), std::pair(State("Sitting"), kLowPower)}) {
+    config_.actuators[0].states.push_back(state);
     config_.ranks[state] = *BuiltInRank(like);
   }
   Switch(2, "Active");

@@ -137,9 +137,10 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string List(const std::vector<std::string>& words) {
+template <typename Word>
+std::string List(const std::vector<Word>& words) {
   std::string text = "[";
-  for (const std::string& word : words) text += Quoted(word) + ", ";
+  for (const Word& word : words) text += Quoted(word) + ", ";
   return text + "]";
 }
 

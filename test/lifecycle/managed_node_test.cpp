@@ -146,10 +146,7 @@ TEST(TheGraphOfAManagedNode, IsThatOfRos2) {
 // The state that a transition of an actuator of the config stands for.
 State TargetIn(const MachineConfig& config, S state, const std::string& label) {
   ManagedNode node;
-  node.Observe(state == S::kUnconfigured ? "SetUp"
-               : state == S::kActive     ? "Active"
-                                         : "DeActive",
-               "");
+  node.Observe(state == S::kUnconfigured ? kSetUp : state == S::kActive ? kActive : kDeActive, "");
   const auto transition = node.Begin(0, label);
   if (!transition) return "no transition";
   return TargetOf(transition.value(), config.actuators[0], config).value_or("no state");
@@ -177,9 +174,9 @@ TEST(ATransitionOfTheMachine, SwitchesToTheStateInTheConfig) {
   MachineConfig config = testing::MachineOf(1);
   const auto target = [&](S state, const std::string& label) {
     ManagedNode node;
-    node.Observe(state == S::kUnconfigured ? "SetUp"
-                 : state == S::kActive     ? "Active"
-                                           : "DeActive",
+    node.Observe(state == S::kUnconfigured ? kSetUp
+                 : state == S::kActive     ? kActive
+                                           : kDeActive,
                  "");
     return TargetOf(node.Begin(0, label).value(), config).value_or("no state");
   };

@@ -17,7 +17,8 @@ class OneActuator : public ::testing::Test {
   OneActuator() {
     ActuatorConfig audio;
     audio.name = "audio";
-    for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "LowPower", "TearDown"}) {
+    for (const BuiltInState state :
+         {kSetUp, kSelfCheck, kActive, kDeActive, kLowPower, kTearDown}) {
       audio.states.emplace_back(state);
       audio.times.push_back(Milliseconds(100));
       if (const auto rank = BuiltInRank(state)) config_.ranks[state] = *rank;

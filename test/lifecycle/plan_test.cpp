@@ -82,7 +82,7 @@ TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenActuatorOnceAlsoInADiamond) {
 TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
   machine_.actuators[1].report.target = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
-  machine_.actuators[1].report.target.clear();
+  machine_.actuators[1].report.target = {};
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeOk);
   machine_.actuators[1].command = PendingCommand{};
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);

@@ -31,7 +31,7 @@ TEST_F(AMixedRobotWithAShortCheckpoint, DoesNotTakeALongTransitionForAHang) {
   for (const char* callback : {"deactivate", "activate"}) {
     ros_->script[callback].takes = Milliseconds(95);  // its time is 100 ms
   }
-  for (const char* state : {"LowPower", "Active"}) {
+  for (const BuiltInState state : {kLowPower, kActive}) {
     Set(state);
     robot_.RunFor(std::chrono::seconds(2));
     ExpectAllIn(state);

@@ -79,7 +79,7 @@ TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesContinueWithoutIt
   EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
   robot_.RunFor(std::chrono::minutes(1));
   EXPECT_THAT(robot_.Degraded(), ElementsAre("b"));
-  for (const char* target : {"Active", "OTA"}) {
+  for (const BuiltInState target : {kActive, kOta}) {
     const Time begun = robot_.network().now();
     const SwitchResult result = Set(target);
     EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << result.reason;

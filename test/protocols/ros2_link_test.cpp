@@ -45,7 +45,7 @@ TEST_F(DrivingARos2Node, TakesItWhereEachStateOfTheMachineBelongs) {
   EXPECT_EQ(Do("Active").report.state, "Active");
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
   EXPECT_EQ(Do("SelfCheck").report.state, "Active") << "in the run phase a check changes nothing";
-  for (const char* state : {"Protected", "LowPower", "OTA", "DeActive"}) {
+  for (const BuiltInState state : {kProtected, kLowPower, kOta, kDeActive}) {
     EXPECT_EQ(Do(state).report.state, state);
     EXPECT_EQ(ros_->state(), Ros2State::kInactive);
   }

@@ -86,7 +86,7 @@ class MixedScenario {
   void SampleFaults() {
     for (const auto& [name, module] : modules_) {
       if (!robot_.IsAlive(name)) continue;
-      for (const char* state : {"Active", "LowPower", "Protected", "DeActive", "OTA"}) {
+      for (const BuiltInState state : {kActive, kLowPower, kProtected, kDeActive, kOta}) {
         CyberdogModule::Callback& callback = module->script[state];
         callback.takes = Sample(0.1) ? Milliseconds(300) : Milliseconds(5);
         callback.code = Sample(0.1) ? 5001 : 0;
@@ -158,7 +158,7 @@ class MixedScenario {
   void CheckResult() {
     robot_.Set(State(kSelfCheck));
     robot_.RunFor(std::chrono::seconds(2));
-    for (const char* target : {"DeActive", "Active", "LowPower", "DeActive"}) {
+    for (const BuiltInState target : {kDeActive, kActive, kLowPower, kDeActive}) {
       ASSERT_TRUE(robot_.Set(target));
       robot_.RunFor(std::chrono::seconds(2));
     }

@@ -40,7 +40,7 @@ class Mixer {
   void One(StrongNumber<Kind> number) {
     Word(number.value());
   }
-  void One(const State& text) { Word(std::hash<std::string_view>{}(text)); }
+  void One(std::string_view text) { Word(std::hash<std::string_view>{}(text)); }
   void One(Duration d) { Word(static_cast<std::uint64_t>(d.count())); }
   void One(Time t) { Word(static_cast<std::uint64_t>((t - now_).count())); }
   void One(const Fingerprint& f) {

@@ -43,7 +43,7 @@ int FaultsOf(const Scenario& scenario) {
   return wanted.empty() ? scenario.faults - kFewerFaults : std::stoi(wanted);
 }
 
-class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {
+class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string, State>> {
  protected:
   const Scenario& scenario() const { return ScenarioNamed(std::get<0>(GetParam())); }
   const State& from() const { return std::get<1>(GetParam()); }
@@ -73,7 +73,7 @@ class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string,
 };
 
 TEST_P(ExhaustiveSearch, FindsNoViolation) {
-  const State only = Environment("MUSHER_SEARCH_TARGET");
+  const std::string only = Environment("MUSHER_SEARCH_TARGET");
   Figures figures;
   for (const State& to : AllStates()) {
     if (IsPermitted(from(), to) && (only.empty() || to == only)) figures += SearchTo(to);
@@ -131,7 +131,8 @@ INSTANTIATE_TEST_SUITE_P(Of, ExhaustiveSearch,
                          ::testing::Combine(::testing::ValuesIn(Names()),
                                             ::testing::ValuesIn(AllStates())),
                          [](const auto& which) {
-                           return std::get<0>(which.param) + "From" + std::get<1>(which.param);
+                           return std::get<0>(which.param) + "From" +
+                                  std::get<1>(which.param).name();
                          });
 
 }  // namespace musher::search::search_test

@@ -149,7 +149,7 @@ TEST_P(OfSeed, ThePublishedCapabilitiesAreWhatTheActuatorsAllow) {
   faults.loss = 0.2;
   faults.delay_max = Milliseconds(20);
   robot_.network().SetFaults(faults);
-  for (const char* target : {"LowPower", "OTA", "Active", "LowPower", "Active"}) {
+  for (const BuiltInState target : {kLowPower, kOta, kActive, kLowPower, kActive}) {
     robot_.Set(target);
     if (GetParam() % 2 == 0) robot_.CrashActuator("b");
     robot_.RunFor(std::chrono::seconds(20));  // it is available again, in the machine's state

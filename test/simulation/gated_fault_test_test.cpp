@@ -11,7 +11,7 @@ namespace musher::testing::gated_fault_test_test {
 class Spinner : public MachineActuator {
  public:
   Spinner() : MachineActuator("motor") {
-    for (const char* state : {"SetUp", "SelfCheck", "Active", "LowPower", "TearDown"}) {
+    for (const BuiltInState state : {kSetUp, kSelfCheck, kActive, kLowPower, kTearDown}) {
       RegisterStateCallback(state, [] { return kCodeOk; });
     }
   }

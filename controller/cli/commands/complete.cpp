@@ -181,7 +181,7 @@ Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
   }
   Words words = OfMachine(global, options.names);
   const bool none = words.empty() && options.names == Names::kStates;
-  return none ? Commandable(BuiltInStates()) : words;
+  return none ? Commandable({BuiltInStates().begin(), BuiltInStates().end()}) : words;
 }
 
 }  // namespace

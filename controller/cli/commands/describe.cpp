@@ -210,7 +210,7 @@ class Queries {
 std::vector<std::string> StatesToQuery(const Description& d) {
   std::vector<std::string> states;
   if (d.config) {
-    states = d.config->states;
+    states.assign(d.config->states.begin(), d.config->states.end());
   } else {
     for (const std::string_view state : BuiltInStates()) states.emplace_back(state);
   }

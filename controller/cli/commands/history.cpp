@@ -186,7 +186,7 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
   const std::int64_t since =
       history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
-  if (options.why) return Explain(history, *options.why, console);
+  if (options.why) return Explain(history, State(*options.why), console);
   wanted.Apply(history);
   Show(history, options.csv, true, console);
   if (!options.follow) return ExitCode::kDone;

@@ -69,6 +69,9 @@ class WordList {
     std::sort(members.begin(), members.end());
     words_.push_back({table_, std::move(key), std::move(members), true, effect});
   }
+  void Set(std::string key, const std::vector<State>& states, ChangeEffect effect = kTakeover) {
+    Set(std::move(key), Strings(states.begin(), states.end()), effect);
+  }
   std::vector<ConfigWord> Take() { return std::move(words_); }
 
  private:

@@ -18,7 +18,7 @@ Result<Why> FindWhy(const msg::GetHistory::Response& history, const State& state
     return Error{kCodeFailed, state.empty() ? "these entries contain no state change of the machine"
                                             : "these entries contain no change to " + state};
   }
-  Why why{newest->state, {*newest}, {event_of(newest)}, true};
+  Why why{State(newest->state), {*newest}, {event_of(newest)}, true};
   // A cause precedes its effect in the run of one controller: going back, ids only fall.
   std::uint64_t before = newest->id;
   for (auto entry = std::next(newest); entry != entries.rend(); ++entry) {

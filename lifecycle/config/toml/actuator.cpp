@@ -55,11 +55,11 @@ class ActuatorReader {
     if (states) {
       auto& listed = draft_.actuator_states[actuator_.config.name];
       for (const Word& state : *states) {
-        listed.insert(state.text);
+        listed.emplace(state.text);
         if (CheckState(state, "states", reader_, draft_)) {
-          actuator_.config.states.push_back(state.text);
+          actuator_.config.states.emplace_back(state.text);
         } else {
-          listed.insert(Nearest(state.text, draft_.known_states));
+          listed.emplace(Nearest(state.text, draft_.known_states));
         }
       }
       RequireUsualStates();
@@ -197,17 +197,17 @@ class ActuatorReader {
     config.on_controller_lost = HighestUpToProtected();
     if (const auto state = reader_.String("on_controller_lost")) {
       if (CheckRankedState(*state, "on_controller_lost", reader_, draft_) &&
-          !MayList(state->text)) {
+          !MayList(State(state->text))) {
         reader_.Fault(state->at, "on_controller_lost",
                       Quote(state->text) + " is not among its states");
       }
-      config.on_controller_lost = state->text;
+      config.on_controller_lost = State(state->text);
     }
     const bool has_protected = draft_.listed_states.contains(std::string(kProtected));
     if (config.critical && has_protected) config.on_lost = kProtected;
     if (const auto state = reader_.String("on_lost")) {
       CheckRankedState(*state, "on_lost", reader_, draft_);
-      config.on_lost = state->text;
+      config.on_lost = State(state->text);
     }
   }
 
@@ -219,7 +219,7 @@ class ActuatorReader {
     for (const Member& member : *table) {
       const auto allowance = allowances.Time(member.key, kShortestCheckpointMs);
       if (!CheckState({member.key, member.at}, "checkpoint_ms_in", reader_, draft_)) continue;
-      if (!MayList(member.key)) {
+      if (!MayList(State(member.key))) {
         reader_.Fault(member.at, "checkpoint_ms_in",
                       Quote(member.key) + " is not among its states");
       } else if (allowance) {

@@ -66,7 +66,7 @@ class CapabilityReader {
       const bool good = word.text == kSelfCheck ? CheckState(word, "states", reader_, draft_)
                                                 : CheckRankedState(word, "states", reader_, draft_);
       if (!good) continue;
-      capability_.states.push_back(word.text);
+      capability_.states.emplace_back(word.text);
       CheckActuatorsList(word);
       if (word.text != kError && word.text != kTearDown) continue;
       reader_.Warn(word.at, "states",
@@ -76,7 +76,7 @@ class CapabilityReader {
 
   void CheckActuatorsList(const Word& state) {
     for (const std::string& name : capability_.actuators) {
-      if (MayList(name, state.text, draft_)) continue;
+      if (MayList(name, State(state.text), draft_)) continue;
       reader_.Fault(state.at, "states",
                     Quote(state.text) + " is not among the states of " + Quote(name));
     }

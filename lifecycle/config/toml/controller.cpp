@@ -33,7 +33,7 @@ void ReadActuatorNames(TableReader& controller, Draft& draft) {
 void ReadState(const Word& state, TableReader& controller, Draft& draft) {
   const auto& known = draft.known_states;
   if (std::find(known.begin(), known.end(), state.text) != known.end()) {
-    draft.config.states.push_back(state.text);
+    draft.config.states.emplace_back(state.text);
     draft.listed_states.insert(state.text);
     return;
   }
@@ -80,7 +80,7 @@ void ReadDefaultState(TableReader& controller, Draft& draft) {
     return;
   }
   if (CheckState(*state, "default_state", controller, draft)) {
-    draft.config.default_state = state->text;
+    draft.config.default_state = State(state->text);
   }
 }
 

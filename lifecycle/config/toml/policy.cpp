@@ -135,7 +135,7 @@ class PolicyReader {
       if (!CeilingState(draft_.config, level).empty()) continue;
       warn(key, "the machine has no state to go down to then");
     }
-    if (!draft_.listed_states.contains(State(kTearDown))) {
+    if (!draft_.listed_states.contains(std::string(kTearDown))) {
       warn("tear_down_at", "the machine has no \"TearDown\": power-off comes without it");
     }
   }
@@ -150,7 +150,7 @@ class PolicyReader {
         ReadSeconds("lying_still_s", *reader, kShortestS).value_or(low_power.lying_still);
     if (auto ids = ReadMotionIds(*reader)) low_power.motion_ids = std::move(*ids);
     reader->RefuseOthers();
-    if (draft_.states_read && !draft_.listed_states.contains(State(kLowPower))) {
+    if (draft_.states_read && !draft_.listed_states.contains(std::string(kLowPower))) {
       reader_.Fault(reader->at(), "low_power", "\"LowPower\" is not among controller.states");
     }
   }

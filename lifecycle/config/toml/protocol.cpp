@@ -36,7 +36,7 @@ void ReadRos2States(const ActuatorConfig& config, TableReader& reader, Draft& dr
                    Quote(member.key) +
                        " cannot be mapped: SetUp configures the node, and a "
                        "self-check leaves it where it is");
-    } else if (!MayList(config.name, member.key, draft)) {
+    } else if (!MayList(config.name, State(member.key), draft)) {
       reader.Fault(member.at, "ros2_states", Quote(member.key) + " is not among its states");
     } else if (goal == Ros2State::kFinalized && member.key != kTearDown) {
       reader.Fault(member.at, "ros2_states",

@@ -14,7 +14,7 @@ void ReadTransitionTarget(std::string_view key, TableReader& ros2, Draft& draft,
                "\"SetUp\" cannot be commanded: it runs only at the start of a process");
     return;
   }
-  target = state->text;
+  target = State(state->text);
 }
 
 void ReadRos2Table(TableReader& root, Draft& draft) {

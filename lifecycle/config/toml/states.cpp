@@ -111,7 +111,7 @@ void ReadOwnStates(TableReader& root, Draft& draft) {
     if (const auto rank = BuiltInRank(state)) draft.config.ranks.emplace(state, *rank);
   }
   for (const Value* value : root.Tables("state")) ReadOwnState(*value, draft);
-  draft.known_states = BuiltInStates();
+  draft.known_states.assign(BuiltInStates().begin(), BuiltInStates().end());
   for (const auto& [state, rank] : draft.config.ranks) {
     if (!IsBuiltInState(state)) draft.known_states.push_back(state);
   }
@@ -154,7 +154,7 @@ bool CheckState(const Word& state, std::string_view key, TableReader& reader, Dr
 bool CheckRankedState(const Word& state, std::string_view key, TableReader& reader, Draft& draft) {
   if (!CheckState(state, key, reader, draft)) return false;
   // A typing error in controller.states, which has been reported there, is not a step of the start.
-  if (draft.config.ranks.contains(state.text) || !IsKnown(state.text, draft)) return true;
+  if (draft.config.ranks.contains(State(state.text)) || !IsKnown(state.text, draft)) return true;
   reader.Fault(state.at, key,
                Quote(state.text) + " is a step of the start; expected a state that has a rank");
   return false;

@@ -39,6 +39,11 @@ template <typename Kind>
 void MakeAny(StrongNumber<Kind>& number) {
   number = *rc::gen::arbitrary<std::uint64_t>();
 }
+inline void MakeAny(State& state) {
+  std::string name;
+  MakeAny(name);
+  state = State(std::move(name));
+}
 template <Struct T>
 void MakeAny(T& value);
 template <class T>

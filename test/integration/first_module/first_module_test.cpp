@@ -65,7 +65,7 @@ std::string DescribeResult(const SwitchResult& result) {
 
 TEST_F(FirstModule, GoesToActiveToLowPowerAndToTearDown) {
   ASSERT_NO_FATAL_FAILURE(Start());
-  for (const char* state : {"SelfCheck", "Active"}) {
+  for (const BuiltInState state : {kSelfCheck, kActive}) {
     const SwitchResult result = controller_.Switch(state);
     ASSERT_TRUE(result.done()) << state << ": " << DescribeResult(result);
   }

@@ -22,7 +22,7 @@ class Adopting : public Switching {
 };
 
 TEST_F(Adopting, DisturbsNoActuatorInWhateverStateTheMachineIs) {
-  for (const char* state : {"Active", "Protected", "DeActive", "LowPower", "OTA", "Error"}) {
+  for (const BuiltInState state : {kActive, kProtected, kDeActive, kLowPower, kOta, kError}) {
     Harness& t = In(state, Ours(3));
     Restart(t);
     EXPECT_EQ(t.machine().state, state);
@@ -207,7 +207,7 @@ TEST_F(Adopting, ALostCriticalActuatorThatDoesNotComeBackTakesTheMachineDown) {
 }
 
 TEST_F(Adopting, DoesNotTakeASwitchOutOfARequestedCheckForAStart) {
-  for (const char* state : {"DeActive", "Error", "TearDown"}) {
+  for (const BuiltInState state : {kDeActive, kError, kTearDown}) {
     Harness& t = In("Error", Ours(3));
     ASSERT_TRUE(t.Set("SelfCheck").done());
     for (const char* name : {"a", "b", "c"}) t.On(name, state).takes = Milliseconds(90);

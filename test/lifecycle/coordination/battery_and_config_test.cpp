@@ -67,7 +67,7 @@ TEST_F(Rules, TheMachineIsBroughtBackToItsOwnStateOfTheAllowedRank) {
     actuator.states = config.states;
     actuator.times.resize(config.states.size(), Milliseconds(100));
   }
-  for (const char* state : {"Active", "LowPower"}) config.flow.push_back({state, "Guarding"});
+  for (const BuiltInState state : {kActive, kLowPower}) config.flow.push_back({state, "Guarding"});
   Robot("Guarding", config);
   Battery(3);
   EXPECT_EQ(state(), "LowPower");
@@ -110,7 +110,7 @@ TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
   config.states.emplace_back("Sitting");
   config.ranks["Sitting"] = 3;
   config.flow = DefaultFlow(config.states);
-  for (const char* state : {"Active", "Protected"}) config.flow.push_back({state, "Sitting"});
+  for (const BuiltInState state : {kActive, kProtected}) config.flow.push_back({state, "Sitting"});
   for (ActuatorConfig& actuator : config.actuators) {
     actuator.states = config.states;
     actuator.times.resize(config.states.size(), Milliseconds(100));

@@ -76,7 +76,7 @@ TEST_F(LyingStill, SilenceIsNotStillness) {
 
 TEST_F(LyingStill, DoesNotCountInOtaNorInDeActive) {
   Motion(kLying);
-  for (const char* other : {"OTA", "DeActive"}) {
+  for (const BuiltInState other : {kOta, kDeActive}) {
     robot().Set(other);
     Pass(60);
     EXPECT_EQ(state(), other);

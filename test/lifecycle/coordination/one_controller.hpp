@@ -46,7 +46,7 @@ class OneController : public ::testing::Test {
   std::optional<Time> Next() const { return NextDeadline(config_, machine_); }
 
   // The report of actuator i: set up, on this host, free.
-  ActuatorReport Report(std::size_t i, const std::string& state = "SetUp") {
+  ActuatorReport Report(std::size_t i, const State& state = kSetUp) {
     ActuatorReport report;
     report.state = state;
     report.incarnation = kFirst + i;
@@ -58,7 +58,7 @@ class OneController : public ::testing::Test {
   }
   void Say(std::size_t i, const ActuatorReport& report) { Do(event::StatusSeen{i, report}); }
   // It publishes its status and answers TakeControl().
-  void Come(std::size_t i, const std::string& state = "SetUp") {
+  void Come(std::size_t i, const State& state = kSetUp) {
     Say(i, Report(i, state));
     ActuatorReport report = Report(i, state);
     report.epoch = machine_.epoch;

@@ -283,7 +283,7 @@ TEST_F(Outcomes, AContradictingStateIsShortened) {
   RequestSwitch("LowPower");
   const PendingCommand command = Of(0).command.value();
   Do(event::Replied{0, command.number, false, Verdict::kDone, kCodeOk, "",
-                    Report(0, std::string(100, 'x'))});
+                    Report(0, State(std::string(100, 'x')))});
   EXPECT_NE(RecordWith("a: LowPower failed").message.find(" " + std::string(64, 'x')),
             std::string::npos);
   EXPECT_EQ(RecordWith("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);

@@ -15,7 +15,7 @@ TEST_F(Requests, WhileASwitchIsUnderWayAllAreRefused) {
   robot().On("a", "DeActive").takes = Milliseconds(90);
   robot().RequestSwitch("DeActive");
   const std::string busy = "111: switch 3 (to DeActive) is under way";
-  for (const char* state : {"Active", "Protected", "LowPower", "OTA", "TearDown"}) {
+  for (const BuiltInState state : {kActive, kProtected, kLowPower, kOta, kTearDown}) {
     const RequestId request = Keep(state, 0);
     EXPECT_EQ(Text(robot().calls.at(request)), busy);
   }
@@ -26,7 +26,7 @@ TEST_F(Requests, WhileASwitchIsUnderWayAllAreRefused) {
 
 TEST_F(Requests, OtaIsLeftByItsOwnServiceOrByHandOnly) {
   Robot("OTA");
-  for (const char* wanted : {"Active", "Protected", "LowPower", "TearDown"}) {
+  for (const BuiltInState wanted : {kActive, kProtected, kLowPower, kTearDown}) {
     EXPECT_EQ(KeepAndWait(wanted, 0), "103: the machine is in OTA; leave OTA first");
   }
   EXPECT_EQ(KeepAndWait("OTA", 0), "ok");
@@ -41,7 +41,7 @@ TEST_F(Requests, OtaIsLeftByItsOwnServiceOrByHandOnly) {
 }
 
 TEST_F(Requests, OtaIsEnteredFromAnywhereAndOnce) {
-  for (const char* from : {"Active", "Protected", "LowPower", "DeActive"}) {
+  for (const BuiltInState from : {kActive, kProtected, kLowPower, kDeActive}) {
     Robot(from);
     EXPECT_EQ(RequestAndWait(PolicyRequest::kOta, true), "ok");
     EXPECT_EQ(state(), "OTA");
@@ -56,7 +56,7 @@ TEST_F(Requests, OtaCannotBeLeftFromElsewhere) {
 }
 
 TEST_F(Requests, LowPowerIsLeftForTheRequestedState) {
-  for (const char* wanted : {"Active", "Protected", "OTA"}) {
+  for (const BuiltInState wanted : {kActive, kProtected, kOta}) {
     Robot("LowPower");
     EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
     EXPECT_EQ(state(), wanted);
@@ -68,7 +68,7 @@ TEST_F(Requests, LowPowerIsLeftForTheRequestedState) {
 }
 
 TEST_F(Requests, FromElsewhereTheMachineIsSwitched) {
-  for (const char* wanted : {"Active", "Protected", "LowPower", "OTA"}) {
+  for (const BuiltInState wanted : {kActive, kProtected, kLowPower, kOta}) {
     Robot("DeActive");
     EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
     EXPECT_EQ(state(), wanted);
@@ -83,7 +83,7 @@ TEST_F(Requests, FromElsewhereTheMachineIsSwitched) {
 // The replaced code cannot command them.
 TEST_F(Requests, DeActiveSelfCheckAndErrorCanBeCommanded) {
   Robot();
-  for (const char* wanted : {"DeActive", "SelfCheck", "Error"}) {
+  for (const BuiltInState wanted : {kDeActive, kSelfCheck, kError}) {
     EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
   }
   EXPECT_EQ(state(), "Error");
@@ -126,7 +126,7 @@ TEST_F(Requests, WakeUpAtThreePercentIsRefusedWithWhatToDo) {
 }
 
 TEST_F(Requests, WakeUpIsRefusedInOtherStates) {
-  for (const char* from : {"Active", "Protected", "OTA", "DeActive"}) {
+  for (const BuiltInState from : {kActive, kProtected, kOta, kDeActive}) {
     Robot(from);
     EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp),
               "103: the machine is not in LowPower, it is in " + std::string(from));

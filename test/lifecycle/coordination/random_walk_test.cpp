@@ -84,8 +84,8 @@ class Walk {
 
   void DoAnything() {
     const std::string name = AnyName();
-    const char* const states[] = {"Active",   "Protected", "DeActive",
-                                  "LowPower", "SelfCheck", "Error"};
+    constexpr BuiltInState states[] = {kActive,   kProtected, kDeActive,
+                                       kLowPower, kSelfCheck, kError};
     const State state = states[Below(6)];
     switch (Below(22)) {
       case 0:

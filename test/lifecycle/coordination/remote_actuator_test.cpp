@@ -22,7 +22,7 @@ class RemoteActuators : public OneController {
     ObeyBoth(host);
     ASSERT_EQ(machine_.state, kActive);
   }
-  ActuatorReport ReportOfB(const std::string& host, const std::string& state = "SetUp") {
+  ActuatorReport ReportOfB(const std::string& host, const State& state = kSetUp) {
     ActuatorReport report = Report(1, state);
     report.host = host;
     return report;

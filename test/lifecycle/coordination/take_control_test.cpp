@@ -105,7 +105,7 @@ TEST_F(TakeControl, OfADetachedActuatorThatIsTornDownMeanwhileDegradesIt) {
   report.target = "TearDown";
   Say(1, report);
   report.state = "TearDown";
-  report.target.clear();
+  report.target = {};
   report.epoch = machine_.epoch;
   Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
   ASSERT_TRUE(Of(1).fault);

@@ -72,14 +72,14 @@ TEST_F(WaitingSwitches, AnotherRequestIsRefusedWithARetryTime) {
 }
 
 TEST_F(WaitingSwitches, AMoreUrgentRequestBeginsInstead) {
-  for (const char* urgent : {"Error", "TearDown"}) {
+  for (const BuiltInState urgent : {kError, kTearDown}) {
     Harness& t = WithALateOne("LowPower");
     const RequestId request = t.RequestSwitch("Active");
     EXPECT_EQ(t.Set(urgent).outcome, SwitchOutcome::kDone);
     ASSERT_TRUE(Answered(t, request));
     EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kRefused);
     EXPECT_EQ(t.answers.at(request).code, kCodeTargetBusy);
-    EXPECT_THAT(t.answers.at(request).reason, HasSubstr(std::string("(to ") + urgent + ")"));
+    EXPECT_THAT(t.answers.at(request).reason, HasSubstr(std::string("(to ") + State(urgent) + ")"));
   }
 }
 

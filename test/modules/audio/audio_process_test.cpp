@@ -133,7 +133,7 @@ TEST_F(AudioManagerProcess, AnswersATextWhenItsSoundHasEnded) {
 
 TEST_F(AudioManagerProcess, SpeaksInEveryStateAndFallsSilentAtTearDown) {
   Start("output = \"silent\"\n" + kPhrases);
-  for (const std::string state : {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error"}) {
+  for (const BuiltInState state : {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError}) {
     const auto done = peer_.Switch(state);
     ASSERT_TRUE(done);
     EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone) << state << peer_.Output();

@@ -117,8 +117,8 @@ TEST_F(CameraManagerProcess, RunsThroughAllStatesAndPublishesInActiveAndProtecte
   MakeWorld();
   Start();
   Watch();
-  for (const std::string state :
-       {"SelfCheck", "Active", "LowPower", "Protected", "OTA", "DeActive", "Error", "Active"}) {
+  for (const BuiltInState state :
+       {kSelfCheck, kActive, kLowPower, kProtected, kOta, kDeActive, kError, kActive}) {
     const auto done = peer_.Switch(state);
     ASSERT_TRUE(done);
     EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone) << state << peer_.Output();

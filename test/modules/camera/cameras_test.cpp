@@ -61,7 +61,7 @@ TEST_F(CamerasTest, AreOffInLowPowerSoThatTheWorldDrawsNothing) {
   Start();
   std::vector<msg::Image> seen;
   const auto eye = Listen("dog1/image_front", seen);
-  for (const State state : {"LowPower", "OTA", "DeActive", "TearDown"}) {
+  for (const BuiltInState state : {kLowPower, kOta, kDeActive, kTearDown}) {
     cameras_->Enter(state);
     Run(Milliseconds(500));
     drawn_ = 0;

@@ -88,7 +88,7 @@ TEST_F(DeviceManagerProcess, RunsThroughAllStatesWithItsDevices) {
   Start();
   ASSERT_TRUE(peer_.Until([&] { return received_.has_value(); })) << peer_.Output();
   EXPECT_EQ(received_->batt_soc, 55);
-  for (const std::string state : {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error"}) {
+  for (const BuiltInState state : {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError}) {
     const auto done = peer_.Switch(state);
     ASSERT_TRUE(done);
     EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone) << state << peer_.Output();

@@ -121,7 +121,7 @@ TEST_F(WalkerProcess, EndsAWalkInEveryOtherState) {
   Start();
   ExpectDone("SelfCheck");
   int ends = 0;
-  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
+  for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
     ExpectDone("Active");
     Command("START");
     ASSERT_TRUE(AwaitStatus("State:WALKING")) << state << status_ << peer_.Output();

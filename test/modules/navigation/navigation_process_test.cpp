@@ -132,7 +132,7 @@ TEST_F(ControllerProcess, DrivesInActiveAndStandsInTheOtherStates) {
   PublishMap();
   Start();
   ExpectDone("SelfCheck");
-  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
+  for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
     ExpectDone("Active");
     Drive();
     ASSERT_TRUE(AwaitMotion()) << state << peer_.Output();

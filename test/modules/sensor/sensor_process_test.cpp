@@ -180,8 +180,8 @@ TEST_F(SensorManagerProcess, LetsTheWorldRestInLowPowerAndWakesItAgain) {
 
 TEST_F(SensorManagerProcess, RunsThroughAllStates) {
   StartBoth();
-  for (const char* state :
-       {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error", "SelfCheck", "TearDown"}) {
+  for (const BuiltInState state :
+       {kSelfCheck, kActive, kDeActive, kProtected, kOta, kError, kSelfCheck, kTearDown}) {
     ExpectDone(state);
   }
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();

@@ -35,7 +35,7 @@ class SensorsAtHand : public SensorsOnANetwork {
 };
 
 RC_GTEST_PROP(SensorsProperty, AreSubscribedToExactlyWhileTheyAreStartedAndAwake, ()) {
-  const std::array<const char*, 5> states = {"Active", "LowPower", "OTA", "Protected", "Error"};
+  constexpr std::array states = {kActive, kLowPower, kOta, kProtected, kError};
   SensorsAtHand robot;
   std::array<Phase, 4> phases;
   phases.fill(Phase::kStarted);

@@ -92,7 +92,7 @@ class ASkillsActuator : public ::testing::Test {
 
   void Loop(const std::function<void()>& work) { harness_.node().RunOnLoop(work); }
   // Also where the actuator is degraded: there is no planner.
-  bool Switch(const std::string& state) {
+  bool Switch(const State& state) {
     const SwitchOutcome outcome = harness_.controller().Switch(state).outcome;
     return outcome == SwitchOutcome::kDone || outcome == SwitchOutcome::kDoneDegraded;
   }
@@ -185,7 +185,7 @@ TEST_F(ASkillsActuator, FailsItsSelfCheckWithoutOdometry) {
 
 TEST_F(ASkillsActuator, StandsInEveryStateButActive) {
   BeginActive();
-  for (const std::string state : {"LowPower", "Protected", "DeActive", "OTA", "Error"}) {
+  for (const BuiltInState state : {kLowPower, kProtected, kDeActive, kOta, kError}) {
     BeginMoving();
     ASSERT_TRUE(Switch(state)) << state;
     ExpectStand();

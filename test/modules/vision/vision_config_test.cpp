@@ -125,7 +125,7 @@ TEST(VisionConfig, RefusesARateAtWhichAFaceIsLostFromOnePictureToTheNext) {
 TEST(StatesOfAModule, RefuseAMisspeltOneWithTheNearest) {
   MachineConfig machine;
   machine.states = {"Active", "DeActive", "Show"};
-  const auto check = [&](const std::vector<std::string>& states) {
+  const auto check = [&](const std::vector<State>& states) {
     const Result<> checked = program::CheckStates(machine, "look_in", states, 5910);
     return checked ? "" : checked.error().message;
   };

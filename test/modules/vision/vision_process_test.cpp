@@ -87,7 +87,7 @@ TEST_F(VisionInWorld, LooksInActiveOnlySoThatTheWorldNeedNotDraw) {
                           .value();
   StartWorld();
   Start(kFile);
-  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
+  for (const BuiltInState state : {kDeActive, kProtected, kLowPower, kOta, kError}) {
     ExpectDone("Active");
     EXPECT_TRUE(peer_.Until([&] { return camera->MatchedReaders() == 1; })) << state;
     ExpectDone(state);

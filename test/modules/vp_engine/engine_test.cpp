@@ -49,7 +49,7 @@ class AnEngine : public ::testing::Test {
       audio_.reset();
     });
   }
-  bool Go(const std::string& state) { return harness_.controller().Switch(state).done(); }
+  bool Go(const State& state) { return harness_.controller().Switch(state).done(); }
   void Activate() {
     ASSERT_TRUE(Go("SelfCheck"));
     ASSERT_TRUE(Go("Active"));

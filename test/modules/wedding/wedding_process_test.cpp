@@ -158,7 +158,7 @@ TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
 
 TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndContinuesFromIdle) {
   StartActive(LongPose());
-  for (const char* rest : {"LowPower", "DeActive", "Protected", "OTA", "Error"}) {
+  for (const BuiltInState rest : {kLowPower, kDeActive, kProtected, kOta, kError}) {
     Command("photo");
     ASSERT_TRUE(AwaitShown("PHOTO_POSING")) << rest;
     ASSERT_TRUE(AwaitPose("thumbs_up"));
@@ -233,8 +233,8 @@ TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
 TEST_F(WeddingProcess, RunsThroughAllStates) {
   Start();
   const auto seen = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
-  for (const char* state : {"SelfCheck", "Active", "SelfCheck", "DeActive", "Protected", "OTA",
-                            "Error", "SelfCheck", "TearDown"}) {
+  for (const BuiltInState state : {kSelfCheck, kActive, kSelfCheck, kDeActive, kProtected, kOta,
+                                   kError, kSelfCheck, kTearDown}) {
     ExpectDone(state);
   }
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();

@@ -158,7 +158,7 @@ TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
   ASSERT_TRUE(controller.Init(folder_ / "robot.toml"));
   const Result<> set_up = controller.AwaitSetUp();
   ASSERT_TRUE(set_up) << set_up.error().message;
-  for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
+  for (const BuiltInState state : {kSelfCheck, kActive, kLowPower}) {
     ASSERT_TRUE(controller.Switch(state).done()) << state;
   }
   ExpectLife();  // in LowPower, too
