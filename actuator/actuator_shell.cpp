@@ -48,7 +48,7 @@ SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
 }  // namespace
 
 ActuatorShell::ActuatorShell(transport::Node& node, Worker& worker, const MachineConfig& config,
-                             std::size_t index, ActuatorIdentity identity, Hooks hooks)
+                             ActuatorIndex index, ActuatorIdentity identity, Hooks hooks)
     : node_(node),
       worker_(worker),
       config_(config),
@@ -65,7 +65,7 @@ ActuatorShell::ActuatorShell(transport::Node& node, Worker& worker, const Machin
 
 Result<std::unique_ptr<ActuatorShell>> ActuatorShell::Make(transport::Node& node, Worker& worker,
                                                            const MachineConfig& config,
-                                                           std::size_t index,
+                                                           ActuatorIndex index,
                                                            ActuatorIdentity identity, Hooks hooks) {
   std::unique_ptr<ActuatorShell> shell(
       new ActuatorShell(node, worker, config, index, std::move(identity), std::move(hooks)));

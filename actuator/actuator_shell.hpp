@@ -50,8 +50,9 @@ class ActuatorShell {
 
   // `config`, `node` and `worker` must outlive the shell.
   static Result<std::unique_ptr<ActuatorShell>> Make(transport::Node& node, Worker& worker,
-                                                     const MachineConfig& config, std::size_t index,
-                                                     ActuatorIdentity identity, Hooks hooks);
+                                                     const MachineConfig& config,
+                                                     ActuatorIndex index, ActuatorIdentity identity,
+                                                     Hooks hooks);
 
   // Runs SetUp; the status is latched from now on.
   void Start();
@@ -65,7 +66,7 @@ class ActuatorShell {
 
  private:
   ActuatorShell(transport::Node& node, Worker& worker, const MachineConfig& config,
-                std::size_t index, ActuatorIdentity identity, Hooks hooks);
+                ActuatorIndex index, ActuatorIdentity identity, Hooks hooks);
 
   using Reply = transport::Server<msg::ActuatorCommand>::Reply;
 
@@ -97,7 +98,7 @@ class ActuatorShell {
   transport::Node& node_;
   Worker& worker_;
   const MachineConfig& config_;
-  const std::size_t index_;
+  const ActuatorIndex index_;
   const ActuatorConfig& actuator_;
   Hooks hooks_;
   ActuatorCore core_;

@@ -275,7 +275,7 @@ class MachineActuator::Impl {
   const std::string name_;
   const std::function<void()> on_emergency_stop_;
   std::optional<MachineConfig> config_;
-  std::optional<std::size_t> index_;
+  std::optional<ActuatorIndex> index_;
   StateCallbacks callbacks_;
   CapabilityGate gate_;
   DegradedReport degraded_;

@@ -81,7 +81,7 @@ class Controller {
   void Begin();
   std::string LockOf(const std::string& actuator) const;
   std::vector<ChildProcess> FindRunning(event::Begin& begin);
-  pid_t HolderOf(std::size_t i);
+  pid_t HolderOf(ActuatorIndex i);
   void EndUnlisted(const ChildProcess& child);
   Epoch LoadEpoch();
   void OpenLogs();

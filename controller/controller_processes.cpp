@@ -36,11 +36,11 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
   }
   std::vector<ChildProcess> children = FindChildren(marked, stored);
   for (const ChildProcess& child : children) {
-    const std::size_t i = *config_.IndexOf(child.actuator);
+    const ActuatorIndex i = *config_.IndexOf(child.actuator);
     begin.running[i] = true;
     begin.processes[i] = child.pid;
   }
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (begin.running[i] && begin.processes[i] == 0) begin.processes[i] = HolderOf(i);
   }
   for (const ChildProcess& child : stored) {
@@ -50,7 +50,7 @@ std::vector<ChildProcess> Controller::FindRunning(event::Begin& begin) {
   return children;
 }
 
-pid_t Controller::HolderOf(std::size_t i) {
+pid_t Controller::HolderOf(ActuatorIndex i) {
   const std::string& actuator = config_.actuators[i].name;
   const auto holder = NameLock::HolderOf(LockOf(actuator));
   if (holder.trusted) return holder.pid;

@@ -124,7 +124,7 @@ Result<> MachineController::AwaitSetUp() {
 std::map<std::string, State> MachineController::States() const {
   std::map<std::string, State> states;
   const Machine machine = impl_->Snapshot();
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     states[impl_->config()->actuators[i].name] = machine.actuators[i].state();
   }
   return states;

@@ -20,7 +20,7 @@ constexpr transport::Qos kHeartbeatsQos{transport::Qos::Reliability::kBestEffort
 
 Result<std::unique_ptr<ActuatorLink>> FsMachineLink::Make(transport::Node& node,
                                                           const MachineConfig& config,
-                                                          std::size_t actuator, Emit emit) {
+                                                          ActuatorIndex actuator, Emit emit) {
   const ActuatorConfig& own = config.actuators[actuator];
   std::unique_ptr<FsMachineLink> link(new FsMachineLink(node, config, actuator, std::move(emit)));
   FsMachineLink* self = link.get();

@@ -29,7 +29,7 @@ class FsMachineLink : public ForeignLink {
  public:
   static Result<std::unique_ptr<ActuatorLink>> Make(transport::Node& node,
                                                     const MachineConfig& config,
-                                                    std::size_t actuator, Emit emit);
+                                                    ActuatorIndex actuator, Emit emit);
 
  private:
   using ForeignLink::ForeignLink;

@@ -308,7 +308,7 @@ MachineView ViewOf(const MachineConfig& config, const Machine& machine) {
   view.level = machine.policy.level;
   view.charging = machine.policy.charging;
   view.battery_silent = machine.policy.battery_silent;
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     if (const auto fault = TroubleOf(machine.actuators[i])) {
       view.faults.push_back({config.actuators[i].name, *fault});
     }

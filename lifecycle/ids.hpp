@@ -3,6 +3,7 @@
 // any thread; a plain number converts to each of them, so the fields of messages are not protected.
 
 #include <compare>
+#include <concepts>
 #include <cstdint>
 #include <ostream>
 #include <string>
@@ -67,5 +68,39 @@ using Sender = StrongNumber<struct SenderKind>;
 using StopId = StrongNumber<struct StopKind>;
 // Of a save on disk, grows from 1 in a controller.
 using SaveNumber = StrongNumber<struct SaveKind>;
+
+// What the literal of an index may be. A count is not even convertible to one.
+template <typename T>
+concept NoCount = std::integral<T> && !std::same_as<T, std::uint64_t>;
+
+// Which actuator, in the order of the config. A literal becomes one by itself; a number that is
+// known only at run time has to be made one by name.
+class ActuatorIndex {
+ public:
+  constexpr ActuatorIndex() = default;
+  template <NoCount T>
+  consteval ActuatorIndex(T literal)  // NOLINT(google-explicit-constructor)
+      : value_(static_cast<std::uint64_t>(literal)) {}
+  explicit constexpr ActuatorIndex(std::uint64_t value) : value_(value) {}
+
+  constexpr std::uint64_t value() const { return value_; }
+
+  constexpr ActuatorIndex& operator++() {
+    ++value_;
+    return *this;
+  }
+  friend constexpr bool operator==(ActuatorIndex, ActuatorIndex) = default;
+  friend constexpr auto operator<=>(ActuatorIndex, ActuatorIndex) = default;  // NOLINT(*-nullptr)
+  friend std::ostream& operator<<(std::ostream& out, ActuatorIndex index) {
+    return out << index.value_;
+  }
+
+ private:
+  std::uint64_t value_ = 0;
+};
+
+inline std::string ToString(ActuatorIndex index) {
+  return std::to_string(index.value());
+}
 
 }  // namespace musher

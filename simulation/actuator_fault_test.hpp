@@ -195,7 +195,7 @@ class ActuatorFaultTest {
     if (!probe) return Error{kCodeParametersInvalid, "nothing makes the actuator: set `make`"};
     auto config = ReadConfig(*probe);
     if (!config) return config.error();
-    const std::size_t index = *config.value().IndexOf(probe->name());
+    const ActuatorIndex index = *config.value().IndexOf(probe->name());
     probe.reset();
     auto failures = std::make_unique<::testing::TestPartResultArray>();
     using Reporter = ::testing::ScopedFakeTestPartResultReporter;

@@ -108,7 +108,7 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
 void Checker::OnWrongConfig(const std::string& name) {
   const ControllerProcess* leader = robot_.leader();
   if (leader == nullptr) return;
-  const std::size_t i = *config_.IndexOf(name);
+  const ActuatorIndex i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
   const ActuatorRecord& record = leader->shell().machine().actuators[i];
   const bool its_child = record.process != 0 &&
@@ -127,7 +127,7 @@ void Checker::OnStart(const ControllerProcess& controller, const std::string& na
                     name + ", which exited with code 2, is restarted without a request");
   }
   config_errors_.erase(name);
-  const std::size_t i = *config_.IndexOf(name);
+  const ActuatorIndex i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
   const bool ends_at_once = robot_.processes().IsMisconfigured(name);
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
@@ -165,7 +165,7 @@ void Checker::CheckController(const ControllerProcess& controller) {
   if (epoch != 0 && epoch != machine.epoch) {
     CarryCommandsOver(controller.serial(), epoch, machine.epoch);
   }
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
     if (!present && !machine.actuators[i].command) NoteGivenUp(machine.epoch, i);
@@ -195,7 +195,8 @@ std::uint64_t Checker::SerialOf(const Machine& machine) const {
 // waiting, under the new one.
 void Checker::CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to) {
   const std::vector<std::pair<CommandKey, SentCommand>> sent(
-      sent_commands_.lower_bound({from, 0, 0}), sent_commands_.lower_bound({from + 1, 0, 0}));
+      sent_commands_.lower_bound({from, ActuatorIndex(), 0}),
+      sent_commands_.lower_bound({from + 1, ActuatorIndex(), 0}));
   for (const auto& [key, command] : sent) {
     if (command.controller != controller) continue;
     sent_commands_.try_emplace({to, std::get<1>(key), std::get<2>(key)}, command);
@@ -280,7 +281,7 @@ void Checker::OnControllerKilled(const ControllerProcess& controller) {
 }
 
 // What an actuator will do by itself; empty: nothing.
-std::string Checker::PendingActivity(const Machine& machine, std::size_t i) const {
+std::string Checker::PendingActivity(const Machine& machine, ActuatorIndex i) const {
   const ActuatorRecord& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
@@ -310,7 +311,7 @@ std::string Checker::PendingActivity() const {
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
     return "the machine is " + std::string(PhaseName(machine.phase));
   }
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const std::string activity = PendingActivity(machine, i);
     if (!activity.empty()) return config_.actuators[i].name + " " + activity;
   }
@@ -331,7 +332,7 @@ void Checker::CheckRest(bool provided) {
     CheckStopsAtRest(machine);
     CheckClientsAtRest();
   }
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     if (machine.phase == Phase::kStopped) {
       const std::string& name = config_.actuators[i].name;
       const bool here = robot_.processes().IsAlive(name, controller->host());
@@ -348,7 +349,7 @@ void Checker::CheckRest(bool provided) {
   }
 }
 
-void Checker::CheckPlace(const Machine& machine, std::size_t i) {
+void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
   const ActuatorRecord& record = machine.actuators[i];
   const std::string& name = config_.actuators[i].name;
   const ActuatorReport* report = robot_.ReportOf(i, record.report);
@@ -367,7 +368,7 @@ void Checker::CheckPlace(const Machine& machine, std::size_t i) {
                                                ", without a recorded reason");
 }
 
-void Checker::CheckLoss(const Machine& machine, std::size_t i, bool provided) {
+void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) {
   const ActuatorRecord& record = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
   const auto rank = config_.RankOf(machine.state);

@@ -87,11 +87,11 @@ class Checker {
                                            // requested or is a part of the start
     // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
-    std::vector<Incarnation> received;  // of each actuator, the incarnation reported last
+    PerActuator<Incarnation> received;  // of each actuator, the incarnation reported last
     Epoch epoch = 0;
   };
   using CommandKey =
-      std::tuple<Epoch, std::size_t, CommandNumber>;  // of the actuator with this index
+      std::tuple<Epoch, ActuatorIndex, CommandNumber>;  // of the actuator with this index
 
   void OnReport(const std::string& name, std::size_t host, const ActuatorReport& report);
   void OnWrite(const ControllerProcess& controller, const std::string& topic,
@@ -120,14 +120,14 @@ class Checker {
   void CheckPower();
   void PersonStarts() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
-  bool RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const;
+  bool RunsForAnother(const ControllerProcess& asked, ActuatorIndex i, std::size_t host) const;
   void NoteReceived(const ControllerProcess& controller, Seen& seen);
-  bool IsKnown(const ControllerProcess& controller, std::size_t i, std::size_t host,
+  bool IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
                const ActuatorReport& report) const;
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
-  void NoteGivenUp(Epoch epoch, std::size_t i);
+  void NoteGivenUp(Epoch epoch, ActuatorIndex i);
   bool IsGivenUp(const CommandKey& command) const;
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
@@ -142,11 +142,11 @@ class Checker {
   bool ByPolicy(const State& state) const;
   void NoteLowering(const State& from);
 
-  void CheckLoss(const Machine& machine, std::size_t i, bool provided);
-  void CheckPlace(const Machine& machine, std::size_t i);
-  std::string PendingActivity(const Machine& machine, std::size_t i) const;
+  void CheckLoss(const Machine& machine, ActuatorIndex i, bool provided);
+  void CheckPlace(const Machine& machine, ActuatorIndex i);
+  std::string PendingActivity(const Machine& machine, ActuatorIndex i) const;
   void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
-  bool IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const;
+  bool IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const;
 
   SimRobot& robot_;
   const MachineConfig& config_;
@@ -156,7 +156,7 @@ class Checker {
   std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
   std::map<CommandKey, SentCommand> sent_commands_;
   // The last that was given up, by epoch and actuator.
-  std::map<std::pair<Epoch, std::size_t>, CommandKey> given_up_;
+  std::map<std::pair<Epoch, ActuatorIndex>, CommandKey> given_up_;
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   struct Request {
     State target;
@@ -164,7 +164,7 @@ class Checker {
   };
   std::map<std::uint64_t, Request> open_requests_;  // that have no reply yet
   std::set<State> just_replied_;
-  std::vector<Duration> lost_at_;  // when each actuator was available for the last time
+  PerActuator<Duration> lost_at_;  // when each actuator was available for the last time
   Duration requested_state_at_{};  // when an operator's switch last ended in the requested state
   std::uint64_t next_request_ = 1;
   std::vector<State> policy_up_to_;  // the targets of its last switches
@@ -195,7 +195,7 @@ class Checker {
   std::optional<AcceptedTearDown> accepted_tear_down_;  // a TearDown was accepted
   // The processes of which controllers have received a report: the controller's host, actuator, the
   // host's id, incarnation.
-  std::set<std::tuple<std::size_t, std::size_t, std::string, Incarnation>> received_;
+  std::set<std::tuple<std::size_t, ActuatorIndex, std::string, Incarnation>> received_;
   struct Waiting {
     Incarnation incarnation = 0;
     Epoch epoch = 0;

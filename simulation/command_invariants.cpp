@@ -57,8 +57,8 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
 }
 
 // The controller has lost the actuator and reported that outcome for what it had sent.
-void Checker::NoteGivenUp(Epoch epoch, std::size_t i) {
-  const auto after = sent_commands_.lower_bound({epoch, i + 1, 0});
+void Checker::NoteGivenUp(Epoch epoch, ActuatorIndex i) {
+  const auto after = sent_commands_.lower_bound({epoch, ActuatorIndex(i.value() + 1), 0});
   if (after == sent_commands_.begin()) return;
   const CommandKey& last = std::prev(after)->first;
   if (std::get<0>(last) == epoch && std::get<1>(last) == i) given_up_[{epoch, i}] = last;
@@ -138,7 +138,7 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
   requested_state_at_ = robot_.age();
   const Machine& machine = controller->shell().machine();
   CheckNotDegraded(machine, result);
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     if (report == nullptr || IsExcused(machine, i, result)) continue;
@@ -152,7 +152,7 @@ void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
 
 // Whether an actuator need not be in the state that "done" reports: it is listed as degraded, still
 // joining, reports false states, or joined too late to take part.
-bool Checker::IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const {
+bool Checker::IsExcused(const Machine& machine, ActuatorIndex i, const SwitchResult& result) const {
   const std::string& name = config_.actuators[i].name;
   const ActuatorRecord& record = machine.actuators[i];
   const auto& degraded = result.degraded;

@@ -98,8 +98,8 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
   std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
   std::uint64_t StartTimeOf(pid_t pid) override { return processes_.SerialOf(host_, pid); }
-  void Mark(std::size_t, pid_t, Time) override {}
-  Examination Examine(std::size_t, pid_t pid, Time) override {
+  void Mark(ActuatorIndex, pid_t, Time) override {}
+  Examination Examine(ActuatorIndex, pid_t pid, Time) override {
     return processes_.Examine(host_, pid);
   }
   void TakeBacktrace(pid_t pid, Duration timeout,

@@ -53,7 +53,7 @@ std::string Quoted(const std::vector<Word>& words) {
 
 }  // namespace
 
-FaultTest::FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Setup setup,
+FaultTest::FaultTest(MachineConfig config, ActuatorIndex actuator, ModuleUnderTest::Setup setup,
                      std::function<std::string()> next_failure,
                      std::function<void()> before_scenario)
     : config_(std::move(config)),
@@ -155,7 +155,7 @@ Result<std::optional<FaultTestFailure>> FaultTest::Run(const ScenarioId& id) {
   return failure;
 }
 
-Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
+Injections SampleInjectionsAt(const MachineConfig& config, ActuatorIndex actuator,
                               std::uint64_t seed) {
   Injections injections = SampleInjections(config, seed);
   Random random(seed * 2 + 2);

@@ -27,7 +27,7 @@ class FaultTest {
  public:
   // `setup.check` and `setup.check_stop` need not report failures themselves: `next_failure` is
   // called after each of them, and returns the next failure of the test; empty: there is none.
-  FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Setup setup,
+  FaultTest(MachineConfig config, ActuatorIndex actuator, ModuleUnderTest::Setup setup,
             std::function<std::string()> next_failure, std::function<void()> before_scenario);
 
   // Runs `count` scenarios from the seed `first` on; returns the first failing one, shrunk.
@@ -47,7 +47,7 @@ class FaultTest {
   FaultTestFailure Shorten(std::uint64_t seed, const Verdict& verdict);
 
   const MachineConfig config_;
-  const std::size_t actuator_;
+  const ActuatorIndex actuator_;
   const ScenarioOptions options_;
   ModuleUnderTest::Setup setup_;
   const std::function<std::string()> next_failure_;
@@ -61,7 +61,7 @@ class FaultTest {
 // The injected events for a robot whose actuator is under test: as SampleInjections(), but half of
 // them hit that actuator. In addition the machine switches down and up once, and one event hits the
 // actuator during that.
-Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
+Injections SampleInjectionsAt(const MachineConfig& config, ActuatorIndex actuator,
                               std::uint64_t seed);
 
 // A robot of an actuator with these states and two neighbours, one before and one after it. Fails

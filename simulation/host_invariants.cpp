@@ -28,8 +28,8 @@ void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const st
         in_reach(endpoint, controller.endpoint()) && in_reach(controller.endpoint(), endpoint) &&
         processes.StartOf(name, host) <= now - kReceivedAfter && !processes.IsFrozen(name, host);
     if (!known) {
-      const std::size_t process = robot_.layout().ProcessOf(*config_.IndexOf(name));
-      for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      const ActuatorIndex process = robot_.layout().ProcessOf(*config_.IndexOf(name));
+      for (const ActuatorIndex i : config_.actuators.Indices()) {
         if (robot_.layout().ProcessOf(i) == process) duplicated_.insert(config_.actuators[i].name);
       }
       continue;
@@ -45,7 +45,7 @@ void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const st
 void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid) {
   const Machine& machine = controller.shell().machine();
   bool unproven = true;
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const ActuatorRecord& record = machine.actuators[i];
     const bool terminated = record.termination && record.termination->pid == pid;
     const bool meant = record.process == pid || terminated || record.report.pid == pid;

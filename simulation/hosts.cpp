@@ -25,13 +25,13 @@ Layout SampleLayout(const MachineConfig& config, std::uint64_t seed, bool shared
   const std::size_t hosts = !several ? 1 : (random.Bernoulli(0.4) ? 3 : 2);
   layout.hosts.assign(kHostNames.begin(), kHostNames.begin() + static_cast<std::ptrdiff_t>(hosts));
   layout.controllers = {0, several && random.Bernoulli(0.8) ? std::size_t{1} : 0};
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     const bool started_by_hand = config.actuators[i].command.empty();
     layout.host_of.push_back(started_by_hand ? random.Next() % hosts : 0);
     layout.process_of.push_back(i);
     if (!shared_processes || !started_by_hand || i == 0 || !random.Bernoulli(kSharedShare))
       continue;
-    const std::size_t first = layout.process_of[random.Next() % i];
+    const ActuatorIndex first = layout.process_of[ActuatorIndex(random.Next() % i.value())];
     if (config.actuators[first].protocol != Protocol::kMusher) continue;
     layout.process_of[i] = first;
     layout.host_of[i] = layout.host_of[first];

@@ -16,6 +16,7 @@
 
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/per_actuator.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::simulation {
@@ -27,15 +28,17 @@ std::string_view HostName(std::size_t host);
 struct Layout {
   std::vector<std::string> hosts = {"sim"};
   // For each actuator of the config, an index into `hosts`; empty: all on the first.
-  std::vector<std::size_t> host_of;
+  PerActuator<std::size_t> host_of;
   // For each actuator, the one in whose process it runs: itself or an earlier one; empty: each has
   // a process of its own.
-  std::vector<std::size_t> process_of;
+  PerActuator<ActuatorIndex> process_of;
   // The hosts of the first controller and of the one that takes over.
   std::array<std::size_t, 2> controllers{};
 
-  std::size_t HostOf(std::size_t actuator) const { return host_of.empty() ? 0 : host_of[actuator]; }
-  std::size_t ProcessOf(std::size_t actuator) const {
+  std::size_t HostOf(ActuatorIndex actuator) const {
+    return host_of.empty() ? 0 : host_of[actuator];
+  }
+  ActuatorIndex ProcessOf(ActuatorIndex actuator) const {
     return process_of.empty() ? actuator : process_of[actuator];
   }
 };

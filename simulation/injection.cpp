@@ -181,7 +181,7 @@ class InjectionSampler {
     Injection injection;
     injection.kind = kind;
     injection.at = at_;
-    injection.actuator = random_.Next() % config_.actuators.size();
+    injection.actuator = ActuatorIndex(random_.Next() % config_.actuators.size());
     injection.state = state;
     injection.lasts = SampleLogUniform(random_, Milliseconds(1), std::chrono::seconds(10));
     injection.random = random_.Next();
@@ -228,7 +228,7 @@ class InjectionSampler {
     Injection injection = injections_.back();
     injection.when.reset();
     injection.kind = kOfClients[host_random_.Next() % std::size(kOfClients)];
-    injection.actuator = host_random_.Next() % config_.actuators.size();
+    injection.actuator = ActuatorIndex(host_random_.Next() % config_.actuators.size());
     injection.state = SampleState(config_, host_random_);
     injection.host = host_random_.Next() % hosts_;
     injection.random = host_random_.Next();
@@ -301,7 +301,7 @@ class InjectionSampler {
 
   // Crashes an actuator that has an on_lost until it is given up.
   void LeadToFallback() {
-    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    for (const ActuatorIndex i : config_.actuators.Indices()) {
       const ActuatorConfig& actuator = config_.actuators[i];
       if (actuator.on_lost.empty() || actuator.restart.limit > 5) continue;
       const bool once = actuator.restart.policy == RestartPolicy::kNo || actuator.command.empty();

@@ -70,7 +70,7 @@ struct Injection {
   InjectionKind kind = InjectionKind::kCrash;
   Duration at{};                     // after the robot was switched on, at the earliest
   std::optional<MachinePhase> when;  // then it waits for this phase, with a timeout
-  std::size_t actuator = 0;    // index in the config; unused where all actuators are concerned
+  ActuatorIndex actuator = 0;  // index in the config; unused where all actuators are concerned
   std::size_t host = 0;        // index in the layout
   std::size_t other_host = 0;  // of events that concern two hosts
   State state;                 // the requested, or falsely reported, state

@@ -84,7 +84,7 @@ std::size_t Processes::CountOf(const std::string& name) const {
 }
 
 std::int32_t Processes::Launch(const std::string& name, std::size_t host) {
-  const std::size_t first = layout_.ProcessOf(*config_.IndexOf(name));
+  const ActuatorIndex first = layout_.ProcessOf(*config_.IndexOf(name));
   const std::uint64_t serial = hosts_.NewSerial();
   Process& process = alive_[serial];
   process.serial = serial;
@@ -95,7 +95,7 @@ std::int32_t Processes::Launch(const std::string& name, std::size_t host) {
   if (host != layout_.HostOf(first)) process.endpoint += "@" + hosts_.name(host);
   process.node = network_.MakeNode(process.endpoint);
   hosts_.Attach(process.endpoint, host);
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (layout_.ProcessOf(i) == first) AddPart(process, config_.actuators[i].name);
   }
   return process.pid;

@@ -28,7 +28,7 @@ void Scenario::Repair() {
   for (int tries = 0; tries < 3 && robot_.machine().phase == Phase::kStopped; ++tries) {
     Note("the machine was torn down; the operator starts it again");
     robot_.CrashController();
-    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (!IsByHand(i)) continue;
       robot_.CrashActuator(config_.actuators[i].name);
       StartByHand(i);
@@ -59,8 +59,9 @@ bool Scenario::ReachStableState(const std::string& when) {
 void Scenario::RepairActuators() {
   if (EndSurplus()) RunFor(kUntilMissed);
   const auto* leader = robot_.leader();
-  for (std::size_t i = 0; i < config_.actuators.size() && leader != nullptr; ++i) {
-    const std::size_t process = robot_.layout().ProcessOf(i);
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
+    if (leader == nullptr) break;
+    const ActuatorIndex process = robot_.layout().ProcessOf(i);
     const ActuatorConfig& actuator = config_.actuators[process];
     const ActuatorRecord& record = leader->shell().machine().actuators[i];
     const ActuatorReport* report = robot_.ReportOf(i, record.report);
@@ -153,7 +154,7 @@ void Scenario::CheckAllAvailable() {
   }
   const auto degraded = Degraded(config_, machine);
   if (!degraded.empty()) {
-    const std::size_t i = *config_.IndexOf(degraded.front());
+    const ActuatorIndex i = *config_.IndexOf(degraded.front());
     return checker_.ReportViolation(
         Invariant::kAllAvailableAfterRecovery,
         "after the repair " + degraded.front() +
@@ -161,7 +162,7 @@ void Scenario::CheckAllAvailable() {
   }
   checker_.CheckRest(false);
   for (const ActuatorConfig& actuator : config_.actuators) {
-    const std::size_t i = *config_.IndexOf(actuator.name);
+    const ActuatorIndex i = *config_.IndexOf(actuator.name);
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     const std::string state = report == nullptr ? "not running" : "in " + report->state;
     if (report == nullptr || report->state != options_.home) {
@@ -193,7 +194,7 @@ ScenarioOptions UsualOptions(const MachineConfig& config) {
   Duration longest{};
   Duration delay{};
   int restarts = 1;
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     Duration one{};
     for (const State& state : config.actuators[i].states) {
       one = std::max(one, config.TimeFor(i, state));

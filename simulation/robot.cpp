@@ -342,7 +342,7 @@ std::optional<ActuatorReport> SimRobot::ReportOf(const std::string& name) const 
   return report == nullptr ? std::nullopt : std::optional(*report);
 }
 
-const ActuatorReport* SimRobot::ReportOf(std::size_t actuator,
+const ActuatorReport* SimRobot::ReportOf(ActuatorIndex actuator,
                                          const ActuatorReport& followed) const {
   const std::string& name = config_.actuators[actuator].name;
   for (std::size_t host = 0; host < hosts_.size(); ++host) {

@@ -136,7 +136,7 @@ class SimRobot {
   // The actuator's own report; nothing when its process does not run.
   std::optional<ActuatorReport> ReportOf(const std::string& name) const;
   // The same of the process that `followed` is from; when it does not run, of any.
-  const ActuatorReport* ReportOf(std::size_t actuator, const ActuatorReport& followed) const;
+  const ActuatorReport* ReportOf(ActuatorIndex actuator, const ActuatorReport& followed) const;
   std::vector<std::string> journal() const;  // the messages of its entries
   const std::vector<JournalRow>& recording() const { return disks_[0].recording; }
   const Disk& disk(std::size_t controller) const { return disks_[controller]; }

@@ -42,7 +42,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
           [this](const std::string& name, const State& state) { return SampleAct(name, state); },
           SampleLayout(config, seed, options.shared_processes)),
       checker_(robot_) {
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     for (const State& state : config.actuators[i].states) {
       phase_timeout_ = std::max(phase_timeout_, config.TimeFor(i, state) + Milliseconds(500));
     }
@@ -100,8 +100,8 @@ void Scenario::Mix(const std::string& text) {
 
 // Some milliseconds, and never longer than its time limit, unless a fault is injected.
 Act Scenario::SampleAct(const std::string& name, const State& state) {
-  const std::size_t i = *config_.IndexOf(name);
-  Random random(Scramble(seed_, i, ++callback_runs_[i]));
+  const ActuatorIndex i = *config_.IndexOf(name);
+  Random random(Scramble(seed_, i.value(), ++callback_runs_[i]));
   const Duration limit = config_.TimeFor(i, state);
   Act act;
   act.takes = std::min(limit / 2, random.Between(std::chrono::microseconds(200), Milliseconds(40)));
@@ -151,7 +151,7 @@ void Scenario::SwitchOn() {
     // Hosts are switched on at different times.
     robot_.hosts().SetUptime(host, random.Between(std::chrono::seconds(10), std::chrono::hours(1)));
   }
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (!IsByHand(i)) continue;
     Later(random.Between(Duration::zero(), Milliseconds(50)), [this, i] { StartByHand(i); });
   }
@@ -162,12 +162,12 @@ void Scenario::StartController(bool restarted) {
   robot_.LaunchController(0, true, robot_.ListenTime(), restarted);
 }
 
-bool Scenario::IsByHand(std::size_t actuator) const {
+bool Scenario::IsByHand(ActuatorIndex actuator) const {
   return config_.actuators[actuator].command.empty() &&
          robot_.layout().ProcessOf(actuator) == actuator;
 }
 
-void Scenario::StartByHand(std::size_t actuator) {
+void Scenario::StartByHand(ActuatorIndex actuator) {
   const std::string& name = config_.actuators[actuator].name;
   if (!robot_.IsAlive(name)) robot_.StartActuator(name);
 }

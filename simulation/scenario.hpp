@@ -95,7 +95,7 @@ class Scenario {
   void SwitchOff();
 
   void Apply(const Injection& injection);
-  void NoteCrash(std::size_t process);
+  void NoteCrash(ActuatorIndex process);
   void Misconfigure(const std::string& name, Duration lasts);
   void ApplyToNetwork(const Injection& injection);
   void ApplyToController(const Injection& injection);
@@ -110,9 +110,9 @@ class Scenario {
   void ApplyToStops(const Injection& injection);
   void ApplyByClient(const Injection& injection);
   void Engage(std::size_t panel, std::uint64_t id);
-  void StartByHand(std::size_t actuator);
+  void StartByHand(ActuatorIndex actuator);
   // Whether it is started by hand, in a process of its own.
-  bool IsByHand(std::size_t actuator) const;
+  bool IsByHand(ActuatorIndex actuator) const;
   MachinePhase Now() const;
   void Later(Duration delay, std::function<void()> what);
   // Runs in virtual time; stops early at a violation.
@@ -137,8 +137,8 @@ class Scenario {
   Duration phase_timeout_{};  // how long an injected event waits for its phase
   Ending ending_;
   bool end_now_ = false;
-  std::vector<FaultWindow> fault_windows_;
-  std::vector<std::uint64_t> callback_runs_;  // by actuator
+  PerActuator<FaultWindow> fault_windows_;
+  PerActuator<std::uint64_t> callback_runs_;  // by actuator
   std::array<int, 4> network_faults_{};       // active: loss, delay, duplication, reordering
   std::vector<TimedAction> later_;
   SimRobot robot_;

@@ -16,8 +16,8 @@ constexpr std::int32_t kWalking = 303;
 }  // namespace
 
 // A crash ends all actuators of the process.
-void Scenario::NoteCrash(std::size_t process) {
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+void Scenario::NoteCrash(ActuatorIndex process) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (robot_.layout().ProcessOf(i) == process) checker_.OnCrash(config_.actuators[i].name);
   }
 }
@@ -126,7 +126,7 @@ void Scenario::ApplyToNetwork(const Injection& injection) {
   }
   const bool deaf = injection.kind != InjectionKind::kMute;
   const bool mute = injection.kind != InjectionKind::kDeaf;
-  const std::size_t process = robot_.layout().ProcessOf(injection.actuator);
+  const ActuatorIndex process = robot_.layout().ProcessOf(injection.actuator);
   const auto set = [this, name = config_.actuators[process].name, deaf, mute](bool blocked) {
     for (const char* controller : SimRobot::kControllerEndpoints) {
       if (deaf) robot_.hosts().SetBlocked(controller, name, blocked);
@@ -198,7 +198,7 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
   }
   robot_.RebootHost(host);
   Later(lasts, [this, host, had_controller] {
-    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
     }
     const bool here = robot_.layout().controllers[0] == host;

@@ -57,7 +57,7 @@ void Checker::CheckStopsAtRest(const Machine& machine) {
         Invariant::kEmergencyStopLatched,
         std::string("the controller has ") + (known ? "an" : "no") + " emergency stop" + what);
   }
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     if (report == nullptr || machine.actuators[i].presence != Presence::kPresent) continue;
     const bool latched = report->emergency_stop != 0;
@@ -120,7 +120,7 @@ void Checker::CheckStaysDown(const ControllerProcess& controller) {
 // Whether the actuator runs for another controller, on the host of that controller, which began
 // while the controller `process`, which is to tear down, was stopped or disconnected; otherwise
 // `process` would have released the machine.
-bool Checker::RunsForAnother(const ControllerProcess& process, std::size_t i,
+bool Checker::RunsForAnother(const ControllerProcess& process, ActuatorIndex i,
                              std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);
@@ -137,7 +137,7 @@ bool Checker::RunsForAnother(const ControllerProcess& process, std::size_t i,
 void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
   const Machine& machine = controller.shell().machine();
   seen.received.resize(machine.actuators.size());
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const ActuatorReport& report = machine.actuators[i].report;
     if (report.incarnation == seen.received[i]) continue;
     seen.received[i] = report.incarnation;
@@ -150,7 +150,7 @@ void Checker::NoteReceived(const ControllerProcess& controller, Seen& seen) {
 // from one of a third host while the link to the process is cut, or whose disk was full or stalled,
 // cannot: what it never received and no disk of its host has is indistinguishable from a process
 // that was never started.
-bool Checker::IsKnown(const ControllerProcess& controller, std::size_t i, std::size_t host,
+bool Checker::IsKnown(const ControllerProcess& controller, ActuatorIndex i, std::size_t host,
                       const ActuatorReport& report) const {
   return host == controller.host() ||
          (!state_lost_ &&
@@ -162,7 +162,7 @@ bool Checker::IsKnown(const ControllerProcess& controller, std::size_t i, std::s
 void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
   if (result.target != kTearDown || !result.actuator.empty()) return;
   if (result.outcome != SwitchOutcome::kDone) return;
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);

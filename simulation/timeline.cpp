@@ -58,13 +58,13 @@ void Timeline::Update(const SimRobot& robot) {
     const Machine& machine = leader->shell().machine();
     Show(0, machine.state, machine.current ? machine.current->target : State());
   }
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     const std::string& name = config_.actuators[i].name;
     const ActuatorReport* report = robot.processes().ReportOf(name);
     if (report == nullptr) {
-      Show(i + 1, "", "");
+      Show(i.value() + 1, "", "");
     } else {
-      Show(i + 1, report->state, report->target);
+      Show(i.value() + 1, report->state, report->target);
     }
   }
 }

@@ -32,7 +32,7 @@ std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
 }
 
-std::string_view WriterPartition(const MachineConfig& config, std::size_t actuator) {
+std::string_view WriterPartition(const MachineConfig& config, ActuatorIndex actuator) {
   return config.keys.empty() ? std::string_view() : config.actuators[actuator].name;
 }
 std::string_view ReaderPartition(bool with_keys) {

@@ -31,7 +31,7 @@ inline constexpr std::string_view kMachinesTopic = "musher/machines";
 // The partition in which an actuator publishes its status and heartbeats, and the one for their
 // readers. With keys an actuator writes in the partition of its name, where no other participant
 // may write; without keys in the default one.
-std::string_view WriterPartition(const MachineConfig& config, std::size_t actuator);
+std::string_view WriterPartition(const MachineConfig& config, ActuatorIndex actuator);
 std::string_view ReaderPartition(bool with_keys);
 // Whether a sample that names an actuator comes from that actuator, as far as known.
 bool IsFrom(std::string_view actuator, const SampleInfo& info);

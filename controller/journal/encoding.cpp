@@ -46,6 +46,7 @@ class Writer {
   Json Of(StrongNumber<Kind> number) const {
     return number.value();
   }
+  Json Of(ActuatorIndex index) const { return index.value(); }
   Json Of(const std::string& text) const {
     if (!texts_as_hex_) return text;
     std::string hex;
@@ -70,9 +71,11 @@ class Writer {
   }
   template <class T>
   Json Of(const std::vector<T>& items) const {
-    Json list = Json::array();
-    for (const T& item : items) list.push_back(Of(item));
-    return list;
+    return ListOf<T>(items);
+  }
+  template <class T>
+  Json Of(const PerActuator<T>& items) const {
+    return ListOf<T>(items);
   }
   template <Struct T>
   Json Of(const T& value) const {
@@ -93,6 +96,13 @@ class Writer {
   }
 
  private:
+  template <class T, class Items>
+  Json ListOf(const Items& items) const {
+    Json list = Json::array();
+    for (const T& item : items) list.push_back(Of(item));
+    return list;
+  }
+
   bool texts_as_hex_;
 };
 
@@ -152,6 +162,11 @@ class Reader {
     Read(json, value);
     number = value;
   }
+  void Read(const Json& json, ActuatorIndex& index) const {
+    std::uint64_t value = 0;
+    Read(json, value);
+    index = ActuatorIndex(value);
+  }
   void Read(const Json& json, std::string& text) const {
     if (json.is_string()) {
       text = json.get<std::string>();
@@ -202,8 +217,16 @@ class Reader {
   }
   template <class T>
   void Read(const Json& json, std::vector<T>& items) const {
+    ReadList<T>(json, items);
+  }
+  template <class T>
+  void Read(const Json& json, PerActuator<T>& items) const {
+    ReadList<T>(json, items);
+  }
+  template <class T, class Items>
+  void ReadList(const Json& json, Items& items) const {
     if (!json.is_array()) Fail("a list", json);
-    items.clear();
+    items = Items();
     for (std::size_t i = 0; i < json.size(); ++i) {
       T item{};
       Reader(path_ + "[" + std::to_string(i) + "]").Read(json[i], item);

@@ -57,11 +57,15 @@ bool SameMachine(const Machine& recorded, Machine replayed) {
   return recorded == replayed;
 }
 
-bool IsOf(const std::vector<Leg>& legs, std::size_t actuators) {
-  return std::all_of(legs.begin(), legs.end(), [actuators](const Leg& leg) {
-    return leg.actuator < actuators && std::all_of(leg.needs.begin(), leg.needs.end(),
-                                                   [actuators](auto i) { return i < actuators; });
+bool IsOf(const std::vector<Leg>& legs, const Machine& machine) {
+  const auto has = [&](ActuatorIndex i) { return machine.actuators.Has(i); };
+  return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+    return has(leg.actuator) && std::all_of(leg.needs.begin(), leg.needs.end(), has);
   });
+}
+
+bool HasOnly(const Machine& machine, std::optional<ActuatorIndex> only) {
+  return machine.actuators.Has(only.value_or(ActuatorIndex()));
 }
 
 // Whether a decoded machine is consistent: the right number of actuators, no part without the
@@ -69,10 +73,10 @@ bool IsOf(const std::vector<Leg>& legs, std::size_t actuators) {
 bool IsWhole(const Machine& machine, std::size_t actuators) {
   if (machine.actuators.size() != actuators) return false;
   if (const auto& s = machine.current) {
-    if (s->only.value_or(0) >= actuators) return false;
-    if (!IsOf(s->legs, actuators) || !IsOf(s->back, actuators)) return false;
+    if (!HasOnly(machine, s->only)) return false;
+    if (!IsOf(s->legs, machine) || !IsOf(s->back, machine)) return false;
   }
-  if (machine.waiting && machine.waiting->only.value_or(0) >= actuators) return false;
+  if (machine.waiting && !HasOnly(machine, machine.waiting->only)) return false;
   const auto& stopping = machine.stopping;
   if (machine.phase == Phase::kStopping && !stopping) return false;
   return !stopping || machine.current || stopping->result;
@@ -174,7 +178,7 @@ class Replayer {
     for (const ActuatorConfig& actuator : other.actuators) {
       if (!recorded.IndexOf(actuator.name)) return missing(actuator, "the recorded config");
     }
-    number_of_.clear();
+    number_of_ = {};
     for (const ActuatorConfig& actuator : recorded.actuators) {
       const auto index = other.IndexOf(actuator.name);
       if (!index) return missing(actuator, other.file);
@@ -238,15 +242,15 @@ class Replayer {
 
   // The event with the numbers of actuators that the config gives them.
   bool Renumber(Event& event) const {
-    const std::size_t count = config_->actuators.size();
+    const auto& actuators = config_->actuators;
     return std::visit(
         [&](auto& e) {
           if constexpr (requires { e.running; }) {
-            if (e.running.size() > count || e.processes.size() > count) return false;
+            if (std::max(e.running.size(), e.processes.size()) > actuators.size()) return false;
             e.running = Renumbered(e.running);
             e.processes = Renumbered(e.processes);
-          } else if constexpr (requires { e.actuator + 1; }) {
-            if (e.actuator >= count) return false;
+          } else if constexpr (requires { actuators[e.actuator]; }) {
+            if (!actuators.Has(e.actuator)) return false;
             e.actuator = NumberOf(e.actuator);
           }
           return true;
@@ -254,13 +258,13 @@ class Replayer {
         event);
   }
   template <class T>
-  std::vector<T> Renumbered(const std::vector<T>& recorded) const {
-    std::vector<T> renumbered(config_->actuators.size());
-    for (std::size_t i = 0; i < recorded.size(); ++i) renumbered[NumberOf(i)] = recorded[i];
+  PerActuator<T> Renumbered(const PerActuator<T>& recorded) const {
+    PerActuator<T> renumbered(config_->actuators.size());
+    for (const ActuatorIndex i : recorded.Indices()) renumbered[NumberOf(i)] = recorded[i];
     return renumbered;
   }
-  std::size_t NumberOf(std::size_t recorded) const {
-    return recorded < number_of_.size() ? number_of_[recorded] : recorded;
+  ActuatorIndex NumberOf(ActuatorIndex recorded) const {
+    return number_of_.Has(recorded) ? number_of_[recorded] : recorded;
   }
 
   JournalEntry EntryOf(const action::Record& record) const {
@@ -335,9 +339,9 @@ class Replayer {
   std::optional<MachineConfig> config_;  // of the replayed machine
   std::string recorded_hash_;
   bool other_config_ = false;
-  bool begins_ = false;                 // a controller's config was the last input
-  std::vector<std::size_t> number_of_;  // of a recorded actuator in config_; empty: the same
-  std::optional<Machine> machine_;      // nullopt: no start yet
+  bool begins_ = false;                   // a controller's config was the last input
+  PerActuator<ActuatorIndex> number_of_;  // of a recorded actuator in config_; empty: the same
+  std::optional<Machine> machine_;        // nullopt: no start yet
   std::int64_t last_id_ = 0;
   std::int64_t wall_ns_ = 0;         // of the last input
   std::optional<TimedEvent> event_;  // the step that is being compared

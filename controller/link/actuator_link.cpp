@@ -9,7 +9,7 @@
 namespace musher {
 
 Result<std::unique_ptr<ActuatorLink>> MakeLink(transport::Node& node, const MachineConfig& config,
-                                               std::size_t actuator, ActuatorLink::Emit emit,
+                                               ActuatorIndex actuator, ActuatorLink::Emit emit,
                                                const LinkMakers& extensions) {
   const ActuatorConfig& own = config.actuators[actuator];
   if (own.protocol == Protocol::kMusher) {

@@ -44,7 +44,7 @@ class ActuatorLink {
 };
 
 using LinkMaker = std::function<Result<std::unique_ptr<ActuatorLink>>(
-    transport::Node& node, const MachineConfig& config, std::size_t actuator,
+    transport::Node& node, const MachineConfig& config, ActuatorIndex actuator,
     ActuatorLink::Emit emit)>;
 // Of protocols that the controller does not have itself.
 using LinkMakers = std::map<Protocol, LinkMaker>;
@@ -52,7 +52,7 @@ using LinkMakers = std::map<Protocol, LinkMaker>;
 // The link for `config.actuators[actuator].protocol`. `node` and `config` must outlive it. Fails if
 // the controller has no such link and `extensions` neither.
 Result<std::unique_ptr<ActuatorLink>> MakeLink(transport::Node& node, const MachineConfig& config,
-                                               std::size_t actuator, ActuatorLink::Emit emit,
+                                               ActuatorIndex actuator, ActuatorLink::Emit emit,
                                                const LinkMakers& extensions);
 
 }  // namespace musher

@@ -14,7 +14,7 @@ bool Contains(const std::vector<transport::PeerId>& servers, transport::PeerId s
 
 }  // namespace
 
-ForeignLink::ForeignLink(transport::Node& node, const MachineConfig& config, std::size_t actuator,
+ForeignLink::ForeignLink(transport::Node& node, const MachineConfig& config, ActuatorIndex actuator,
                          Emit emit)
     : node_(node), config_(config), actuator_(actuator), emit_(std::move(emit)) {}
 

@@ -44,7 +44,8 @@ class ForeignLink : public ActuatorLink {
   };
 
   // `node` and `config` must outlive the link.
-  ForeignLink(transport::Node& node, const MachineConfig& config, std::size_t actuator, Emit emit);
+  ForeignLink(transport::Node& node, const MachineConfig& config, ActuatorIndex actuator,
+              Emit emit);
 
   // Implemented by each protocol. A new process is matched, its report is empty; earlier commands
   // are void.
@@ -104,7 +105,7 @@ class ForeignLink : public ActuatorLink {
 
   transport::Node& node_;
   const MachineConfig& config_;
-  const std::size_t actuator_;
+  const ActuatorIndex actuator_;
   const Emit emit_;
   ActuatorReport report_;
   std::int32_t process_ = 0;

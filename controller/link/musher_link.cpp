@@ -9,7 +9,7 @@ namespace musher {
 
 Result<std::unique_ptr<ActuatorLink>> MusherLink::Make(transport::Node& node,
                                                        const MachineConfig& config,
-                                                       std::size_t actuator, Emit emit) {
+                                                       ActuatorIndex actuator, Emit emit) {
   const std::string& name = config.actuators[actuator].name;
   std::unique_ptr<MusherLink> link(new MusherLink(name, actuator, std::move(emit)));
   auto client = transport::MakeClient<msg::ActuatorCommand>(

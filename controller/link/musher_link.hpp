@@ -21,14 +21,14 @@ class MusherLink : public ActuatorLink {
  public:
   static Result<std::unique_ptr<ActuatorLink>> Make(transport::Node& node,
                                                     const MachineConfig& config,
-                                                    std::size_t actuator, Emit emit);
+                                                    ActuatorIndex actuator, Emit emit);
 
   void Switch(const SwitchCommand& command) override;
   void Query(const QueryCommand& command) override;
   void OnPeer(transport::PeerId participant) override;
 
  private:
-  MusherLink(std::string name, std::size_t actuator, Emit emit)
+  MusherLink(std::string name, ActuatorIndex actuator, Emit emit)
       : name_(std::move(name)), actuator_(actuator), emit_(std::move(emit)) {}
 
   void SendOrHold(const msg::ActuatorCommand::Request& request);
@@ -37,7 +37,7 @@ class MusherLink : public ActuatorLink {
   void Call(const msg::ActuatorCommand::Request& request);
 
   const std::string name_;
-  const std::size_t actuator_;
+  const ActuatorIndex actuator_;
   const Emit emit_;
   transport::PeerId peer_ = 0;  // 0: any
   std::vector<msg::ActuatorCommand::Request> held_;

@@ -26,7 +26,7 @@ std::string Is(Ros2State state) {
 
 Result<std::unique_ptr<ActuatorLink>> Ros2Link::Make(transport::Node& node,
                                                      const MachineConfig& config,
-                                                     std::size_t actuator, Emit emit) {
+                                                     ActuatorIndex actuator, Emit emit) {
   std::unique_ptr<Ros2Link> link(new Ros2Link(node, config, actuator, std::move(emit)));
   if (auto opened = link->Open(); !opened) return opened.error();
   return std::unique_ptr<ActuatorLink>(std::move(link));

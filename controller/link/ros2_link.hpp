@@ -36,7 +36,7 @@ class Ros2Link : public ForeignLink {
  public:
   static Result<std::unique_ptr<ActuatorLink>> Make(transport::Node& node,
                                                     const MachineConfig& config,
-                                                    std::size_t actuator, Emit emit);
+                                                    ActuatorIndex actuator, Emit emit);
 
  private:
   using ForeignLink::ForeignLink;

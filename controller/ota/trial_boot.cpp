@@ -8,14 +8,14 @@ namespace musher::ota {
 namespace {
 
 // The actuator is in the machine's state, or has a fault.
-bool Settled(const MachineConfig& config, const Machine& machine, std::size_t actuator) {
+bool Settled(const MachineConfig& config, const Machine& machine, ActuatorIndex actuator) {
   const ActuatorRecord& record = machine.actuators[actuator];
   if (record.fault || record.held) return true;
   if (record.presence != Presence::kPresent || record.report.busy() || record.command) return false;
   return record.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
 }
 
-std::string Why(const MachineConfig& config, std::size_t actuator, const Error& fault) {
+std::string Why(const MachineConfig& config, ActuatorIndex actuator, const Error& fault) {
   return "critical " + config.actuators[actuator].name + ": " + WithCode(fault.message, fault.code);
 }
 
@@ -24,7 +24,7 @@ std::string Why(const MachineConfig& config, std::size_t actuator, const Error& 
 std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine) {
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
   bool settled = machine.phase == Phase::kRunning && !machine.current;
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const auto& fault = machine.actuators[i].fault;
     const bool coming_back = machine.actuators[i].restart_at.has_value();
     if (fault && config.actuators[i].critical && !coming_back) {

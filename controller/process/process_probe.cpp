@@ -62,13 +62,13 @@ pid_t KernelProbe::WorkerOf(pid_t pid) {
   return pid;
 }
 
-void KernelProbe::Mark(std::size_t actuator, pid_t pid, Time now) {
+void KernelProbe::Mark(ActuatorIndex actuator, pid_t pid, Time now) {
   const auto theirs = SampleProcess(pid, now);
   const auto ours = SampleProcess(getpid(), now);
   if (theirs && ours) marks_[actuator] = {pid, *theirs, *ours};
 }
 
-Examination KernelProbe::Examine(std::size_t actuator, pid_t pid, Time now) {
+Examination KernelProbe::Examine(ActuatorIndex actuator, pid_t pid, Time now) {
   Examination found;
   switch (RunStateOf(pid).value_or(ProcessRunState::kRunning)) {
     case ProcessRunState::kRunning:

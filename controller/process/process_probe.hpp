@@ -43,9 +43,9 @@ class ProcessProbe {
 
   // Saves the current CPU waiting times, so that Examine() can measure from here. Several actuators
   // may share a process; each has a mark of its own.
-  virtual void Mark(std::size_t actuator, pid_t pid, Time now) = 0;
+  virtual void Mark(ActuatorIndex actuator, pid_t pid, Time now) = 0;
   // The process's run state, and how long it, or this process, waited for a CPU since the mark.
-  virtual Examination Examine(std::size_t actuator, pid_t pid, Time now) = 0;
+  virtual Examination Examine(ActuatorIndex actuator, pid_t pid, Time now) = 0;
 
   // The backtraces of its threads, as text for people; `done` runs once, with the reason if there
   // are none.
@@ -66,8 +66,8 @@ class KernelProbe : public ProcessProbe {
   std::vector<pid_t> Find(const std::vector<std::string>& actuators) override;
   std::uint64_t StartTimeOf(pid_t pid) override;
   pid_t WorkerOf(pid_t pid) override;
-  void Mark(std::size_t actuator, pid_t pid, Time now) override;
-  Examination Examine(std::size_t actuator, pid_t pid, Time now) override;
+  void Mark(ActuatorIndex actuator, pid_t pid, Time now) override;
+  Examination Examine(ActuatorIndex actuator, pid_t pid, Time now) override;
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
 
@@ -79,7 +79,7 @@ class KernelProbe : public ProcessProbe {
   };
 
   const LockOf lock_of_;
-  std::map<std::size_t, Samples> marks_;  // by actuator
+  std::map<ActuatorIndex, Samples> marks_;  // by actuator
   BacktraceTaker backtraces_;
 };
 

@@ -24,7 +24,7 @@ ControllerShell::ControllerShell(Dependencies dependencies, const MachineConfig&
       machine_(MakeMachine(config)),
       recorder_(*dependencies_.journal, config),
       peers_(config.actuators.size()) {
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
+  for (const ActuatorIndex i : config.actuators.Indices()) index_[config.actuators[i].name] = i;
 }
 
 ControllerShell::~ControllerShell() = default;
@@ -40,7 +40,7 @@ Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(Dependencies depe
 
 Result<> ControllerShell::Open() {
   transport::Node& node = *dependencies_.node;
-  for (std::size_t i = 0; i < peers_.size(); ++i) {
+  for (const ActuatorIndex i : peers_.Indices()) {
     auto link = MakeLink(
         node, config_, i, [this](const Event& event) { OnLinkEvent(event); }, dependencies_.links);
     if (!link) return link.error();
@@ -54,7 +54,7 @@ Result<> ControllerShell::Open() {
   auto health = HealthWatch::Make(
       node, config_, *dependencies_.process_probe, dependencies_.host,
       [this](const Event& event) { Handle(event); },
-      [this](std::size_t i) {
+      [this](ActuatorIndex i) {
         LinkTo(i).Query({machine_.epoch, 0, false});  // this query fences nothing
       });
   if (!health) return health.error();
@@ -83,7 +83,7 @@ void ControllerShell::Begin(event::Begin begin, const std::vector<ChildProcess>&
   for (const auto& [actuator, seen] : before_begin_) {
     if (Runs(config_, seen.report) || SharesItsProcess(seen.report)) begin.running[actuator] = true;
   }
-  for (std::size_t i = 0; i < begin.processes.size(); ++i) {
+  for (const ActuatorIndex i : begin.processes.Indices()) {
     const pid_t pid = begin.processes[i];
     const auto child = std::find_if(children.begin(), children.end(), [&](const ChildProcess& c) {
       return c.pid == pid && c.actuator == config_.actuators[i].name;
@@ -219,7 +219,7 @@ void ControllerShell::ArmTimer() {
 }
 
 // The link to the process whose report is current; the previous process may still be matched.
-ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
+ActuatorLink& ControllerShell::LinkTo(ActuatorIndex actuator) {
   Peer& peer = peers_[actuator];
   for (const Process& process : peer.processes) {
     if (process.participant != 0 && process.Is(machine_.actuators[actuator].report)) {

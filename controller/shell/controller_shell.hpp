@@ -168,19 +168,19 @@ class ControllerShell {
   static bool Runs(const MachineConfig& config, const ActuatorReport& report);
   bool SharesItsProcess(const ActuatorReport& report) const;
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
-  ActuatorLink& LinkTo(std::size_t actuator);
+  ActuatorLink& LinkTo(ActuatorIndex actuator);
   void OnLinkEvent(const Event& event);
-  void CountAsHeartbeat(std::size_t actuator, Incarnation incarnation);
+  void CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation);
   void OnWriterLost(transport::PeerId writer);
-  Process& ProcessOf(std::size_t actuator, const ActuatorReport& report);
-  ActuatorReport WithProvenPid(std::size_t actuator, ActuatorReport report);
-  Result<> ProveAndWatch(std::size_t actuator, const ActuatorReport& report);
-  void RecordUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
-  bool WatchFound(std::size_t actuator, pid_t pid, const ChildProcess* child);
-  void NoteChild(std::size_t actuator, pid_t pid);
-  void ForgetChild(std::size_t actuator, pid_t pid);
+  Process& ProcessOf(ActuatorIndex actuator, const ActuatorReport& report);
+  ActuatorReport WithProvenPid(ActuatorIndex actuator, ActuatorReport report);
+  Result<> ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report);
+  void RecordUnproven(ActuatorIndex actuator, std::int32_t pid, const std::string& why);
+  bool WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child);
+  void NoteChild(ActuatorIndex actuator, pid_t pid);
+  void ForgetChild(ActuatorIndex actuator, pid_t pid);
   void SaveChildren();
-  void CompareHash(std::size_t actuator, const std::string& hash);
+  void CompareHash(ActuatorIndex actuator, const std::string& hash);
   void RecordUnlisted(const msg::ActuatorStatus& status);
 
   bool KeepForBegin(const Event& event);
@@ -217,19 +217,19 @@ class ControllerShell {
   Hooks hooks_;
   Machine machine_;
   recording::Recorder recorder_;
-  std::unordered_map<std::string, std::size_t> index_;
+  std::unordered_map<std::string, ActuatorIndex> index_;
   struct StatusWriter {
-    std::size_t actuator = 0;
+    ActuatorIndex actuator = 0;
     Incarnation incarnation = 0;
   };
   std::unordered_map<transport::PeerId, StatusWriter> status_writers_;
-  std::vector<Peer> peers_;
-  std::map<std::size_t, ChildProcess> children_;  // by actuator; the running ones
-  bool children_unsaved_ = false;                 // the last save failed, which was reported
-  bool power_command_runs_ = false;               // the command of power-off or reboot
+  PerActuator<Peer> peers_;
+  std::map<ActuatorIndex, ChildProcess> children_;  // by actuator; the running ones
+  bool children_unsaved_ = false;                   // the last save failed, which was reported
+  bool power_command_runs_ = false;                 // the command of power-off or reboot
   StoredStops stops_before_begin_;
-  std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
-  std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs
+  std::map<ActuatorIndex, event::StatusSeen> before_begin_;   // the last one of each actuator
+  std::map<ActuatorIndex, std::string> hashes_before_begin_;  // of their configs
   std::map<std::string, Incarnation> unlisted_;  // incarnations of actuators not in the config
   std::optional<Time> first_status_at_;          // of before_begin_
   std::deque<Event> queue_;                      // events that arrived while one was handled
@@ -248,7 +248,7 @@ class ControllerShell {
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
   std::unique_ptr<CapabilityBoard> capabilities_;
   transport::LoopHandlePtr close_later_;
-  std::map<std::size_t, transport::LoopHandlePtr> starts_later_;  // by actuator
+  std::map<ActuatorIndex, transport::LoopHandlePtr> starts_later_;  // by actuator
   std::unique_ptr<ControllerPresence> presence_;
   std::unique_ptr<HealthWatch> health_;
   std::unique_ptr<PolicyInputs> policy_inputs_;  // null without [policy]

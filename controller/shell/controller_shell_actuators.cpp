@@ -27,7 +27,7 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
   const auto found = index_.find(status.name);
   if (!transport::IsFrom(status.name, info)) return;
   if (found == index_.end()) return RecordUnlisted(status);
-  const std::size_t i = found->second;
+  const ActuatorIndex i = found->second;
   const ActuatorReport report = WithProvenPid(i, transport::FromMessage(status));
   status_writers_[info.writer] = {i, report.incarnation};
   if (info.participant != 0) ProcessOf(i, report).participant = info.participant;
@@ -40,7 +40,7 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
 
 // The process that sent the report. Keeps kProcessesKept processes for each actuator, those with
 // the latest reports; never drops the process whose report the machine uses.
-ControllerShell::Process& ControllerShell::ProcessOf(std::size_t actuator,
+ControllerShell::Process& ControllerShell::ProcessOf(ActuatorIndex actuator,
                                                      const ActuatorReport& report) {
   std::vector<Process>& known = peers_[actuator].processes;
   const auto found = std::find_if(known.begin(), known.end(),
@@ -70,7 +70,7 @@ void ControllerShell::OnLinkEvent(const Event& from_link) {
 // A program of another protocol does not report its pid; the controller knows the pid of a program
 // that it has started or found. Until the program is set up it need not answer: its constructor may
 // block its only thread.
-void ControllerShell::CountAsHeartbeat(std::size_t actuator, Incarnation incarnation) {
+void ControllerShell::CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation) {
   const ActuatorRecord& record = machine_.actuators[actuator];
   if (record.report.incarnation != incarnation) return;
   const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
@@ -90,7 +90,7 @@ void ControllerShell::OnWriterLost(transport::PeerId writer) {
   Handle(event::Vanished{actuator, incarnation, false, kOutOfReach});
 }
 
-void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
+void ControllerShell::CompareHash(ActuatorIndex actuator, const std::string& hash) {
   Peer& peer = peers_[actuator];
   if (hash == config_.hash || peer.hash_recorded) return;
   peer.hash_recorded = true;

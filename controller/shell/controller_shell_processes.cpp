@@ -67,29 +67,29 @@ void ControllerShell::Do(const action::StartProcess& a) {
 void ControllerShell::Do(const action::FindProcesses&) {
   event::ProcessesFound found;
   found.processes.resize(config_.actuators.size());
-  std::vector<std::size_t> with_command;
+  std::vector<ActuatorIndex> with_command;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config_.actuators.Indices()) {
     if (config_.actuators[i].command.empty()) continue;
     with_command.push_back(i);
     names.push_back(config_.actuators[i].name);
   }
   const std::vector<pid_t> pids = dependencies_.process_probe->Find(names);
   for (std::size_t n = 0; n < with_command.size(); ++n) {
-    const std::size_t i = with_command[n];
+    const ActuatorIndex i = with_command[n];
     if (WatchFound(i, pids[n], nullptr)) found.processes[i] = pids[n];
   }
   Handle(found);
 }
 
 // Saves what the next controller needs to find the process again.
-void ControllerShell::NoteChild(std::size_t actuator, pid_t pid) {
+void ControllerShell::NoteChild(ActuatorIndex actuator, pid_t pid) {
   children_[actuator] = {config_.actuators[actuator].name, pid,
                          dependencies_.process_probe->StartTimeOf(pid)};
   SaveChildren();
 }
 
-void ControllerShell::ForgetChild(std::size_t actuator, pid_t pid) {
+void ControllerShell::ForgetChild(ActuatorIndex actuator, pid_t pid) {
   const auto child = children_.find(actuator);
   if (child == children_.end() || child->second.pid != pid) return;
   children_.erase(child);
@@ -145,7 +145,7 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
 // status with any pid of this host; a pid that is not proven to be the actuator's is dropped here:
 // nothing is watched, traced or signalled because of it. The result is kept for as long as the
 // process of that incarnation reports the same pid.
-ActuatorReport ControllerShell::WithProvenPid(std::size_t actuator, ActuatorReport report) {
+ActuatorReport ControllerShell::WithProvenPid(ActuatorIndex actuator, ActuatorReport report) {
   if (report.pid == 0 || report.host.empty() || report.host != dependencies_.host) return report;
   Process& process = ProcessOf(actuator, report);
   if (process.pid != report.pid) {
@@ -162,7 +162,7 @@ ActuatorReport ControllerShell::WithProvenPid(std::size_t actuator, ActuatorRepo
 
 // The exit of a process that we did not start is noticed as fast as a child's, but without the exit
 // code. Several actuators may share a process: each watches it.
-Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorReport& report) {
+Result<> ControllerShell::ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report) {
   const std::int32_t child = machine_.actuators[actuator].process;
   if (report.pid == child) return Ok();  // watched since it was started
   Result<> proven =
@@ -179,7 +179,7 @@ Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorRepo
       });
 }
 
-void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
+void ControllerShell::RecordUnproven(ActuatorIndex actuator, std::int32_t pid,
                                      const std::string& why) {
   std::optional<Time>& recorded = peers_[actuator].unproven_recorded;
   const Time now = dependencies_.node->loop().Now();
@@ -195,7 +195,7 @@ void ControllerShell::RecordUnproven(std::size_t actuator, std::int32_t pid,
 
 // Watches a process that ran before this controller and may never publish a status. A `child` was
 // started for this actuator by an earlier controller; null: it was not.
-bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid, const ChildProcess* child) {
+bool ControllerShell::WatchFound(ActuatorIndex actuator, pid_t pid, const ChildProcess* child) {
   if (pid == 0 || pid == dependencies_.pid) return false;
   const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     health_->Forget(actuator);

@@ -15,7 +15,7 @@ HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
       query_(std::move(query)),
       monitor_(config),
       pids_(config.actuators.size()) {
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
+  for (const ActuatorIndex i : config.actuators.Indices()) index_[config.actuators[i].name] = i;
 }
 
 Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
@@ -37,7 +37,7 @@ Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
   return watch;
 }
 
-void HealthWatch::OnReport(std::size_t actuator, const ActuatorReport& report) {
+void HealthWatch::OnReport(ActuatorIndex actuator, const ActuatorReport& report) {
   const Time now = node_.loop().Now();
   const bool local = !host_.empty() && report.host == host_ && report.pid != 0;
   pids_[actuator] = report.pid;
@@ -45,7 +45,7 @@ void HealthWatch::OnReport(std::size_t actuator, const ActuatorReport& report) {
   Act(monitor_.OnSample(actuator, report.incarnation, now));
 }
 
-void HealthWatch::Forget(std::size_t actuator) {
+void HealthWatch::Forget(ActuatorIndex actuator) {
   monitor_.Forget(actuator);
   ArmTimer();
 }

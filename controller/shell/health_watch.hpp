@@ -21,7 +21,7 @@ namespace musher {
 class HealthWatch {
  public:
   using Emit = std::function<void(Event)>;
-  using Query = std::function<void(std::size_t actuator)>;  // sends it any query
+  using Query = std::function<void(ActuatorIndex actuator)>;  // sends it any query
 
   // All must outlive the watch. `host`: of this controller.
   static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
@@ -30,9 +30,9 @@ class HealthWatch {
                                                    Emit emit, Query query);
 
   // The report of the actuator's current process was received just now.
-  void OnReport(std::size_t actuator, const ActuatorReport& report);
+  void OnReport(ActuatorIndex actuator, const ActuatorReport& report);
   // Its process has exited.
-  void Forget(std::size_t actuator);
+  void Forget(ActuatorIndex actuator);
 
  private:
   HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& process_probe,
@@ -51,8 +51,8 @@ class HealthWatch {
   const Emit emit_;
   const Query query_;
   HealthMonitor monitor_;
-  std::unordered_map<std::string, std::size_t> index_;
-  std::vector<pid_t> pids_;
+  std::unordered_map<std::string, ActuatorIndex> index_;
+  PerActuator<pid_t> pids_;
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> heartbeats_;  // last: its callbacks use all of the above

@@ -83,7 +83,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     status.emergency_stop_reason = machine.emergency_stop->reason;
   }
   status.degraded = Degraded(config, machine);
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     const ActuatorRecord& record = machine.actuators[i];
     msg::ActuatorInfo info;
     info.name = config.actuators[i].name;

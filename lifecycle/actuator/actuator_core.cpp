@@ -25,7 +25,7 @@ constexpr std::size_t kMostStops = 256;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
 // The state of an actuator that has lost its controller, if it is below the present one.
-std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
+std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
                                const ActuatorCore& core) {
   const State& safe = config.actuators[index].on_controller_lost;
   const auto own = config.RankOf(core.report.state);
@@ -37,7 +37,7 @@ std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
 // One event's decision: the arguments of Step() and the actions so far.
 class Deciding {
  public:
-  Deciding(const MachineConfig& config, std::size_t index, ActuatorCore& core, Time now)
+  Deciding(const MachineConfig& config, ActuatorIndex index, ActuatorCore& core, Time now)
       : machine_(config),
         config_(config.actuators[index]),
         index_(index),
@@ -373,7 +373,7 @@ class Deciding {
 
   const MachineConfig& machine_;
   const ActuatorConfig& config_;
-  const std::size_t index_;
+  const ActuatorIndex index_;
   ActuatorCore& core_;
   ActuatorReport& report_;
   Time now_;
@@ -382,14 +382,14 @@ class Deciding {
 
 }  // namespace
 
-std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
-                                 const ActuatorEvent& event, Time now) {
+std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
+                                 ActuatorCore& core, const ActuatorEvent& event, Time now) {
   Deciding deciding(config, index, core, now);
   std::visit([&](const auto& e) { deciding.On(e); }, event);
   return std::move(deciding).Take();
 }
 
-std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
+std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core) {
   const auto timeout = config.actuators[index].controller_lost;
   if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;

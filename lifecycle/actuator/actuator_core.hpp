@@ -161,11 +161,11 @@ struct ActuatorCore {
 };
 
 // One step of the decision for `config.actuators[index]`.
-std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
-                                 const ActuatorEvent& event, Time now);
+std::vector<ActuatorAction> Step(const MachineConfig& config, ActuatorIndex index,
+                                 ActuatorCore& core, const ActuatorEvent& event, Time now);
 
 // When to step next with TimePassed, unless another event comes before; nullopt: never.
-std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
+std::optional<Time> NextDeadline(const MachineConfig& config, ActuatorIndex index,
                                  const ActuatorCore& core);
 
 }  // namespace musher

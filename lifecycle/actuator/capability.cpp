@@ -55,7 +55,7 @@ CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machin
                               const CapabilityConfig& declared, std::optional<int> battery) {
   CapabilityVerdict verdict{declared.name, true, kCodeOk, ""};
   for (const std::string& name : declared.actuators) {
-    const std::size_t i = *config.IndexOf(name);
+    const ActuatorIndex i = *config.IndexOf(name);
     const ActuatorRecord& record = machine.actuators[i];
     std::string trouble;
     if (const auto fault = TroubleOf(record)) {

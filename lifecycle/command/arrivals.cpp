@@ -52,7 +52,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
 
 // An actuator that was torn down before this controller started, and still runs: the start does not
 // wait for it.
-void Arrivals::FoundTornDown(std::size_t i, const ActuatorReport& report) {
+void Arrivals::FoundTornDown(ActuatorIndex i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   if (record.report.incarnation == 0 && record.elsewhere == report.host) {
     record.elsewhere.reset();  // another controller has torn it down
@@ -73,7 +73,7 @@ void Arrivals::FoundTornDown(std::size_t i, const ActuatorReport& report) {
 
 // A Musher actuator exits after a failed SetUp. A ROS 2 node keeps running unconfigured: it is
 // present, and the next SelfCheck or switch up configures it again.
-void Arrivals::SetUpFailed(std::size_t i, const ActuatorReport& report) {
+void Arrivals::SetUpFailed(ActuatorIndex i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   const bool same = report.incarnation == record.report.incarnation;
   const bool keeps_running = ConfigOf(i).protocol == Protocol::kRos2Lifecycle && same &&
@@ -90,7 +90,7 @@ void Arrivals::SetUpFailed(std::size_t i, const ActuatorReport& report) {
 }
 
 // A process on another host publishes as this actuator while the known process still answers.
-bool Arrivals::IsImpostor(std::size_t i, const ActuatorReport& report) {
+bool Arrivals::IsImpostor(ActuatorIndex i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   if (report.host == record.report.host) return false;
   const bool known = record.other && record.other->host == report.host &&
@@ -104,7 +104,7 @@ bool Arrivals::IsImpostor(std::size_t i, const ActuatorReport& report) {
 }
 
 void Arrivals::TakeUpOthers() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     if (!record.other || record.presence == Presence::kPresent) continue;
     const ActuatorReport other = *std::exchange(record.other, std::nullopt);
@@ -184,7 +184,7 @@ void Arrivals::On(const event::Vanished& vanished) {
 }
 
 void Arrivals::CheckDeadlines() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     if (record.command && record.command->deadline <= now_) commands_.QueryOrLose(i);
     if (record.take_control_again && *record.take_control_again <= now_) control_.Take(i);
@@ -193,7 +193,7 @@ void Arrivals::CheckDeadlines() {
 }
 
 // A callback that it was found busy with, or that was superseded, has its deadline, too.
-void Arrivals::EvaluateFoundBusy(std::size_t i) {
+void Arrivals::EvaluateFoundBusy(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.free_by.reset();
   if (!record.report.busy() || record.command || record.presence != Presence::kPresent) return;

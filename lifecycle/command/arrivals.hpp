@@ -27,10 +27,10 @@ class Arrivals : StepPart {
   void TakeUpOthers();
 
  private:
-  void FoundTornDown(std::size_t i, const ActuatorReport& report);
-  void SetUpFailed(std::size_t i, const ActuatorReport& report);
-  bool IsImpostor(std::size_t i, const ActuatorReport& report);
-  void EvaluateFoundBusy(std::size_t i);
+  void FoundTornDown(ActuatorIndex i, const ActuatorReport& report);
+  void SetUpFailed(ActuatorIndex i, const ActuatorReport& report);
+  bool IsImpostor(ActuatorIndex i, const ActuatorReport& report);
+  void EvaluateFoundBusy(ActuatorIndex i);
 
   Saving& saving_;
   Processes& processes_;

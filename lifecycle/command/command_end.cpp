@@ -16,7 +16,7 @@ void EndLeg(Leg& leg, const CommandResult& end, Time now) {
   leg.duration = now - leg.started;
 }
 
-void Commands::End(std::size_t i, const CommandResult& given) {
+void Commands::End(ActuatorIndex i, const CommandResult& given) {
   const PendingCommand command = *Of(i).command;
   const CommandResult end = Tolerate(i, command, given);
   const Duration took = now_ - command.sent;
@@ -57,7 +57,7 @@ void Commands::End(std::size_t i, const CommandResult& given) {
 
 // A self-check that fails with a code that is not critical counts as passed, and the actuator is
 // degraded.
-CommandResult Commands::Tolerate(std::size_t i, const PendingCommand& command,
+CommandResult Commands::Tolerate(ActuatorIndex i, const PendingCommand& command,
                                  const CommandResult& end) {
   if (command.target != kSelfCheck) return end;
   Of(i).tolerated.reset();
@@ -72,7 +72,7 @@ CommandResult Commands::Tolerate(std::size_t i, const PendingCommand& command,
 }
 
 // The part of the switch under way that waits for this actuator; null when there is none.
-Leg* Commands::LegUnderWay(std::size_t i) {
+Leg* Commands::LegUnderWay(ActuatorIndex i) {
   if (!machine_.current) return nullptr;
   Switch& s = *machine_.current;
   std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
@@ -83,7 +83,7 @@ Leg* Commands::LegUnderWay(std::size_t i) {
 }
 
 // The end of a command that was not part of a switch.
-void Commands::EndOwn(std::size_t i, const PendingCommand& command, const CommandResult& end) {
+void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
   if (record.restart_requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
@@ -98,7 +98,7 @@ void Commands::EndOwn(std::size_t i, const PendingCommand& command, const Comman
 
 // Its TearDown before a restart has ended. A process of Musher's protocol exits by itself after
 // that, and gets SIGTERM only if it does not; a program of another protocol waits for SIGTERM.
-void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
+void Commands::EndTornDown(ActuatorIndex i, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
   const bool ends_itself =
       end.outcome == ActuatorOutcome::kDone && ConfigOf(i).protocol == Protocol::kMusher;
@@ -117,14 +117,14 @@ void Commands::EndTornDown(std::size_t i, const CommandResult& end) {
   }
 }
 
-void Commands::AssumeTornDown(std::size_t i) {
+void Commands::AssumeTornDown(ActuatorIndex i) {
   if (!Of(i).command || Of(i).command->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
   Of(i).report.detached = true;  // it was commanded alone, the machine continues
   End(i, {ActuatorOutcome::kDone, kCodeOk, {}, true});
 }
 
-void Commands::Lose(std::size_t i, const RecordText& how, RecordId cause, std::int32_t code) {
+void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std::int32_t code) {
   ActuatorRecord& record = Of(i);
   const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
@@ -147,12 +147,12 @@ void Commands::Lose(std::size_t i, const RecordText& how, RecordId cause, std::i
   if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
-void Commands::LoseConnection(std::size_t i, const RecordText& how, RecordId cause) {
+void Commands::LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause) {
   Lose(i, how, cause);
   if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
 }
 
-void Commands::Hang(std::size_t i, bool silent, const RecordText& how) {
+void Commands::Hang(ActuatorIndex i, bool silent, const RecordText& how) {
   const std::int32_t pid = ProcessOf(i);
   const bool killable = MayRestart(i) && pid != 0;
   if (killable || silent) {

@@ -10,7 +10,7 @@ constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
 }  // namespace
 
-void Commands::Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
+void Commands::Issue(ActuatorIndex i, CommandNumber number, const State& target, Duration budget,
                      bool detached) {
   machine_.number = std::max(machine_.number, number);
   ActuatorRecord& record = Of(i);
@@ -23,7 +23,7 @@ void Commands::Issue(std::size_t i, CommandNumber number, const State& target, D
 
 // Stores a newer report. A callback that ended without a command of this controller (an overdue
 // one, or one of the previous controller) may have led to any state.
-void Commands::Accept(std::size_t i, const ActuatorReport& report) {
+void Commands::Accept(ActuatorIndex i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   // The report that it was busy may have been missed.
   const bool was_busy =
@@ -58,7 +58,7 @@ void Commands::Accept(std::size_t i, const ActuatorReport& report) {
 }
 
 // Its state has changed without a command.
-void Commands::Drifted(std::size_t i) {
+void Commands::Drifted(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   if (!record.checked) record.join_tried = false;  // it may have been configured by hand
   const ActuatorReport& report = record.report;
@@ -79,7 +79,7 @@ void Commands::Drifted(std::size_t i) {
   if (!record.held && MayFollow(i)) record.due = true;
 }
 
-void Commands::QueryOrLose(std::size_t i) {
+void Commands::QueryOrLose(ActuatorIndex i) {
   PendingCommand& command = *Of(i).command;
   if (command.queries >= kQueryAttempts) {
     return LoseConnection(i, texts::QueryUnanswered(command.target), Of(i).cause);
@@ -96,7 +96,7 @@ void Commands::QueryOrLose(std::size_t i) {
   Do(action::SendQuery{i, {machine_.epoch, command.number, true}});
 }
 
-CommandResult Commands::EvaluateReport(std::size_t i, const PendingCommand& command) const {
+CommandResult Commands::EvaluateReport(ActuatorIndex i, const PendingCommand& command) const {
   const ActuatorReport& report = Of(i).report;
   const Duration time = now_ - command.sent;
   if (report.outcome_number == command.number) {
@@ -111,7 +111,7 @@ CommandResult Commands::EvaluateReport(std::size_t i, const PendingCommand& comm
           false};
 }
 
-CommandResult Commands::DoneUnlessContradicted(std::size_t i, const std::string& message) const {
+CommandResult Commands::DoneUnlessContradicted(ActuatorIndex i, const std::string& message) const {
   const ActuatorRecord& record = Of(i);
   const State& target = record.command->target;
   if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
@@ -126,7 +126,7 @@ CommandResult Commands::DoneUnlessContradicted(std::size_t i, const std::string&
           texts::ContradictedBy(record.state().Shortened()), true};
 }
 
-void Commands::ReportUnchecked(std::size_t i) {
+void Commands::ReportUnchecked(ActuatorIndex i) {
   const ActuatorRecord& record = Of(i);
   if (record.command || record.report.busy() || record.free_by) return;  // perhaps with its check
   const bool passes_by_itself = !config_.RankOf(record.state()) && !record.join_tried;

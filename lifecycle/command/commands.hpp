@@ -30,40 +30,40 @@ class Commands : StepPart {
   Commands(StepContext& step, EmergencyStops& stops, Processes& processes)
       : StepPart(step), stops_(stops), processes_(processes) {}
 
-  void Issue(std::size_t i, CommandNumber number, const State& target, Duration budget,
+  void Issue(ActuatorIndex i, CommandNumber number, const State& target, Duration budget,
              bool detached = false);
   // Stores a newer report.
-  void Accept(std::size_t i, const ActuatorReport& report);
+  void Accept(ActuatorIndex i, const ActuatorReport& report);
   // The deadline of its command has passed.
-  void QueryOrLose(std::size_t i);
+  void QueryOrLose(ActuatorIndex i);
   // The outcome of the command by the latched status of a queried actuator.
-  CommandResult EvaluateReport(std::size_t i, const PendingCommand& command) const;
+  CommandResult EvaluateReport(ActuatorIndex i, const PendingCommand& command) const;
   // The actuator reports that the command is done; its own status may contradict that.
-  CommandResult DoneUnlessContradicted(std::size_t i, const std::string& message) const;
+  CommandResult DoneUnlessContradicted(ActuatorIndex i, const std::string& message) const;
   // What follows is in command_end.cpp. Ends the command under way, and the leg of the switch that
   // waits for it.
-  void End(std::size_t i, const CommandResult& given);
+  void End(ActuatorIndex i, const CommandResult& given);
 
-  void Lose(std::size_t i, const RecordText& how, RecordId cause = 0,
+  void Lose(ActuatorIndex i, const RecordText& how, RecordId cause = 0,
             std::int32_t code = kCodeNetError);
   // The connection to it is lost. The state of a process that this controller has started is
   // determined: if it has exited or hangs, it is restarted.
-  void LoseConnection(std::size_t i, const RecordText& how, RecordId cause = 0);
+  void LoseConnection(ActuatorIndex i, const RecordText& how, RecordId cause = 0);
   // A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator
   // that the controller may not restart is left as it is: it may recover.
-  void Hang(std::size_t i, bool silent, const RecordText& how);
+  void Hang(ActuatorIndex i, bool silent, const RecordText& how);
   // The exit of a process can overtake its last sample.
-  void AssumeTornDown(std::size_t i);
+  void AssumeTornDown(ActuatorIndex i);
   // An actuator that was found in Error, or reached its state otherwise without a check, or had its
   // check superseded, is not driven up without a request.
-  void ReportUnchecked(std::size_t i);
+  void ReportUnchecked(ActuatorIndex i);
 
  private:
-  void Drifted(std::size_t i);
-  CommandResult Tolerate(std::size_t i, const PendingCommand& command, const CommandResult& end);
-  Leg* LegUnderWay(std::size_t i);
-  void EndOwn(std::size_t i, const PendingCommand& command, const CommandResult& end);
-  void EndTornDown(std::size_t i, const CommandResult& end);
+  void Drifted(ActuatorIndex i);
+  CommandResult Tolerate(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
+  Leg* LegUnderWay(ActuatorIndex i);
+  void EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end);
+  void EndTornDown(ActuatorIndex i, const CommandResult& end);
 
   EmergencyStops& stops_;
   Processes& processes_;

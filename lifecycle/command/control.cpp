@@ -4,7 +4,7 @@
 
 namespace musher {
 
-void Control::Take(std::size_t i) {
+void Control::Take(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const Epoch seen = record.report.epoch;
   const bool ours = record.controlled == record.report.incarnation;
@@ -32,19 +32,19 @@ void Control::Take(std::size_t i) {
 }
 
 // An earlier controller was here. The attached actuators get the new epoch at once.
-void Control::RaiseEpoch(Epoch epoch, std::size_t because_of) {
+void Control::RaiseEpoch(Epoch epoch, ActuatorIndex because_of) {
   machine_.epoch = epoch;
   saving_.Save(Stored::kEpoch);
   memory_.Lower(std::nullopt);  // that controller may have changed the state of the machine
   RecordMachine(kCodeOk, texts::EpochRaised(epoch, ConfigOf(because_of).name));
-  for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
+  for (const ActuatorIndex other : machine_.actuators.Indices()) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
     Do(action::SendQuery{other,
                          {machine_.epoch, 0, false}});  // a waiting command there keeps waiting
   }
 }
 
-void Control::Attach(std::size_t i) {
+void Control::Attach(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.take_control_again.reset();
   if (record.presence == Presence::kPresent) return;

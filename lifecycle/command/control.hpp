@@ -27,12 +27,12 @@ class Control : StepPart {
 
   // Takes control of an actuator that has published its status. The answer has its status and a
   // fresh stamp, from which the actuator later computes the age of a command.
-  void Take(std::size_t i);
+  void Take(ActuatorIndex i);
   // The actuator has answered: it is present.
-  void Attach(std::size_t i);
+  void Attach(ActuatorIndex i);
 
  private:
-  void RaiseEpoch(Epoch epoch, std::size_t because_of);
+  void RaiseEpoch(Epoch epoch, ActuatorIndex because_of);
 
   Saving& saving_;
   PolicyMemory& memory_;

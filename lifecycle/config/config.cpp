@@ -45,11 +45,11 @@ bool CapabilityConfig::Takes(std::string_view actuator) const {
   return std::find(actuators.begin(), actuators.end(), actuator) != actuators.end();
 }
 
-std::optional<std::size_t> MachineConfig::IndexOf(std::string_view actuator) const {
+std::optional<ActuatorIndex> MachineConfig::IndexOf(std::string_view actuator) const {
   const auto found = std::find_if(actuators.begin(), actuators.end(),
                                   [&](const ActuatorConfig& a) { return a.name == actuator; });
   if (found == actuators.end()) return std::nullopt;
-  return found - actuators.begin();
+  return ActuatorIndex(static_cast<std::size_t>(found - actuators.begin()));
 }
 
 const CapabilityConfig* MachineConfig::CapabilityOf(std::string_view capability) const {
@@ -68,7 +68,7 @@ bool MachineConfig::HasState(std::string_view state) const {
   return std::find(states.begin(), states.end(), state) != states.end();
 }
 
-Duration MachineConfig::TimeFor(std::size_t actuator, std::string_view state) const {
+Duration MachineConfig::TimeFor(ActuatorIndex actuator, std::string_view state) const {
   return actuators[actuator].TimeFor(state).value_or(default_time);
 }
 

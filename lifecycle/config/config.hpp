@@ -15,6 +15,7 @@
 #include "musher/lifecycle/config/policy_config.hpp"
 #include "musher/lifecycle/config/ros2_config.hpp"
 #include "musher/lifecycle/config/ros2_states.hpp"
+#include "musher/lifecycle/per_actuator.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher {
@@ -144,11 +145,11 @@ struct MachineConfig {
   Ros2Config ros2;
   std::optional<ViewConfig> view;  // none: no page is served
 
-  std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
+  PerActuator<ActuatorConfig> actuators;       // in the order of [controller].actuators
   std::vector<CapabilityConfig> capabilities;  // in the order of the file
 
   // Index into `actuators`, nullopt for an unknown name.
-  std::optional<std::size_t> IndexOf(std::string_view actuator) const;
+  std::optional<ActuatorIndex> IndexOf(std::string_view actuator) const;
   // nullptr for an undeclared capability.
   const CapabilityConfig* CapabilityOf(std::string_view capability) const;
   // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and unknown
@@ -156,7 +157,7 @@ struct MachineConfig {
   std::optional<Rank> RankOf(std::string_view state) const;
   bool HasState(std::string_view state) const;
   // The time an actuator may take for `state`: its own, else default_time.
-  Duration TimeFor(std::size_t actuator, std::string_view state) const;
+  Duration TimeFor(ActuatorIndex actuator, std::string_view state) const;
 
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };

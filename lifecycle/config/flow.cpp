@@ -35,7 +35,7 @@ bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string
   return Rises(config, from, to) || (from != to && SwitchesOnAgain(config, from, to));
 }
 
-bool RunsCallback(const MachineConfig& config, std::size_t actuator, std::string_view from,
+bool RunsCallback(const MachineConfig& config, ActuatorIndex actuator, std::string_view from,
                   std::string_view to) {
   const ActuatorConfig& own = config.actuators[actuator];
   const bool configures = from == config.default_state;

@@ -31,7 +31,7 @@ bool MaySwitchOn(const MachineConfig& config, std::string_view from, std::string
 
 // Whether a switch of the actuator runs a callback: not of a ROS 2 node that is in the same ROS 2
 // state in both.
-bool RunsCallback(const MachineConfig& config, std::size_t actuator, std::string_view from,
+bool RunsCallback(const MachineConfig& config, ActuatorIndex actuator, std::string_view from,
                   std::string_view to);
 
 // The states that may follow `from`, in the config's order, without `from` itself.

@@ -24,7 +24,7 @@ std::string Ms(Duration duration) {
 
 }  // namespace
 
-Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator) {
+Duration HeartbeatPeriod(const MachineConfig& config, ActuatorIndex actuator) {
   const Duration slowest =
       config.transport == TransportProfile::kLan ? kLanHeartbeat : kSlowestHeartbeat;
   const auto checkpoint = config.actuators[actuator].checkpoint;
@@ -38,7 +38,7 @@ Duration ControllerBeatPeriod(const MachineConfig& config) {
 HealthMonitor::HealthMonitor(const MachineConfig& config)
     : config_(&config), monitored_(config.actuators.size()) {}
 
-void HealthMonitor::Watch(std::size_t actuator, Incarnation incarnation, const std::string& host,
+void HealthMonitor::Watch(ActuatorIndex actuator, Incarnation incarnation, const std::string& host,
                           bool local, Time now) {
   MonitoredProcess& process = monitored_[actuator];
   if (process.incarnation == incarnation) return;
@@ -67,11 +67,11 @@ void HealthMonitor::SetLimit(MonitoredProcess& process, Duration period) {
   process.limit = std::clamp(reported * kHeartbeatsMissed, least, kLongestLimit);
 }
 
-void HealthMonitor::Forget(std::size_t actuator) {
+void HealthMonitor::Forget(ActuatorIndex actuator) {
   monitored_[actuator] = MonitoredProcess{};
 }
 
-std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, Incarnation incarnation,
+std::vector<HealthEvent> HealthMonitor::OnSample(ActuatorIndex actuator, Incarnation incarnation,
                                                  Time now) {
   std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
@@ -80,7 +80,7 @@ std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, Incarnati
   return events;
 }
 
-std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, Incarnation incarnation,
+std::vector<HealthEvent> HealthMonitor::OnSample(ActuatorIndex actuator, Incarnation incarnation,
                                                  const Heartbeat& heartbeat, Time now) {
   std::vector<HealthEvent> events;
   MonitoredProcess& process = monitored_[actuator];
@@ -92,7 +92,7 @@ std::vector<HealthEvent> HealthMonitor::OnSample(std::size_t actuator, Incarnati
 }
 
 // An actuator that sends is alive; its work thread is evaluated separately.
-void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time now,
+void HealthMonitor::Revive(ActuatorIndex actuator, MonitoredProcess& process, Time now,
                            std::vector<HealthEvent>& events) {
   process.last_received = now;
   process.probed = false;
@@ -105,7 +105,7 @@ void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time
   }
 }
 
-void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process,
+void HealthMonitor::EvaluateWork(ActuatorIndex actuator, MonitoredProcess& process,
                                  const Heartbeat& heartbeat, Time now,
                                  std::vector<HealthEvent>& events) {
   const std::string silence =
@@ -132,7 +132,7 @@ void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process
 
 std::vector<HealthEvent> HealthMonitor::TimePassed(Time now) {
   std::vector<HealthEvent> events;
-  for (std::size_t i = 0; i < monitored_.size(); ++i) {
+  for (const ActuatorIndex i : monitored_.Indices()) {
     MonitoredProcess& process = monitored_[i];
     if (!process.look || *process.look > now) continue;
     if (now - *process.look > kOwnDelay && !process.excused) {
@@ -159,7 +159,7 @@ std::vector<HealthEvent> HealthMonitor::TimePassed(Time now) {
   return events;
 }
 
-std::vector<HealthEvent> HealthMonitor::Examined(std::size_t actuator,
+std::vector<HealthEvent> HealthMonitor::Examined(ActuatorIndex actuator,
                                                  const Examination& examination, Time now) {
   using Process = Examination::Process;
   std::vector<HealthEvent> events;
@@ -189,7 +189,7 @@ std::vector<HealthEvent> HealthMonitor::Examined(std::size_t actuator,
   return events;
 }
 
-void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
+void HealthMonitor::EvaluateRemote(ActuatorIndex actuator, MonitoredProcess& process, Time now,
                                    std::vector<HealthEvent>& events) {
   const std::string silence = "no heartbeat for " + Ms(now - process.last_received);
   // A program of another protocol that was started by hand: its host is not known.
@@ -214,7 +214,7 @@ bool HealthMonitor::HostIsAlive(const MonitoredProcess& process, Time now) const
   });
 }
 
-void HealthMonitor::Change(std::size_t actuator, MonitoredProcess& process, Health health,
+void HealthMonitor::Change(ActuatorIndex actuator, MonitoredProcess& process, Health health,
                            bool silent, std::string how, std::vector<HealthEvent>& events) {
   if (process.health == health) return;
   process.health = health;

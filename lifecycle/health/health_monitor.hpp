@@ -24,13 +24,14 @@
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/per_actuator.hpp"
 
 namespace musher {
 
 // The heartbeat period of an actuator: half its checkpoint, at most 500 ms, and at most 125 ms
 // where there are several hosts, since there nothing else reports its exit. Three heartbeats missed
 // in a row are silence.
-Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator);
+Duration HeartbeatPeriod(const MachineConfig& config, ActuatorIndex actuator);
 // The heartbeat period of a controller.
 Duration ControllerBeatPeriod(const MachineConfig& config);
 
@@ -54,15 +55,15 @@ struct Examination {
 namespace health_event {
 // Send it a query: an actuator that answers is alive.
 struct Probe {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
 };
 // Examine its process; with `mark`, keep the result to measure from.
 struct Examine {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   bool mark = false;
 };
 struct Changed {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   Incarnation incarnation = 0;
   Health health = Health::kWell;
   bool silent = false;  // it does not answer either
@@ -77,16 +78,17 @@ class HealthMonitor {
   explicit HealthMonitor(const MachineConfig& config);
 
   // Monitors an actuator from now on. `local`: the kernel can be queried about its process.
-  void Watch(std::size_t actuator, Incarnation incarnation, const std::string& host, bool local,
+  void Watch(ActuatorIndex actuator, Incarnation incarnation, const std::string& host, bool local,
              Time now);
   // Its process has exited.
-  void Forget(std::size_t actuator);
+  void Forget(ActuatorIndex actuator);
 
   // A sample came from it: a status, an answer.
-  std::vector<HealthEvent> OnSample(std::size_t actuator, Incarnation incarnation, Time now);
-  std::vector<HealthEvent> OnSample(std::size_t actuator, Incarnation incarnation,
+  std::vector<HealthEvent> OnSample(ActuatorIndex actuator, Incarnation incarnation, Time now);
+  std::vector<HealthEvent> OnSample(ActuatorIndex actuator, Incarnation incarnation,
                                     const Heartbeat& heartbeat, Time now);
-  std::vector<HealthEvent> Examined(std::size_t actuator, const Examination& examination, Time now);
+  std::vector<HealthEvent> Examined(ActuatorIndex actuator, const Examination& examination,
+                                    Time now);
   std::vector<HealthEvent> TimePassed(Time now);
 
   std::optional<Time> NextDeadline() const;
@@ -107,18 +109,18 @@ class HealthMonitor {
   };
 
   static void SetLimit(MonitoredProcess& process, Duration period);
-  void Revive(std::size_t actuator, MonitoredProcess& process, Time now,
+  void Revive(ActuatorIndex actuator, MonitoredProcess& process, Time now,
               std::vector<HealthEvent>& events);
-  void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
+  void EvaluateWork(ActuatorIndex actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
                     Time now, std::vector<HealthEvent>& events);
-  void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
+  void EvaluateRemote(ActuatorIndex actuator, MonitoredProcess& process, Time now,
                       std::vector<HealthEvent>& events);
   bool HostIsAlive(const MonitoredProcess& process, Time now) const;
-  void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
+  void Change(ActuatorIndex actuator, MonitoredProcess& process, Health health, bool silent,
               std::string how, std::vector<HealthEvent>& events);
 
   const MachineConfig* config_;
-  std::vector<MonitoredProcess> monitored_;
+  PerActuator<MonitoredProcess> monitored_;
 };
 
 }  // namespace musher

@@ -82,7 +82,7 @@ std::optional<Error> TroubleOf(const ActuatorRecord& record) {
 
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     if (TroubleOf(machine.actuators[i])) names.push_back(config.actuators[i].name);
   }
   return names;

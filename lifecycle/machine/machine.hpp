@@ -22,6 +22,7 @@
 #include "musher/lifecycle/machine/policy_state.hpp"
 #include "musher/lifecycle/machine/report.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
+#include "musher/lifecycle/per_actuator.hpp"
 
 namespace musher {
 
@@ -133,10 +134,10 @@ struct ActuatorRecord {
 struct Leg {
   enum class Progress { kWaiting, kUnderWay, kEnded };
 
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   State from;
   State target;
-  std::vector<std::size_t> needs;  // actuators whose legs must have ended before
+  std::vector<ActuatorIndex> needs;  // actuators whose legs must have ended before
   Progress progress = Progress::kWaiting;
   ActuatorOutcome outcome = ActuatorOutcome::kSkipped;
   bool ran = false;       // its callback may have run, so that it has to be rolled back
@@ -165,7 +166,7 @@ struct Switch {
   CommandNumber number = 0;
   State from;
   State target;
-  std::optional<std::size_t> only;  // one actuator instead of the machine
+  std::optional<ActuatorIndex> only;  // one actuator instead of the machine
   Direction direction = Direction::kLevel;
   Purpose purpose = Purpose::kRequested;
   std::vector<RequestId> requests;  // answered at its end
@@ -191,7 +192,7 @@ enum class AfterTearDown {
 // own. Nothing has been sent for it; no other actuator is driven on its own before it.
 struct WaitingSwitch {
   State target;
-  std::optional<std::size_t> only;
+  std::optional<ActuatorIndex> only;
   Time until{};                     // then it begins or is refused
   std::vector<RequestId> requests;  // answered at its end
   RecordId cause = 0;               // the record of the request
@@ -272,7 +273,7 @@ struct Machine {
   CommandNumber last_switch = 0;  // of the last switch alone
   bool set_up = false;            // the actuators of the first stage are present, or given up
   int stage = 0;                  // up to which actuators are started
-  std::vector<ActuatorRecord> actuators;  // in the order of the config
+  PerActuator<ActuatorRecord> actuators;  // in the order of the config
   std::optional<Switch> current;
   std::optional<WaitingSwitch> waiting;  // never together with a current one
   std::optional<State> fallback;  // on_lost of a critical actuator, when there is time for it

@@ -32,7 +32,7 @@ bool LegsHaveCommands(const Machine& machine, const Switch& s) {
   const CommandNumber number = s.rolling_back ? s.back_number : s.number;
   const std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
   return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
-    if (leg.actuator >= machine.actuators.size()) return false;
+    if (!machine.actuators.Has(leg.actuator)) return false;
     const auto& command = machine.actuators[leg.actuator].command;
     const bool of_switch = command && command->number == number;
     return of_switch == (leg.progress == Leg::Progress::kUnderWay);
@@ -92,7 +92,7 @@ std::string BrokenInvariant(const MachineConfig& config, const Machine& machine)
     return std::string(broken) + "; " + std::string(PhaseName(machine.phase)) + " in " +
            machine.state;
   }
-  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine.actuators.Indices()) {
     const ActuatorRecord& record = machine.actuators[i];
     if (const char* broken = BrokenOf(machine, record)) {
       return config.actuators[i].name + ": " + broken + "; " +

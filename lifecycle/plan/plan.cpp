@@ -35,7 +35,7 @@ Direction DirectionOf(const MachineConfig& config, const State& from, const Stat
 class Planning {
  public:
   Planning(const MachineConfig& config, const Machine& machine, const State& target,
-           std::optional<std::size_t> only, bool for_safety)
+           std::optional<ActuatorIndex> only, bool for_safety)
       : config_(config), machine_(machine), for_safety_(for_safety) {
     plan_.target = target;
     plan_.only = only;
@@ -49,7 +49,7 @@ class Planning {
     if (plan_.only) {
       AddSingle(*plan_.only);
     } else {
-      for (std::size_t i = 0; i < config_.actuators.size(); ++i) AddStep(i);
+      for (const ActuatorIndex i : config_.actuators.Indices()) AddStep(i);
     }
     RefuseWhileStopped();
     RefuseWhileBusy();
@@ -123,7 +123,7 @@ class Planning {
   }
 
   // `how`: "is busy with Active".
-  void NoteBusy(std::size_t i, const std::string& how) {
+  void NoteBusy(ActuatorIndex i, const std::string& how) {
     const ActuatorRecord& record = machine_.actuators[i];
     if (busy_.empty()) busy_ = config_.actuators[i].name + " " + how;
     const auto end = record.command ? record.command->deadline : record.free_by;
@@ -131,7 +131,7 @@ class Planning {
     free_by_ = std::max(free_by_, end.value_or(free_by_));
   }
 
-  PlanStep Blank(std::size_t i) const {
+  PlanStep Blank(ActuatorIndex i) const {
     PlanStep step;
     step.actuator = i;
     step.from = machine_.actuators[i].state();
@@ -140,7 +140,7 @@ class Planning {
     return step;
   }
 
-  void AddSingle(std::size_t i) {
+  void AddSingle(ActuatorIndex i) {
     const ActuatorConfig& actuator = config_.actuators[i];
     const ActuatorRecord& record = machine_.actuators[i];
     const auto rank = config_.RankOf(plan_.target);
@@ -184,7 +184,7 @@ class Planning {
     return record.command ? record.command->target : record.report.target;
   }
 
-  void AddStep(std::size_t i) {
+  void AddStep(ActuatorIndex i) {
     const ActuatorConfig& actuator = config_.actuators[i];
     const ActuatorRecord& record = machine_.actuators[i];
     const bool up = plan_.direction == Direction::kUp;
@@ -236,13 +236,13 @@ class Planning {
   }
 
   // A ROS 2 node whose configuration was just requested and has failed.
-  bool FailedSetUp(std::size_t i) const {
+  bool FailedSetUp(ActuatorIndex i) const {
     return IsUnconfigured(config_, i, machine_.actuators[i]) && machine_.actuators[i].fault;
   }
 
   // Whether this switch configures the node as its first step. The switch after the self-check of a
   // start does not, because the node has just failed that self-check; nor does a switch down.
-  bool IsConfiguredByIt(std::size_t i) const {
+  bool IsConfiguredByIt(ActuatorIndex i) const {
     return IsUnconfigured(config_, i, machine_.actuators[i]) && !StartsByItself() &&
            plan_.direction != Direction::kDown;
   }
@@ -264,7 +264,7 @@ class Planning {
     return config_.RankOf(record.state()) && record.state() != kError;
   }
 
-  const PlanStep* DrivenStep(std::size_t actuator) const {
+  const PlanStep* DrivenStep(ActuatorIndex actuator) const {
     const auto found = std::find_if(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& s) {
       return s.actuator == actuator && s.driven();
     });
@@ -273,9 +273,10 @@ class Planning {
 
   // The driven actuators that `i` waits for on the way up: its `after`, or where one of those is
   // not driven, the actuators that it waits for. `seen` keeps a diamond from being walked twice.
-  void CollectNeeds(std::size_t i, std::vector<bool>& seen, std::vector<std::size_t>& needs) const {
+  void CollectNeeds(ActuatorIndex i, PerActuator<bool>& seen,
+                    std::vector<ActuatorIndex>& needs) const {
     for (const std::string& name : config_.actuators[i].after) {
-      const std::size_t other = *config_.IndexOf(name);
+      const ActuatorIndex other = *config_.IndexOf(name);
       if (seen[other]) continue;
       seen[other] = true;
       if (DrivenStep(other) != nullptr) {
@@ -287,13 +288,13 @@ class Planning {
   }
 
   void OrderSteps() {
-    std::vector<std::vector<std::size_t>> needs(config_.actuators.size());
+    PerActuator<std::vector<ActuatorIndex>> needs(config_.actuators.size());
     for (const PlanStep& step : plan_.steps) {
       if (!step.driven()) continue;
-      std::vector<bool> seen(config_.actuators.size(), false);
-      std::vector<std::size_t> found;
+      PerActuator<bool> seen(config_.actuators.size(), false);
+      std::vector<ActuatorIndex> found;
       CollectNeeds(step.actuator, seen, found);
-      for (const std::size_t other : found) {
+      for (const ActuatorIndex other : found) {
         if (plan_.direction == Direction::kDown) {
           needs[other].push_back(step.actuator);
         } else {
@@ -302,7 +303,7 @@ class Planning {
       }
     }
     if (plan_.target == kTearDown) ReverseStages(needs);
-    std::vector<int> wave(config_.actuators.size(), 0);
+    PerActuator<int> wave(config_.actuators.size(), 0);
     for (PlanStep& step : plan_.steps) {
       if (!step.driven()) continue;
       std::sort(needs[step.actuator].begin(), needs[step.actuator].end());
@@ -312,16 +313,16 @@ class Planning {
   }
 
   // The actuators of a stage are torn down after those of the next stage that has any.
-  void ReverseStages(std::vector<std::vector<std::size_t>>& needs) const {
-    std::map<int, std::vector<std::size_t>> stages;
+  void ReverseStages(PerActuator<std::vector<ActuatorIndex>>& needs) const {
+    std::map<int, std::vector<ActuatorIndex>> stages;
     for (const PlanStep& step : plan_.steps) {
       if (step.driven()) stages[config_.actuators[step.actuator].stage].push_back(step.actuator);
     }
     for (auto stage = stages.begin(); stage != stages.end(); ++stage) {
       const auto next = std::next(stage);
       if (next == stages.end()) return;
-      for (const std::size_t i : stage->second) {
-        for (const std::size_t later : next->second) {
+      for (const ActuatorIndex i : stage->second) {
+        for (const ActuatorIndex later : next->second) {
           if (std::find(needs[i].begin(), needs[i].end(), later) == needs[i].end()) {
             needs[i].push_back(later);
           }
@@ -330,11 +331,11 @@ class Planning {
     }
   }
 
-  static int WaveOf(std::size_t i, const std::vector<std::vector<std::size_t>>& needs,
-                    std::vector<int>& wave) {
+  static int WaveOf(ActuatorIndex i, const PerActuator<std::vector<ActuatorIndex>>& needs,
+                    PerActuator<int>& wave) {
     if (wave[i] == 0) {
       int deepest = 0;
-      for (const std::size_t other : needs[i])
+      for (const ActuatorIndex other : needs[i])
         deepest = std::max(deepest, WaveOf(other, needs, wave));
       wave[i] = deepest + 1;
     }
@@ -352,14 +353,14 @@ class Planning {
 
 }  // namespace
 
-bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+bool IsUnconfigured(const MachineConfig& config, ActuatorIndex actuator,
                     const ActuatorRecord& record) {
   return config.actuators[actuator].protocol == Protocol::kRos2Lifecycle &&
          record.state() == config.default_state;
 }
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
-              std::optional<std::size_t> only) {
+              std::optional<ActuatorIndex> only) {
   return Planning(config, machine, target, only, false).Make();
 }
 

@@ -21,12 +21,12 @@ struct PlanStep {
     kLeftOut,       // not available, not checked, or still starting: `note` says which
   };
 
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   Part part = Part::kDriven;
   State from;
   State to;
-  int wave = 0;                    // depth in `needs`, from 1; 0 when not driven
-  std::vector<std::size_t> needs;  // actuators whose step must have ended before this one begins
+  int wave = 0;                      // depth in `needs`, from 1; 0 when not driven
+  std::vector<ActuatorIndex> needs;  // actuators whose step must have ended before this one begins
   Duration deadline{};
   std::string note;
 
@@ -37,7 +37,7 @@ struct PlanStep {
 
 struct Plan {
   State target;
-  std::optional<std::size_t> only;  // one actuator instead of the machine
+  std::optional<ActuatorIndex> only;  // one actuator instead of the machine
   State from;
   Direction direction = Direction::kLevel;
   std::optional<Error> refusal;  // set: the switch would be refused, and why
@@ -52,7 +52,7 @@ struct Plan {
 // The plan for taking the machine (or `only`) to `target` from its present state. Checks everything
 // except whether another switch is under way.
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
-              std::optional<std::size_t> only = std::nullopt);
+              std::optional<ActuatorIndex> only = std::nullopt);
 
 // The plan for a safe state: the on_lost of an actuator, or the battery's limit. The flow is
 // ignored: a less active state can always be reached.
@@ -61,7 +61,7 @@ Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const S
 // Whether a present actuator is a ROS 2 node that is unconfigured: its configuration has failed, or
 // error processing has unconfigured it. A SelfCheck configures it, and so does a switch up or to
 // the current state.
-bool IsUnconfigured(const MachineConfig& config, std::size_t actuator,
+bool IsUnconfigured(const MachineConfig& config, ActuatorIndex actuator,
                     const ActuatorRecord& record);
 
 }  // namespace musher

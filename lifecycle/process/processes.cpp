@@ -18,7 +18,7 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 
 }  // namespace
 
-void Processes::Recover(std::size_t i, const event::ProcessEnded& ended) {
+void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
   record.termination.reset();
@@ -49,13 +49,13 @@ void Processes::Recover(std::size_t i, const event::ProcessEnded& ended) {
       record.cause);
 }
 
-void Processes::GiveUp(std::size_t i, const RecordText& why) {
+void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
   Of(i).given_up = true;
   Degrade(i, kCodeFailed, why, Of(i).cause);
   FallBack(i);
 }
 
-void Processes::EvaluateArrival(std::size_t i) {
+void Processes::EvaluateArrival(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
   record.given_up = record.restarts > restart.limit;
@@ -66,7 +66,7 @@ void Processes::EvaluateArrival(std::size_t i) {
   FallBack(i);
 }
 
-void Processes::StartAgain(std::size_t i) {
+void Processes::StartAgain(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.restart_at.reset();
   record.blocked = false;
@@ -78,31 +78,31 @@ void Processes::StartAgain(std::size_t i) {
   Do(action::StartProcess{i});
 }
 
-void Processes::Terminate(std::size_t i, std::int32_t pid, Duration grace) {
+void Processes::Terminate(ActuatorIndex i, std::int32_t pid, Duration grace) {
   ActuatorRecord& record = Of(i);
   record.termination = {pid, std::nullopt, now_ + grace, false};
   if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
 
-void Processes::Kill(std::size_t i) {
+void Processes::Kill(ActuatorIndex i) {
   Termination& termination = *Of(i).termination;
   termination.killed = true;
   termination.kill_at = now_ + kEndTime;
   Do(action::SignalProcess{i, termination.pid, true});
 }
 
-void Processes::ForgetEnd(std::size_t i) {
+void Processes::ForgetEnd(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.termination.reset();
   record.restart_requested = false;
 }
 
-void Processes::CancelRestart(std::size_t i) {
+void Processes::CancelRestart(ActuatorIndex i) {
   Of(i).restart_at.reset();
   Of(i).set_up_by = now_ + config_.TimeFor(i, kSetUp);
 }
 
-bool Processes::IsFinal(std::size_t i, const event::ProcessEnded& ended) const {
+bool Processes::IsFinal(ActuatorIndex i, const event::ProcessEnded& ended) const {
   return MayRestart(i) && !Of(i).restart_requested && ConfigOf(i).restart.Prevents(ended.exit_code);
 }
 

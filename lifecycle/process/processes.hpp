@@ -19,25 +19,25 @@ class Processes : StepPart {
   using StepPart::StepPart;
 
   // Process `pid` is to be killed after `grace`, unless it exits before.
-  void Terminate(std::size_t i, std::int32_t pid, Duration grace);
-  void Kill(std::size_t i);
+  void Terminate(ActuatorIndex i, std::int32_t pid, Duration grace);
+  void Kill(ActuatorIndex i);
   // The process to be terminated has exited, or there would be no successor.
-  void ForgetEnd(std::size_t i);
+  void ForgetEnd(ActuatorIndex i);
 
   // Its process has exited, or could not be started: decides what follows.
-  void Recover(std::size_t i, const event::ProcessEnded& ended = {});
+  void Recover(ActuatorIndex i, const event::ProcessEnded& ended = {});
   // It is present; its restarts are counted until it has run for a while.
-  void EvaluateArrival(std::size_t i);
-  void StartAgain(std::size_t i);
+  void EvaluateArrival(ActuatorIndex i);
+  void StartAgain(ActuatorIndex i);
   // Another party has started it first.
-  void CancelRestart(std::size_t i);
+  void CancelRestart(ActuatorIndex i);
 
   // Whether the exit code says that a restart does not help.
-  bool IsFinal(std::size_t i, const event::ProcessEnded& ended) const;
+  bool IsFinal(ActuatorIndex i, const event::ProcessEnded& ended) const;
   RecordText WhyFinal(const event::ProcessEnded& ended) const;
 
  private:
-  void GiveUp(std::size_t i, const RecordText& why);
+  void GiveUp(ActuatorIndex i, const RecordText& why);
 };
 
 }  // namespace musher

@@ -5,12 +5,12 @@ namespace musher {
 bool Binding::SuspendAndResume() {
   if (machine_.phase != Phase::kRunning || machine_.current) return false;
   bool changed = false;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const bool free =
         record.presence == Presence::kPresent && !record.command && !record.report.busy();
     if (!free || !record.checked) continue;
-    std::vector<bool> seen(machine_.actuators.size(), false);
+    PerActuator<bool> seen(machine_.actuators.size(), false);
     seen[i] = true;
     const std::string* missing = MissingFor(i, i, seen);
     if (missing != nullptr && !record.suspended && !record.held) {
@@ -26,15 +26,15 @@ bool Binding::SuspendAndResume() {
 }
 
 // Whether the actuators bound to it may be up.
-bool Binding::IsUp(std::size_t i) const {
+bool Binding::IsUp(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
          record.health != Health::kHung && !record.restart_requested && record.state() != kTearDown;
 }
 
-bool Binding::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const {
+bool Binding::IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const {
   for (const std::string& name : ConfigOf(i).binds_to) {
-    const std::size_t needed = *config_.IndexOf(name);
+    const ActuatorIndex needed = *config_.IndexOf(name);
     if (seen[needed]) continue;
     seen[needed] = true;
     if (needed == other || IsBoundTo(needed, other, seen)) return true;
@@ -44,19 +44,19 @@ bool Binding::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& see
 
 // Whether `needed` does not require `i` to be suspended. Once `i` is suspended, `needed` has to be
 // in the state of the machine again, unless it waits for `i` in turn.
-bool Binding::Suffices(std::size_t needed, std::size_t i) const {
+bool Binding::Suffices(ActuatorIndex needed, ActuatorIndex i) const {
   if (!IsUp(needed)) return false;
-  std::vector<bool> seen(machine_.actuators.size(), false);
+  PerActuator<bool> seen(machine_.actuators.size(), false);
   if (!Of(i).suspended || IsBoundTo(needed, i, seen)) return true;
   return !Of(needed).command && Of(needed).state() == machine_.state;
 }
 
 // An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
 // actuators bound to each other do not keep each other down: `seen` breaks the cycle.
-const std::string* Binding::MissingFor(std::size_t bound, std::size_t i,
-                                       std::vector<bool>& seen) const {
+const std::string* Binding::MissingFor(ActuatorIndex bound, ActuatorIndex i,
+                                       PerActuator<bool>& seen) const {
   for (const std::string& name : ConfigOf(i).binds_to) {
-    const std::size_t needed = *config_.IndexOf(name);
+    const ActuatorIndex needed = *config_.IndexOf(name);
     if (seen[needed]) continue;
     seen[needed] = true;
     if (!Suffices(needed, bound)) return &name;
@@ -65,7 +65,7 @@ const std::string* Binding::MissingFor(std::size_t bound, std::size_t i,
   return nullptr;
 }
 
-void Binding::Suspend(std::size_t i, const std::string& missing) {
+void Binding::Suspend(ActuatorIndex i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
   record.suspended = true;
   record.due = true;

@@ -18,11 +18,12 @@ class Binding : StepPart {
   bool SuspendAndResume();
 
  private:
-  bool IsUp(std::size_t i) const;
-  bool IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const;
-  bool Suffices(std::size_t needed, std::size_t i) const;
-  const std::string* MissingFor(std::size_t bound, std::size_t i, std::vector<bool>& seen) const;
-  void Suspend(std::size_t i, const std::string& missing);
+  bool IsUp(ActuatorIndex i) const;
+  bool IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const;
+  bool Suffices(ActuatorIndex needed, ActuatorIndex i) const;
+  const std::string* MissingFor(ActuatorIndex bound, ActuatorIndex i,
+                                PerActuator<bool>& seen) const;
+  void Suspend(ActuatorIndex i, const std::string& missing);
 };
 
 }  // namespace musher

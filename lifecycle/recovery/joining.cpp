@@ -9,7 +9,7 @@ namespace musher {
 bool Joining::DriveLateOnes() {
   if (machine_.phase != Phase::kRunning || machine_.current || machine_.waiting) return false;
   bool changed = false;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
     const bool free = record.presence == Presence::kPresent && !record.command &&
                       !record.report.busy() && record.health != Health::kHung && !record.given_up &&
@@ -42,7 +42,7 @@ bool Joining::DriveLateOnes() {
 
 // Whether an emergency stop is between the actuator and the state of the machine, another one that
 // is as active. The release starts no callback on the same level: only a requested switch does.
-bool Joining::StoppedOnTheLevel(std::size_t i) const {
+bool Joining::StoppedOnTheLevel(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   const State place = PlaceOf(i);
   const bool level =
@@ -54,11 +54,11 @@ bool Joining::StoppedOnTheLevel(std::size_t i) const {
 }
 
 // Its command could overtake the release on the way to it: its own report counts, too.
-bool Joining::IsStopped(std::size_t i) const {
+bool Joining::IsStopped(ActuatorIndex i) const {
   return machine_.emergency_stop.has_value() || Of(i).report.emergency_stop != 0;
 }
 
-void Joining::Hold(std::size_t i) {
+void Joining::Hold(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   record.due = false;
   // A failure that its own callback has reported is kept.
@@ -70,7 +70,7 @@ void Joining::Hold(std::size_t i) {
 }
 
 // Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.
-bool Joining::MayJoin(std::size_t i, std::optional<RecordText>& blocker) const {
+bool Joining::MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
   const State place = PlaceOf(i);
@@ -89,7 +89,7 @@ bool Joining::MayJoin(std::size_t i, std::optional<RecordText>& blocker) const {
                                  });
 }
 
-void Joining::Join(std::size_t i) {
+void Joining::Join(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   if (!record.due) {
     return commands_.Issue(i, machine_.number + 1, State(kSelfCheck),

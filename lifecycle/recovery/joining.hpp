@@ -16,11 +16,11 @@ class Joining : StepPart {
   bool DriveLateOnes();
 
  private:
-  bool StoppedOnTheLevel(std::size_t i) const;
-  bool IsStopped(std::size_t i) const;
-  void Hold(std::size_t i);
-  bool MayJoin(std::size_t i, std::optional<RecordText>& blocker) const;
-  void Join(std::size_t i);
+  bool StoppedOnTheLevel(ActuatorIndex i) const;
+  bool IsStopped(ActuatorIndex i) const;
+  void Hold(ActuatorIndex i);
+  bool MayJoin(ActuatorIndex i, std::optional<RecordText>& blocker) const;
+  void Join(ActuatorIndex i);
 
   Commands& commands_;
 };

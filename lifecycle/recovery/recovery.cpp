@@ -5,7 +5,7 @@
 namespace musher {
 
 void Recovery::On(const event::HealthChanged& changed) {
-  const std::size_t i = changed.actuator;
+  const ActuatorIndex i = changed.actuator;
   ActuatorRecord& record = Of(i);
   if (changed.incarnation != record.report.incarnation || changed.incarnation == record.dead ||
       machine_.phase == Phase::kStopping) {
@@ -30,7 +30,7 @@ void Recovery::On(const event::HealthChanged& changed) {
   }
 }
 
-void Recovery::Recovered(std::size_t i, const std::string& how) {
+void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
   ActuatorRecord& record = Of(i);
   record.health = Health::kWell;
   record.cause =
@@ -62,7 +62,7 @@ void Recovery::On(const event::BacktraceTaken& taken) {
 }
 
 // Its exit was not seen, or the kernel delays it. If it still runs, its successor will report that.
-void Recovery::AssumeExited(std::size_t i) {
+void Recovery::AssumeExited(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = record.termination->pid;
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
@@ -73,7 +73,7 @@ void Recovery::AssumeExited(std::size_t i) {
 }
 
 void Recovery::CheckDeadlines() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     if (auto& termination = record.termination) {
       if (termination->terminate_at && *termination->terminate_at <= now_) {
@@ -147,7 +147,7 @@ void Recovery::On(const event::ProcessEnded& ended) {
 }
 
 // Whether a lost connection is all that is known about its loss.
-bool Recovery::WasDisconnected(std::size_t i) const {
+bool Recovery::WasDisconnected(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kLost && record.fault &&
          record.fault->event == EventName::kConnectionLost;

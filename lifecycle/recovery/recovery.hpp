@@ -24,11 +24,11 @@ class Recovery : StepPart {
   void CheckDeadlines();
 
  private:
-  void Recovered(std::size_t i, const std::string& how);
-  void AssumeExited(std::size_t i);
-  bool WasDisconnected(std::size_t i) const;
-  void EndForRestart(std::size_t i);
-  void AnswerRestarts(std::size_t i);
+  void Recovered(ActuatorIndex i, const std::string& how);
+  void AssumeExited(ActuatorIndex i);
+  bool WasDisconnected(ActuatorIndex i) const;
+  void EndForRestart(ActuatorIndex i);
+  void AnswerRestarts(ActuatorIndex i);
 
   Processes& processes_;
   Commands& commands_;

@@ -49,7 +49,7 @@ void Recovery::On(const event::RestartRequested& requested) {
 }
 
 // TearDown if it can be commanded, else SIGTERM, and SIGKILL when that does not help.
-void Recovery::EndForRestart(std::size_t i) {
+void Recovery::EndForRestart(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0 && record.launching) {  // the start that is under way is the one requested
@@ -72,7 +72,7 @@ void Recovery::EndForRestart(std::size_t i) {
 }
 
 // Answers the restart requests when it is back, or when it will not come back.
-void Recovery::AnswerRestarts(std::size_t i) {
+void Recovery::AnswerRestarts(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   if (IsComing(i)) return;
   const bool ended = machine_.phase != Phase::kRunning && machine_.phase != Phase::kFailed;

@@ -18,12 +18,12 @@ std::optional<State> Adoption::LowestFound() const {
         return record.presence != Presence::kPresent || record.report.detached;
       });
   std::vector<Found> found;
-  const auto consider = [&](std::size_t i, const State& state) {
+  const auto consider = [&](ActuatorIndex i, const State& state) {
     if (config_.RankOf(state)) found.push_back({i, state});
   };
   bool musher_present = false;  // a Musher actuator, which reports its state
   const auto consider_all = [&](bool ros2) {
-    for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+    for (const ActuatorIndex i : view_.actuators.Indices()) {
       const ActuatorRecord& record = Of(i);
       const bool is_ros2 = ConfigOf(i).protocol == Protocol::kRos2Lifecycle;
       if (record.presence != Presence::kPresent || (record.report.detached && !all_detached))
@@ -70,7 +70,7 @@ State Adoption::Lowest(const std::vector<Found>& found) const {
 
 // Whether a ROS 2 node is in the ROS 2 state to which `state` maps: then it may have been in that
 // state of the machine, independent of the state that its link has guessed.
-bool Adoption::AgreesWith(std::size_t i, const State& state) const {
+bool Adoption::AgreesWith(ActuatorIndex i, const State& state) const {
   const auto& own = ConfigOf(i).ros2_states;
   return config_.RankOf(Of(i).state()) && Ros2GoalOf(own, Of(i).state()) == Ros2GoalOf(own, state);
 }
@@ -93,7 +93,7 @@ bool Adoption::FoundSwitching() const {
 
 std::string Adoption::Elsewhere() const {
   std::string text;
-  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : view_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
     const bool there = record.state() == view_.state && !record.report.busy();
     if (record.presence != Presence::kPresent || record.held || there) continue;

@@ -24,11 +24,11 @@ class Adoption : MachineView {
 
  private:
   struct Found {
-    std::size_t actuator = 0;
+    ActuatorIndex actuator = 0;
     State state;
   };
   State Lowest(const std::vector<Found>& found) const;
-  bool AgreesWith(std::size_t i, const State& state) const;
+  bool AgreesWith(ActuatorIndex i, const State& state) const;
 };
 
 }  // namespace musher

@@ -5,7 +5,7 @@
 namespace musher {
 
 void StartUp::CheckDeadlines() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     if (!record.set_up_by || *record.set_up_by > now_ || record.presence == Presence::kPresent) {
       continue;
@@ -24,7 +24,7 @@ void StartUp::CheckDeadlines() {
 }
 
 // Why it is not set up by its deadline.
-RecordText StartUp::NotSetUp(std::size_t i) const {
+RecordText StartUp::NotSetUp(ActuatorIndex i) const {
   const ActuatorConfig& actuator = ConfigOf(i);
   const ActuatorRecord& record = Of(i);
   const Duration within = config_.TimeFor(i, kSetUp);
@@ -36,7 +36,7 @@ RecordText StartUp::NotSetUp(std::size_t i) const {
   if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
     return texts::SetUpTimeout(within);
   }
-  for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
+  for (const ActuatorIndex other : machine_.actuators.Indices()) {
     const bool shared = Of(other).process == record.process;  // `i` itself is not present
     if (!shared || Of(other).presence != Presence::kPresent) continue;
     return texts::NotAnnouncedBeside(actuator.name, ConfigOf(other).name, within, record.process);

@@ -24,8 +24,8 @@ void StartUp::Begin(const event::Begin& begin) {
   machine_.epoch = begin.epoch + 1;
   machine_.finishing = begin.stop_intent && begin.restarted;
   saving_.Save(Stored::kEpoch);
-  for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
-  for (std::size_t i = 0; i < begin.processes.size(); ++i) Of(i).process = begin.processes[i];
+  for (const ActuatorIndex i : begin.running.Indices()) Of(i).found_running = begin.running[i];
+  for (const ActuatorIndex i : begin.processes.Indices()) Of(i).process = begin.processes[i];
   for (const RemoteActuator& remote : begin.remote) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
@@ -43,7 +43,7 @@ void StartUp::StartStage(int stage, RecordId cause) {
   if (stage > 1 && !machine_.by_hand) {
     cause = RecordMachine(kCodeOk, texts::StageStarted(stage), cause);
   }
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const bool waited_for = ConfigOf(i).command.empty() || record.found_running;
     if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
@@ -60,7 +60,7 @@ void StartUp::StartStage(int stage, RecordId cause) {
 bool StartUp::StartProcesses() {
   if (machine_.finishing) return false;
   bool changed = false;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const ActuatorConfig& actuator = ConfigOf(i);
     if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
@@ -105,7 +105,7 @@ void StartUp::EndFirstStage() {
   machine_.state = State(kSetUp);
   std::vector<std::string> missing;
   std::size_t present = 0;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
     if (record.presence == Presence::kPresent && !IsUnconfigured(config_, i, record)) ++present;
@@ -144,7 +144,7 @@ void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>
 
 // Returns whether a critical actuator of the stages so far has a fault.
 bool StartUp::FailOnCriticalFault() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;
     Fail("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
              Of(i).fault->message,
@@ -208,7 +208,7 @@ void StartUp::AdoptFrom(const State& lowest, RecordId cause) {
 
 void StartUp::BecomeRunning(const RecordText& text, RecordId cause) {
   machine_.phase = Phase::kRunning;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const bool there = record.presence == Presence::kPresent;
     if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
@@ -234,7 +234,8 @@ void StartUp::On(const event::SetUpAwaited& awaited) {
 
 void StartUp::AnswerSetUpRequests() {
   Result<> answer;
-  for (std::size_t i = 0; i < machine_.actuators.size() && answer; ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
+    if (!answer) break;
     const auto& fault = Of(i).fault;
     if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + " " + fault->message};
   }

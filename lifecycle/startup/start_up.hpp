@@ -36,7 +36,7 @@ class StartUp : StepPart {
   void BecomeRunning(const RecordText& text, RecordId cause);
   void AnswerSetUpRequests();
   std::string FirstTrouble() const;
-  RecordText NotSetUp(std::size_t i) const;
+  RecordText NotSetUp(ActuatorIndex i) const;
 
   Saving& saving_;
   Switching& switching_;

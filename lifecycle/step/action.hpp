@@ -15,17 +15,17 @@ namespace musher {
 namespace action {
 
 struct SendSwitch {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   SwitchCommand command;
   friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
 };
 struct SendQuery {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   QueryCommand command;
   friend bool operator==(const SendQuery&, const SendQuery&) = default;
 };
 struct StartProcess {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   friend bool operator==(const StartProcess&, const StartProcess&) = default;
 };
 // Find which actuators that have a command run on this host; comes back as ProcessesFound.
@@ -33,7 +33,7 @@ struct FindProcesses {
   friend bool operator==(const FindProcesses&, const FindProcesses&) = default;
 };
 struct SignalProcess {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   std::int32_t pid = 0;
   bool kill = false;  // SIGKILL instead of SIGTERM
   friend bool operator==(const SignalProcess&, const SignalProcess&) = default;
@@ -50,7 +50,7 @@ struct AnswerCall {
 };
 // Take a backtrace of a process; the result comes back as BacktraceTaken.
 struct TakeBacktrace {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   std::int32_t pid = 0;
   friend bool operator==(const TakeBacktrace&, const TakeBacktrace&) = default;
 };
@@ -104,7 +104,7 @@ struct SwitchNote {
 // records explains what was done.
 struct Record {
   std::string kind;  // "machine", "switch", "actuator", "process", "policy"
-  std::optional<std::size_t> actuator;
+  std::optional<ActuatorIndex> actuator;
   CommandNumber switch_number = 0;
   std::int32_t code = kCodeOk;
   std::string message;

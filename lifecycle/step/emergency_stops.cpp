@@ -80,7 +80,7 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
 
 // An actuator may have latched a stop that this controller missed: then it is engaged for the
 // machine. It may have missed a release: then the release is published again.
-void EmergencyStops::Compare(const ActuatorReport& report, std::size_t i) {
+void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
   const StopId id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
   if (IsReleased(id)) return Do(action::PublishEmergencyStop{{id, "", ""}, false});

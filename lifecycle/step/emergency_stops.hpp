@@ -15,7 +15,7 @@ class EmergencyStops : StepPart {
   void On(const event::EmergencyStopSeen& seen);
   void On(const event::ReleaseRequested& requested);
   // An actuator may have latched a stop that this controller missed, or missed a release.
-  void Compare(const ActuatorReport& report, std::size_t i);
+  void Compare(const ActuatorReport& report, ActuatorIndex i);
 
  private:
   bool IsReleased(StopId id) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/lifecycle/machine/machine.hpp"
+#include "musher/lifecycle/per_actuator.hpp"
 
 namespace musher {
 
@@ -22,10 +23,10 @@ namespace event {
 struct Begin {
   bool by_hand = false;
   Epoch epoch = 0;
-  std::vector<bool> running;
+  PerActuator<bool> running;
   std::string host = {};  // of the controller
   StoredStops stops = {};
-  std::vector<std::int32_t> processes = {};
+  PerActuator<std::int32_t> processes = {};
   StoredPolicy policy = {};
   bool stop_intent = false;
   bool restarted = false;
@@ -34,13 +35,13 @@ struct Begin {
 };
 // An actuator's latched status was received.
 struct StatusSeen {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   ActuatorReport report;
   friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
 };
 // An actuator replied to command `number`, or to the query about it (`query`).
 struct Replied {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   CommandNumber number = 0;
   bool query = false;
   Verdict verdict = Verdict::kDone;
@@ -51,31 +52,31 @@ struct Replied {
 };
 // The actuator of this incarnation was lost: its process exited or its writer was lost.
 struct Vanished {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   Incarnation incarnation = 0;
   bool for_good = false;  // its process has exited; otherwise it may connect again
   std::string how;        // "its process 4711 ended", kOutOfReach
   friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   std::int32_t pid = 0;
   friend bool operator==(const ProcessStarted&, const ProcessStarted&) = default;
 };
 struct ProcessNotStarted {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   std::string why;
   friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
 };
 // The result of action::FindProcesses: for each actuator the pid of the process that runs and is
 // watched now, or 0.
 struct ProcessesFound {
-  std::vector<std::int32_t> processes;
+  PerActuator<std::int32_t> processes;
   friend bool operator==(const ProcessesFound&, const ProcessesFound&) = default;
 };
 // A process that this controller started has exited.
 struct ProcessEnded {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   std::int32_t pid = 0;
   bool clean = false;          // exit code 0
   std::string how;             // "exit code 3", "killed by SIGKILL"
@@ -84,7 +85,7 @@ struct ProcessEnded {
 };
 // The health monitor's verdict on a running process.
 struct HealthChanged {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   Incarnation incarnation = 0;
   Health health = Health::kWell;
   bool silent = false;  // it does not answer either
@@ -93,7 +94,7 @@ struct HealthChanged {
 };
 // The backtrace of a hung process, or why there is none.
 struct BacktraceTaken {
-  std::size_t actuator = 0;
+  ActuatorIndex actuator = 0;
   std::int32_t pid = 0;
   std::string text;
   friend bool operator==(const BacktraceTaken&, const BacktraceTaken&) = default;

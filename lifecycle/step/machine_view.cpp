@@ -4,18 +4,18 @@
 
 namespace musher {
 
-bool MachineView::IsComing(std::size_t i) const {
+bool MachineView::IsComing(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   const bool about_to_end = record.termination.has_value();  // and is restarted after that
   return record.restart_at || record.restart_requested ||
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
 
-bool MachineView::MayRestart(std::size_t i) const {
+bool MachineView::MayRestart(ActuatorIndex i) const {
   return !ConfigOf(i).command.empty() && ConfigOf(i).restart.policy != RestartPolicy::kNo;
 }
 
-std::int32_t MachineView::ProcessOf(std::size_t i) const {
+std::int32_t MachineView::ProcessOf(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   if (record.process != 0) return record.process;
   const ActuatorReport& report = record.report;
@@ -23,11 +23,11 @@ std::int32_t MachineView::ProcessOf(std::size_t i) const {
   return here && report.incarnation != record.dead ? report.pid : 0;
 }
 
-std::int32_t MachineView::OwnProcess(std::size_t i) const {
+std::int32_t MachineView::OwnProcess(ActuatorIndex i) const {
   return ConfigOf(i).command.empty() ? 0 : ProcessOf(i);
 }
 
-bool MachineView::RunsElsewhere(std::size_t i) const {
+bool MachineView::RunsElsewhere(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   const bool connected =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
@@ -36,7 +36,7 @@ bool MachineView::RunsElsewhere(std::size_t i) const {
          report.incarnation != record.dead && !report.host.empty() && report.host != view_.host;
 }
 
-bool MachineView::AnotherProcessIsPresent(std::size_t i, std::int32_t pid) const {
+bool MachineView::AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const {
   const ActuatorRecord& record = Of(i);
   const bool publishes =
       record.presence == Presence::kPresent ||
@@ -45,17 +45,17 @@ bool MachineView::AnotherProcessIsPresent(std::size_t i, std::int32_t pid) const
   return publishes && here && record.report.pid != 0 && record.report.pid != pid;
 }
 
-bool MachineView::Fits(std::size_t i) const {
+bool MachineView::Fits(ActuatorIndex i) const {
   return Of(i).checked || Of(i).state() == view_.state;
 }
 
-bool MachineView::MayFollow(std::size_t i) const {
+bool MachineView::MayFollow(ActuatorIndex i) const {
   const auto own = config_.RankOf(Of(i).state());
   const auto machine = config_.RankOf(view_.state);
   return Of(i).checked || (own && machine && *own > *machine);
 }
 
-bool MachineView::NeedsMet(std::size_t i, std::optional<RecordText>& blocker) const {
+bool MachineView::NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
@@ -66,7 +66,7 @@ bool MachineView::NeedsMet(std::size_t i, std::optional<RecordText>& blocker) co
   return met;
 }
 
-RecordId MachineView::CauseOfBlocker(std::size_t i) const {
+RecordId MachineView::CauseOfBlocker(ActuatorIndex i) const {
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
     if (needed.fault) return needed.cause;
@@ -74,14 +74,14 @@ RecordId MachineView::CauseOfBlocker(std::size_t i) const {
   return 0;
 }
 
-std::optional<RecordText> MachineView::WaitsForSuspended(std::size_t i) const {
+std::optional<RecordText> MachineView::WaitsForSuspended(ActuatorIndex i) const {
   for (const std::string& name : ConfigOf(i).after) {
     if (Of(*config_.IndexOf(name)).suspended) return texts::DependencySuspended(name);
   }
   return std::nullopt;
 }
 
-State MachineView::PlaceOf(std::size_t i) const {
+State MachineView::PlaceOf(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   if (!record.suspended) return view_.state;
   const auto own = config_.RankOf(record.state());
@@ -96,7 +96,7 @@ State MachineView::PlaceOf(std::size_t i) const {
 }
 
 bool MachineView::StageIsSetUp(int stage) const {
-  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : view_.actuators.Indices()) {
     if (ConfigOf(i).stage > stage) continue;
     if (view_.finishing && !Of(i).set_up_by) continue;
     if (Of(i).presence != Presence::kPresent && (!Of(i).fault || IsComing(i))) return false;
@@ -106,7 +106,7 @@ bool MachineView::StageIsSetUp(int stage) const {
 
 // Whether each actuator of the stage is in the state of the machine, or will not be.
 bool MachineView::StageIsSettled(int stage) const {
-  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : view_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
     if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
     const bool joined =

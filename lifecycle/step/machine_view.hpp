@@ -14,39 +14,39 @@ class MachineView {
   MachineView(const MachineConfig& config, const Machine& machine)
       : config_(config), view_(machine) {}
 
-  const ActuatorRecord& Of(std::size_t i) const { return view_.actuators[i]; }
-  const ActuatorConfig& ConfigOf(std::size_t i) const { return config_.actuators[i]; }
+  const ActuatorRecord& Of(ActuatorIndex i) const { return view_.actuators[i]; }
+  const ActuatorConfig& ConfigOf(ActuatorIndex i) const { return config_.actuators[i]; }
 
   // Whether it is starting, though it is not present yet.
-  bool IsComing(std::size_t i) const;
-  bool MayRestart(std::size_t i) const;
+  bool IsComing(ActuatorIndex i) const;
+  bool MayRestart(ActuatorIndex i) const;
   // The process that can be signalled: one that we started, or one of this host that publishes as
   // it. 0: none.
-  std::int32_t ProcessOf(std::size_t i) const;
+  std::int32_t ProcessOf(ActuatorIndex i) const;
   // The process that has to exit with the machine: one that this controller or an earlier one has
   // started. Processes started by other parties are not ended. 0: none.
-  std::int32_t OwnProcess(std::size_t i) const;
+  std::int32_t OwnProcess(ActuatorIndex i) const;
   // Whether its process runs on another host: a second one here would run in parallel.
-  bool RunsElsewhere(std::size_t i) const;
+  bool RunsElsewhere(ActuatorIndex i) const;
   // Whether a process of this host other than `pid` publishes as this actuator: another party has
   // started it first, or `pid` was only the program that started it.
-  bool AnotherProcessIsPresent(std::size_t i, std::int32_t pid) const;
+  bool AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const;
 
   // Whether it may be in the state of the machine: it has passed its check, or is present without
   // one, in Error.
-  bool Fits(std::size_t i) const;
+  bool Fits(ActuatorIndex i) const;
   // Whether it may be driven to the state of the machine: down always, up only after its check.
-  bool MayFollow(std::size_t i) const;
+  bool MayFollow(ActuatorIndex i) const;
   // Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
   // than its present state.
-  State PlaceOf(std::size_t i) const;
+  State PlaceOf(ActuatorIndex i) const;
 
   // Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
-  bool NeedsMet(std::size_t i, std::optional<RecordText>& blocker) const;
+  bool NeedsMet(ActuatorIndex i, std::optional<RecordText>& blocker) const;
   // The record of the fault that blocks it; 0: none.
-  RecordId CauseOfBlocker(std::size_t i) const;
+  RecordId CauseOfBlocker(ActuatorIndex i) const;
   // The suspended actuator in its `after` that it waits for, if any.
-  std::optional<RecordText> WaitsForSuspended(std::size_t i) const;
+  std::optional<RecordText> WaitsForSuspended(ActuatorIndex i) const;
 
   // Whether each actuator of the stages so far is present, or will not be.
   bool StageIsSetUp(int stage) const;

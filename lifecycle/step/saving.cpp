@@ -30,7 +30,7 @@ void Saving::Save(Stored what) {
 
 std::vector<RemoteActuator> Saving::RemoteActuators() const {
   std::vector<RemoteActuator> remote;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (Of(i).elsewhere) remote.push_back({ConfigOf(i).name, *Of(i).elsewhere});
   }
   return remote;
@@ -38,7 +38,7 @@ std::vector<RemoteActuator> Saving::RemoteActuators() const {
 
 // Whether it runs on another host, by its last status. A process whose protocol does not name its
 // host may be on another one with profile lan only.
-bool Saving::IsElsewhere(std::size_t i) const {
+bool Saving::IsElsewhere(ActuatorIndex i) const {
   const ActuatorReport& report = Of(i).report;
   if (Of(i).process != 0 || report.incarnation == Of(i).dead || report.state == kTearDown) {
     return false;
@@ -53,7 +53,7 @@ bool Saving::IsElsewhere(std::size_t i) const {
 
 void Saving::NoteHosts() {
   bool changed = false;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     if (record.report.incarnation == 0) continue;  // what an earlier controller has stored counts
     const bool elsewhere = IsElsewhere(i);

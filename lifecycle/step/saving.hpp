@@ -19,7 +19,7 @@ class Saving : StepPart {
 
  private:
   std::vector<RemoteActuator> RemoteActuators() const;
-  bool IsElsewhere(std::size_t i) const;
+  bool IsElsewhere(ActuatorIndex i) const;
 };
 
 }  // namespace musher

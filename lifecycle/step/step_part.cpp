@@ -31,7 +31,7 @@ RecordId StepPart::RecordMachine(std::int32_t code, const RecordText& text, Reco
   return Record(Filled("machine", code, text, cause));
 }
 
-RecordId StepPart::RecordSwitch(std::optional<std::size_t> only, CommandNumber number,
+RecordId StepPart::RecordSwitch(std::optional<ActuatorIndex> only, CommandNumber number,
                                 std::int32_t code, const RecordText& text, RecordId cause) {
   action::Record record = Filled("switch", code, text, cause);
   record.actuator = only;
@@ -59,7 +59,7 @@ RecordId StepPart::RecordEnd(const Switch& s, const SwitchResult& result, Record
   return Record(record);
 }
 
-RecordId StepPart::RecordActuator(std::size_t i, std::int32_t code, const RecordText& text,
+RecordId StepPart::RecordActuator(ActuatorIndex i, std::int32_t code, const RecordText& text,
                                   RecordId cause) {
   action::Record record = Filled("actuator", code, text, cause);
   record.actuator = i;
@@ -67,7 +67,7 @@ RecordId StepPart::RecordActuator(std::size_t i, std::int32_t code, const Record
   return Record(record);
 }
 
-RecordId StepPart::RecordProcess(std::size_t i, std::int32_t code, const RecordText& text,
+RecordId StepPart::RecordProcess(ActuatorIndex i, std::int32_t code, const RecordText& text,
                                  RecordId cause) {
   action::Record record = Filled("process", code, text, cause);
   record.actuator = i;
@@ -79,14 +79,14 @@ RecordId StepPart::RecordPolicy(std::int32_t code, const RecordText& text, Recor
 }
 
 // The same sentence with another event is the same fault.
-void StepPart::Degrade(std::size_t i, std::int32_t code, const RecordText& text, RecordId cause) {
+void StepPart::Degrade(ActuatorIndex i, std::int32_t code, const RecordText& text, RecordId cause) {
   const auto& known = Of(i).fault;
   if (known && known->code == code && known->message == text.message) return;
   Of(i).fault = ActuatorFault{code, text.message, text.event};
   Of(i).cause = RecordActuator(i, code, texts::Degraded(ConfigOf(i).name, text), cause);
 }
 
-void StepPart::FallBack(std::size_t i) {
+void StepPart::FallBack(ActuatorIndex i) {
   const State& on_lost = ConfigOf(i).on_lost;
   if (on_lost.empty() || machine_.phase != Phase::kRunning) return;
   if (!machine_.fallback || *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback)) {

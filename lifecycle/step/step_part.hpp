@@ -34,8 +34,8 @@ class StepPart : protected MachineView {
 
  protected:
   using MachineView::Of;
-  ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }
-  bool Critical(std::size_t i) const { return ConfigOf(i).critical; }
+  ActuatorRecord& Of(ActuatorIndex i) { return machine_.actuators[i]; }
+  bool Critical(ActuatorIndex i) const { return ConfigOf(i).critical; }
 
   void Do(Action action) { actions_.push_back(std::move(action)); }
 
@@ -45,21 +45,21 @@ class StepPart : protected MachineView {
   RecordId Record(action::Record record);
   RecordId RecordMachine(std::int32_t code, const RecordText& text, RecordId cause = 0);
   // `only`: of one actuator instead of the machine; `number` 0: it has not begun.
-  RecordId RecordSwitch(std::optional<std::size_t> only, CommandNumber number, std::int32_t code,
+  RecordId RecordSwitch(std::optional<ActuatorIndex> only, CommandNumber number, std::int32_t code,
                         const RecordText& text, RecordId cause = 0);
   RecordId RecordBegin(const Switch& s, RecordId cause);
   RecordId RecordEnd(const Switch& s, const SwitchResult& result, RecordId cause);
-  RecordId RecordActuator(std::size_t i, std::int32_t code, const RecordText& text,
+  RecordId RecordActuator(ActuatorIndex i, std::int32_t code, const RecordText& text,
                           RecordId cause = 0);
-  RecordId RecordProcess(std::size_t i, std::int32_t code, const RecordText& text,
+  RecordId RecordProcess(ActuatorIndex i, std::int32_t code, const RecordText& text,
                          RecordId cause = 0);
   RecordId RecordPolicy(std::int32_t code, const RecordText& text, RecordId cause = 0);
 
   // Records the fault, once; the record becomes the cause of what follows from the fault.
-  void Degrade(std::size_t i, std::int32_t code, const RecordText& text, RecordId cause = 0);
+  void Degrade(ActuatorIndex i, std::int32_t code, const RecordText& text, RecordId cause = 0);
   // An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no
   // switch is under way. Of several the least active counts.
-  void FallBack(std::size_t i);
+  void FallBack(ActuatorIndex i);
 
   Time policy_now() const { return PolicyNow(config_, machine_.policy, now_); }
 

@@ -19,7 +19,7 @@ int Urgency(const State& target) {
 }  // namespace
 
 void Requests::On(const event::SetStateRequested& requested) {
-  std::optional<std::size_t> only;
+  std::optional<ActuatorIndex> only;
   if (requested.actuator) {
     only = config_.IndexOf(*requested.actuator);
     if (!only) {
@@ -51,7 +51,7 @@ void Requests::On(const event::SetStateRequested& requested) {
 // over, unless it is of one actuator and would leave the others unfinished. Any other is refused.
 // Returns whether the request is handled.
 bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
-                            std::optional<std::size_t> only, RecordId request_record) {
+                            std::optional<ActuatorIndex> only, RecordId request_record) {
   if (!machine_.current) {
     if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
     tear_down_.Join(requested);
@@ -79,7 +79,7 @@ bool Requests::JoinOrRefuse(const event::SetStateRequested& requested,
 // As with a switch under way: the same request joins the waiting one, a more urgent one goes on to
 // take over, any other is refused. Returns whether the request is handled.
 bool Requests::JoinWaiting(const event::SetStateRequested& requested,
-                           std::optional<std::size_t> only, RecordId request_record) {
+                           std::optional<ActuatorIndex> only, RecordId request_record) {
   if (!machine_.waiting) return false;
   WaitingSwitch& waiting = *machine_.waiting;
   if (waiting.target == requested.target && waiting.only == only) {

@@ -23,9 +23,9 @@ class Requests : StepPart {
   bool BeginWaiting();
 
  private:
-  bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+  bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                     RecordId request_record);
-  bool JoinWaiting(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+  bool JoinWaiting(const event::SetStateRequested& requested, std::optional<ActuatorIndex> only,
                    RecordId request_record);
   void Await(const Plan& plan, RequestId request, RecordId request_record);
 

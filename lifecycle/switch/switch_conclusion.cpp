@@ -76,7 +76,7 @@ std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
     results.push_back(std::move(result));
   }
   for (const ActuatorResult& other : s.others) {
-    const std::size_t i = *config_.IndexOf(other.name);
+    const ActuatorIndex i = *config_.IndexOf(other.name);
     results.push_back(other);
     results.back().state = Of(i).state();
     CorrectIfAway(s, i, results.back());
@@ -88,7 +88,8 @@ std::vector<ActuatorResult> SwitchConclusion::Results(const Switch& s) const {
 }
 
 // An actuator whose part was done, or that was in the target before, may have left it since.
-void SwitchConclusion::CorrectIfAway(const Switch& s, std::size_t i, ActuatorResult& result) const {
+void SwitchConclusion::CorrectIfAway(const Switch& s, ActuatorIndex i,
+                                     ActuatorResult& result) const {
   if (result.outcome != ActuatorOutcome::kDone || s.rolling_back) return;
   const auto away = WhyAway(s, i);
   if (!away) return;
@@ -117,15 +118,15 @@ const Leg* SwitchConclusion::FirstPartial(const Switch& s) {
 }
 
 // The reason why it is not in the target of the switch; nullopt: it is, or was not expected.
-std::optional<Error> SwitchConclusion::WhyAway(const Switch& s, std::size_t i) const {
+std::optional<Error> SwitchConclusion::WhyAway(const Switch& s, ActuatorIndex i) const {
   if (IsAway(i, s.target)) return Of(i).fault;
   const std::string left = LeftSince(s, i);
   return left.empty() ? std::nullopt : std::optional(Error{kCodeNetError, left});
 }
 
 // The first actuator that is away; nullopt when all expected ones are in the target.
-std::optional<std::size_t> SwitchConclusion::FirstAway(const Switch& s) const {
-  for (std::size_t i = 0; i < view_.actuators.size(); ++i) {
+std::optional<ActuatorIndex> SwitchConclusion::FirstAway(const Switch& s) const {
+  for (const ActuatorIndex i : view_.actuators.Indices()) {
     if (WhyAway(s, i)) return i;
   }
   return std::nullopt;
@@ -133,7 +134,7 @@ std::optional<std::size_t> SwitchConclusion::FirstAway(const Switch& s) const {
 
 // Whether it is not in the target of a switch of the machine, with a recorded reason. A fault from
 // before the switch says nothing about its state.
-bool SwitchConclusion::IsAway(std::size_t i, const State& target) const {
+bool SwitchConclusion::IsAway(ActuatorIndex i, const State& target) const {
   const ActuatorRecord& record = Of(i);
   if (!record.fault) return false;
   if (record.report.busy()) return true;  // its next state is unknown
@@ -145,7 +146,7 @@ bool SwitchConclusion::IsAway(std::size_t i, const State& target) const {
 // The current place of an actuator whose part of the switch was done, or that was already in the
 // target, and that has left the target while other actuators were still switching: it has exited,
 // and may have been restarted. Empty: it is in the target, or was not expected.
-std::string SwitchConclusion::LeftSince(const Switch& s, std::size_t i) const {
+std::string SwitchConclusion::LeftSince(const Switch& s, ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   if (record.fault || record.held || record.suspended || s.target == kTearDown) return {};
   const bool had_done = std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {

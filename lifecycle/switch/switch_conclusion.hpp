@@ -20,12 +20,12 @@ class SwitchConclusion : MachineView {
 
  private:
   std::vector<ActuatorResult> Results(const Switch& s) const;
-  void CorrectIfAway(const Switch& s, std::size_t i, ActuatorResult& result) const;
+  void CorrectIfAway(const Switch& s, ActuatorIndex i, ActuatorResult& result) const;
   static const Leg* FirstPartial(const Switch& s);
-  std::optional<Error> WhyAway(const Switch& s, std::size_t i) const;
-  std::optional<std::size_t> FirstAway(const Switch& s) const;
-  bool IsAway(std::size_t i, const State& target) const;
-  std::string LeftSince(const Switch& s, std::size_t i) const;
+  std::optional<Error> WhyAway(const Switch& s, ActuatorIndex i) const;
+  std::optional<ActuatorIndex> FirstAway(const Switch& s) const;
+  bool IsAway(ActuatorIndex i, const State& target) const;
+  std::string LeftSince(const Switch& s, ActuatorIndex i) const;
 };
 
 }  // namespace musher

@@ -70,7 +70,7 @@ void Switching::Apply(const Switch& s, bool undone) {
   if (undone || check || s.only) return;
   DriveTheRest(s);
   for (const ActuatorResult& other : s.others) {
-    const std::size_t i = *config_.IndexOf(other.name);
+    const ActuatorIndex i = *config_.IndexOf(other.name);
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
     if (was_held && away) FallBack(i);  // from now on its loss counts
@@ -82,7 +82,7 @@ void Switching::Apply(const Switch& s, bool undone) {
 
 // Drives the actuators that were being driven on their own while the switch ran.
 void Switching::DriveTheRest(const Switch& s) {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
                                        [&](const Leg& leg) { return leg.actuator == i; });
@@ -153,7 +153,7 @@ void Switching::Supersede(CommandNumber by, const State& target, RecordId cause)
   machine_.current.reset();
 }
 
-void Switching::Refuse(const State& target, std::optional<std::size_t> only,
+void Switching::Refuse(const State& target, std::optional<ActuatorIndex> only,
                        const std::vector<RequestId>& requests, const State& state, const Error& why,
                        RecordId cause) {
   SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);

@@ -17,7 +17,7 @@ void Explain(Leg& leg, const RecordText& text) {
 }  // namespace
 
 std::string Describe(const MachineConfig& config, const State& target,
-                     std::optional<std::size_t> only) {
+                     std::optional<ActuatorIndex> only) {
   return (only ? "of " + config.actuators[*only].name + " to " : "to ") + target;
 }
 

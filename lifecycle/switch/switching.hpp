@@ -44,7 +44,7 @@ class Switching : StepPart {
   void Supersede(CommandNumber by, const State& target, RecordId cause);
 
   // Refuses a request for a switch that was not begun.
-  void Refuse(const State& target, std::optional<std::size_t> only,
+  void Refuse(const State& target, std::optional<ActuatorIndex> only,
               const std::vector<RequestId>& requests, const State& state, const Error& why,
               RecordId cause);
   // Ends a waiting switch without beginning it: nothing was sent for it.
@@ -80,6 +80,6 @@ SwitchResult Refusal(const State& target, const std::string& actuator, const Sta
                      const Error& why);
 // "to Active", "of eyes to Active".
 std::string Describe(const MachineConfig& config, const State& target,
-                     std::optional<std::size_t> only);
+                     std::optional<ActuatorIndex> only);
 
 }  // namespace musher

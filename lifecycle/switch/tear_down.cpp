@@ -32,7 +32,7 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
     machine_.stopping->intent_by = now_ + std::min(kIntentTime, budget / 10);
     saving_.Save(Stored::kStopIntent);
   }
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     record.take_control_again.reset();
     record.restart_at.reset();
@@ -102,7 +102,7 @@ void TearDown::Advance() {
 
 // The budget is used up while an actuator has not answered TearDown.
 void TearDown::EndUnfinished() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (Of(i).command)
       commands_.End(i, {ActuatorOutcome::kLost, kCodeTimeout, texts::NoAnswerWithinBudget(), true});
   }
@@ -118,7 +118,7 @@ void TearDown::EndUnfinished() {
 // controller was still ending, or starting, when another one, `successor`, took over.
 SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::string>& successor) {
   ListSurvivors();
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0 && !Of(i).launching) continue;
     Degrade(i, code, texts::ProcessLeftBehind(pid, successor), Of(i).cause);
@@ -129,7 +129,7 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
       std::find_if(machine_.actuators.begin(), machine_.actuators.end(),
                    [](const ActuatorRecord& record) { return record.fault.has_value(); });
   if (result.outcome != SwitchOutcome::kDone || left == machine_.actuators.end()) return result;
-  const auto i = static_cast<std::size_t>(left - machine_.actuators.begin());
+  const ActuatorIndex i(static_cast<std::size_t>(left - machine_.actuators.begin()));
   result.outcome = SwitchOutcome::kDoneDegraded;
   result.code = left->fault->code;
   result.reason = ConfigOf(i).name + ": " + left->fault->message;
@@ -137,14 +137,14 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
 }
 
 void TearDown::ListSurvivors() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (const auto why = WhyMayRun(i)) Degrade(i, kCodeNetError, *why, Of(i).cause);
   }
 }
 
 // Why an actuator that TearDown does not reach may still run; none: it has exited, or is reached,
 // or its process is ended with the machine.
-std::optional<RecordText> TearDown::WhyMayRun(std::size_t i) const {
+std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   // Found by its name when this controller started, and no status has arrived from it yet.
@@ -164,7 +164,7 @@ std::optional<RecordText> TearDown::WhyMayRun(std::size_t i) const {
 }
 
 bool TearDown::ProcessesLeft() const {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     if (OwnProcess(i) != 0 || Of(i).launching) return true;
   }
   return false;
@@ -188,7 +188,7 @@ void TearDown::On(const event::ProcessesFound& found) {
   if (machine_.phase != Phase::kStopping) return;
   Stopping& stopping = *machine_.stopping;
   stopping.look = Stopping::Look::kDone;
-  for (std::size_t i = 0; i < found.processes.size(); ++i) {
+  for (const ActuatorIndex i : found.processes.Indices()) {
     const std::int32_t pid = found.processes[i];
     if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0) continue;
     Of(i).process = pid;
@@ -199,7 +199,7 @@ void TearDown::On(const event::ProcessesFound& found) {
 }
 
 void TearDown::SignalProcesses(bool kill) {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+  for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0) continue;
     RecordProcess(i, kCodeTimeout, texts::ProcessSignalled(ConfigOf(i).name, pid, kill));

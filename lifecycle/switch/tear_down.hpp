@@ -49,7 +49,7 @@ class TearDown : StepPart {
 
  private:
   void ListSurvivors();
-  std::optional<RecordText> WhyMayRun(std::size_t i) const;
+  std::optional<RecordText> WhyMayRun(ActuatorIndex i) const;
   bool ProcessesLeft() const;
   bool HasSearched();
   void SignalProcesses(bool kill);

@@ -66,7 +66,7 @@ class Test {
     std::unique_ptr<PyActuator> probe = Make(none);
     CallbackHarness harness(*probe);
     const MachineConfig config = ReadConfig(*probe, harness);
-    const std::size_t index = *config.IndexOf(probe->name());
+    const ActuatorIndex index = *config.IndexOf(probe->name());
     probe.reset();
     simulation::ModuleUnderTest::Setup setup;
     setup.fails_by_itself = options_.fails_by_itself;

@@ -34,8 +34,8 @@ class EmptyHost : public ProcessRunner, public ProcessProbe, public JournalSink 
     return std::vector<pid_t>(actuators.size(), 0);
   }
   std::uint64_t StartTimeOf(pid_t) override { return 1; }
-  void Mark(std::size_t, pid_t, Time) override {}
-  Examination Examine(std::size_t, pid_t, Time) override { return {}; }
+  void Mark(ActuatorIndex, pid_t, Time) override {}
+  Examination Examine(ActuatorIndex, pid_t, Time) override { return {}; }
   void TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)>) override {}
   void Append(JournalItem) noexcept override {}
 

@@ -100,7 +100,7 @@ TEST(TheLogOfRos2, HasWarningsAndErrorsOfTheController) {
   MachineConfig config = testing::MachineOf(2);
   config.name_space = "fleet/dog1";
   config.actuators[1].critical = true;
-  const auto log = [&](const std::string& kind, std::optional<std::size_t> actuator,
+  const auto log = [&](const std::string& kind, std::optional<ActuatorIndex> actuator,
                        std::int32_t code) {
     action::Record record;
     record.kind = kind;
@@ -115,7 +115,7 @@ TEST(TheLogOfRos2, HasWarningsAndErrorsOfTheController) {
   EXPECT_EQ(refused->level, msg::Log::kWarn);
   EXPECT_EQ(refused->name, "fleet.dog1.musher");
   EXPECT_THAT(refused->msg, HasSubstr("it failed"));
-  const auto degraded = log("actuator", 1, kCodeFailed);
+  const auto degraded = log("actuator", ActuatorIndex(1), kCodeFailed);
   ASSERT_TRUE(degraded);
   EXPECT_EQ(degraded->level, msg::Log::kError) << "critical";
   EXPECT_EQ(degraded->name, "fleet.dog1.musher." + config.actuators[1].name);

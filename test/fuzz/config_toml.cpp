@@ -23,7 +23,7 @@ void RequireLocated(const Diagnostic& diagnostic, std::string_view text) {
 
 void RequireConsistent(const MachineConfig& config) {
   Require(!config.actuators.empty(), "a machine has actuators");
-  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+  for (const ActuatorIndex i : config.actuators.Indices()) {
     const ActuatorConfig& actuator = config.actuators[i];
     Require(config.IndexOf(actuator.name) == i, "names of actuators are unique");
     Require(actuator.states.size() == actuator.times.size(), "each state has its time");
@@ -48,7 +48,7 @@ void RequireUsable(const MachineConfig& config) {
     Require(plan.refusal || !plan.steps.empty() || config.actuators.empty(), "a plan has steps");
   }
   const Time now(std::chrono::hours(1));
-  Step(config, machine, event::Begin{false, 0, std::vector<bool>(config.actuators.size()), "here"},
+  Step(config, machine, event::Begin{false, 0, PerActuator<bool>(config.actuators.size()), "here"},
        now);
   const auto deadline = NextDeadline(config, machine);
   Require(!deadline || *deadline > now, "no deadline is in the past");

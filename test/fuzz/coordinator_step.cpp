@@ -51,8 +51,10 @@ class Harness {
 
  private:
   void Next() {
-    const std::size_t i = input_.Below(std::size(kNames));
-    const ActuatorRecord& record = harness_.RecordOf(kNames[i]);
+    const std::size_t which = input_.Below(std::size(kNames));
+    const ActuatorIndex i(which);
+    const std::string name = kNames[which];
+    const ActuatorRecord& record = harness_.RecordOf(name);
     switch (input_.Below(12)) {
       case 0:
       case 1:
@@ -87,21 +89,21 @@ class Harness {
                 (input_.Bool() ? kBeyond : 0),
             "another", input_.Bool()});
       case 9:
-        return harness_.Crash(kNames[i]);
+        return harness_.Crash(name);
       case 10:
-        harness_.Restart(kNames[i]);
+        harness_.Restart(name);
         return;
       default:
-        return RequestSwitch(i);
+        return RequestSwitch(name);
     }
   }
 
-  void RequestSwitch(std::size_t i) {
+  void RequestSwitch(const std::string& name) {
     const char* const targets[] = {"Protected", "DeActive", "LowPower", "SelfCheck", "Error"};
     const State target = targets[input_.Below(std::size(targets))];
     if (const auto rank = BuiltInRank(target)) allowed_ = std::max(allowed_, *rank);
     if (input_.Bool()) {
-      harness_.RequestSwitch(target, kNames[i]);
+      harness_.RequestSwitch(target, name);
     } else {
       harness_.RequestSwitch(target);
     }

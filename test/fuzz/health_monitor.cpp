@@ -17,7 +17,7 @@ class Harness {
   }
 
   void Run() {
-    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    for (const ActuatorIndex i : config_.actuators.Indices()) {
       monitor_.Watch(i, 7, "here", i == 0, now_);
     }
     while (!input_.empty()) Next();
@@ -25,7 +25,7 @@ class Harness {
 
  private:
   void Next() {
-    const std::size_t i = input_.Below(config_.actuators.size());
+    const ActuatorIndex i(input_.Below(config_.actuators.size()));
     const Incarnation incarnation = input_.Bool() ? 7 : input_.Take<std::uint64_t>();
     switch (input_.Below(6)) {
       case 0:

@@ -37,7 +37,7 @@ TEST(ActuatorConfig, HasTheStatesThatItListsWithTheirTimes) {
 
 TEST(MachineConfig, FindsActuatorsByName) {
   const MachineConfig config = TwoActuators();
-  EXPECT_EQ(config.IndexOf("voice"), 1U);
+  EXPECT_EQ(config.IndexOf("voice"), ActuatorIndex(1));
   EXPECT_EQ(config.IndexOf("voices"), std::nullopt);
 }
 

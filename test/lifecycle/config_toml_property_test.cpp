@@ -94,8 +94,8 @@ CapabilityConfig AnyCapability(int number, const MachineConfig& machine) {
   CapabilityConfig capability;
   capability.name = "can_" + std::to_string(number);
   capability.description = AnyText();
-  capability.actuators = {machine.actuators.front().name};
-  for (const State& state : machine.actuators.front().states) {
+  capability.actuators = {machine.actuators[0].name};
+  for (const State& state : machine.actuators[0].states) {
     if (state != kSetUp && AnyBool()) capability.states.push_back(state);
   }
   if (capability.states.empty()) capability.states = {State(kTearDown)};

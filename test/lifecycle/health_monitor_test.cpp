@@ -21,7 +21,7 @@ class Monitor : public ::testing::Test {
  protected:
   Monitor() : config_(MachineOf(3)), monitor_(config_), now_(std::chrono::hours(1)) {}
 
-  void Watch(std::size_t i, bool local, const std::string& host = "here") {
+  void Watch(ActuatorIndex i, bool local, const std::string& host = "here") {
     monitor_.Watch(i, kFirst, host, local, now_);
     local_[i] = local;
     heartbeats_[i] = true;
@@ -48,7 +48,7 @@ class Monitor : public ::testing::Test {
     now_ = end;
   }
   void BeatAll() {
-    for (std::size_t i = 0; i < 3; ++i) {
+    for (const ActuatorIndex i : config_.actuators.Indices()) {
       if (heartbeats_[i]) Take(monitor_.OnSample(i, kFirst, heartbeat_[i], now_));
     }
     next_heartbeat_ = now_ + kHeartbeat;
@@ -70,19 +70,19 @@ class Monitor : public ::testing::Test {
       }
     }
   }
-  static std::string Name(std::size_t i) { return std::string(1, static_cast<char>('a' + i)); }
+  static std::string Name(ActuatorIndex i) {
+    return std::string(1, static_cast<char>('a' + i.value()));
+  }
   std::vector<std::string> Found() { return std::exchange(found_, {}); }
 
   MachineConfig config_;
   HealthMonitor monitor_;
   Time now_;
   Time next_heartbeat_ = Time::min();
-  bool heartbeats_[3] = {};
-  Heartbeat heartbeat_[3] = {{kHeartbeat, Health::kWell, "", {}, {}},
-                             {kHeartbeat, Health::kWell, "", {}, {}},
-                             {kHeartbeat, Health::kWell, "", {}, {}}};
-  bool answers_[3] = {};
-  bool local_[3] = {};
+  PerActuator<bool> heartbeats_ = PerActuator<bool>(3);
+  PerActuator<Heartbeat> heartbeat_{3, {kHeartbeat, Health::kWell, "", {}, {}}};
+  PerActuator<bool> answers_ = PerActuator<bool>(3);
+  PerActuator<bool> local_ = PerActuator<bool>(3);
   Examination kernel_;
   std::vector<std::string> found_;
   std::string how_;

@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <tuple>
 #include <type_traits>
+#include <vector>
+
+#include "musher/lifecycle/per_actuator.hpp"
 
 namespace musher::ids_test {
 
@@ -34,12 +38,55 @@ constexpr bool kTakesCommand = std::is_invocable_v<void (*)(Epoch, CommandNumber
 static_assert(kTakesCommand<Epoch, CommandNumber> && !kTakesCommand<CommandNumber, Epoch>,
               "swapped arguments do not compile");
 
+static_assert(!std::is_convertible_v<std::size_t, ActuatorIndex>, "a count is no index");
+static_assert(kIsNoNumber<ActuatorIndex> && !std::is_convertible_v<ActuatorIndex, int>);
+static_assert(Conversions(static_cast<std::tuple<Epoch, ActuatorIndex, StopId>*>(nullptr)) == 3,
+              "an index is no number of another kind");
+
+template <typename Values, typename Index>
+concept IsIndexedBy = requires(Values& values, Index index) {
+  values[index];
+};
+static_assert(IsIndexedBy<PerActuator<int>, ActuatorIndex>);
+static_assert(!IsIndexedBy<PerActuator<int>, std::size_t> &&
+              !IsIndexedBy<const PerActuator<int>, std::size_t>);
+static_assert(!IsIndexedBy<std::vector<int>, ActuatorIndex>);
+
 TEST(StrongNumber, CountsAndComparesAsItsValue) {
   Epoch epoch = 6;
   EXPECT_EQ(++epoch, Epoch(7));
   EXPECT_EQ((epoch + 3).value(), 10U);
   EXPECT_LT(epoch - 1, epoch);
   EXPECT_EQ(ToString(epoch), "7");
+}
+
+TEST(ActuatorIndex, ComparesAsItsValue) {
+  ActuatorIndex index = 2;
+  EXPECT_EQ(++index, ActuatorIndex(3));
+  EXPECT_LT(ActuatorIndex(), index);
+  EXPECT_EQ(index.value(), 3U);
+  EXPECT_EQ(ToString(index), "3");
+}
+
+TEST(PerActuator, HasOneValueForEachIndex) {
+  PerActuator<int> values = {5, 6};
+  values.push_back(7);
+  values[1] = 8;
+  std::vector<int> found;
+  for (const ActuatorIndex i : values.Indices()) found.push_back(values[i]);
+  EXPECT_EQ(found, std::vector<int>({5, 8, 7}));
+  EXPECT_EQ(std::vector<int>(values.begin(), values.end()), found);
+  EXPECT_TRUE(values.Has(2));
+  EXPECT_FALSE(values.Has(3));
+  EXPECT_FALSE(PerActuator<int>().Has(0));
+}
+
+TEST(PerActuator, HoldsTruthValues) {
+  PerActuator<bool> running(2, false);
+  running[1] = true;
+  EXPECT_EQ(running, PerActuator<bool>({false, true}));
+  running.resize(3);
+  EXPECT_FALSE(running[2]);
 }
 
 }  // namespace musher::ids_test

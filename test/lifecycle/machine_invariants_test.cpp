@@ -41,7 +41,7 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
     damage();
     return Broken();
   };
-  EXPECT_THAT(broken_by([&] { machine_.actuators.pop_back(); }), HasSubstr("1 actuator,"));
+  EXPECT_THAT(broken_by([&] { machine_.actuators.resize(1); }), HasSubstr("1 actuator,"));
   EXPECT_THAT(broken_by([&] { first().termination = Termination{}; }), HasSubstr("no pid"));
   EXPECT_THAT(broken_by([&] { first().restart_at = Time{}; }), HasSubstr("started again"));
   EXPECT_THAT(broken_by([&] {

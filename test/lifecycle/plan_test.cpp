@@ -31,7 +31,7 @@ class Plans : public ::testing::Test {
   }
 
   Plan To(std::string_view target) const { return MakePlan(config_, machine_, State(target)); }
-  Plan Of(std::size_t i, std::string_view target) const {
+  Plan Of(ActuatorIndex i, std::string_view target) const {
     return MakePlan(config_, machine_, State(target), i);
   }
   // A state of the same rank as `like`, which leads to it.
@@ -70,10 +70,11 @@ TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenActuatorOnceAlsoInADiamond) {
   config_.actuators[0].after = {"b", "c"};
   config_.actuators[1].after = {"d"};
   config_.actuators[2].after = {"d"};
-  for (const std::size_t there : {1, 2}) machine_.actuators[there].report.state = State(kActive);
+  for (const ActuatorIndex there : {ActuatorIndex(1), ActuatorIndex(2)})
+    machine_.actuators[there].report.state = State(kActive);
   const Plan plan = To(kActive);
   EXPECT_EQ(plan.steps[1].part, Part::kInTarget);
-  EXPECT_THAT(plan.steps[0].needs, ElementsAre(3U));
+  EXPECT_THAT(plan.steps[0].needs, ElementsAre(ActuatorIndex(3)));
   EXPECT_EQ(plan.steps[0].wave, 2);
   EXPECT_THAT(plan.steps[3].needs, IsEmpty());
   EXPECT_EQ(plan.steps[3].wave, 1);
@@ -177,7 +178,7 @@ TEST_F(Plans, OfATearDownOutOfAStartGoDownInTheReverseOrder) {
   PutAllIn(kSetUp);
   const Plan plan = To(kTearDown);
   EXPECT_EQ(plan.direction, Direction::kDown);
-  EXPECT_THAT(plan.steps[1].needs, ElementsAre(0U));
+  EXPECT_THAT(plan.steps[1].needs, ElementsAre(ActuatorIndex(0)));
 }
 
 TEST_F(Plans, ToAStateOfTheSameRankGoNeitherUpNorDown) {
@@ -186,7 +187,7 @@ TEST_F(Plans, ToAStateOfTheSameRankGoNeitherUpNorDown) {
   const Plan plan = To("Sitting");
   EXPECT_EQ(CodeOf(plan), kCodeOk);
   EXPECT_EQ(plan.direction, Direction::kLevel);
-  EXPECT_THAT(plan.steps[0].needs, ElementsAre(1U));
+  EXPECT_THAT(plan.steps[0].needs, ElementsAre(ActuatorIndex(1)));
 }
 
 // That actuator refuses itself; the others become less active.
@@ -240,7 +241,7 @@ TEST_F(Plans, CountATornDownActuatorAsInTheTargetOfATearDownOnly) {
 TEST_F(Plans, OfTheCheckOfAStartIncludeADegradedActuatorUnlessItIsAnUnconfiguredNode) {
   machine_.phase = Phase::kStarting;
   PutAllIn(kSetUp);
-  for (const std::size_t i : {0, 1})
+  for (const ActuatorIndex i : {ActuatorIndex(0), ActuatorIndex(1)})
     machine_.actuators[i].fault = ActuatorFault{kCodeFailed, "it hung"};
   config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
   machine_.actuators[1].report.state = config_.default_state;
@@ -253,7 +254,8 @@ TEST_F(Plans, IncludeAnUncheckedActuatorThatLeavesErrorOnlyWhereTheyLeadBackToEr
   machine_.actuators[0].checked = machine_.actuators[1].checked = false;
   machine_.actuators[0].report.state = State(kError);
   machine_.actuators[1].report.state = State(kSelfCheck);
-  for (const std::size_t i : {0, 1}) machine_.actuators[i].report.target = State(kLowPower);
+  for (const ActuatorIndex i : {ActuatorIndex(0), ActuatorIndex(1)})
+    machine_.actuators[i].report.target = State(kLowPower);
   EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
   EXPECT_EQ(To(kError).steps[1].part, Part::kLeftOut);
   EXPECT_EQ(To(kLowPower).steps[0].part, Part::kLeftOut);

@@ -113,7 +113,7 @@ TEST_F(AMixedRobot, NoticesTheEndOfAProcessAtOnceAndDrivesTheNextOne) {
   BringUp();
   for (const char* name : {"b", "c"}) {
     robot_.CrashActuator(name);
-    const std::size_t i = *robot_.config().IndexOf(name);
+    const ActuatorIndex i = *robot_.config().IndexOf(name);
     ASSERT_TRUE(
         robot_.RunUntil([&] { return robot_.machine().actuators[i].presence == Presence::kLost; },
                         Milliseconds(100)));

@@ -30,7 +30,7 @@ class Listing {
       if (world_.stop_seen_due) Free(ChoiceKind::kSeeStop);
       return std::move(choices_);
     }
-    for (std::size_t i = 0; i < kActuators; ++i) ListActuator(i);
+    for (const ActuatorIndex i : kIndices) ListActuator(i);
     if (world_.stop_seen_due && Leads()) Free(ChoiceKind::kSeeStop);
     ListTime();
     if (world_.faults_left > 0 && Leads()) {
@@ -45,19 +45,21 @@ class Listing {
  private:
   bool Leads() const { return world_.machine.phase != Phase::kStopped; }
 
-  void Free(ChoiceKind kind, std::size_t i = 0, std::size_t index = 0) {
-    choices_.push_back({kind, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(index), 0});
+  void Free(ChoiceKind kind, ActuatorIndex i = 0, std::size_t index = 0) {
+    choices_.push_back(
+        {kind, static_cast<std::uint8_t>(i.value()), static_cast<std::uint8_t>(index), 0});
   }
-  void Fault(ChoiceKind kind, std::size_t i = 0) {
-    if (world_.faults_left > 0) choices_.push_back({kind, static_cast<std::uint8_t>(i), 0, 1});
+  void Fault(ChoiceKind kind, ActuatorIndex i = 0) {
+    if (world_.faults_left > 0)
+      choices_.push_back({kind, static_cast<std::uint8_t>(i.value()), 0, 1});
   }
 
   void ListStop() {
     if (world_.stopped || !Leads()) return;
     Fault(ChoiceKind::kEngageStop);
-    for (std::size_t i = 0; i < kActuators && world_.faults_left > 1; ++i) {
-      if (!world_.actuators[i].alive) continue;
-      choices_.push_back({ChoiceKind::kEngageStopLate, static_cast<std::uint8_t>(i), 0, 2});
+    for (const ActuatorIndex i : kIndices) {
+      if (world_.faults_left <= 1 || !world_.actuators[i].alive) continue;
+      choices_.push_back({ChoiceKind::kEngageStopLate, static_cast<std::uint8_t>(i.value()), 0, 2});
     }
   }
 
@@ -81,7 +83,7 @@ class Listing {
     if (actuator.core.controller != first.sender) Fault(ChoiceKind::kUnannounced, first.to);
   }
 
-  void ListActuator(std::size_t i) {
+  void ListActuator(ActuatorIndex i) {
     const SimActuator& actuator = world_.actuators[i];
     if (actuator.end) Free(ChoiceKind::kEnd, i);
     for (std::size_t k = 0; k < actuator.late.size(); ++k) Free(ChoiceKind::kLate, i, k);
@@ -138,9 +140,9 @@ std::vector<Choice> Choices(const Model& model, const World& world) {
 bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
   return std::all_of(choices.begin(), choices.end(), [&](const Choice& choice) {
     const bool overdue =
-        world.actuators[choice.actuator].work == Work::kOverdue &&
+        world.actuators[choice.which()].work == Work::kOverdue &&
         (choice.kind == ChoiceKind::kEndOk || choice.kind == ChoiceKind::kEndOnRequest);
-    const auto& late = world.actuators[choice.actuator].late;
+    const auto& late = world.actuators[choice.which()].late;
     // A latched status is repeated until it has arrived.
     const bool lost = choice.kind == ChoiceKind::kLate &&
                       (std::holds_alternative<Message>(late[choice.index]) ||

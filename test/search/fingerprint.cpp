@@ -133,14 +133,14 @@ void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
-void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, std::size_t i) {
+void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, ActuatorIndex i) {
   const auto found =
       std::find_if(legs.begin(), legs.end(), [i](const Leg& leg) { return leg.actuator == i; });
   mixer.Add(found == legs.end());
   if (found != legs.end()) mixer.Add(*found);
 }
 
-Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
+Fingerprint OfActuator(const Model& model, const World& world, ActuatorIndex i) {
   Mixer mixer(world.now);
   const Machine& machine = world.machine;
   const ActuatorRecord& record = machine.actuators[i];
@@ -177,9 +177,10 @@ Identity IdentityOf(const Model& model, const World& w) {
   const Machine& m = w.machine;
   unsigned twins = 0;
   std::vector<Fingerprint> actuators;
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     const Fingerprint own = OfActuator(model, w, i);
-    if (std::find(actuators.begin(), actuators.end(), own) != actuators.end()) twins |= 1U << i;
+    if (std::find(actuators.begin(), actuators.end(), own) != actuators.end())
+      twins |= 1U << i.value();
     actuators.push_back(own);
   }
   std::sort(actuators.begin(), actuators.end());

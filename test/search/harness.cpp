@@ -32,7 +32,7 @@ void Harness::Log(const std::string& sentence) {
   if (notes_.log) notes_.scenario.push_back(sentence);
 }
 
-ActuatorReport Harness::Report(std::size_t i) {
+ActuatorReport Harness::Report(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
   ActuatorReport report = actuator.core.report;
   report.stamp = world_.now + Duration(++actuator.reports);
@@ -67,7 +67,7 @@ void Harness::RequestSwitch(const State& target) {
 }
 
 void Harness::BeginController(bool by_hand) {
-  std::vector<bool> running;
+  PerActuator<bool> running;
   for (const SimActuator& actuator : world_.actuators) running.push_back(actuator.alive);
   Feed(event::Begin{by_hand, world_.epoch_on_disk, running, "here", world_.stops_on_disk});
 }
@@ -89,19 +89,19 @@ void Harness::RestartController() {
   BeginController(false);
 }
 
-void Harness::FeedReply(std::size_t i) {
+void Harness::FeedReply(ActuatorIndex i) {
   auto& replies = world_.actuators[i].replies;
   const event::Replied reply = std::move(replies.front());
   replies.erase(replies.begin());
   Feed(reply);
 }
 
-void Harness::FeedStatus(std::size_t i) {
+void Harness::FeedStatus(ActuatorIndex i) {
   world_.actuators[i].status_due = false;
   Feed(event::StatusSeen{i, Report(i)});
 }
 
-void Harness::FeedEnd(std::size_t i) {
+void Harness::FeedEnd(ActuatorIndex i) {
   const bool clean = *std::exchange(world_.actuators[i].end, std::nullopt);
   const std::int32_t pid = world_.actuators[i].core.report.pid;
   const std::string how = clean ? "exit code 0" : "killed";
@@ -111,7 +111,7 @@ void Harness::FeedEnd(std::size_t i) {
   Feed(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
 }
 
-void Harness::StartActuator(std::size_t i) {
+void Harness::StartActuator(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
   SimActuator next;
   next.late = std::move(actuator.late);
@@ -146,7 +146,7 @@ void Harness::Deliver(const Message& message, bool held_back, bool introduced) {
 
 // The end of a callback switches the output on, towards a state that is as active or more, or off;
 // a self-check switches nothing.
-void Harness::EndCallback(std::size_t i, std::int32_t code, const std::string& text) {
+void Harness::EndCallback(ActuatorIndex i, std::int32_t code, const std::string& text) {
   SimActuator& actuator = world_.actuators[i];
   actuator.work = Work::kNone;
   const ActuatorReport& report = actuator.core.report;
@@ -158,32 +158,32 @@ void Harness::EndCallback(std::size_t i, std::int32_t code, const std::string& t
   StepActuator(i, actuator_event::CallbackEnded{code, text});
 }
 
-void Harness::ReceiveStop(std::size_t i) {
+void Harness::ReceiveStop(ActuatorIndex i) {
   StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, true, 0});
 }
 
-void Harness::Crash(std::size_t i) {
+void Harness::Crash(ActuatorIndex i) {
   SimActuator& actuator = world_.actuators[i];
   actuator.status_due = false;
   EndProcess(i, false);
   FeedEnd(i);
 }
 
-void Harness::EndProcess(std::size_t i, bool clean) {
+void Harness::EndProcess(ActuatorIndex i, bool clean) {
   SimActuator& actuator = world_.actuators[i];
   actuator.alive = actuator.visible = false;
   actuator.work = Work::kNone;
   actuator.end = clean;
 }
 
-void Harness::EngageStop(std::optional<std::size_t> except) {
+void Harness::EngageStop(std::optional<ActuatorIndex> except) {
   world_.stopped = world_.stop_seen_due = true;
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     if (i != except) ReceiveStop(i);
   }
 }
 
-void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_back) {
+void Harness::StepActuator(ActuatorIndex i, const ActuatorEvent& event, bool held_back) {
   SimActuator& actuator = world_.actuators[i];
   if (!actuator.alive) return;
   // Of the command that this event may begin.
@@ -214,7 +214,7 @@ void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_
   CheckStopped(model_, world_, i, before, notes_);
 }
 
-void Harness::Apply(std::size_t i, const ActuatorAction& action) {
+void Harness::Apply(ActuatorIndex i, const ActuatorAction& action) {
   SimActuator& actuator = world_.actuators[i];
   if (std::holds_alternative<actuator_action::RunEmergencyStop>(action)) actuator.energised = false;
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
@@ -236,7 +236,7 @@ void Harness::Apply(std::size_t i, const ActuatorAction& action) {
   }
 }
 
-void Harness::Send(std::size_t i, std::variant<SwitchCommand, QueryCommand> what) {
+void Harness::Send(ActuatorIndex i, std::variant<SwitchCommand, QueryCommand> what) {
   world_.outbox.push_back({i, Controller(), world_.machine.epoch, std::move(what)});
 }
 
@@ -270,10 +270,11 @@ void Harness::Apply(const Action& action) {
     Log("  request " + ToString(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* publish = std::get_if<action::PublishEmergencyStop>(&action)) {
-    for (std::size_t i = 0; i < kActuators && !publish->engaged; ++i) {
-      StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, Controller()});
-    }
-    for (std::size_t i = 0; i < kActuators && publish->engaged; ++i) {
+    for (const ActuatorIndex i : kIndices) {
+      if (!publish->engaged) {
+        StepActuator(i, actuator_event::EmergencyStopReceived{kStopId, false, Controller()});
+        continue;
+      }
       // An actuator that receives the stop late receives all of it late.
       const auto& late = w.actuators[i].late;
       const bool later = std::any_of(late.begin(), late.end(), [](const Late& l) {

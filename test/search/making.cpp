@@ -60,7 +60,7 @@ void Tidy(Harness& harness) {
     for (const Message& message : std::exchange(world.outbox, {})) harness.Deliver(message, false);
   }
   const bool stopped = world.machine.phase == Phase::kStopped;
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     SimActuator& actuator = world.actuators[i];
     const ActuatorRecord& record = world.machine.actuators[i];
     const ActuatorReport& report = actuator.core.report;
@@ -80,7 +80,7 @@ void Tidy(Harness& harness) {
 class Making {
  public:
   Making(Harness& harness, const Choice& choice)
-      : harness_(harness), world_(harness.world()), choice_(choice), i_(choice.actuator) {}
+      : harness_(harness), world_(harness.world()), choice_(choice), i_(choice.which()) {}
 
   void Make() {
     world_.faults_left -= choice_.cost;
@@ -157,7 +157,7 @@ class Making {
     const Time next = *NextDeadline(harness_.config(), world_.machine);
     harness_.Log(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
     world_.now = std::max(world_.now, next);
-    for (std::size_t k = 0; k < kActuators; ++k) {
+    for (const ActuatorIndex k : kIndices) {
       if (world_.actuators[k].work != Work::kRunning) continue;
       harness_.Log("FAULT: " + harness_.Name(k) + "'s callback is overdue");
       world_.actuators[k].work = Work::kOverdue;
@@ -291,7 +291,7 @@ class Making {
   Harness& harness_;
   World& world_;
   const Choice& choice_;
-  std::size_t i_;
+  ActuatorIndex i_;
 };
 
 }  // namespace
@@ -304,10 +304,10 @@ void Make(const Model& model, World& world, const Choice& choice, Notes& notes) 
 
 Model::Model(MachineConfig machine, State wanted, Rules decisions)
     : config(std::move(machine)), target(std::move(wanted)), rules(std::move(decisions)) {
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     ActuatorConfig named = config.actuators[i];
     kinds[i] = i;
-    for (std::size_t k = 0; k < i && kinds[i] == i; ++k) {
+    for (ActuatorIndex k; k < i && kinds[i] == i; ++k) {
       named.name = config.actuators[k].name;
       if (named == config.actuators[k]) kinds[i] = k;
     }
@@ -323,7 +323,7 @@ World NewWorld(const Model& model) {
 
 void Begin(const Model& model, World& world, bool by_hand, Notes& notes) {
   Harness harness(model, world, notes);
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     if (model.config.actuators[i].command.empty()) harness.StartActuator(i);
   }
   harness.BeginController(by_hand);

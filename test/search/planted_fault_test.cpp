@@ -96,7 +96,8 @@ TEST_F(PlantedFault, FindsADuplicateReply) {
 // An actuator that stores no numbers begins a command that arrives twice, or after its query.
 TEST_F(PlantedFault, FindsAnOutdatedCommandThatBegins) {
   Rules rules;
-  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
     if (std::holds_alternative<actuator_event::SwitchArrived>(event)) {
       core.report.number = core.report.outcome_number = 0;
     }
@@ -110,7 +111,8 @@ TEST_F(PlantedFault, FindsAnOutdatedCommandThatBegins) {
 
 TEST_F(PlantedFault, FindsAnActuatorThatLosesTheEmergencyStop) {
   Rules rules;
-  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
     if (!std::holds_alternative<actuator_event::SwitchArrived>(event)) {
       return Step(config, i, core, event, now);
     }
@@ -129,7 +131,8 @@ TEST_F(PlantedFault, FindsAnActuatorThatLosesTheEmergencyStop) {
 // The callback that was running when the stop arrived counts as if there were no stop.
 TEST_F(PlantedFault, FindsACallbackThatUndoesAnEmergencyStop) {
   Rules rules;
-  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
     core.stopped_meanwhile = false;
     return Step(config, i, core, event, now);
   };
@@ -156,7 +159,8 @@ TEST_F(PlantedFault, FindsASwitchOnTheLevelThatAnEmergencyStopDoesNotEnd) {
 // Whatever is not higher counts as safe during a stop.
 TEST_F(PlantedFault, FindsACallbackOfTheSameRankThatUndoesAnEmergencyStop) {
   Rules rules;
-  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+  rules.actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event,
+                      Time now) {
     MachineConfig lower = config;
     lower.ranks["Dancing"] = *BuiltInRank(kDeActive);
     return Step(lower, i, core, event, now);

@@ -43,7 +43,7 @@ void CheckDone(const Model& model, const World& world, const SwitchResult& resul
   if (result.target != kSelfCheck && world.machine.state != result.target) {
     notes.violations.push_back("done is reported while the machine is in " + world.machine.state);
   }
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     const SimActuator& actuator = world.actuators[i];
     const ActuatorReport& report = actuator.core.report;
     const std::string& name = model.config.actuators[i].name;
@@ -67,7 +67,7 @@ void CheckUndone(const Model& model, const World& world, const SwitchResult& res
   if (result.state != world.machine.state || result.state == result.target) {
     notes.violations.push_back("undone is reported with the machine in " + result.state);
   }
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     const SimActuator& actuator = world.actuators[i];
     const std::string& name = model.config.actuators[i].name;
     if (Listed(result, name) || !actuator.alive) continue;
@@ -81,7 +81,7 @@ void CheckUndone(const Model& model, const World& world, const SwitchResult& res
   }
 }
 
-void CheckPlace(const Model& model, const World& world, std::size_t i, Notes& notes) {
+void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& notes) {
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
   const SimActuator& actuator = world.actuators[i];
@@ -121,13 +121,13 @@ void CheckOrder(const Model& model, const World& world, const action::SendSwitch
   const auto& current = world.machine.current;
   if (!current) return;
   const bool reversed = current->rolling_back || current->direction == Direction::kDown;
-  const auto comes_after = [&](std::size_t one, std::size_t other) {
+  const auto comes_after = [&](ActuatorIndex one, ActuatorIndex other) {
     const auto& after = model.config.actuators[one].after;
     return std::find(after.begin(), after.end(), model.config.actuators[other].name) != after.end();
   };
-  for (std::size_t k = 0; k < kActuators; ++k) {
-    const std::size_t first = reversed ? k : send.actuator;
-    const std::size_t second = reversed ? send.actuator : k;
+  for (const ActuatorIndex k : kIndices) {
+    const ActuatorIndex first = reversed ? k : send.actuator;
+    const ActuatorIndex second = reversed ? send.actuator : k;
     const bool later = comes_after(second, first);
     if (!later && !comes_after(first, second)) continue;
     const SimActuator& other = world.actuators[k];
@@ -198,7 +198,7 @@ bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
   return high && low && *high > *low;
 }
 
-void CheckStopped(const Model& model, const World& world, std::size_t i,
+void CheckStopped(const Model& model, const World& world, ActuatorIndex i,
                   const ActuatorReport& before, Notes& notes) {
   const SimActuator& actuator = world.actuators[i];
   const ActuatorReport& report = actuator.core.report;
@@ -228,7 +228,7 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
                              state + " to " + send.command.target + ", which was not requested");
 }
 
-void CheckBegin(const Model& model, const World& world, std::size_t i, const State& target,
+void CheckBegin(const Model& model, const World& world, ActuatorIndex i, const State& target,
                 Epoch epoch, CommandNumber number, Notes& notes) {
   const SimActuator& actuator = world.actuators[i];
   const ActuatorReport& report = actuator.core.report;
@@ -275,7 +275,8 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
   }
   const bool adopts = world.generation > 0 && before.phase == Phase::kStarting &&
                       !before.starting && machine.phase == Phase::kRunning;
-  for (std::size_t i = 0; i < kActuators && adopts; ++i) {
+  for (const ActuatorIndex i : kIndices) {
+    if (!adopts) break;
     const State& state = world.actuators[i].core.report.state;
     const bool counts = world.actuators[i].alive &&
                         machine.actuators[i].presence == Presence::kPresent &&
@@ -326,7 +327,7 @@ void CheckRest(const Model& model, const World& world, Notes& notes) {
     notes.violations.emplace_back("the TearDown has no end");
   if (world.machine.phase != Phase::kRunning) return;
   CheckDegraded(model, world, notes);
-  for (std::size_t i = 0; i < kActuators; ++i) CheckPlace(model, world, i, notes);
+  for (const ActuatorIndex i : kIndices) CheckPlace(model, world, i, notes);
 }
 
 }  // namespace musher::search

@@ -20,11 +20,11 @@ void CheckCommand(const Model& model, const World& world, const action::SendSwit
                   Notes& notes);
 
 // An actuator begins a callback by command `number` of `epoch` (0: by itself).
-void CheckBegin(const Model& model, const World& world, std::size_t i, const State& target,
+void CheckBegin(const Model& model, const World& world, ActuatorIndex i, const State& target,
                 Epoch epoch, CommandNumber number, Notes& notes);
 
 // After each step of an actuator; `before`: its report before the step.
-void CheckStopped(const Model& model, const World& world, std::size_t i,
+void CheckStopped(const Model& model, const World& world, ActuatorIndex i,
                   const ActuatorReport& before, Notes& notes);
 
 // Whether `to` is more active than `from`; false unless both have a rank.

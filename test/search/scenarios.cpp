@@ -14,9 +14,9 @@ using testing::MachineOf;
 // Actuators that are overdue one after the other.
 MachineConfig Staggered() {
   MachineConfig config = MachineOf(kActuators);
-  for (std::size_t i = 0; i < kActuators; ++i) {
+  for (const ActuatorIndex i : kIndices) {
     auto& times = config.actuators[i].times;
-    times.assign(times.size(), Milliseconds(100 + 10 * static_cast<int>(i)));
+    times.assign(times.size(), Milliseconds(100 + 10 * static_cast<int>(i.value())));
   }
   return config;
 }

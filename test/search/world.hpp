@@ -41,14 +41,31 @@
 
 #include "musher/lifecycle/actuator/actuator_core.hpp"
 #include "musher/lifecycle/coordinator/coordinator.hpp"
+#include "musher/lifecycle/per_actuator.hpp"
 
 namespace musher::search {
 
 inline constexpr std::size_t kActuators = 3;
+inline constexpr ActuatorIndices kIndices(kActuators);
+
+// PerActuator without an allocation: a World is copied in every step of the search.
+template <typename T>
+class EachActuator {
+ public:
+  T& operator[](ActuatorIndex actuator) { return values_[actuator.value()]; }
+  const T& operator[](ActuatorIndex actuator) const { return values_[actuator.value()]; }
+  auto begin() { return values_.begin(); }
+  auto end() { return values_.end(); }
+  auto begin() const { return values_.begin(); }
+  auto end() const { return values_.end(); }
+
+ private:
+  std::array<T, kActuators> values_{};
+};
 
 // A command or a query, from the controller that sent it.
 struct Message {
-  std::size_t to = 0;
+  ActuatorIndex to = 0;
   Sender sender = 0;
   Epoch epoch = 0;
   std::variant<SwitchCommand, QueryCommand> what;
@@ -97,7 +114,7 @@ struct World {
   int faults = 0;  // that may happen in all
   int faults_left = 0;
   Machine machine;
-  std::array<SimActuator, kActuators> actuators;
+  EachActuator<SimActuator> actuators;
   std::vector<Message> outbox;
   std::vector<Request> requests;  // request n is the (n-1)th
   State from;                     // where the machine was before the first of them
@@ -155,6 +172,8 @@ struct Choice {
   std::uint8_t actuator = 0;
   std::uint8_t index = 0;  // of the delayed message
   std::uint8_t cost = 0;   // in faults
+
+  ActuatorIndex which() const { return ActuatorIndex(std::size_t{actuator}); }
 };
 
 // The decision code that is searched: the real one, unless a test plants a fault in it.
@@ -163,9 +182,9 @@ struct Rules {
       controller = [](const auto& config, auto& machine, const auto& event, Time now) {
         return Step(config, machine, event, now);
       };
-  std::function<std::vector<ActuatorAction>(const MachineConfig&, std::size_t, ActuatorCore&,
+  std::function<std::vector<ActuatorAction>(const MachineConfig&, ActuatorIndex, ActuatorCore&,
                                             const ActuatorEvent&, Time)>
-      actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+      actuator = [](const auto& config, ActuatorIndex i, auto& core, const auto& event, Time now) {
         return Step(config, i, core, event, now);
       };
 };
@@ -176,8 +195,8 @@ struct Model {
   MachineConfig config;
   State target;  // of the first request
   Rules rules;
-  std::array<std::size_t, kActuators> kinds{};  // equal for interchangeable actuators
-  bool releases = false;                        // whether kRelease and kRepeat are choices
+  EachActuator<ActuatorIndex> kinds;  // equal for interchangeable actuators
+  bool releases = false;              // whether kRelease and kRepeat are choices
 };
 
 // The results of one choice.

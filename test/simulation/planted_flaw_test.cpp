@@ -37,7 +37,7 @@ class PlantedFlaw : public ::testing::Test {
   static Layout TwoHosts(std::size_t actuators) {
     Layout layout;
     layout.hosts = {"robot", "dock"};
-    layout.host_of.assign(actuators, 0);
+    layout.host_of = PerActuator<std::size_t>(actuators, 0);
     layout.controllers = {0, 1};
     return layout;
   }

@@ -21,7 +21,7 @@ MachineConfig Robot(int actuators) {
 simulation::Layout TwoHosts(std::size_t actuators) {
   simulation::Layout layout;
   layout.hosts = {"robot", "dock"};
-  layout.host_of.assign(actuators, 0);
+  layout.host_of = PerActuator<std::size_t>(actuators, 0);
   layout.controllers = {0, 1};
   return layout;
 }

@@ -31,7 +31,7 @@ RestartConfig SampleRestart(Random& random) {
 }
 
 ActuatorConfig SampleActuator(const MachineConfig& config, Random& random) {
-  const std::vector<ActuatorConfig>& others = config.actuators;
+  const PerActuator<ActuatorConfig>& others = config.actuators;
   ActuatorConfig actuator;
   actuator.name = "a" + std::to_string(others.size());
   for (const State& state : config.states) {
@@ -42,9 +42,9 @@ ActuatorConfig SampleActuator(const MachineConfig& config, Random& random) {
   }
   if (random.Bernoulli(0.8)) actuator.command = {"run", actuator.name};
   if (!others.empty()) {
-    const ActuatorConfig& other = others[random.Next() % others.size()];
+    const ActuatorConfig& other = others[ActuatorIndex(random.Next() % others.size())];
     if (random.Bernoulli(0.3)) actuator.after = {other.name};
-    if (random.Bernoulli(0.15)) actuator.binds_to = {others.front().name};
+    if (random.Bernoulli(0.15)) actuator.binds_to = {others[0].name};
     actuator.stage = random.Bernoulli(0.2) ? 2 : others.back().stage;
     for (const std::string& before : actuator.after) {
       actuator.stage = std::max(actuator.stage, others[*config.IndexOf(before)].stage);

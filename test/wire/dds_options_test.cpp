@@ -9,7 +9,7 @@ namespace musher::transport::dds_options_test {
 MachineConfig MachineOf(std::size_t processes, std::size_t started_by_others) {
   MachineConfig config;
   config.actuators.resize(processes + started_by_others);
-  for (std::size_t i = 0; i < processes; ++i) config.actuators[i].command = {"motion"};
+  for (ActuatorIndex i; i < ActuatorIndex(processes); ++i) config.actuators[i].command = {"motion"};
   return config;
 }
 
@@ -31,7 +31,7 @@ TEST(DdsOptions, CountOnlyProcessesThatTheControllerStarts) {
 // seconds while the second stage started.
 TEST(DdsOptions, CountTheProcessesOfAllStages) {
   MachineConfig config = MachineOf(100, 0);
-  for (std::size_t i = 50; i < 100; ++i) config.actuators[i].stage = 2;
+  for (ActuatorIndex i = 50; i < 100; ++i) config.actuators[i].stage = 2;
   EXPECT_EQ(TimingOf(config), DiscoveryTiming::kCrowd);
 }
 

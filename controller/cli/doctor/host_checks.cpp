@@ -108,7 +108,7 @@ DoctorCheck CheckRealTime(const DoctorFacts& facts) {
   check.reason = permitted == 0 ? "none permitted" : fmt::format("up to {} permitted", permitted);
   std::uint64_t needed = 0;
   std::string name;
-  const auto actuators = facts.config ? facts.config->actuators : std::vector<ActuatorConfig>();
+  const auto actuators = facts.config ? facts.config->actuators : PerActuator<ActuatorConfig>();
   for (const ActuatorConfig& actuator : actuators) {
     const std::uint64_t priority = RealTimePriority(actuator.command);
     if (priority > needed) name = actuator.name;

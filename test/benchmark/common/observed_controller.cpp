@@ -102,7 +102,7 @@ void ObservedController::Await(const std::string& what,
 
 void ObservedController::AwaitAllThere() {
   Await("all actuators are present", [](const Machine& machine) {
-    for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    for (const ActuatorIndex i : machine.actuators.Indices()) {
       if (!IsThere(machine, i)) return false;
     }
     return true;
@@ -129,14 +129,14 @@ Time MomentOf(std::future<Time>& moment, const std::string& what) {
   return moment.get();
 }
 
-bool IsThere(const Machine& machine, std::size_t actuator) {
+bool IsThere(const Machine& machine, ActuatorIndex actuator) {
   const ActuatorRecord& record = machine.actuators[actuator];
   return machine.phase == Phase::kRunning && !machine.current &&
          record.presence == Presence::kPresent && record.state() == machine.state &&
          record.health == Health::kWell && record.checked && !record.due && !record.command;
 }
 
-ObservedController::Condition IsOnRecord(std::size_t actuator, Health health) {
+ObservedController::Condition IsOnRecord(ActuatorIndex actuator, Health health) {
   return [=](const action::Record& record, const Machine& machine) {
     return record.actuator == actuator && machine.actuators[actuator].health == health;
   };

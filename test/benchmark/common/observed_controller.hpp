@@ -54,9 +54,9 @@ class ObservedController {
 Time MomentOf(std::future<Time>& moment, const std::string& what);
 
 // Whether this actuator follows and is where the machine is, with nothing left to be done.
-bool IsThere(const Machine& machine, std::size_t actuator);
+bool IsThere(const Machine& machine, ActuatorIndex actuator);
 
 // The condition that the health of an actuator is on record as `health`.
-ObservedController::Condition IsOnRecord(std::size_t actuator, Health health);
+ObservedController::Condition IsOnRecord(ActuatorIndex actuator, Health health);
 
 }  // namespace musher::benchmark

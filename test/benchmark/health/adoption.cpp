@@ -15,7 +15,7 @@ constexpr Duration kAfterwards = Milliseconds(500);
 
 std::int64_t Callbacks(const HandStarted& actuators) {
   std::int64_t sum = 0;
-  for (std::size_t i = 0; i < actuators.size(); ++i) sum += actuators.board(i).callbacks;
+  for (const ActuatorIndex i : actuators.Indices()) sum += actuators.board(i).callbacks;
   return sum;
 }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr int kCrashActuators = 4;
 
 // Milliseconds until it is on record.
-double Kill(ObservedController& controller, std::size_t actuator) {
+double Kill(ObservedController& controller, ActuatorIndex actuator) {
   const pid_t pid = controller.Snapshot().actuators[actuator].report.pid;
   auto known = controller.Next(IsOnRecord(actuator, Health::kCrashed));
   const Time killed = std::chrono::steady_clock::now();
@@ -28,8 +28,9 @@ std::vector<double> OfChildren(int rounds) {
   ObservedController controller(fleet.config_file());
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
+    const ActuatorIndex actuator(static_cast<std::size_t>(i % kCrashActuators));
     controller.AwaitAllThere();
-    times.push_back(Kill(controller, i % kCrashActuators));
+    times.push_back(Kill(controller, actuator));
   }
   return times;
 }
@@ -41,9 +42,10 @@ std::vector<double> OfOthers(int rounds) {
   ObservedController controller(fleet.config_file());
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
+    const ActuatorIndex actuator(static_cast<std::size_t>(i % kCrashActuators));
     controller.AwaitAllThere();
-    times.push_back(Kill(controller, i % kCrashActuators));
-    actuators.Start(i % kCrashActuators);
+    times.push_back(Kill(controller, actuator));
+    actuators.Start(actuator);
   }
   return times;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/per_actuator.hpp"
 #include "musher/test/benchmark/common/board.hpp"
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
@@ -19,26 +20,26 @@ class HandStarted {
       boards_.push_back(&OpenBoard(fleet.BoardFile(name)));
     }
     children_.resize(boards_.size());
-    for (std::size_t i = 0; i < boards_.size(); ++i) Start(i);
+    for (const ActuatorIndex i : Indices()) Start(i);
   }
 
   // Once more; the one before is killed if it lives.
-  void Start(std::size_t i) {
+  void Start(ActuatorIndex i) {
     children_[i] = nullptr;
     children_[i] =
-        std::make_unique<Child>(fleet_.Module(fleet_.names()[i], hz_),
+        std::make_unique<Child>(fleet_.Module(fleet_.names()[i.value()], hz_),
                                 Child::Environment{{"MUSHER_CONFIG", fleet_.config_file()}});
   }
 
-  std::size_t size() const { return children_.size(); }
-  pid_t pid(std::size_t i) const { return children_[i]->pid(); }
-  Board& board(std::size_t i) const { return *boards_[i]; }
+  ActuatorIndices Indices() const { return children_.Indices(); }
+  pid_t pid(ActuatorIndex i) const { return children_[i]->pid(); }
+  Board& board(ActuatorIndex i) const { return *boards_[i]; }
 
  private:
   const Fleet& fleet_;
   const int hz_;
-  std::vector<Board*> boards_;
-  std::vector<std::unique_ptr<Child>> children_;
+  PerActuator<Board*> boards_;
+  PerActuator<std::unique_ptr<Child>> children_;
 };
 
 // For actuators that are killed repeatedly: none is given up.

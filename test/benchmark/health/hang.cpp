@@ -15,7 +15,7 @@ constexpr Duration kCheckpoint = Milliseconds(200);
 std::vector<double> Silences(ObservedController& controller, HandStarted& actuators, int rounds) {
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kHangActuators;
+    const ActuatorIndex actuator(static_cast<std::size_t>(i % kHangActuators));
     Board& board = actuators.board(actuator);
     AwaitCheckpoint(board);
     auto known = controller.Next(IsOnRecord(actuator, Health::kHung));
@@ -32,7 +32,7 @@ std::vector<double> Silences(ObservedController& controller, HandStarted& actuat
 std::vector<double> Stops(ObservedController& controller, HandStarted& actuators, int rounds) {
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kHangActuators;
+    const ActuatorIndex actuator(static_cast<std::size_t>(i % kHangActuators));
     auto known = controller.Next(IsOnRecord(actuator, Health::kHung));
     const Time stopped = std::chrono::steady_clock::now();
     kill(actuators.pid(actuator), SIGSTOP);

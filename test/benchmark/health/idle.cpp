@@ -104,7 +104,7 @@ Figures OfMachine(const std::string& keys, int domain, double seconds) {
                          Child::Output::kPiped);
   controller.AwaitOutput();
   std::vector<pid_t> pids;
-  for (std::size_t i = 0; i < actuators.size(); ++i) pids.push_back(actuators.pid(i));
+  for (const ActuatorIndex i : actuators.Indices()) pids.push_back(actuators.pid(i));
   pids.push_back(controller.pid());
   return Measure(pids, seconds);
 }

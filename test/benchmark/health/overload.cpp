@@ -51,7 +51,7 @@ class Losses {
 
   void OnRecord(const action::Record& record, const Machine& machine) {
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < last_.size(); ++i) {
+    for (const ActuatorIndex i : last_.Indices()) {
       const ActuatorRecord& now = machine.actuators[i];
       ActuatorRecord& before = last_[i];
       const int bad = counts_.all();
@@ -72,7 +72,7 @@ class Losses {
  private:
   mutable std::mutex mutex_;
   Counts counts_;
-  std::vector<ActuatorRecord> last_;  // as of the last record
+  PerActuator<ActuatorRecord> last_;  // as of the last record
 };
 
 struct Switches {

@@ -16,7 +16,7 @@ constexpr int kRecoveryHz = 50;
 // What comes back of an actuator whose process is killed or hangs, step by step.
 class Comeback {
  public:
-  Comeback(ObservedController& controller, std::size_t actuator)
+  Comeback(ObservedController& controller, ActuatorIndex actuator)
       : before_(controller.Snapshot().actuators[actuator].report.pid),
         backtrace_(controller.Next([=](const action::Record& record, const Machine&) {
           return record.actuator == actuator && !record.data.empty();
@@ -64,10 +64,10 @@ double Ms(Duration duration) {
   return ToSeconds(duration) * 1000;
 }
 
-Times OfKills(ObservedController& controller, const std::vector<Board*>& boards, int rounds) {
+Times OfKills(ObservedController& controller, const PerActuator<Board*>& boards, int rounds) {
   Times times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kRecoveryActuators;
+    const ActuatorIndex actuator(static_cast<std::size_t>(i % kRecoveryActuators));
     controller.AwaitAllThere();
     Comeback comeback(controller, actuator);
     const Time killed = std::chrono::steady_clock::now();
@@ -86,10 +86,10 @@ Times OfKills(ObservedController& controller, const std::vector<Board*>& boards,
   return times;
 }
 
-Times OfHangs(ObservedController& controller, const std::vector<Board*>& boards, int rounds) {
+Times OfHangs(ObservedController& controller, const PerActuator<Board*>& boards, int rounds) {
   Times times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kRecoveryActuators;
+    const ActuatorIndex actuator(static_cast<std::size_t>(i % kRecoveryActuators));
     Board& board = *boards[actuator];
     controller.AwaitAllThere();
     AwaitCheckpoint(board);
@@ -131,7 +131,7 @@ void Recovery(int rounds) {
                "restart_delay_ms = 0\ncheckpoint_ms = 200\n";
       },
       kRecoveryActuators);
-  std::vector<Board*> boards;
+  PerActuator<Board*> boards;
   for (const std::string& name : fleet.names()) boards.push_back(&OpenBoard(fleet.BoardFile(name)));
   ObservedController controller(fleet.config_file());
   const Table table("Recovery, restart_delay_ms = 0");

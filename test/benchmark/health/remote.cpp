@@ -54,10 +54,10 @@ std::map<std::string, pid_t> FindModules() {
 // Actuators of the fleet on a host of their own, for as long as this object exists.
 class Host {
  public:
-  Host(const Fleet& fleet, const std::vector<std::size_t>& actuators) {
+  Host(const Fleet& fleet, const std::vector<ActuatorIndex>& actuators) {
     std::string script;
-    for (const std::size_t actuator : actuators) {
-      const std::string& name = fleet.names()[actuator];
+    for (const ActuatorIndex actuator : actuators) {
+      const std::string& name = fleet.names()[actuator.value()];
       for (const std::string& word : fleet.Module(name, 0)) script += "'" + word + "' ";
       script += "& ";
       locks_.push_back(NameLock::NameOf(transport::DomainId({}).value(), "", name));
@@ -90,12 +90,12 @@ struct Verdicts {
 void KillAll(ObservedController& controller, const Fleet& fleet, Health expected,
              Verdicts& verdicts) {
   const std::map<std::string, pid_t> pids = FindModules();
-  for (std::size_t i = 0; i < kVictims; ++i) {
+  for (ActuatorIndex i = 0; i < kVictims; ++i) {
     auto known = controller.Next([i](const action::Record& record, const Machine& machine) {
       return record.actuator == i && machine.actuators[i].presence == Presence::kLost;
     });
     const Time killed = std::chrono::steady_clock::now();
-    kill(pids.at(fleet.BoardFile(fleet.names()[i])), SIGKILL);
+    kill(pids.at(fleet.BoardFile(fleet.names()[i.value()])), SIGKILL);
     verdicts.times.push_back(ToSeconds(MomentOf(known, "a remote crash") - killed) * 1000);
     if (controller.Snapshot().actuators[i].health != expected) ++verdicts.wrong;
   }
@@ -117,8 +117,8 @@ void Remote(int rounds) {
   // The last one survives.
   const Fleet fleet([](const Fleet&, const std::string&) { return kUnlimitedRestartKeys; },
                     kVictims + 1, "[transport]\nprofile = \"lan\"\n");
-  std::vector<std::size_t> all;
-  for (std::size_t i = 0; i <= kVictims; ++i) all.push_back(i);
+  std::vector<ActuatorIndex> all;
+  for (ActuatorIndex i = 0; i <= kVictims; ++i) all.push_back(i);
   ObservedController controller(fleet.config_file());
   Verdicts crashed;
   Verdicts partitioned;
@@ -129,8 +129,8 @@ void Remote(int rounds) {
       KillAll(controller, fleet, Health::kCrashed, crashed);
     }
     std::vector<std::unique_ptr<Host>> hosts;
-    for (const std::size_t actuator : all) {
-      hosts.push_back(std::make_unique<Host>(fleet, std::vector<std::size_t>{actuator}));
+    for (const ActuatorIndex actuator : all) {
+      hosts.push_back(std::make_unique<Host>(fleet, std::vector<ActuatorIndex>{actuator}));
     }
     controller.AwaitAllThere();
     KillAll(controller, fleet, Health::kPartitioned, partitioned);

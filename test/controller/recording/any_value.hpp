@@ -46,13 +46,21 @@ inline void MakeAny(State& state) {
 }
 template <Struct T>
 void MakeAny(T& value);
-template <class T>
-void MakeAny(std::vector<T>& items) {
+template <class Items>
+void MakeItems(Items& items) {
   for (int n = *rc::gen::inRange(0, 4); n > 0; --n) {
-    T item{};
+    typename Items::value_type item{};
     MakeAny(item);
     items.push_back(std::move(item));
   }
+}
+template <class T>
+void MakeAny(std::vector<T>& items) {
+  MakeItems(items);
+}
+template <class T>
+void MakeAny(PerActuator<T>& items) {
+  MakeItems(items);
 }
 template <class T>
 void MakeAny(std::optional<T>& value) {

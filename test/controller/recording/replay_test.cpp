@@ -232,13 +232,15 @@ TEST(Replay, RejectsAnInconsistentSnapshot) {
     return [change](Machine& machine) { change(machine.current.emplace()); };
   };
   EXPECT_THAT(NotesWith([](Machine&) {}), ::testing::Not(kRefused));
-  EXPECT_THAT(NotesWith([](Machine& machine) { machine.actuators.pop_back(); }), kRefused);
-  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.only = 3; })), kRefused);
+  EXPECT_THAT(NotesWith([](Machine& m) { m.actuators.resize(m.actuators.size() - 1); }), kRefused);
+  EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.only = ActuatorIndex(3); })), kRefused);
   EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.legs.emplace_back().actuator = 3; })),
               kRefused);
   EXPECT_THAT(NotesWith(with_switch([](Switch& s) { s.back.emplace_back().needs = {3}; })),
               kRefused);
-  EXPECT_THAT(NotesWith([](Machine& machine) { machine.waiting.emplace().only = 3; }), kRefused);
+  EXPECT_THAT(
+      NotesWith([](Machine& machine) { machine.waiting.emplace().only = ActuatorIndex(3); }),
+      kRefused);
   EXPECT_THAT(NotesWith([](Machine& machine) { machine.phase = Phase::kStopping; }), kRefused);
   EXPECT_THAT(NotesWith([](Machine& machine) {
                 machine.current.reset();

@@ -91,8 +91,8 @@ void Harness::Feed(const Event& event) {
 }
 
 void Harness::Begin(bool by_hand, Epoch epoch, bool restarted) {
-  std::vector<bool> running;
-  for (std::size_t i = 0; i < fakes_.size(); ++i) {
+  PerActuator<bool> running;
+  for (const ActuatorIndex i : fakes_.Indices()) {
     if (config_.actuators[i].command.empty() && !fakes_[i].alive) {
       StartActuator(config_.actuators[i].name);
     }
@@ -125,7 +125,7 @@ void Harness::RestartController(bool lost_disk, bool restarted) {
   machine_ = MakeMachine(config_);
   start_up_.reset();
   Begin(false, lost_disk ? 0 : epoch_on_disk_, restarted);
-  for (std::size_t i = 0; i < fakes_.size(); ++i) {
+  for (const ActuatorIndex i : fakes_.Indices()) {
     if (!fakes_[i].alive) continue;
     After(kWire, [this, i] { Feed(event::StatusSeen{i, ReportOf(i)}); });  // the latched status
   }
@@ -164,7 +164,7 @@ void Harness::Exit(const std::string& name, int code, const std::string& words) 
   EndProcess(Index(name), false, "exit code " + std::to_string(code) + ": " + words, code);
 }
 
-void Harness::EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code) {
+void Harness::EndProcess(ActuatorIndex i, bool clean, const std::string& how, int exit_code) {
   FakeActuator& fake = fakes_[i];
   if (!fake.alive) return;
   fake.alive = false;
@@ -177,7 +177,7 @@ void Harness::EndProcess(std::size_t i, bool clean, const std::string& how, int 
 
 // Its last heartbeat was a while ago, or its heartbeat reports that its work thread hangs.
 void Harness::Find(const std::string& name, Health health, bool silent) {
-  const std::size_t i = Index(name);
+  const ActuatorIndex i = Index(name);
   Feed(event::HealthChanged{i, fakes_[i].core.report.incarnation, health, silent,
                             "as the test says"});
 }
@@ -185,14 +185,14 @@ void Harness::Find(const std::string& name, Health health, bool silent) {
 void Harness::StopAll(StopId id, const std::string& by) {
   latched_stops_.insert(id);
   const actuator_event::EmergencyStopReceived stop{id, true, 0};
-  for (std::size_t i = 0; i < fakes_.size(); ++i) After(kWire, [=, this] { StepCore(i, stop); });
+  for (const ActuatorIndex i : fakes_.Indices()) After(kWire, [=, this] { StepCore(i, stop); });
   After(kWire, [this, id, by] { Feed(event::EmergencyStopSeen{{id, by, ""}}); });
 }
 
 void Harness::PublishToActuators(const action::PublishEmergencyStop& stop) {
   if (stop.engaged) latched_stops_.insert(stop.stop.id);
   if (!stop.engaged) latched_stops_.erase(stop.stop.id);
-  for (std::size_t i = 0; i < fakes_.size(); ++i) {
+  for (const ActuatorIndex i : fakes_.Indices()) {
     After(kWire, [=, this, sender = ControllerId()] {
       StepCore(i, actuator_event::EmergencyStopReceived{stop.stop.id, stop.engaged, sender});
     });
@@ -244,7 +244,7 @@ const ActuatorCore& Harness::CoreOf(const std::string& actuator) const {
   return fakes_[Index(actuator)].core;
 }
 
-ActuatorReport Harness::ReportOf(std::size_t i) const {
+ActuatorReport Harness::ReportOf(ActuatorIndex i) const {
   ActuatorReport report = fakes_[i].core.report;
   report.stamp = now_;
   return report;
@@ -252,20 +252,20 @@ ActuatorReport Harness::ReportOf(std::size_t i) const {
 
 std::vector<ActuatorAction> Harness::Inject(const std::string& actuator,
                                             const ActuatorEvent& event) {
-  const std::size_t i = Index(actuator);
+  const ActuatorIndex i = Index(actuator);
   auto actions = Step(config_, i, fakes_[i].core, event, now_);
   for (const ActuatorAction& action : actions) Do(i, action);
   return actions;
 }
 
-void Harness::StepCore(std::size_t i, const ActuatorEvent& event) {
+void Harness::StepCore(ActuatorIndex i, const ActuatorEvent& event) {
   if (!fakes_[i].alive) return;
   for (const ActuatorAction& action : Step(config_, i, fakes_[i].core, event, now_)) {
     Do(i, action);
   }
 }
 
-void Harness::Do(std::size_t i, const ActuatorAction& action) {
+void Harness::Do(ActuatorIndex i, const ActuatorAction& action) {
   FakeActuator& fake = fakes_[i];
   const std::string& name = config_.actuators[i].name;
   const auto end_callback = [this, i](const actuator_event::CallbackEnded& ended) {
@@ -316,7 +316,7 @@ void Harness::Do(std::size_t i, const ActuatorAction& action) {
 }
 
 void Harness::Do(const Action& action) {
-  const auto deliver = [this](std::size_t i, CommandNumber number, bool query, auto make_event) {
+  const auto deliver = [this](ActuatorIndex i, CommandNumber number, bool query, auto make_event) {
     const RequestToken token = next_token_++;
     After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
       FakeActuator& fake = fakes_[i];

@@ -136,21 +136,21 @@ class Harness {
 
   void After(Duration delay, std::function<void()> what);
   bool StepTime(Time limit);
-  void StepCore(std::size_t i, const ActuatorEvent& event);
-  void Do(std::size_t i, const ActuatorAction& action);
+  void StepCore(ActuatorIndex i, const ActuatorEvent& event);
+  void Do(ActuatorIndex i, const ActuatorAction& action);
   void Do(const Action& action);
   void PublishToActuators(const action::PublishEmergencyStop& stop);
   template <class T>
   void Save(Stored what, SaveNumber save, T& stored, T value);
   Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }
-  void EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code = 0);
-  ActuatorReport ReportOf(std::size_t i) const;
-  std::size_t Index(const std::string& name) const { return *config_.IndexOf(name); }
+  void EndProcess(ActuatorIndex i, bool clean, const std::string& how, int exit_code = 0);
+  ActuatorReport ReportOf(ActuatorIndex i) const;
+  ActuatorIndex Index(const std::string& name) const { return *config_.IndexOf(name); }
 
   MachineConfig config_;
   Machine machine_;
   int generation_ = 0;  // of the controller
-  std::vector<FakeActuator> fakes_;
+  PerActuator<FakeActuator> fakes_;
   Time now_{};
   std::multimap<Time, std::function<void()>> later_;
   std::set<StopId> latched_stops_;  // kept by the topic for late subscribers

@@ -33,7 +33,7 @@ class OneController : public ::testing::Test {
   }
   void Begin() {
     machine_ = MakeMachine(config_);
-    Do(event::Begin{false, 0, std::vector<bool>(config_.actuators.size()), "here"});
+    Do(event::Begin{false, 0, PerActuator<bool>(config_.actuators.size()), "here"});
   }
   void Pass(Duration duration) {
     const Time end = now_ + duration;
@@ -46,19 +46,19 @@ class OneController : public ::testing::Test {
   std::optional<Time> Next() const { return NextDeadline(config_, machine_); }
 
   // The report of actuator i: set up, on this host, free.
-  ActuatorReport Report(std::size_t i, const State& state = kSetUp) {
+  ActuatorReport Report(ActuatorIndex i, const State& state = kSetUp) {
     ActuatorReport report;
     report.state = state;
-    report.incarnation = kFirst + i;
-    report.pid = static_cast<std::int32_t>(700 + i);
+    report.incarnation = kFirst + i.value();
+    report.pid = static_cast<std::int32_t>(700 + i.value());
     report.host = "here";
     report.epoch = Of(i).presence == Presence::kPresent ? machine_.epoch : 0;
     report.stamp = now_;
     return report;
   }
-  void Say(std::size_t i, const ActuatorReport& report) { Do(event::StatusSeen{i, report}); }
+  void Say(ActuatorIndex i, const ActuatorReport& report) { Do(event::StatusSeen{i, report}); }
   // It publishes its status and answers TakeControl().
-  void Come(std::size_t i, const State& state = kSetUp) {
+  void Come(ActuatorIndex i, const State& state = kSetUp) {
     Say(i, Report(i, state));
     ActuatorReport report = Report(i, state);
     report.epoch = machine_.epoch;
@@ -66,7 +66,7 @@ class OneController : public ::testing::Test {
     EXPECT_EQ(Of(i).presence, Presence::kPresent);
   }
   // It has executed its command.
-  void Obey(std::size_t i) {
+  void Obey(ActuatorIndex i) {
     const PendingCommand command = Of(i).command.value();
     ActuatorReport report = Report(i, command.target);
     report.incarnation = Of(i).report.incarnation;
@@ -76,7 +76,7 @@ class OneController : public ::testing::Test {
   // All actuators execute their commands until none is sent.
   void ObeyAll() {
     for (int rounds = 0; rounds < 10; ++rounds) {
-      for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      for (const ActuatorIndex i : config_.actuators.Indices()) {
         if (Of(i).command) Obey(i);
       }
     }
@@ -85,7 +85,7 @@ class OneController : public ::testing::Test {
   // All actuators start and execute their commands until none is sent.
   void StartUp() {
     Begin();
-    for (std::size_t i = 0; i < config_.actuators.size(); ++i) Come(i);
+    for (const ActuatorIndex i : config_.actuators.Indices()) Come(i);
     ObeyAll();
     EXPECT_EQ(machine_.state, kActive);
     Forget();
@@ -116,13 +116,13 @@ class OneController : public ::testing::Test {
     actions_.clear();
     records_.clear();
   }
-  ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }
+  ActuatorRecord& Of(ActuatorIndex i) { return machine_.actuators[i]; }
 
   MachineConfig config_ = MachineOf(2);
   Machine machine_;
   Time now_ = Time(std::chrono::hours(1));
   std::vector<Action> actions_;
-  std::vector<std::int32_t> processes_;
+  PerActuator<std::int32_t> processes_;
   std::vector<action::Record> records_;
 };
 

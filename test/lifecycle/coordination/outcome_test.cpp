@@ -14,7 +14,7 @@ class Outcomes : public OneController {
   void RequestSwitch(const State& target, std::optional<std::string> actuator = {}) {
     Do(event::SetStateRequested{++request_, target, std::move(actuator)});
   }
-  void Fail(std::size_t i, std::int32_t code) {
+  void Fail(ActuatorIndex i, std::int32_t code) {
     const PendingCommand command = Of(i).command.value();
     ActuatorReport report = Report(i, Of(i).state());
     report.number = report.outcome_number = command.number;

@@ -198,7 +198,7 @@ TEST_F(WithoutTheBatteryRule, AMachineThatTheRuleOfAnEarlierConfigTookDownWakesU
   begin.host = "here";
   begin.policy.lowering = Lowering{"Active", "LowPower", 1};
   Do(begin);
-  for (const std::size_t i : {0, 1}) Come(i, "LowPower");
+  for (const ActuatorIndex i : {ActuatorIndex(0), ActuatorIndex(1)}) Come(i, "LowPower");
   ASSERT_EQ(machine_.state, "LowPower");
   Do(event::PolicyRequested{1, PolicyRequest::kWakeUp, "", 0, false});
   ObeyAll();

@@ -20,10 +20,10 @@ class Processes : public OneController {
   // With the processes started by the controller, 700 and 701.
   void StartUpOurs() {
     Begin();
-    for (std::size_t i = 0; i < 2; ++i) {
-      Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i)});
+    for (ActuatorIndex i = 0; i < 2; ++i) {
+      Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i.value())});
     }
-    for (std::size_t i = 0; i < 2; ++i) Come(i);
+    for (ActuatorIndex i = 0; i < 2; ++i) Come(i);
     ObeyAll();
     Forget();
   }
@@ -52,7 +52,7 @@ TEST_F(Processes, ThatFailToExecuteTheirProgramLateAreLost) {
 // Two actuators share process 700; one of them was torn down before this controller started.
 TEST_F(Processes, ThatRunOneOfTheirActuatorsOnlyAreRestartedByAPerson) {
   Begin();
-  for (std::size_t i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 700});
+  for (ActuatorIndex i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 700});
   Come(0);
   Pass(Milliseconds(100));
   ASSERT_TRUE(Of(1).fault);
@@ -63,7 +63,7 @@ TEST_F(Processes, ThatRunOneOfTheirActuatorsOnlyAreRestartedByAPerson) {
 
 TEST_F(Processes, OfAnotherHostAreNotSignalledHoweverTheyHang) {
   Begin();
-  for (std::size_t i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 0});
+  for (ActuatorIndex i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 0});
   ActuatorReport report = Report(0);
   report.host = "there";
   Say(0, report);
@@ -154,7 +154,7 @@ TEST_F(Processes, TheirBacktraceIsARecordOfTheProcess) {
   Do(event::BacktraceTaken{0, 700, "main()"});
   const action::Record record = RecordWith("backtrace of a:");
   EXPECT_EQ(record.kind, "process");
-  EXPECT_EQ(record.actuator, 0U);
+  EXPECT_EQ(record.actuator, ActuatorIndex(0));
   EXPECT_EQ(record.data, "main()");
   EXPECT_EQ(RecordWith("gets SIGKILL").code, kCodeTimeout);
 }

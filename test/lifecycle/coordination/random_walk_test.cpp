@@ -197,7 +197,7 @@ class Walk {
   void CheckRest() const {
     const Machine& machine = t_.machine();
     EXPECT_FALSE(machine.current);
-    for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    for (const ActuatorIndex i : machine.actuators.Indices()) {
       const ActuatorRecord& record = machine.actuators[i];
       const std::string& name = t_.config().actuators[i].name;
       EXPECT_FALSE(record.command) << name;

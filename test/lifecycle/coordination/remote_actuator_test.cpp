@@ -167,7 +167,7 @@ TEST_F(RemoteActuators, ThatTheConfigDoesNotNameAreIgnored) {
   begin.host = "here";
   begin.remote = {{"of an older config", "there"}};
   Do(begin);
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_FALSE(Of(i).elsewhere);
+  for (ActuatorIndex i = 0; i < 2; ++i) EXPECT_FALSE(Of(i).elsewhere);
 }
 
 }  // namespace musher::testing::remote_actuator_test

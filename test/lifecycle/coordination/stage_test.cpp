@@ -205,8 +205,8 @@ TEST_F(Ends, DoNotWaitForProcessesThatAreNotOurs) {
 TEST_F(Ends, DoNotWaitLongerThanTheBudgetForAProcessThatNothingEnds) {
   for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run"};
   Begin();
-  for (std::size_t i = 0; i < 2; ++i) {
-    Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i)});
+  for (ActuatorIndex i = 0; i < 2; ++i) {
+    Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i.value())});
     Come(i);
   }
   Do(event::SetStateRequested{1, "TearDown", {}});
