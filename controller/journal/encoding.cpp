@@ -149,7 +149,7 @@ class Reader {
   void Read(const Json& json, StrongNumber<Kind>& number) const {
     std::uint64_t value = 0;
     Read(json, value);
-    number = value;
+    number = StrongNumber<Kind>(value);
   }
   void Read(const Json& json, std::string& text) const {
     if (json.is_string()) {

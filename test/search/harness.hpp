@@ -47,7 +47,7 @@ class Harness {
   void Apply(const Action& action);
   void Send(std::size_t i, std::variant<SwitchCommand, QueryCommand> what);
   void EndProcess(std::size_t i, bool clean);
-  Sender Controller() const { return world_.generation + 1; }
+  Sender Controller() const { return Sender(world_.generation + 1); }
 
   const Model& model_;
   const MachineConfig& config_;

@@ -37,7 +37,7 @@ inline void MakeAny(Time& value) {
 }
 template <typename Kind>
 void MakeAny(StrongNumber<Kind>& number) {
-  number = *rc::gen::arbitrary<std::uint64_t>();
+  number = StrongNumber<Kind>(*rc::gen::arbitrary<std::uint64_t>());
 }
 template <Struct T>
 void MakeAny(T& value);
