@@ -34,13 +34,13 @@ Checkpoints::Sample SampleOf(pid_t pid) {
 
 SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   SwitchCommand command;
-  command.epoch = request.epoch;
-  command.number = request.number;
+  command.epoch = Epoch(request.epoch);
+  command.number = CommandNumber(request.number);
   command.target = State(request.target.substr(0, kLongestName));
   command.budget = Duration(request.budget_ns);
   command.status_stamp = transport::FromNanoseconds(request.status_stamp_ns);
   command.since_status = Duration(request.since_status_ns);
-  command.incarnation = request.incarnation;
+  command.incarnation = Incarnation(request.incarnation);
   command.detached = request.apart;
   return command;
 }
@@ -89,7 +89,8 @@ Result<> ActuatorShell::Open() {
   auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
       [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
-        Handle(actuator_event::ControllerHeartbeatReceived{info.participant, heartbeat.epoch});
+        Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant),
+                                                           Epoch(heartbeat.epoch)});
       },
       transport::kLatchedFromManyQos);
   if (!controllers) return controllers.error();
@@ -97,8 +98,8 @@ Result<> ActuatorShell::Open() {
   auto stops = transport::MakeSubscription<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
-        Handle(actuator_event::EmergencyStopReceived{stop.id, stop.engaged, info.participant,
-                                                     stop.by, stop.reason});
+        Handle(actuator_event::EmergencyStopReceived{
+            StopId(stop.id), stop.engaged, Sender(info.participant), stop.by, stop.reason});
       },
       transport::kLatchedFromManyQos);
   if (!stops) return stops.error();
@@ -132,10 +133,12 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
   };
   switch (request.kind) {
     case msg::ActuatorCommand::kKindSwitch:
-      return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), sender});
+      return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), Sender(sender)});
     case msg::ActuatorCommand::kKindAsk:
       return Handle(actuator_event::QueryArrived{
-          token, {request.epoch, request.number, request.stop}, sender});
+          token,
+          {Epoch(request.epoch), CommandNumber(request.number), request.stop},
+          Sender(sender)});
     default:
       return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
                                         "unknown kind of command " + std::to_string(request.kind)});

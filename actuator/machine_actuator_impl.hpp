@@ -250,8 +250,9 @@ class MachineActuator::Impl {
     };
     hooks.on_remark = [this](const std::string& line) { Log(LogLevel::kWarning, line); };
     hooks.managed_node = config_->ros2.managed_nodes;
-    auto shell = ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
-                                     {NewIncarnation(), getpid(), HostId()}, std::move(hooks));
+    auto shell =
+        ActuatorShell::Make(OwnNode(*node_), *worker_, *config_, *index_,
+                            {Incarnation(NewIncarnation()), getpid(), HostId()}, std::move(hooks));
     if (!shell) return SetSetUpResult(shell.error());
     shell_ = std::move(shell).value();
     {

@@ -285,7 +285,7 @@ Result<> Controller::OpenServices() {
   if (!services) return services.error();
   services_ = std::move(services).value();
   ros2_tools_ =
-      std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, std::to_string(incarnation_));
+      std::make_unique<Ros2Tools>(node_, *shell_, WallNanoseconds, ToString(incarnation_));
   return OpenExtensions();
 }
 

@@ -100,7 +100,7 @@ class Controller {
   std::string taken_from_;                // state folder of the controller that was taken over
   std::string last_config_hash_;          // of the config of the previous controller
   bool listen_for_others_ = false;        // another controller may already lead
-  const std::uint64_t incarnation_ = NewIncarnation();
+  const Incarnation incarnation_{NewIncarnation()};
   transport::DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;

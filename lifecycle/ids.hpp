@@ -1,6 +1,6 @@
 #pragma once
 // The numbers that name things, each of its own type: two of them cannot be swapped. Values, from
-// any thread; a plain number converts to each of them, so the fields of messages are not protected.
+// any thread; only a literal becomes one by itself, a number of a message or of a file by name.
 
 #include <compare>
 #include <concepts>
@@ -10,14 +10,23 @@
 
 namespace musher {
 
-// A number that converts to no other kind. A plain number becomes one by itself, so that literals
-// and the fields of messages can be given; value() is the way back.
+// The type of a literal. A std::uint64_t is none: that of a message or of a file has this type.
+template <typename T>
+concept LiteralNumber =
+    std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, std::uint64_t>;
+
+// A number that converts to no other kind, and to no plain number: value() is the way back.
 template <typename Kind>
 class StrongNumber {
  public:
   constexpr StrongNumber() = default;
-  constexpr StrongNumber(std::uint64_t value)  // NOLINT(google-explicit-constructor)
-      : value_(value) {}
+  // A literal converts by itself, `Epoch epoch = 0;`: its value is known to the compiler. Where a
+  // template passes it on, it no longer is; there the kind has to be named.
+  template <LiteralNumber T>
+  consteval StrongNumber(T literal)  // NOLINT(google-explicit-constructor)
+      : value_(static_cast<std::uint64_t>(literal)) {}
+  // Any other number becomes one by name, `Epoch(message.epoch)`.
+  constexpr explicit StrongNumber(std::uint64_t value) : value_(value) {}
 
   constexpr std::uint64_t value() const { return value_; }
 
@@ -25,12 +34,12 @@ class StrongNumber {
     ++value_;
     return *this;
   }
-  constexpr StrongNumber operator++(int) { return value_++; }
+  constexpr StrongNumber operator++(int) { return StrongNumber(value_++); }
   friend constexpr StrongNumber operator+(StrongNumber number, std::uint64_t more) {
-    return number.value_ + more;
+    return StrongNumber(number.value_ + more);
   }
   friend constexpr StrongNumber operator-(StrongNumber number, std::uint64_t less) {
-    return number.value_ - less;
+    return StrongNumber(number.value_ - less);
   }
   constexpr StrongNumber& operator+=(std::uint64_t more) { return *this = *this + more; }
   constexpr StrongNumber& operator-=(std::uint64_t less) { return *this = *this - less; }
@@ -68,39 +77,7 @@ using Sender = StrongNumber<struct SenderKind>;
 using StopId = StrongNumber<struct StopKind>;
 // Of a save on disk, grows from 1 in a controller.
 using SaveNumber = StrongNumber<struct SaveKind>;
-
-// What the literal of an index may be. A count is not even convertible to one.
-template <typename T>
-concept NoCount = std::integral<T> && !std::same_as<T, std::uint64_t>;
-
-// Which actuator, in the order of the config. A literal becomes one by itself; a number that is
-// known only at run time has to be made one by name.
-class ActuatorIndex {
- public:
-  constexpr ActuatorIndex() = default;
-  template <NoCount T>
-  consteval ActuatorIndex(T literal)  // NOLINT(google-explicit-constructor)
-      : value_(static_cast<std::uint64_t>(literal)) {}
-  explicit constexpr ActuatorIndex(std::uint64_t value) : value_(value) {}
-
-  constexpr std::uint64_t value() const { return value_; }
-
-  constexpr ActuatorIndex& operator++() {
-    ++value_;
-    return *this;
-  }
-  friend constexpr bool operator==(ActuatorIndex, ActuatorIndex) = default;
-  friend constexpr auto operator<=>(ActuatorIndex, ActuatorIndex) = default;  // NOLINT(*-nullptr)
-  friend std::ostream& operator<<(std::ostream& out, ActuatorIndex index) {
-    return out << index.value_;
-  }
-
- private:
-  std::uint64_t value_ = 0;
-};
-
-inline std::string ToString(ActuatorIndex index) {
-  return std::to_string(index.value());
-}
+// Which actuator, in the order of the config; indexes a PerActuator.
+using ActuatorIndex = StrongNumber<struct ActuatorKind>;
 
 }  // namespace musher

@@ -58,7 +58,7 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
 
 // The controller has lost the actuator and reported that outcome for what it had sent.
 void Checker::NoteGivenUp(Epoch epoch, ActuatorIndex i) {
-  const auto after = sent_commands_.lower_bound({epoch, ActuatorIndex(i.value() + 1), 0});
+  const auto after = sent_commands_.lower_bound({epoch, i + 1, CommandNumber()});
   if (after == sent_commands_.begin()) return;
   const CommandKey& last = std::prev(after)->first;
   if (std::get<0>(last) == epoch && std::get<1>(last) == i) given_up_[{epoch, i}] = last;

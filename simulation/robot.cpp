@@ -232,7 +232,7 @@ void SimRobot::JumpWallClock(Duration by) {
   }
 }
 
-void SimRobot::EngageEmergencyStop(std::uint64_t id, std::size_t panel) {
+void SimRobot::EngageEmergencyStop(StopId id, std::size_t panel) {
   Panel& p = panels_[panel];
   if (!p.node) {
     p.node = network_.MakeNode("panel-" + std::to_string(panel));
@@ -241,7 +241,7 @@ void SimRobot::EngageEmergencyStop(std::uint64_t id, std::size_t panel) {
             *p.node, transport::EmergencyStopTopic(config_.name_space), transport::kLatchedQos)
             .value();
   }
-  static_cast<void>(p.button->Publish({id, true, "a person", ""}));
+  static_cast<void>(p.button->Publish({id.value(), true, "a person", ""}));
 }
 
 void SimRobot::SetBattery(int percent, bool charging) {

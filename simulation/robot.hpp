@@ -106,7 +106,7 @@ class SimRobot {
   void JumpWallClock(Duration by);
 
   // A panel engages an emergency stop. The panel stays available, and its last sample latched.
-  void EngageEmergencyStop(std::uint64_t id, std::size_t panel = 0);
+  void EngageEmergencyStop(StopId id, std::size_t panel = 0);
   // The client on that host.
   Client& ClientOn(std::size_t host);
   std::vector<const Client::Request*> OpenRequests() const;

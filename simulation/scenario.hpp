@@ -109,7 +109,7 @@ class Scenario {
   void StartController(bool restarted = false);
   void ApplyToStops(const Injection& injection);
   void ApplyByClient(const Injection& injection);
-  void Engage(std::size_t panel, std::uint64_t id);
+  void Engage(std::size_t panel, StopId id);
   void StartByHand(ActuatorIndex actuator);
   // Whether it is started by hand, in a process of its own.
   bool IsByHand(ActuatorIndex actuator) const;

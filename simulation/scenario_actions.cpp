@@ -58,7 +58,7 @@ void Scenario::Apply(const Injection& injection) {
     case InjectionKind::kBattery:
       return robot_.SetBattery(BatteryOf(injection), ChargesIn(injection));
     case InjectionKind::kEmergencyStop:
-      return Engage(injection.random / 2 % 2, injection.random | 1);
+      return Engage(injection.random / 2 % 2, StopId(injection.random | 1));
     case InjectionKind::kRelease:
       return robot_.ReleaseEmergencyStop();
     case InjectionKind::kRestart:
@@ -137,7 +137,7 @@ void Scenario::ApplyToNetwork(const Injection& injection) {
   Later(injection.lasts, [set] { set(false); });
 }
 
-void Scenario::Engage(std::size_t panel, std::uint64_t id) {
+void Scenario::Engage(std::size_t panel, StopId id) {
   checker_.OnStopEngaged(panel, id);
   robot_.EngageEmergencyStop(id, panel);
 }
@@ -146,9 +146,9 @@ void Scenario::Engage(std::size_t panel, std::uint64_t id) {
 void Scenario::ApplyToStops(const Injection& injection) {
   const std::uint64_t random = injection.random;
   const std::size_t panel = random / 2 % 2;
-  Engage(panel, random | 1);
+  Engage(panel, StopId(random | 1));
   Later(Milliseconds(static_cast<std::int64_t>(random / 16 % 40)),
-        [this, panel, id = (random >> 9) | 1] { Engage(1 - panel, id); });
+        [this, panel, id = StopId((random >> 9) | 1)] { Engage(1 - panel, id); });
   Later(Milliseconds(static_cast<std::int64_t>(random / 1024 % 60)),
         [this] { robot_.ReleaseEmergencyStop(); });
 }

@@ -15,9 +15,9 @@ void Checker::OnStopEngaged(std::size_t panel, StopId id) {
 // A controller publishes a stop. Only a controller releases one.
 void Checker::OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop) {
   if (stop.engaged) {
-    accepted_stops_[stop.id].insert(controller.host());
+    accepted_stops_[StopId(stop.id)].insert(controller.host());
   } else {
-    released_[stop.id].insert(controller.host());
+    released_[StopId(stop.id)].insert(controller.host());
   }
 }
 

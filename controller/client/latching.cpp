@@ -80,9 +80,10 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
 
 void Latching::OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
   Received& last = received_[status.name];
-  const bool changed = last.writer != info.writer || last.latched != status.emergency_stop;
+  const StopId latched(status.emergency_stop);
+  const bool changed = last.writer != info.writer || last.latched != latched;
   if (!changed) return;
-  last = {info.writer, status.emergency_stop, loop_.Now() - begun_};
+  last = {info.writer, latched, loop_.Now() - begun_};
   if (on_change_) on_change_();
 }
 
@@ -133,7 +134,7 @@ EstopReport::Actuator& Latching::Take(EstopReport& report, const std::string& na
   const auto received = received_.find(name);
   if (received == received_.end() || received->second.latched == 0) return actuator;
   actuator.stopped = true;
-  actuator.before = received->second.latched != stop_.id;
+  actuator.before = received->second.latched != StopId(stop_.id);
   if (!actuator.before) actuator.after = received->second.after;
   return actuator;
 }

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -74,7 +75,7 @@ class Latching {
  private:
   struct Received {
     transport::PeerId writer = 0;
-    std::uint64_t latched = 0;
+    StopId latched = 0;
     Duration after{};
   };
 

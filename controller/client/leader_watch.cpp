@@ -86,7 +86,7 @@ bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
 }
 
 void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from) {
-  const bool outdated = status.epoch <= ended_ || (leader_ && status.epoch < leader_->epoch);
+  const bool outdated = Epoch(status.epoch) <= ended_ || (leader_ && status.epoch < leader_->epoch);
   if (outdated) return;
   const bool another = !leader_ || from.writer != from_.writer;
   if (leader_ && another) End("no longer leads");
@@ -132,7 +132,7 @@ void LeaderWatch::OnHeartbeatLost() {
 
 void LeaderWatch::End(const std::string& how) {
   const msg::MachineStatus leader = *std::exchange(leader_, std::nullopt);
-  if (IsOurs(leader) && how == kExited) ended_ = leader.epoch;
+  if (IsOurs(leader) && how == kExited) ended_ = Epoch(leader.epoch);
   from_ = {};
   process_ = nullptr;
   silence_ = nullptr;

@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 
+#include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -68,7 +69,7 @@ class LeaderWatch {
   std::optional<msg::MachineStatus> leader_;
   transport::SampleInfo from_;                // of its status
   Duration heartbeat_period_{};               // as in its heartbeat
-  std::uint64_t ended_ = 0;                   // epoch of the last leader whose process has exited
+  Epoch ended_ = 0;                           // epoch of the last leader whose process has exited
   std::optional<msg::MachineStatus> silent_;  // of the last leader whose heartbeat was lost
   transport::SampleInfo silent_from_;
   transport::LoopHandlePtr process_;

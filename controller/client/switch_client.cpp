@@ -71,13 +71,13 @@ Result<> SwitchClient::Open() {
 void SwitchClient::OnStatus(const msg::MachineStatus& status) {
   switch (step_) {
     case Step::kFinding:
-      before_ = status.switch_number;
+      before_ = CommandNumber(status.switch_number);
       return Call(status);
     case Step::kCalled:
       if (status.phase == kStopped) stopped_ = status;
       if (wait_) return;  // it is known to have ended
-      epoch_ = status.epoch;
-      if (status.target == target_) number_ = status.switch_number;
+      epoch_ = Epoch(status.epoch);
+      if (status.target == target_) number_ = CommandNumber(status.switch_number);
       return;
     case Step::kOrphaned:
       return Continue(status);
@@ -89,9 +89,9 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
 
 void SwitchClient::Call(const msg::MachineStatus& leader) {
   step_ = Step::kCalled;
-  epoch_ = leader.epoch;
+  epoch_ = Epoch(leader.epoch);
   pid_ = leader.pid;
-  number_ = leader.target == target_ ? leader.switch_number : 0;
+  number_ = CommandNumber(leader.target == target_ ? leader.switch_number : 0);
   wait_ = nullptr;
   sent_ = false;
   Send();
@@ -114,7 +114,7 @@ void SwitchClient::Send() {
                      });
   } else if (step_ == Step::kQuerying && reaches(*get_switch_)) {
     sent_ = true;
-    get_switch_->Call({epoch_, number_}, kReplyTimeout, [this](const auto& reply) {
+    get_switch_->Call({epoch_.value(), number_.value()}, kReplyTimeout, [this](const auto& reply) {
       if (reply && step_ == Step::kQuerying) OnReply(reply.value());
     });
   }
@@ -124,9 +124,9 @@ void SwitchClient::Send() {
 std::string SwitchClient::Lost() const {
   const std::string during = number_ == 0
                                  ? "before it reported the number of the switch to " + target_
-                                 : "during switch " + std::to_string(number_) + " to " + target_;
-  return "the controller (pid " + std::to_string(pid_) + ", epoch " + std::to_string(epoch_) +
-         ") " + how_ + " " + during;
+                                 : "during switch " + ToString(number_) + " to " + target_;
+  return "the controller (pid " + std::to_string(pid_) + ", epoch " + ToString(epoch_) + ") " +
+         how_ + " " + during;
 }
 
 void SwitchClient::OnLeaderEnd(const msg::MachineStatus&, const std::string& how) {
@@ -154,7 +154,7 @@ void SwitchClient::Orphan() {
 
 // A controller exits with its machine. If its reply is lost, its latched status has the outcome.
 bool SwitchClient::EndedWithItsMachine() const {
-  return target_ == kTearDown && actuator_.empty() && stopped_ && stopped_->epoch == epoch_;
+  return target_ == kTearDown && actuator_.empty() && stopped_ && Epoch(stopped_->epoch) == epoch_;
 }
 
 SwitchEnd SwitchClient::EndByStatus() const {
@@ -176,7 +176,7 @@ SwitchEnd SwitchClient::EndByStatus() const {
 void SwitchClient::Continue(const msg::MachineStatus& successor) {
   // A successor without the disk of the first begins with the same epoch, and raises it as soon as
   // it receives the higher one.
-  if (successor.epoch <= epoch_ && successor.pid != pid_) return;
+  if (Epoch(successor.epoch) <= epoch_ && successor.pid != pid_) return;
   if (target_ == kTearDown && actuator_.empty()) return Call(successor);
   Query();
 }
@@ -199,7 +199,7 @@ void SwitchClient::OnReply(const msg::GetSwitch::Response& reply) {
     return;
   }
   const bool ours = reply.found && reply.target == target_ && reply.actuator == actuator_ &&
-                    (number_ != 0 || reply.switch_number > before_);
+                    (number_ != 0 || CommandNumber(reply.switch_number) > before_);
   if (!ours && (number_ != 0 || !reply.found)) return EndUnknown(reply.reason);
   SwitchEnd end;
   end.kind = SwitchEnd::Kind::kReported;
@@ -221,7 +221,7 @@ void SwitchClient::OnReply(const msg::GetSwitch::Response& reply) {
 
 void SwitchClient::EndUnknown(const std::string& why) {
   SwitchEnd end;
-  end.result.switch_number = number_;
+  end.result.switch_number = number_.value();
   end.result.target = target_;
   end.result.actuator = actuator_;
   end.result.code = how_.empty() ? kCodeTimeout : kCodeNetError;

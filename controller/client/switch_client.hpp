@@ -21,6 +21,7 @@
 #include <string>
 
 #include "musher/controller/client/leader_watch.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/service.hpp"
 
@@ -91,9 +92,9 @@ class SwitchClient {
   const OnNews on_news_;
   const OnEnd on_end_;
   Step step_ = Step::kFinding;
-  std::uint64_t epoch_ = 0;                    // of the controller that was called
-  std::uint64_t before_ = 0;                   // number of its last switch before the request
-  std::uint64_t number_ = 0;                   // of the requested switch; 0: not known
+  Epoch epoch_ = 0;                            // of the controller that was called
+  CommandNumber before_ = 0;                   // number of its last switch before the request
+  CommandNumber number_ = 0;                   // of the requested switch; 0: not known
   std::int32_t pid_ = 0;                       // of the controller that was called
   std::string how_;                            // how that controller ended
   std::optional<msg::MachineStatus> stopped_;  // the last status, if the machine is stopped

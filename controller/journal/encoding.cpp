@@ -46,7 +46,6 @@ class Writer {
   Json Of(StrongNumber<Kind> number) const {
     return number.value();
   }
-  Json Of(ActuatorIndex index) const { return index.value(); }
   Json Of(const std::string& text) const {
     if (!texts_as_hex_) return text;
     std::string hex;
@@ -160,12 +159,7 @@ class Reader {
   void Read(const Json& json, StrongNumber<Kind>& number) const {
     std::uint64_t value = 0;
     Read(json, value);
-    number = value;
-  }
-  void Read(const Json& json, ActuatorIndex& index) const {
-    std::uint64_t value = 0;
-    Read(json, value);
-    index = ActuatorIndex(value);
+    number = StrongNumber<Kind>(value);
   }
   void Read(const Json& json, std::string& text) const {
     if (json.is_string()) {

@@ -74,8 +74,8 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
   if (row.getColumn(5).isNull()) return damaged;
   entry.wall_ns = row.getColumn(1).getInt64();
   entry.steady_ns = row.getColumn(2).getInt64();
-  entry.epoch = Unsigned(row, 3);
-  entry.switch_number = Unsigned(row, 4);
+  entry.epoch = Epoch(Unsigned(row, 3));
+  entry.switch_number = CommandNumber(Unsigned(row, 4));
   entry.kind = row.getColumn(5).getString();
   entry.actuator = row.getColumn(6).getString();
   entry.code = row.getColumn(7).getInt();
@@ -89,8 +89,8 @@ Result<JournalEntry> EntryOf(SQLite::Statement& row, std::int64_t first_with_che
                         has_zeros(entry.message) || has_zeros(entry.data);
   const bool of_version_1 = id > 0 && !of_zeros && HasTypesOfVersion1(row);
   if (row.getColumnCount() == 10) return of_version_1 ? Result<JournalEntry>(entry) : damaged;
-  entry.id = Unsigned(row, 10);
-  entry.cause = Unsigned(row, 11);
+  entry.id = RecordId(Unsigned(row, 10));
+  entry.cause = RecordId(Unsigned(row, 11));
   entry.state = State(row.getColumn(12).getString());
   if (row.getColumnCount() > 14) entry.event = row.getColumn(14).getString();
   const auto checksum = row.getColumn(13);

@@ -71,7 +71,7 @@ void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
 void ForeignLink::Appear(transport::PeerId server) {
   if (available()) Forget();
   server_ = server;
-  const Incarnation now = static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count());
+  const Incarnation now(static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count()));
   const Incarnation incarnation = std::max(report_.incarnation + 1, now);
   report_ = {};
   report_.state = config_.default_state;

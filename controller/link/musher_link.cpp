@@ -68,17 +68,17 @@ void MusherLink::SendHeld() {
 }
 
 void MusherLink::Call(const msg::ActuatorCommand::Request& request) {
+  const CommandNumber number(request.number);
   const bool query = request.kind == msg::ActuatorCommand::kKindAsk;
-  client_->Call(
-      request, kCallTimeout,
-      [this, number = request.number, query](const Result<msg::ActuatorCommand::Response>& reply) {
-        // Without a reply the decision code applies its own deadline.
-        if (!reply || reply.value().status.name != name_) return;
-        const msg::ActuatorCommand::Response& response = reply.value();
-        emit_(event::Replied{actuator_, number, query, transport::VerdictFrom(response.verdict),
-                             response.code, response.message,
-                             transport::FromMessage(response.status)});
-      });
+  client_->Call(request, kCallTimeout,
+                [this, number, query](const Result<msg::ActuatorCommand::Response>& reply) {
+                  // Without a reply the decision code applies its own deadline.
+                  if (!reply || reply.value().status.name != name_) return;
+                  const msg::ActuatorCommand::Response& response = reply.value();
+                  emit_(event::Replied{actuator_, number, query,
+                                       transport::VerdictFrom(response.verdict), response.code,
+                                       response.message, transport::FromMessage(response.status)});
+                });
 }
 
 }  // namespace musher

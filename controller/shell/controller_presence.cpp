@@ -60,7 +60,7 @@ Result<> ControllerPresence::Open() {
   auto received = transport::MakeSubscription<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
-        emit_(event::EmergencyStopSeen{{stop.id, stop.by, stop.reason}, stop.engaged});
+        emit_(event::EmergencyStopSeen{{StopId(stop.id), stop.by, stop.reason}, stop.engaged});
       },
       transport::kLatchedFromManyQos);
   if (!received) return received.error();
@@ -108,17 +108,18 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   // Of two controllers with the same epoch the one with the lower identity has precedence, for both
   // of them. Incarnations of different hosts, and of different boots of one host, cannot be
   // compared: so the host is compared first.
-  const auto theirs = std::tie(heartbeat.host, heartbeat.incarnation, heartbeat.pid);
+  const Incarnation incarnation(heartbeat.incarnation);
+  const auto theirs = std::tie(heartbeat.host, incarnation, heartbeat.pid);
   const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
   if (theirs == ours) return;
-  if (heartbeat.epoch > kLastEpoch) return;  // out of range
+  const Epoch epoch(heartbeat.epoch);
+  if (epoch > kLastEpoch) return;  // out of range
   rival_ = {"process " + std::to_string(heartbeat.pid) +
                 (heartbeat.host == identity_.host ? " of this host"
                                                   : " of host " + heartbeat.host.substr(0, 64)),
-            heartbeat.epoch, heartbeat.machine};
+            epoch, heartbeat.machine};
   // Only a heartbeat that may change something is an event: others would fill the journal.
-  if (heartbeat.epoch >= epoch_)
-    emit_(event::RivalSeen{heartbeat.epoch, rival_->who, theirs < ours});
+  if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->who, theirs < ours});
 }
 
 void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {

@@ -181,27 +181,28 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
 void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
                                      const SwitchReply& reply) {
   const Epoch own = shell_.machine().epoch;
-  msg::GetSwitch::Response known =
-      FindSwitch(shell_.switches(), request.epoch, request.switch_number);
+  const Epoch epoch(request.epoch);
+  const CommandNumber number(request.switch_number);
+  msg::GetSwitch::Response known = FindSwitch(shell_.switches(), epoch, number);
   if (known.found) {
     if (known.outcome.empty()) known.outcome = msg::GetSwitch::kUnderWay;
     return reply(known);
   }
-  if (request.epoch >= own) {
+  if (epoch >= own) {
     known.reason = "the controller of epoch " + ToString(own) + " has no such switch";
     known.state = shell_.machine().state;
     return reply(known);
   }
   if (!read_history_) return ReplyInterrupted(std::move(known), reply);
-  read_history_(INT64_MIN, kEntriesOfPredecessor,
-                [this, request, reply, alive = std::weak_ptr<bool>(alive_)](const auto& reading) {
-                  if (alive.expired()) return;
-                  const auto entries =
-                      reading ? reading.value().entries : std::vector<JournalEntry>();
-                  auto found = FindSwitch(entries, request.epoch, request.switch_number);
-                  if (!found.outcome.empty()) return reply(found);
-                  ReplyInterrupted(std::move(found), reply);
-                });
+  read_history_(
+      INT64_MIN, kEntriesOfPredecessor,
+      [this, epoch, number, reply, alive = std::weak_ptr<bool>(alive_)](const auto& reading) {
+        if (alive.expired()) return;
+        const auto entries = reading ? reading.value().entries : std::vector<JournalEntry>();
+        auto found = FindSwitch(entries, epoch, number);
+        if (!found.outcome.empty()) return reply(found);
+        ReplyInterrupted(std::move(found), reply);
+      });
 }
 
 // Once this controller knows the machine's state: it continues from the actuators' states.

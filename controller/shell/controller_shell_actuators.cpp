@@ -104,11 +104,11 @@ void ControllerShell::CompareHash(ActuatorIndex actuator, const std::string& has
 // An earlier config may have listed it. No controller controls it, so it is only reported here.
 void ControllerShell::RecordUnlisted(const msg::ActuatorStatus& status) {
   if (!Runs(config_, transport::FromMessage(status))) return;
-  const auto [unlisted, added] =
-      unlisted_.try_emplace(status.name.substr(0, 64), status.incarnation);
-  const bool known = !added && unlisted->second == status.incarnation;
+  const Incarnation incarnation(status.incarnation);
+  const auto [unlisted, added] = unlisted_.try_emplace(status.name.substr(0, 64), incarnation);
+  const bool known = !added && unlisted->second == incarnation;
   if (known || unlisted_.size() > kMostUnlisted) return;
-  unlisted->second = status.incarnation;
+  unlisted->second = incarnation;
   Remark(kCodeStateInvalid,
          unlisted->first + " runs (pid " + std::to_string(status.pid) + ", in " + status.state +
              "), but " + config_.file +

@@ -56,7 +56,8 @@ void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const Heartbeat received{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
                            State(heartbeat.during), Duration(heartbeat.silent_ns),
                            Duration(heartbeat.waited_ns)};
-  Act(monitor_.OnSample(found->second, heartbeat.incarnation, received, node_.loop().Now()));
+  Act(monitor_.OnSample(found->second, Incarnation(heartbeat.incarnation), received,
+                        node_.loop().Now()));
 }
 
 void HealthWatch::Act(const std::vector<HealthEvent>& events) {

@@ -44,7 +44,7 @@ msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, Ep
       response.switch_number = entry.switch_number.value();
       response.outcome.clear();
       response.reason.clear();
-    } else if (begun ? entry.switch_number != response.switch_number
+    } else if (begun ? entry.switch_number != CommandNumber(response.switch_number)
                      : number == 0 || entry.epoch != epoch) {
       continue;
     }

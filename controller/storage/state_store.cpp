@@ -140,7 +140,7 @@ StoredStops StateStore::LoadEmergencyStops() const {
     const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
     if (line == "end") return stops;
     if (name == "engaged" && is_id) {
-      stops.engaged.push_back({id, "", ""});
+      stops.engaged.push_back({StopId(id), "", ""});
     } else if (name == "released" && is_id) {
       stops.released.emplace_back(id);
     } else if (name == "by" && !stops.engaged.empty()) {
@@ -219,7 +219,7 @@ StoredPolicy StateStore::LoadPolicy() const {
     if (word == "low_power" && text >> word) {
       if (word == "on" || word == "off") policy.low_power = word == "on";
     } else if (word == "lowered" && text >> from >> to >> epoch) {
-      policy.lowering = Lowering{State(from), State(to), epoch};
+      policy.lowering = Lowering{State(from), State(to), Epoch(epoch)};
     }
   }
   return policy;

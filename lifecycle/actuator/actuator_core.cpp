@@ -90,7 +90,7 @@ class Deciding {
     const event::CallbackEnded end = UnderStop(target, ended);
     if (target == kSetUp) return EndSetUp(end);
     const bool down = Falls(machine_, report_.state, target);
-    EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
+    EndCommand(std::exchange(report_.busy_number, CommandNumber()), target, end.code, end.message);
     if (target == kSelfCheck) {
       const bool passed = end.code == kCodeOk;
       report_.degraded_code = passed ? end.degraded_code : kCodeOk;

@@ -17,8 +17,8 @@ inline constexpr const char* kOutOfReach = "connection lost";
 
 // Epochs grow by one with every controller, numbers with every command; values from these on are
 // not taken over from a report. A controller's own commands may continue the number beyond.
-inline constexpr Epoch kLastEpoch = std::uint64_t{1} << 62;
-inline constexpr CommandNumber kLastNumber = std::uint64_t{1} << 62;
+inline constexpr Epoch kLastEpoch{std::uint64_t{1} << 62};
+inline constexpr CommandNumber kLastNumber{std::uint64_t{1} << 62};
 
 // Stops the robot until a person releases it. Several engaged at once count as one.
 struct EmergencyStop {

@@ -10,7 +10,7 @@ namespace musher {
 namespace {
 
 // The record that Begin makes is the first one.
-constexpr std::uint64_t kBegun = 1;
+constexpr RecordId kBegun = 1;
 // How long a supervisor's start that finishes a TearDown waits for unknown actuators. They run
 // already, and are discovered within a second.
 constexpr Duration kFinishingGrace = std::chrono::seconds(3);

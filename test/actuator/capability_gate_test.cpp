@@ -43,7 +43,7 @@ class OnesOwnFunctions : public ::testing::Test {
     ASSERT_TRUE(reading.config);
     ASSERT_TRUE(callbacks_.Adopt(*reading.config).ok());
   }
-  void Report(const State& state, const State& target = "", std::uint64_t emergency_stop = 0) {
+  void Report(const State& state, const State& target = "", StopId emergency_stop = 0) {
     ActuatorReport report;
     report.state = state;
     report.target = target;

@@ -20,14 +20,14 @@ using ::testing::IsEmpty;
 TEST_F(JournalTest, GivesBackEveryFieldOfAnEntry) {
   const JournalEntry entry{1700000000123456789,
                            42,
-                           (std::uint64_t{1} << 63) + 5,
+                           Epoch((std::uint64_t{1} << 63) + 5),
                            17,
                            "command",
                            "motion",
                            3009,
                            "a \"sentence\" — 'quoted'",
                            R"({"target":"Active"})",
-                           (std::uint64_t{1} << 63) + 6,
+                           RecordId((std::uint64_t{1} << 63) + 6),
                            8,
                            "Active",
                            "switch_done"};

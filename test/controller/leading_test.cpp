@@ -23,7 +23,7 @@ class Leading : public TwoControllers {
     statuses_ = transport::MakeSubscription<msg::MachineStatus>(
                     *desk_, transport::MachineStatusTopic(""),
                     [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
-                      status_of_[info.writer] = status.epoch;
+                      status_of_[info.writer] = Epoch(status.epoch);
                     },
                     transport::kLatchedFromManyQos,
                     {[this](transport::PeerId writer) { status_of_.erase(writer); }, nullptr})
@@ -48,12 +48,12 @@ class Leading : public TwoControllers {
   }
 
   // The epochs that the answers of the next `duration` come from, one request each 20 ms.
-  std::vector<std::uint64_t> EpochsThatAnswer(Duration duration) {
-    auto epochs = std::make_shared<std::vector<std::uint64_t>>();
+  std::vector<Epoch> EpochsThatAnswer(Duration duration) {
+    auto epochs = std::make_shared<std::vector<Epoch>>();
     const Time end = network_.now() + duration;
     while (network_.now() < end) {
       get_status_->Call({}, kEnough, [epochs](const Result<msg::GetStatus::Response>& reply) {
-        epochs->push_back(reply ? reply.value().status.epoch : 0);
+        epochs->emplace_back(reply ? reply.value().status.epoch : 0);
       });
       network_.RunFor(Milliseconds(20));
     }
@@ -68,7 +68,7 @@ class Leading : public TwoControllers {
     return *outcome;
   }
 
-  std::map<transport::PeerId, std::uint64_t> status_of_;  // epoch of the latched status, by writer
+  std::map<transport::PeerId, Epoch> status_of_;  // epoch of the latched status, by writer
   std::unique_ptr<transport::Subscription> statuses_;
   std::unique_ptr<transport::Client<msg::GetStatus>> get_status_;
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;
@@ -77,7 +77,7 @@ class Leading : public TwoControllers {
 TEST_F(Leading, AControllerThatLooksAroundAnswersNoClient) {
   ASSERT_NO_FATAL_FAILURE(BringUpFirst());
   Open(second_, "second");
-  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(1U));
+  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(Epoch(1)));
   EXPECT_EQ(get_status_->Servers().size(), 1U);
   EXPECT_EQ(status_of_.size(), 1U) << "its status is latched by the leader alone";
   EXPECT_EQ(OutcomeOfSet("LowPower"), "done");
@@ -88,7 +88,7 @@ TEST_F(Leading, AControllerThatIsRefusedBesideTheLeaderAnswersNoClient) {
   Open(second_, "second");
   network_.RunFor(kLookAround);
   second_.process->Begin(false);
-  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(1U));
+  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(Epoch(1)));
   SwitchResult result;
   second_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);

@@ -147,7 +147,7 @@ TEST_F(ProcessProof, NorIsItWatched) {
   kill(bystander.pid(), SIGKILL);
   EXPECT_TRUE(RunUntil([&] { return !bystander.IsAlive(); }));
   Say(0, 78);  // comes after what the end of the other would have led to
-  EXPECT_EQ(Arm().dead, 0U);
+  EXPECT_EQ(Arm().dead, Incarnation(0));
 }
 
 TEST_F(ProcessProof, AnUnprovenPidIsReportedOnceHoweverOftenItIsPublished) {

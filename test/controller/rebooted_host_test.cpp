@@ -96,11 +96,11 @@ TEST_F(RebootedHost, IsCommandedAfterManyProcessesOfTheBootBefore) {
   controller_.Begin(false);
   ASSERT_TRUE(IsUp());
   for (std::uint64_t restart = 2; restart <= 6; ++restart) {
-    Start("remote/boot-1", 1'000'000 + restart);
+    Start("remote/boot-1", Incarnation(1'000'000 + restart));
     ASSERT_TRUE(IsUp()) << restart;
   }
   for (std::uint64_t boot = 2; boot <= 6; ++boot) {
-    Start("remote/boot-" + std::to_string(boot), 100 - boot);
+    Start("remote/boot-" + std::to_string(boot), Incarnation(100 - boot));
     ASSERT_TRUE(IsUp()) << boot;
   }
 }

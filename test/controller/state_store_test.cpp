@@ -187,11 +187,11 @@ TEST_F(Store, ReportsAFolderThatCannotBeCreated) {
 }
 
 TEST_F(Store, HasEpochZeroAtFirst) {
-  EXPECT_EQ(MustOpen().LoadEpoch().value(), 0U);
+  EXPECT_EQ(MustOpen().LoadEpoch().value(), Epoch(0));
 }
 
 TEST_F(Store, KeepsTheEpochForTheNextController) {
-  for (const Epoch epoch : {std::uint64_t{41}, ~std::uint64_t{0}, std::uint64_t{7}}) {
+  for (const Epoch epoch : {Epoch(41), Epoch(UINT64_MAX), Epoch(7)}) {
     ASSERT_TRUE(MustOpen().SaveEpoch(epoch));
     EXPECT_EQ(MustOpen().LoadEpoch().value(), epoch);
   }
@@ -206,7 +206,7 @@ TEST_F(Store, ReportsADamagedEpochAndCanReplaceIt) {
     EXPECT_THAT(epoch.error().message, HasSubstr("damaged"));
   }
   EXPECT_TRUE(store.SaveEpoch(5));
-  EXPECT_EQ(store.LoadEpoch().value(), 5U);
+  EXPECT_EQ(store.LoadEpoch().value(), Epoch(5));
 }
 
 TEST_F(Store, KeepsTheOldEpochWhenTheDiskIsFull) {
@@ -222,7 +222,7 @@ TEST_F(Store, KeepsTheOldEpochWhenTheDiskIsFull) {
   signal(SIGXFSZ, handler);
   ASSERT_FALSE(saved);
   EXPECT_THAT(saved.error().message, HasSubstr("can't save " + dir_ + "/epoch"));
-  EXPECT_EQ(store.LoadEpoch().value(), 5U);
+  EXPECT_EQ(store.LoadEpoch().value(), Epoch(5));
   EXPECT_FALSE(fs::exists(dir_ + "/epoch.new"));
 }
 

@@ -45,7 +45,7 @@ VoiceEvent Anything(const VoiceState& voice) {
       return voice_event::MachineSeen{AnyGlimpse()};
     case 2: {
       const auto kind = *rc::gen::element<std::string>("policy", "switch", "actuator");
-      const auto number = *rc::gen::inRange<std::uint64_t>(0, 3);
+      const CommandNumber number(*rc::gen::inRange<std::uint64_t>(0, 3));
       const auto code = *rc::gen::element(0, 103, 111, 2109, 3001);
       return voice_event::Recorded{{kind, std::nullopt, number, code, "why"}};
     }

@@ -88,7 +88,7 @@ class Voices : public ::testing::Test {
   void Fail(const std::string& actuator, std::int32_t code, const std::string& message = "broken") {
     machine_.faults.push_back({actuator, {code, message}});
   }
-  void Record(const std::string& kind, std::uint64_t number, std::int32_t code,
+  void Record(const std::string& kind, CommandNumber number, std::int32_t code,
               const std::string& message = "") {
     Feed(voice_event::Recorded{{kind, std::nullopt, number, code, message}});
   }

@@ -42,7 +42,7 @@ class Harness {
     switch (input_.Below(8)) {
       case 0: {
         const event::ControllerHeartbeatReceived heartbeat{
-            AnySender(), input_.Number(core_.report.epoch.value(), kLastEpoch.value())};
+            AnySender(), Epoch(input_.Number(core_.report.epoch.value(), kLastEpoch.value()))};
         announced_.insert({heartbeat.sender, heartbeat.epoch});
         return StepWith(heartbeat);
       }
@@ -53,9 +53,10 @@ class Harness {
         return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
-        const QueryCommand query{input_.Number(core_.report.epoch.value(), kLastEpoch.value()),
-                                 input_.Number(core_.report.number.value(), kLastNumber.value()),
-                                 input_.Bool()};
+        const QueryCommand query{
+            Epoch(input_.Number(core_.report.epoch.value(), kLastEpoch.value())),
+            CommandNumber(input_.Number(core_.report.number.value(), kLastNumber.value())),
+            input_.Bool()};
         const event::QueryArrived arrived{++token_, query, AnySender()};
         return StepFrom(arrived.sender, query.epoch, arrived);
       }
@@ -67,7 +68,8 @@ class Harness {
                                              std::string(input_.Text())});
       case 6:
         return StepWith(event::EmergencyStopReceived{
-            input_.Number(core_.report.emergency_stop.value(), 1), input_.Bool(), AnySender()});
+            StopId(input_.Number(core_.report.emergency_stop.value(), 1)), input_.Bool(),
+            AnySender()});
       default:
         now_ += Milliseconds(input_.Take<std::uint16_t>());
         return StepWith(event::TimePassed{});
@@ -110,7 +112,7 @@ class Harness {
     }
   }
 
-  Sender AnySender() { return input_.Below(4); }
+  Sender AnySender() { return Sender(input_.Below(4)); }
 
   const MachineConfig config_ = Config();
   Input& input_;

@@ -64,10 +64,10 @@ class Harness {
       case 3: {
         const CommandNumber number = record.command ? record.command->number : record.report.number;
         const auto verdict = transport::VerdictFrom(input_.Byte());
-        return harness_.Feed(
-            event::Replied{i, input_.Bool() ? number : input_.Take<std::uint64_t>(), input_.Bool(),
-                           verdict, input_.Take<std::int32_t>(), std::string(input_.Text()),
-                           AnyReport(input_, record.report, harness_.now())});
+        return harness_.Feed(event::Replied{
+            i, input_.Bool() ? number : CommandNumber(input_.Take<std::uint64_t>()), input_.Bool(),
+            verdict, input_.Take<std::int32_t>(), std::string(input_.Text()),
+            AnyReport(input_, record.report, harness_.now())});
       }
       case 4:
         return harness_.Feed(
@@ -78,15 +78,15 @@ class Harness {
                                                   "by its heartbeat"});
       case 6:
         return harness_.Feed(event::EmergencyStopSeen{
-            {input_.Number(1, 2), std::string(input_.Text()), std::string(input_.Text())}});
+            {StopId(input_.Number(1, 2)), std::string(input_.Text()), std::string(input_.Text())}});
       case 7:
         harness_.Release();
         return;
       case 8:
         // A controller of the current epoch or a higher one leads from then on, which is correct.
         return harness_.Feed(event::RivalSeen{
-            input_.Number(harness_.machine().epoch.value() - 1, kLastEpoch.value()) |
-                (input_.Bool() ? kBeyond : 0),
+            Epoch(input_.Number(harness_.machine().epoch.value() - 1, kLastEpoch.value()) |
+                  (input_.Bool() ? kBeyond : 0)),
             "another", input_.Bool()});
       case 9:
         return harness_.Crash(name);

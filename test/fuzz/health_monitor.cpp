@@ -26,7 +26,7 @@ class Harness {
  private:
   void Next() {
     const ActuatorIndex i(input_.Below(config_.actuators.size()));
-    const Incarnation incarnation = input_.Bool() ? 7 : input_.Take<std::uint64_t>();
+    const Incarnation incarnation(input_.Bool() ? 7 : input_.Take<std::uint64_t>());
     switch (input_.Below(6)) {
       case 0:
         return Count(monitor_.OnSample(i, incarnation, now_));

@@ -58,12 +58,15 @@ inline SwitchCommand AnyCommand(Input& input, const ActuatorReport& truth, Time 
   command.status_stamp = now;
   command.incarnation = truth.incarnation;
   const std::uint8_t changes = input.Byte();
-  if ((changes & 1) != 0) command.epoch = input.Number(truth.epoch.value(), kLastEpoch.value());
-  if ((changes & 2) != 0) command.number = input.Number(truth.number.value(), kLastNumber.value());
+  if ((changes & 1) != 0)
+    command.epoch = Epoch(input.Number(truth.epoch.value(), kLastEpoch.value()));
+  if ((changes & 2) != 0)
+    command.number = CommandNumber(input.Number(truth.number.value(), kLastNumber.value()));
   if ((changes & 4) != 0) command.budget = Duration(AnyTime(input, now));
   if ((changes & 8) != 0) command.status_stamp = transport::FromNanoseconds(AnyTime(input, now));
   if ((changes & 16) != 0) command.since_status = Duration(AnyTime(input, now));
-  if ((changes & 32) != 0) command.incarnation = input.Number(truth.incarnation.value(), 1);
+  if ((changes & 32) != 0)
+    command.incarnation = Incarnation(input.Number(truth.incarnation.value(), 1));
   if ((changes & 64) != 0) command.detached = input.Bool();
   return command;
 }

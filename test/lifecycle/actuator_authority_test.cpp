@@ -37,14 +37,14 @@ TEST_F(ObeyedController, ASenderThatHasNotAnnouncedItselfIsRefused) {
   const Answer answer = AnswerIn(Do(command));
   EXPECT_EQ(answer.code, kCodePermissionDenied);
   EXPECT_THAT(answer.message, HasSubstr("no controller of epoch 2 has announced itself"));
-  EXPECT_EQ(core_.report.epoch, 1U);
+  EXPECT_EQ(core_.report.epoch, Epoch(1));
 }
 
 TEST_F(ObeyedController, AnAnnouncedControllerTakesControlFromThePreviousOne) {
   Announce(2);
   EXPECT_THAT(Do(Command(1, "Active", 2)),
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
-  EXPECT_EQ(core_.report.epoch, 2U);
+  EXPECT_EQ(core_.report.epoch, Epoch(2));
   EXPECT_EQ(AnswerIn(Do(Command(2, "DeActive", 1))).code, kCodePermissionDenied);
 }
 
@@ -73,7 +73,7 @@ TEST_F(ObeyedController, TheSameEpochFromAnotherSenderIsRefused) {
   EXPECT_THAT(answer.message, HasSubstr("another controller"));
   EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {1, 5, true}, kUnknownSender})).code,
             kCodePermissionDenied);
-  EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
+  EXPECT_EQ(core_.report.number, CommandNumber(0)) << "its query fences nothing";
 }
 
 class NoControllerYet : public testing::OneActuator {
@@ -86,7 +86,7 @@ class NoControllerYet : public testing::OneActuator {
 TEST_F(NoControllerYet, ACommandOfAnUnknownSenderIsRefused) {
   Do(ControllerHeartbeatReceived{0, 0});
   Do(ControllerHeartbeatReceived{0, 3});
-  for (const Epoch epoch : {0, 3}) {
+  for (const Epoch epoch : {Epoch(0), Epoch(3)}) {
     SwitchArrived command = Command(1, "Active", epoch);
     command.sender = 0;
     const Actions actions = Do(command);
@@ -94,8 +94,8 @@ TEST_F(NoControllerYet, ACommandOfAnUnknownSenderIsRefused) {
     EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_)))) << epoch;
     EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {epoch, 5, true}, 0})).code, kCodePermissionDenied);
   }
-  EXPECT_EQ(core_.report.epoch, 0U);
-  EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
+  EXPECT_EQ(core_.report.epoch, Epoch(0));
+  EXPECT_EQ(core_.report.number, CommandNumber(0)) << "its query fences nothing";
 }
 
 TEST_F(ObeyedController, ASenderCannotUseTheEpochThatAnotherAnnounced) {
@@ -112,7 +112,7 @@ TEST_F(ObeyedController, AnEpochOutOfRangeIsRefusedEvenIfItIsAnnounced) {
     command.sender = kUnknownSender;
     EXPECT_EQ(AnswerIn(Do(command)).code, kCodeParametersInvalid);
   }
-  EXPECT_EQ(core_.report.epoch, 1U);
+  EXPECT_EQ(core_.report.epoch, Epoch(1));
   Announce(2);
   EXPECT_EQ(AnswerIn(Do(QueryArrived{9, {2, 0, false}, 2})).verdict, Verdict::kDone)
       << "a controller with a valid epoch still takes control";
@@ -127,7 +127,7 @@ TEST_F(ObeyedController, AnAnnouncementOfALowerEpochDoesNotHideAHigherOne) {
 }
 
 TEST_F(ObeyedController, AnnouncementsOfAnEpochOutOfRangeDoNotHideOthers) {
-  Do(ControllerHeartbeatReceived{666, UINT64_MAX});
+  Do(ControllerHeartbeatReceived{666, Epoch(UINT64_MAX)});
   Announce(5);
   EXPECT_THAT(Do(Command(1, "Active", 5)),
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
@@ -208,7 +208,7 @@ TEST_F(ControllerLost, ACallbackThatFailsIsRetriedAfterTheSameTimeoutAndNotAtOnc
 TEST_F(ControllerLost, ASwitchByItselfIsNotTheOutcomeOfACommand) {
   After(Milliseconds(2000));
   Do(CallbackEnded{5001, "stuck"});
-  EXPECT_EQ(core_.report.outcome_number, 1U);
+  EXPECT_EQ(core_.report.outcome_number, CommandNumber(1));
   EXPECT_EQ(core_.report.outcome_code, kCodeOk);
   EXPECT_EQ(AnswerIn(Do(Command(1, "Active"))).verdict, Verdict::kDone) << "repeated";
 }

@@ -40,7 +40,7 @@ TEST_F(Actuator, IsFinishedWithTheCodeOfASetUpThatFailed) {
 TEST_F(Actuator, AnswersWhenTheCallbackHasEnded) {
   SetUpIt();
   EXPECT_THAT(Do(Command(1, "Active")), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
-  EXPECT_EQ(core_.report.busy_number, 1U);
+  EXPECT_EQ(core_.report.busy_number, CommandNumber(1));
   EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).verdict, Verdict::kDone);
   EXPECT_EQ(core_.report.state, "Active");
   EXPECT_FALSE(core_.report.busy());
@@ -196,7 +196,7 @@ TEST_F(Actuator, AHealthProbeDoesNotCancelAWaitingTearDown) {
   Do(Command(3, "TearDown"));
   const Actions probed = Do(QueryArrived{9, {1, 0, false}, 1});
   EXPECT_EQ(AnswerIn(probed).verdict, Verdict::kDone);
-  EXPECT_EQ(core_.report.number, 3U);
+  EXPECT_EQ(core_.report.number, CommandNumber(3));
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
 }
 
@@ -207,7 +207,7 @@ TEST_F(Actuator, RequestsARunningCallbackToStopOnlyWhenCommanded) {
               Not(Contains(VariantWith<RequestStop>(RequestStop{}))));
   EXPECT_THAT(Do(QueryArrived{9, {1, 1, true}, 1}),
               Contains(VariantWith<RequestStop>(RequestStop{})));
-  EXPECT_EQ(core_.report.busy_number, 1U) << "it runs on until it gives up by itself";
+  EXPECT_EQ(core_.report.busy_number, CommandNumber(1)) << "it runs on until it gives up by itself";
 }
 
 TEST_F(Actuator, TheNewestCommandWaitsBehindARunningCallback) {
@@ -215,7 +215,7 @@ TEST_F(Actuator, TheNewestCommandWaitsBehindARunningCallback) {
   Do(Command(1, "Active"));
   Do(Command(2, "LowPower"));
   const Answer dropped = AnswerIn(Do(Command(3, "DeActive")));
-  EXPECT_EQ(dropped.token, 2U);
+  EXPECT_EQ(dropped.token, RequestToken(2));
   EXPECT_EQ(dropped.code, kCodeTargetBusy);
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }

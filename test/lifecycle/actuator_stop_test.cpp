@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::VariantWith;
 
-constexpr std::uint64_t kStop = 5;
+constexpr StopId kStop = 5;
 const auto kRuns = Contains(VariantWith<RunEmergencyStop>(RunEmergencyStop{}));
 const auto kRequestsStop = Contains(VariantWith<RequestStop>(RequestStop{}));
 
@@ -27,8 +27,8 @@ class Stopped : public testing::OneActuator {
     SetUpIt();
     Switch(1, "DeActive");
   }
-  Actions Engage(std::uint64_t id = kStop) { return Do(EmergencyStopReceived{id, true, 999}); }
-  Actions Release(std::uint64_t id = kStop, Sender sender = 1) {
+  Actions Engage(StopId id = kStop) { return Do(EmergencyStopReceived{id, true, 999}); }
+  Actions Release(StopId id = kStop, Sender sender = 1) {
     return Do(EmergencyStopReceived{id, false, sender});
   }
 };
@@ -72,7 +72,7 @@ TEST_F(Stopped, ReleasingTheFirstOfTwoStopsDoesNotOpenTheActuator) {
   EXPECT_EQ(core_.report.emergency_stop, kStop + 1);
   EXPECT_EQ(AnswerIn(Do(Command(2, "Active"))).code, kCodeProtectedError);
   Release(kStop + 1);
-  EXPECT_EQ(core_.report.emergency_stop, 0U);
+  EXPECT_EQ(core_.report.emergency_stop, StopId(0));
   Switch(3, "Active");
 }
 
@@ -91,7 +91,7 @@ TEST_F(Stopped, AStopWithoutANumberIsIgnored) {
 TEST_F(Stopped, AReleasedStopNeverStopsItAgainAndAnotherDoes) {
   Engage();
   Release();
-  EXPECT_EQ(core_.report.emergency_stop, 0U);
+  EXPECT_EQ(core_.report.emergency_stop, StopId(0));
   EXPECT_THAT(Engage(), IsEmpty());
   EXPECT_THAT(Engage(kStop + 1), kRuns);
 }
@@ -108,7 +108,7 @@ TEST_F(Stopped, OnlyItsControllerReleases) {
   EXPECT_THAT(Release(kStop + 1), IsEmpty()) << "and this one only";
   EXPECT_EQ(core_.report.emergency_stop, kStop);
   Release();
-  EXPECT_EQ(core_.report.emergency_stop, 0U);
+  EXPECT_EQ(core_.report.emergency_stop, StopId(0));
 }
 
 TEST_F(Stopped, NoParticipantReleasesAnActuatorWithoutAController) {

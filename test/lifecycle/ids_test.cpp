@@ -1,5 +1,5 @@
-// Most of it is checked by the compiler: a number of one kind cannot be given where another is
-// expected.
+// Most of it is checked by the compiler: a number of one kind, or a plain number that is not a
+// literal, cannot be given where another is expected.
 #include "musher/lifecycle/ids.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace musher::ids_test {
 
 // One of each, so that a new kind is compared with all others.
 using Kinds = std::tuple<Epoch, CommandNumber, Incarnation, RecordId, RequestId, RequestToken,
-                         Sender, StopId, SaveNumber>;
+                         Sender, StopId, SaveNumber, ActuatorIndex>;
 
 template <typename From, typename... To>
 constexpr int ConversionsOf(std::tuple<To...>*) {
@@ -29,19 +29,36 @@ constexpr int Conversions(std::tuple<From...>* kinds) {
 static_assert(Conversions(static_cast<Kinds*>(nullptr)) == std::tuple_size_v<Kinds>,
               "a kind of number converts to itself and to no other");
 
-template <typename From>
-constexpr bool kIsNoNumber = !std::is_convertible_v<From, std::uint64_t>;
-static_assert(kIsNoNumber<Epoch> && kIsNoNumber<CommandNumber> && kIsNoNumber<Sender>);
+template <typename... Number>
+constexpr bool ArePlain(std::tuple<Number...>*) {
+  return (std::is_convertible_v<Number, std::uint64_t> || ...);
+}
+static_assert(!ArePlain(static_cast<Kinds*>(nullptr)), "no kind converts to a plain number");
+
+template <typename Number>
+constexpr bool kBecomesByItself =
+    std::is_convertible_v<std::uint64_t, Number> || std::is_assignable_v<Number&, std::uint64_t>;
+template <typename... Number>
+constexpr bool BecomeByThemselves(std::tuple<Number...>*) {
+  return (kBecomesByItself<Number> || ...);
+}
+static_assert(!BecomeByThemselves(static_cast<Kinds*>(nullptr)),
+              "the field of a message converts to no kind by itself");
+
+template <typename... Number>
+constexpr bool BecomeByName(std::tuple<Number...>*) {
+  return (std::is_constructible_v<Number, std::uint64_t> && ...);
+}
+static_assert(BecomeByName(static_cast<Kinds*>(nullptr)));
+static_assert(!std::is_convertible_v<bool, StopId>, "a truth is no number");
+
+constexpr Epoch kOfALiteral = 7;
+static_assert(kOfALiteral == Epoch(std::uint64_t{7}) && kOfALiteral > 6);
 
 template <typename... Arguments>
 constexpr bool kTakesCommand = std::is_invocable_v<void (*)(Epoch, CommandNumber), Arguments...>;
 static_assert(kTakesCommand<Epoch, CommandNumber> && !kTakesCommand<CommandNumber, Epoch>,
               "swapped arguments do not compile");
-
-static_assert(!std::is_convertible_v<std::size_t, ActuatorIndex>, "a count is no index");
-static_assert(kIsNoNumber<ActuatorIndex> && !std::is_convertible_v<ActuatorIndex, int>);
-static_assert(Conversions(static_cast<std::tuple<Epoch, ActuatorIndex, StopId>*>(nullptr)) == 3,
-              "an index is no number of another kind");
 
 template <typename Values, typename Index>
 concept IsIndexedBy = requires(Values& values, Index index) {
@@ -58,14 +75,6 @@ TEST(StrongNumber, CountsAndComparesAsItsValue) {
   EXPECT_EQ((epoch + 3).value(), 10U);
   EXPECT_LT(epoch - 1, epoch);
   EXPECT_EQ(ToString(epoch), "7");
-}
-
-TEST(ActuatorIndex, ComparesAsItsValue) {
-  ActuatorIndex index = 2;
-  EXPECT_EQ(++index, ActuatorIndex(3));
-  EXPECT_LT(ActuatorIndex(), index);
-  EXPECT_EQ(index.value(), 3U);
-  EXPECT_EQ(ToString(index), "3");
 }
 
 TEST(PerActuator, HasOneValueForEachIndex) {

@@ -30,9 +30,12 @@ class OneActuator : public ::testing::Test {
 
   Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
 
+  // The controller of an epoch.
+  static Sender SenderOf(Epoch epoch) { return Sender(epoch.value()); }
+
   // A heartbeat of the controller of an epoch, the sender of Command().
   void Announce(Epoch epoch) {
-    Do(actuator_event::ControllerHeartbeatReceived{epoch.value(), epoch});
+    Do(actuator_event::ControllerHeartbeatReceived{SenderOf(epoch), epoch});
   }
 
   void SetUpIt() {
@@ -42,7 +45,7 @@ class OneActuator : public ::testing::Test {
 
   // An up-to-date command, number n.
   actuator_event::SwitchArrived Command(CommandNumber n, const State& target, Epoch epoch = 1) {
-    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch.value()};
+    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, SenderOf(epoch)};
   }
 
   // Takes it to `state` by command n.

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+#include <type_traits>
+
 namespace musher::state_test {
 
 TEST(BuiltInStates, HaveCyberDogsNumbers) {
@@ -40,6 +44,37 @@ TEST(BuiltInRank, IsMissingForTheStepsOfAStartAndForUnknownStates) {
   for (const auto* state : {"Uninitialized", "SetUp", "SelfCheck", "Parked"}) {
     EXPECT_FALSE(BuiltInRank(state)) << state;
   }
+}
+
+static_assert(!std::is_convertible_v<std::string, State> &&
+                  !std::is_convertible_v<std::string_view, State>,
+              "the name of an actuator, or a message's field, is no state by itself");
+static_assert(std::is_constructible_v<State, std::string> &&
+              std::is_convertible_v<BuiltInState, State>);
+
+bool SetState(const std::string& actuator, const State& state) {
+  return actuator == "arm" && state == kActive;
+}
+template <typename... Arguments>
+constexpr bool kTakesActuatorAndState = std::is_invocable_v<decltype(&SetState), Arguments...>;
+static_assert(kTakesActuatorAndState<std::string, State> &&
+                  !kTakesActuatorAndState<State, std::string>,
+              "swapped arguments do not compile");
+
+TEST(AState, IsReadAsAText) {
+  const State state = "Active";
+  const std::string text = state;
+  EXPECT_TRUE(SetState("arm", state));
+  EXPECT_EQ(text, "Active");
+  EXPECT_EQ("to " + state + " now", "to Active now");
+  EXPECT_EQ(state, kActive);
+  EXPECT_EQ(state, State(text));
+  EXPECT_NE(state, State());
+  EXPECT_TRUE(State().empty());
+}
+
+TEST(AState, FromOutsideIsShortened) {
+  EXPECT_EQ(State(std::string(70, 'x')).Shortened(), State(std::string(64, 'x')));
 }
 
 }  // namespace musher::state_test

@@ -68,7 +68,7 @@ TEST_F(DrivingACyberdogModule, ANakedEightIsARefusal) {
 
 TEST_F(DrivingACyberdogModule, WhenQueriedItIsBusyUntilItsReplyAndNothingMoreIsSent) {
   module_->script["Active"].takes = std::chrono::seconds(1);
-  const std::uint64_t active = Switch("Active");
+  const CommandNumber active = Switch("Active");
   network_.RunFor(Milliseconds(100));
   ASSERT_TRUE(Query());
   EXPECT_EQ(answer_->report.busy_number, active);
@@ -95,7 +95,7 @@ TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheRunningCommand) {
   module_->script["Active"].takes = Milliseconds(50);
   Switch("Active");
   Switch("LowPower");
-  const std::uint64_t error = Switch("Error");
+  const CommandNumber error = Switch("Error");
   ASSERT_TRUE(Until([&] { return reply_ && reply_->number == error; }));
   EXPECT_EQ(reply_->verdict, Verdict::kDone);
   EXPECT_THAT(module_->log(), ElementsAre("Active", "Error"));

@@ -31,7 +31,7 @@ class LinkStage : public ::testing::Test {
   }
 
   // A command as the coordinator gives it; its number.
-  std::uint64_t Switch(const State& target, Duration budget = Milliseconds(100)) {
+  CommandNumber Switch(const State& target, Duration budget = Milliseconds(100)) {
     reply_.reset();
     link_->Switch({1, ++number_, target, budget, {}, {}, status_.incarnation});
     return number_;
@@ -67,7 +67,7 @@ class LinkStage : public ::testing::Test {
   std::vector<std::string> losses_;
   std::optional<event::Replied> reply_;
   std::optional<event::Replied> answer_;
-  std::uint64_t number_ = 0;
+  CommandNumber number_ = 0;
 
  private:
   void Note(Event event) {

@@ -85,7 +85,7 @@ class ARealPeer : public ::testing::TestWithParam<const char*> {
   ActuatorReport status_;
   std::optional<event::Replied> reply_;
   bool lost_ = false;
-  std::uint64_t number_ = 0;
+  CommandNumber number_ = 0;
 };
 INSTANTIATE_TEST_SUITE_P(, ARealPeer, ::testing::Values("ros2", "cyberdog"),
                          [](const auto& kind) { return std::string(kind.param); });

@@ -174,7 +174,7 @@ TEST_F(DrivingARos2Node, ARequestThatNeverArrivedHadNotBegunAndWhenItDoesTheNode
 TEST_F(DrivingARos2Node, ACommandThatIsNotQueriedEndsToo) {
   ros_->holds_changes = true;
   Switch("Active");
-  const std::uint64_t next = Switch("Error");
+  const CommandNumber next = Switch("Error");
   network_.RunFor(Milliseconds(50));
   ros_->holds_changes = false;  // the first request is lost for good
   network_.RunFor(std::chrono::seconds(2));

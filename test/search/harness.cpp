@@ -15,10 +15,11 @@ constexpr StopId kStopId = 5;
 
 // The token of a request holds its number, its kind and its sender.
 RequestToken TokenOf(CommandNumber number, bool query, Sender sender) {
-  return number.value() << 8 | static_cast<std::uint64_t>(query) << 7 | sender.value();
+  return RequestToken(number.value() << 8 | static_cast<std::uint64_t>(query) << 7 |
+                      sender.value());
 }
 Sender SenderOf(RequestToken token) {
-  return token.value() & 127;
+  return Sender(token.value() & 127);
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ void Harness::Feed(const Event& event) {
 void Harness::RequestSwitch(const State& target) {
   world_.requests.push_back({target});
   Log("a caller requests " + target);
-  Feed(event::SetStateRequested{world_.requests.size(), target, std::nullopt});
+  Feed(event::SetStateRequested{RequestId(world_.requests.size()), target, std::nullopt});
 }
 
 void Harness::BeginController(bool by_hand) {
@@ -108,7 +109,7 @@ void Harness::FeedEnd(ActuatorIndex i) {
   if (world_.machine.actuators[i].process == pid) {
     return Feed(event::ProcessEnded{i, pid, clean, how});
   }
-  Feed(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
+  Feed(event::Vanished{i, Incarnation(static_cast<std::uint64_t>(pid)), true, "its process ended"});
 }
 
 void Harness::StartActuator(ActuatorIndex i) {
@@ -119,7 +120,8 @@ void Harness::StartActuator(ActuatorIndex i) {
   actuator = std::move(next);
   actuator.alive = true;
   actuator.core.report.pid = actuator.processes;
-  actuator.core.report.incarnation = static_cast<std::uint64_t>(actuator.core.report.pid);
+  actuator.core.report.incarnation =
+      Incarnation(static_cast<std::uint64_t>(actuator.core.report.pid));
   actuator.core.report.host = "here";
   StepActuator(i, actuator_event::Started{});
   if (world_.stopped && !world_.released) ReceiveStop(i);  // its topic is latched
@@ -223,7 +225,7 @@ void Harness::Apply(ActuatorIndex i, const ActuatorAction& action) {
     actuator.stop_requested = true;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
     if (SenderOf(answer->token) != Controller()) return;  // its caller has ended
-    actuator.replies.push_back({i, answer->token.value() >> 8,
+    actuator.replies.push_back({i, CommandNumber(answer->token.value() >> 8),
                                 (answer->token.value() >> 7 & 1) != 0, answer->verdict,
                                 answer->code, answer->message, Report(i)});
   } else if (std::holds_alternative<actuator_action::PublishStatus>(action) ||

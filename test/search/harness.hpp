@@ -47,7 +47,7 @@ class Harness {
   void Apply(const Action& action);
   void Send(ActuatorIndex i, std::variant<SwitchCommand, QueryCommand> what);
   void EndProcess(ActuatorIndex i, bool clean);
-  Sender Controller() const { return world_.generation + 1; }
+  Sender Controller() const { return Sender(world_.generation + 1); }
 
   const Model& model_;
   const MachineConfig& config_;

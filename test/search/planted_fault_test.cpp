@@ -116,7 +116,7 @@ TEST_F(PlantedFault, FindsAnActuatorThatLosesTheEmergencyStop) {
     if (!std::holds_alternative<actuator_event::SwitchArrived>(event)) {
       return Step(config, i, core, event, now);
     }
-    const StopId stop = std::exchange(core.report.emergency_stop, 0);
+    const StopId stop = std::exchange(core.report.emergency_stop, StopId());
     auto actions = Step(config, i, core, event, now);
     core.report.emergency_stop = stop;
     return actions;

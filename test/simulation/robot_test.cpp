@@ -125,7 +125,7 @@ TEST(SimRobot, AStopThatIsEngagedForANewControllerIsEngagedForItsActuators) {
   robot.RunFor(std::chrono::seconds(1));
   robot.ReleaseEmergencyStop();
   robot.RunFor(std::chrono::seconds(1));
-  EXPECT_EQ(robot.ReportOf("a")->emergency_stop, 0U);
+  EXPECT_EQ(robot.ReportOf("a")->emergency_stop, StopId(0));
   robot.CrashController();
   robot.StartController(std::chrono::seconds(1));
   robot.RunFor(std::chrono::seconds(5));

@@ -96,7 +96,7 @@ void MetricsWatch::OnHistory(std::uint32_t limit,
   const std::vector<msg::HistoryEntry>& entries = history.value().entries;
   const std::vector<std::string>& events = history.value().events;
   const bool reaches_back = std::ranges::any_of(entries, [this](const msg::HistoryEntry& entry) {
-    return history_read_ ? entry.epoch == newest_epoch_ && entry.id == newest_id_
+    return history_read_ ? Epoch(entry.epoch) == newest_epoch_ && RecordId(entry.id) == newest_id_
                          : entry.wall_ns < options_.began_wall_ns;
   });
   const bool all = reaches_back || entries.size() < limit || limit == kManyEntries;
@@ -105,8 +105,8 @@ void MetricsWatch::OnHistory(std::uint32_t limit,
     const bool counts = entries[i].id != 0 && entries[i].wall_ns >= options_.began_wall_ns;
     if (counts) metrics_.On(entries[i], i < events.size() ? events[i] : "");
     if (entries[i].id == 0) continue;
-    newest_epoch_ = entries[i].epoch;
-    newest_id_ = entries[i].id;
+    newest_epoch_ = Epoch(entries[i].epoch);
+    newest_id_ = RecordId(entries[i].id);
   }
   history_read_ = true;
   Answer(true);

@@ -65,8 +65,8 @@ class MetricsWatch {
   std::optional<msg::MachineStatus> status_;
   transport::PeerId leader_ = 0;  // the writer of that status; 0: lost
   bool history_read_ = false;     // at least once
-  std::uint64_t newest_id_ = 0;   // of the history that was read
-  std::uint64_t newest_epoch_ = 0;
+  RecordId newest_id_ = 0;        // of the history that was read
+  Epoch newest_epoch_ = 0;
   std::uint64_t requests_ = 0;            // for the history
   std::optional<std::uint64_t> reading_;  // the request that the scrape waits for
   Time answer_by_;

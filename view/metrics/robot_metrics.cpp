@@ -70,18 +70,20 @@ void RobotMetrics::On(const msg::HistoryEntry& entry, std::string_view event) {
 }
 
 bool RobotMetrics::IsNew(const msg::HistoryEntry& entry) {
-  Mark& mark = marks_[entry.epoch];
-  if (entry.id > mark.id && entry.wall_ns >= mark.not_before) {
-    mark.id = entry.id;
+  const Epoch epoch(entry.epoch);
+  const RecordId id(entry.id);
+  Mark& mark = marks_[epoch];
+  if (id > mark.id && entry.wall_ns >= mark.not_before) {
+    mark.id = id;
     mark.wall_ns = std::max(mark.wall_ns, entry.wall_ns);
-  } else if (entry.id <= mark.id && entry.wall_ns > mark.wall_ns) {
+  } else if (id <= mark.id && entry.wall_ns > mark.wall_ns) {
     // A machine without its disk counts its epochs from the beginning again.
-    mark = {entry.id, entry.wall_ns, entry.wall_ns};
+    mark = {id, entry.wall_ns, entry.wall_ns};
   } else {
     return false;
   }
   if (marks_.size() > kMostEpochs) {
-    const bool is_lowest = marks_.begin()->first == entry.epoch;
+    const bool is_lowest = marks_.begin()->first == epoch;
     marks_.erase(is_lowest ? std::next(marks_.begin()) : marks_.begin());
   }
   return true;
@@ -93,7 +95,7 @@ void RobotMetrics::OnSwitch(const msg::HistoryEntry& entry, std::string_view eve
   std::string outcome = has_note ? TextAt(data, "outcome") : "";
   if (has_note && outcome.empty()) {
     if (begun_.size() == kMostBegun) begun_.erase(begun_.begin());
-    begun_[entry.switch_number] = entry.wall_ns;
+    begun_[CommandNumber(entry.switch_number)] = entry.wall_ns;
     return;
   }
   if (event == NameOf(EventName::kSwitchRefused)) outcome = "refused";
@@ -105,12 +107,12 @@ void RobotMetrics::OnSwitch(const msg::HistoryEntry& entry, std::string_view eve
     } else {
       ++dropped_actuators_;
     }
-    begun_.erase(entry.switch_number);
+    begun_.erase(CommandNumber(entry.switch_number));
     return;
   }
   Target& target = targets_[has_note ? Know(TextAt(data, "target")) : kUnknownState];
   ++target.switches[index];
-  const auto begun = begun_.find(entry.switch_number);
+  const auto begun = begun_.find(CommandNumber(entry.switch_number));
   if (begun == begun_.end()) return;
   const Duration took(entry.wall_ns - begun->second);
   begun_.erase(begun);

@@ -25,6 +25,7 @@
 
 #include "musher/base/process_usage.hpp"
 #include "musher/base/time.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -84,7 +85,7 @@ class RobotMetrics {
   };
   // How far the history of an epoch was counted.
   struct Mark {
-    std::uint64_t id = 0;
+    RecordId id = 0;
     std::int64_t wall_ns = INT64_MIN;     // the latest
     std::int64_t not_before = INT64_MIN;  // when the controller began that uses this epoch again
   };
@@ -109,8 +110,8 @@ class RobotMetrics {
   std::vector<Actuator> actuators_;  // in the order of the config
   std::vector<std::string> states_;  // the built-in ones, then others in the order of arrival
   std::map<std::string, Target> targets_;
-  std::map<std::uint64_t, Mark> marks_;          // by epoch
-  std::map<std::uint64_t, std::int64_t> begun_;  // switch number -> wall_ns
+  std::map<Epoch, Mark> marks_;
+  std::map<CommandNumber, std::int64_t> begun_;  // switch number -> wall_ns
   std::uint64_t lost_samples_ = 0;
   std::pair<std::size_t, std::size_t> clients_;
   std::uint64_t scrapes_ = 0;

@@ -22,7 +22,7 @@ struct ReplayOptions {
 
 ExitCode Replay(const ReplayOptions& options, const GlobalOptions& /*global*/, Console& console) {
   recording::ReplayOptions what;
-  what.epoch = options.epoch;
+  if (options.epoch) what.epoch = Epoch(*options.epoch);
   if (!options.since.empty()) {
     const auto since = ParseSince(options.since, WallNow());
     if (!since) return console.Fail(since.error());

@@ -28,7 +28,7 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   if (failure.exit != ExitCode::kNoAnswer && failure.exit != ExitCode::kInterrupted) return failure;
   const auto& status = link.StatusTowards(target);
   if (status && status->target == target) {
-    failure.switch_number = status->switch_number;
+    failure.switch_number = CommandNumber(status->switch_number);
     failure.error.message +=
         fmt::format("; switch {} to {} continues, `musher status` shows its outcome",
                     status->switch_number, target);
@@ -113,7 +113,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   const msg::SetState::Response& result = end->result;
   if (end->kind == SwitchEnd::Kind::kUnknown) {
     return console.Fail(
-        {ExitCode::kUnknownEnd, {result.code, result.reason}, result.switch_number});
+        {ExitCode::kUnknownEnd, {result.code, result.reason}, CommandNumber(result.switch_number)});
   }
   // The controller exits with its machine. Once this command returns, the next one may start.
   // Its status may be lost before the process exits, so the last known one identifies it.

@@ -25,7 +25,7 @@ Json Of(const std::vector<Diagnostic>& diagnostics) {
 
 std::string FailureJson(const Failure& failure) {
   Json json = {{"error", failure.error.message}, {"code", failure.error.code}};
-  if (failure.switch_number != 0) json["switch"] = failure.switch_number;
+  if (failure.switch_number != 0) json["switch"] = failure.switch_number.value();
   return JsonLine(json);
 }
 

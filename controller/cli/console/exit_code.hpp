@@ -1,9 +1,8 @@
 #pragma once
 // The exit codes of the `musher` program, and failures with their exit code.
 
-#include <cstdint>
-
 #include "musher/base/result.hpp"
+#include "musher/lifecycle/ids.hpp"
 
 namespace musher::cli {
 
@@ -21,7 +20,7 @@ enum class ExitCode : int {
 struct Failure {
   ExitCode exit = ExitCode::kUsage;
   Error error;
-  std::uint64_t switch_number = 0;  // the switch that continues nevertheless; 0: none
+  CommandNumber switch_number = 0;  // the switch that continues nevertheless; 0: none
 };
 
 }  // namespace musher::cli

@@ -55,7 +55,7 @@ Result<> Ending::Open() {
     Target& target = targets_[name];
     target.outcome.name = name;
     target.outcome.pid = actuator.status.pid;
-    epoch_ = std::max(epoch_, actuator.status.epoch + 1);
+    epoch_ = std::max(epoch_, Epoch(actuator.status.epoch) + 1);
     if (actuator.status.host == HostId()) {
       const std::string lock = NameLock::NameOf(domain, name_space_, name);
       auto process = OpenPidfd(actuator.status.pid);
@@ -78,8 +78,8 @@ Result<> Ending::Open() {
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
-  heartbeat_ = {"musher down", epoch_,   NewIncarnation(),
-                HostId(),      getpid(), kHeartbeatPeriod.count()};
+  heartbeat_ = {"musher down", epoch_.value(), NewIncarnation(),
+                HostId(),      getpid(),       kHeartbeatPeriod.count()};
   if (auto published = heartbeats_->Publish(heartbeat_); !published) return published;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();
@@ -120,7 +120,7 @@ void Ending::CommandTearDown(Target& target, const Actuators& running) {
   static_cast<void>(heartbeats_->Publish(heartbeat_));  // it obeys only an announced controller
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindSwitch;
-  request.epoch = epoch_;
+  request.epoch = epoch_.value();
   request.number = status.number + 1;
   request.target = State(kTearDown);
   request.budget_ns = Duration(deadline_ - now).count();

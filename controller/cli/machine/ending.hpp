@@ -17,6 +17,7 @@
 
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/cli/machine/running.hpp"
+#include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/service.hpp"
@@ -69,7 +70,7 @@ class Ending {
   const std::string name_space_;
   const Running& running_;
   const Time deadline_;
-  std::uint64_t epoch_ = 1;
+  Epoch epoch_ = 1;
   msg::ControllerBeat heartbeat_;
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   std::map<std::string, Target> targets_;

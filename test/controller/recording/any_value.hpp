@@ -37,7 +37,7 @@ inline void MakeAny(Time& value) {
 }
 template <typename Kind>
 void MakeAny(StrongNumber<Kind>& number) {
-  number = *rc::gen::arbitrary<std::uint64_t>();
+  number = StrongNumber<Kind>(*rc::gen::arbitrary<std::uint64_t>());
 }
 inline void MakeAny(State& state) {
   std::string name;

@@ -250,11 +250,12 @@ Result<msg::MachineStatus> Observer::GetStatus() {
   return reply.value().status;
 }
 
-void Observer::EngageEmergencyStop(std::uint64_t id) {
+void Observer::EngageEmergencyStop(StopId id) {
   node_->RunOnLoop([&] {
     emergency_stop_ = Must(transport::MakePublisher<msg::EmergencyStop>(
         node_->node(), emergency_stop_topic_, transport::kLatchedQos));
-    const auto sent = emergency_stop_->Publish({id, true, "fault_injection", "an injected stop"});
+    const auto sent =
+        emergency_stop_->Publish({id.value(), true, "fault_injection", "an injected stop"});
     if (!sent) throw std::runtime_error(sent.error().message);
   });
 }

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/ids.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
@@ -66,7 +67,7 @@ class Observer {
   Result<msg::RestartActuator::Response> Restart(const std::string& actuator);
   Result<msg::MachineStatus> GetStatus();
   // Publishes a latched stop, as `musher estop` does; ReleaseEmergencyStop() removes the publisher.
-  void EngageEmergencyStop(std::uint64_t id);
+  void EngageEmergencyStop(StopId id);
   Result<msg::ReleaseEmergencyStop::Response> ReleaseEmergencyStop();
 
  private:

@@ -286,9 +286,9 @@ TEST_F(Adopting, FinishesATearDownInWhichThePreviousControllerCrashed) {
 TEST_F(Adopting, WithALostDiskExceedsTheEpochOfTheActuators) {
   Harness& t = In("Protected", Ours(3));
   for (int i = 0; i < 4; ++i) Restart(t);
-  ASSERT_EQ(t.machine().epoch, 5U);
+  ASSERT_EQ(t.machine().epoch, Epoch(5));
   Restart(t, /*lost_disk=*/true);
-  EXPECT_EQ(t.machine().epoch, 6U);
+  EXPECT_EQ(t.machine().epoch, Epoch(6));
   EXPECT_EQ(t.machine().state, "Protected");
   EXPECT_TRUE(t.Set("LowPower").done());
 }

@@ -43,7 +43,7 @@ TEST_F(Authority, AControllerWithALowerOrInvalidEpochIsIgnored) {
   t.Rest();
   t.ReceiveRivalHeartbeat(t.machine().epoch - 1);
   t.ReceiveRivalHeartbeat(t.machine().epoch);  // without precedence
-  t.ReceiveRivalHeartbeat(std::numeric_limits<std::uint64_t>::max());
+  t.ReceiveRivalHeartbeat(Epoch(std::numeric_limits<std::uint64_t>::max()));
   EXPECT_FALSE(t.fenced);
   t.Feed(event::RivalSeen{t.machine().epoch, "process 2", true});
   EXPECT_TRUE(t.fenced);
@@ -110,11 +110,11 @@ TEST_F(Authority, AControllerReceivedBeforeItsEpochIsExceededLeads) {
   t.Rest();
   t.RestartController(/*lost_disk=*/true);
   t.RunFor(Milliseconds(1000));
-  EXPECT_EQ(t.machine().epoch, 1U) << "another controller may lead with it";
+  EXPECT_EQ(t.machine().epoch, Epoch(1)) << "another controller may lead with it";
   t.ReceiveRivalHeartbeat(2);
   t.Rest();
   EXPECT_TRUE(t.fenced);
-  EXPECT_EQ(t.CoreOf("a").report.epoch, 2U) << "no actuator was commanded";
+  EXPECT_EQ(t.CoreOf("a").report.epoch, Epoch(2)) << "no actuator was commanded";
 }
 
 // Modules with invalid status and replies
@@ -194,8 +194,8 @@ TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenItsPreviousProcessIsLost) {
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
   t.Find("b", Health::kPartitioned, true);
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kStarting);
-  EXPECT_EQ(t.RecordOf("b").report.incarnation, 1U);
-  EXPECT_EQ(t.RecordOf("b").controlled, 1U);
+  EXPECT_EQ(t.RecordOf("b").report.incarnation, Incarnation(1));
+  EXPECT_EQ(t.RecordOf("b").controlled, Incarnation(1));
 }
 
 TEST_F(Authority, ALostActuatorOfAnotherHostIsNotUsed) {
@@ -248,10 +248,11 @@ TEST_F(Authority, AnEpochOutOfRangeIsNotUsedForAllActuators) {
 
 TEST_F(Authority, ANumberOutOfRangeDoesNotBlockTheCounter) {
   Harness& t = In("Active");
-  Say(t, "b",
-      [](ActuatorReport& report) { report.number = std::numeric_limits<std::uint64_t>::max(); });
+  Say(t, "b", [](ActuatorReport& report) {
+    report.number = CommandNumber(std::numeric_limits<std::uint64_t>::max());
+  });
   const SwitchResult result = t.Set("LowPower");
-  EXPECT_LT(result.number, 1000U);
+  EXPECT_LT(result.number, CommandNumber(1000));
   EXPECT_EQ(t.StateOf("a"), "LowPower");
 }
 

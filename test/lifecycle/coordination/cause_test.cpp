@@ -37,7 +37,8 @@ TEST_F(Causes, RecordsAreNumberedFromOneWithoutGaps) {
   Harness& t = In("Active");
   t.Set("LowPower");
   ASSERT_GT(t.whole_records.size(), 10U);
-  for (std::size_t i = 0; i < t.whole_records.size(); ++i) EXPECT_EQ(t.whole_records[i].id, i + 1);
+  for (std::size_t i = 0; i < t.whole_records.size(); ++i)
+    EXPECT_EQ(t.whole_records[i].id, RecordId(i + 1));
 }
 
 TEST_F(Causes, EachRecordHasAnEvent) {
@@ -170,7 +171,7 @@ TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
       t.whole_records.begin(), t.whole_records.end(),
       [](const auto& record) { return record.message.starts_with("b is degraded: needs a"); });
   ASSERT_NE(b, t.whole_records.end());
-  ASSERT_NE(b->cause, 0U);
+  ASSERT_NE(b->cause, RecordId(0));
   const action::Record& ended = t.whole_records[b->cause.value() - 1];
   EXPECT_THAT(ended.message, StartsWith("a's process "));
   EXPECT_THAT(t.whole_records[ended.cause.value() - 1].message, StartsWith("a is degraded"));

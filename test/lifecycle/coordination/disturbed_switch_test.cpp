@@ -295,7 +295,7 @@ TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
   t.Rest();
   const SwitchResult result = t.Set("LowPower");
   EXPECT_TRUE(result.done()) << result.reason;
-  EXPECT_GT(result.number, 500U);
+  EXPECT_GT(result.number, CommandNumber(500));
 }
 
 TEST_F(Switching, UpIsRefusedWhileAnActuatorIsStillSwitching) {

@@ -269,7 +269,7 @@ TEST_F(ActuatorsOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNon
   Obey(0);
   const action::Record record = RecordWith("rolling back with command");
   EXPECT_THAT(record.message, HasSubstr(", 0 actuators"));
-  EXPECT_NE(record.cause, 0);
+  EXPECT_NE(record.cause, RecordId(0));
   EXPECT_EQ(record.cause, machine_.stop_cause);
 }
 

@@ -14,7 +14,7 @@ class EmergencyStopOrigin : public Switching {
   std::vector<Action> Feed(const Event& event) {
     return Step(config_, machine_, event, machine_.actuators[1].report.stamp + Milliseconds(1));
   }
-  std::vector<Action> ReportThatBHasLatched(std::uint64_t id) {
+  std::vector<Action> ReportThatBHasLatched(StopId id) {
     ActuatorReport report = machine_.actuators[1].report;
     report.emergency_stop = id;
     report.stamp += Milliseconds(1);

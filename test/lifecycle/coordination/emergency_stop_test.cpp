@@ -12,11 +12,12 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
-constexpr std::uint64_t kStop = 5;
+constexpr StopId kStop = 5;
+constexpr StopId kNone = 0;
 
 class EmergencyStopped : public Switching {
  protected:
-  static void Stop(Harness& t, std::uint64_t id = kStop) {
+  static void Stop(Harness& t, StopId id = kStop) {
     t.StopAll(id);
     t.RunFor(Milliseconds(1));
   }
@@ -250,11 +251,11 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   t.Inject("a", actuator_event::EmergencyStopReceived{6, true, 0});  // it received the second first
   Stop(t, 5);
   Stop(t, 6);
-  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, 6U);
-  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, 5U);
+  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, StopId(6));
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, StopId(5));
   EXPECT_TRUE(t.calls.at(t.Release()));
   t.Rest();
-  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
   EXPECT_FALSE(t.machine().emergency_stop);
   EXPECT_TRUE(t.stops_on_disk.engaged.empty());
 }
@@ -266,7 +267,7 @@ TEST_F(EmergencyStopped, AReleasedStopDoesNotComeBackByALateSample) {
   t.Rest();
   Stop(t);  // the same, delayed
   EXPECT_FALSE(t.machine().emergency_stop);
-  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
   Stop(t, kStop + 1);
   EXPECT_TRUE(t.machine().emergency_stop) << "another one is another one";
 }
@@ -285,7 +286,7 @@ TEST_F(EmergencyStopped, TheReleaseIsPublishedAgainToAnActuatorThatMissedIt) {
   t.Inject("b", actuator_event::EmergencyStopReceived{kStop, true, 0});
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop);
   t.Rest();
-  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, 0U);
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kNone);
   EXPECT_FALSE(t.machine().emergency_stop);
 }
 
@@ -327,7 +328,7 @@ TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController)
   Stop(t);
   t.Rest();
   EXPECT_FALSE(t.machine().emergency_stop);
-  for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+  for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
 }
 
 TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
@@ -339,7 +340,7 @@ TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
   EXPECT_EQ(t.stops_on_disk.engaged.size(), 2U);
   EXPECT_TRUE(t.calls.at(t.Release()));
   t.Rest();
-  for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+  for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
 }
 
 // A controller neither publishes nor saves what it receives before it leads.
@@ -372,7 +373,7 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
   EXPECT_EQ(t.machine().state, "Active") << "adopted as it was";
   EXPECT_TRUE(t.calls.at(t.Release()));
   t.Rest();
-  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, 0U);
+  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kNone);
 }
 
 TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {

@@ -144,7 +144,7 @@ void Harness::StartActuator(const std::string& name) {
   fake.script = std::move(script);
   fake.alive = true;
   fake.pid = next_pid_++;
-  fake.core.report.incarnation = static_cast<std::uint64_t>(fake.pid);
+  fake.core.report.incarnation = Incarnation(static_cast<std::uint64_t>(fake.pid));
   fake.core.report.pid = fake.pid;
   fake.core.report.host = "here";
   After(kWire, [this, i = Index(name), pid = fake.pid] {
@@ -171,7 +171,8 @@ void Harness::EndProcess(ActuatorIndex i, bool clean, const std::string& how, in
   After(kWire, [=, this, pid = fake.pid] {
     const bool ours = machine_.actuators[i].process == pid;
     if (ours) return Feed(event::ProcessEnded{i, pid, clean, how, exit_code});
-    Feed(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
+    Feed(event::Vanished{i, Incarnation(static_cast<std::uint64_t>(pid)), true,
+                         "its process ended"});
   });
 }
 

@@ -142,7 +142,7 @@ class Harness {
   void PublishToActuators(const action::PublishEmergencyStop& stop);
   template <class T>
   void Save(Stored what, SaveNumber save, T& stored, T value);
-  Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }
+  Sender ControllerId() const { return Sender(static_cast<std::uint64_t>(generation_)) + 1; }
   void EndProcess(ActuatorIndex i, bool clean, const std::string& how, int exit_code = 0);
   ActuatorReport ReportOf(ActuatorIndex i) const;
   ActuatorIndex Index(const std::string& name) const { return *config_.IndexOf(name); }

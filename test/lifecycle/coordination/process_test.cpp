@@ -34,7 +34,7 @@ TEST_F(Processes, AreRecordedWithTheirStartAsTheCause) {
   Do(event::ProcessStarted{0, 700});
   const action::Record record = RecordWith("a started (pid 700)");
   EXPECT_EQ(record.code, kCodeOk);
-  EXPECT_EQ(record.cause, 1U) << "the controller's beginning";
+  EXPECT_EQ(record.cause, RecordId(1)) << "the controller's beginning";
 }
 
 // As on a disk that loads the program slowly.

@@ -105,7 +105,7 @@ class Walk {
         return t_.Find(name, Health::kWell);
       case 7:
         Note("stop");
-        return t_.StopAll(static_cast<std::uint64_t>(Below(3)) + 1);
+        return t_.StopAll(StopId(static_cast<std::uint64_t>(Below(3))) + 1);
       case 8:
       case 9:
         Note("release");

@@ -19,7 +19,7 @@ TEST_F(ReceivedStops, AReleaseByThePreviousControllerIsStored) {
   begin.stops.released = {8};
   Do(begin);
   ASSERT_THAT(Did<action::SaveEmergencyStops>(), SizeIs(1));
-  EXPECT_THAT(Did<action::SaveEmergencyStops>()[0].stops.released, ElementsAre(8));
+  EXPECT_THAT(Did<action::SaveEmergencyStops>()[0].stops.released, ElementsAre(StopId(8)));
 }
 
 TEST_F(ReceivedStops, AReleaseByAPanelEngagesNoStop) {
@@ -31,7 +31,7 @@ TEST_F(ReceivedStops, AReleaseByAPanelEngagesNoStop) {
 
 TEST_F(ReceivedStops, OfAFloodAsManyAreMergedAsAMachineKeeps) {
   StoredStops flood;
-  for (std::uint64_t id = 1; id <= 100; ++id) flood.engaged.push_back({id, "a panel", ""});
+  for (StopId id = 1; id <= 100; ++id) flood.engaged.push_back({id, "a panel", ""});
   StartUp();
   for (const EmergencyStop& stop : flood.engaged) Do(event::EmergencyStopSeen{stop});
   EXPECT_EQ(Merge({}, flood).engaged, StopsOf(machine_).engaged);

@@ -45,7 +45,7 @@ TEST_F(Stages, AfterTheFirstAreRecordedAndNoneBeyondTheLast) {
   Obey(0);
   Obey(0);
   EXPECT_FALSE(IsRecorded("starting stage 1"));
-  EXPECT_EQ(RecordWith("starting stage 2").cause, 1U) << "the controller's beginning";
+  EXPECT_EQ(RecordWith("starting stage 2").cause, RecordId(1)) << "the controller's beginning";
   Come(1);
   Obey(1);
   Obey(1);
@@ -82,7 +82,7 @@ TEST_F(Stages, ACallerThatWaitsForSetUpIsAnswered) {
   EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty());
   Come(1);
   ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
-  EXPECT_EQ(Did<action::AnswerCall>()[0].request, 7U);
+  EXPECT_EQ(Did<action::AnswerCall>()[0].request, RequestId(7));
   EXPECT_TRUE(Did<action::AnswerCall>()[0].result.ok());
 }
 

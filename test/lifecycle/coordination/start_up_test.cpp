@@ -332,10 +332,10 @@ TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
   Harness t(MachineOf(2));
   t.Begin(false, 41);  // the epoch on disk
   t.Rest();
-  EXPECT_EQ(t.machine().epoch, 42U);
+  EXPECT_EQ(t.machine().epoch, Epoch(42));
   t.RestartController(true);  // the disk is lost: it begins with 1
   t.Rest();
-  EXPECT_EQ(t.machine().epoch, 43U);
+  EXPECT_EQ(t.machine().epoch, Epoch(43));
   EXPECT_TRUE(t.Set("Protected").done());
 }
 

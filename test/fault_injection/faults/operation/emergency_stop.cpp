@@ -6,14 +6,15 @@ namespace musher::fault_injection::operation {
 namespace {
 
 // Whether all actuators have latched the stop `id`; 0: none.
-bool AllHaveLatched(FaultRun& run, std::uint64_t id) {
+bool AllHaveLatched(FaultRun& run, StopId id) {
   const auto reports = run.observer().LatestOfActuators();
-  return std::all_of(reports.begin(), reports.end(),
-                     [id](const auto& actuator) { return actuator.second.emergency_stop == id; });
+  return std::all_of(reports.begin(), reports.end(), [id](const auto& actuator) {
+    return StopId(actuator.second.emergency_stop) == id;
+  });
 }
 
 void EngageStop(FaultRun& run) {
-  const std::uint64_t id = run.random.Next() | 1U;
+  const StopId id(run.random.Next() | 1U);
   run.FaultInjected();
   run.observer().EngageEmergencyStop(id);
   run.Require(AwaitThat([&] { return AllHaveLatched(run, id); }, kTimeout),
