@@ -71,7 +71,7 @@ class MixedScenario {
  private:
   static MachineConfig Config() {
     MachineConfig config = MachineOf(7);
-    for (std::size_t i = 0; i < 7; ++i) {
+    for (const ActuatorIndex i : config.actuators.Indices()) {
       ActuatorConfig& actuator = config.actuators[i];
       actuator.command = {"run"};
       if (i == 0) continue;
@@ -113,7 +113,7 @@ class MixedScenario {
     static const std::vector<State> kTargets = {"Active", "Protected", "LowPower", "DeActive",
                                                 "OTA"};
     const State target = kTargets[random_.Next() % kTargets.size()];
-    const std::string& victim = robot_.config().actuators[random_.Next() % 7].name;
+    const std::string& victim = robot_.config().actuators[ActuatorIndex(random_.Next() % 7)].name;
     if (random_.Bernoulli(0.1)) robot_.network().Partition("controller", victim);
     if (random_.Bernoulli(0.15)) robot_.CrashActuator(victim);
     if (random_.Bernoulli(0.1)) {

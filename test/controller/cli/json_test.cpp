@@ -3,6 +3,7 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/console/error_json.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "musher/test/controller/cli/robot.hpp"

@@ -207,7 +207,7 @@ TEST_F(Adopting, ALostCriticalActuatorThatDoesNotComeBackTakesTheMachineDown) {
 }
 
 TEST_F(Adopting, DoesNotTakeASwitchOutOfARequestedCheckForAStart) {
-  for (const BuiltInState state : {kDeActive, kError, kTearDown}) {
+  for (const State state : {kDeActive, kError, kTearDown}) {
     Harness& t = In("Error", Ours(3));
     ASSERT_TRUE(t.Set("SelfCheck").done());
     for (const char* name : {"a", "b", "c"}) t.On(name, state).takes = Milliseconds(90);

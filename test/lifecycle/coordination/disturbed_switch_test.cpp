@@ -112,7 +112,7 @@ TEST_F(Switching, AnActuatorThatIsLostBeforeItsTurnIsNotRolledBack) {
 
 // A switch is not "done" when an actuator has exited after its part, while others switch.
 TEST_F(Switching, AnActuatorThatCrashesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
-  for (const BuiltInState target : {kActive, kLowPower, kSelfCheck}) {
+  for (const State target : {kActive, kLowPower, kSelfCheck}) {
     for (const bool ours : {false, true}) {
       Harness& t = In("Protected", ours ? Ours(3) : MachineOf(3));
       t.On("c", target).takes = Milliseconds(80);
@@ -131,7 +131,7 @@ TEST_F(Switching, AnActuatorThatCrashesAfterItsPartOfTheSwitchIsMissingInTheOutc
 
 // It may be restarted before the other actuators have switched.
 TEST_F(Switching, AnActuatorRestartedAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
-  for (const BuiltInState target : {kActive, kLowPower, kSelfCheck}) {
+  for (const State target : {kActive, kLowPower, kSelfCheck}) {
     for (const bool critical : {false, true}) {
       MachineConfig config = critical ? OursWithCriticalB() : Ours(3);
       for (ActuatorConfig& actuator : config.actuators) {
