@@ -195,8 +195,8 @@ std::uint64_t Checker::SerialOf(const Machine& machine) const {
 // waiting, under the new one.
 void Checker::CarryCommandsOver(std::uint64_t controller, Epoch from, Epoch to) {
   const std::vector<std::pair<CommandKey, SentCommand>> sent(
-      sent_commands_.lower_bound({from, 0, CommandNumber()}),
-      sent_commands_.lower_bound({from + 1, 0, CommandNumber()}));
+      sent_commands_.lower_bound({from, ActuatorIndex(), CommandNumber()}),
+      sent_commands_.lower_bound({from + 1, ActuatorIndex(), CommandNumber()}));
   for (const auto& [key, command] : sent) {
     if (command.controller != controller) continue;
     sent_commands_.try_emplace({to, std::get<1>(key), std::get<2>(key)}, command);

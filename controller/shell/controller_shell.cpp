@@ -180,6 +180,7 @@ void ControllerShell::Remark(std::int32_t code, const std::string& message, Even
 
 // Handles events one after the other: a callback that gets an answer may send a new request.
 void ControllerShell::Handle(const Event& event) {
+  dependencies_.node->loop().CheckThread();  // every request, sample and exit comes by here
   if (KeepForBegin(event)) return;
   queue_.push_back(event);
   if (handling_) return;

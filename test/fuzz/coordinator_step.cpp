@@ -99,7 +99,7 @@ class Harness {
   }
 
   void RequestSwitch(const std::string& name) {
-    const char* const targets[] = {"Protected", "DeActive", "LowPower", "SelfCheck", "Error"};
+    constexpr BuiltInState targets[] = {kProtected, kDeActive, kLowPower, kSelfCheck, kError};
     const State target = targets[input_.Below(std::size(targets))];
     if (const auto rank = BuiltInRank(target)) allowed_ = std::max(allowed_, *rank);
     if (input_.Bool()) {

@@ -86,7 +86,7 @@ class MixedScenario {
   void SampleFaults() {
     for (const auto& [name, module] : modules_) {
       if (!robot_.IsAlive(name)) continue;
-      for (const BuiltInState state : {kActive, kLowPower, kProtected, kDeActive, kOta}) {
+      for (const State state : {kActive, kLowPower, kProtected, kDeActive, kOta}) {
         CyberdogModule::Callback& callback = module->script[state];
         callback.takes = Sample(0.1) ? Milliseconds(300) : Milliseconds(5);
         callback.code = Sample(0.1) ? 5001 : 0;

@@ -90,7 +90,7 @@ TEST_F(SimulatedCapabilities, ArePublishedAtEveryChange) {
 TEST_F(SimulatedCapabilities, ArePublishedTwentyTimesASecondAtMost) {
   BringUp();
   for (int i = 0; i < 100; ++i) {
-    robot_.Set(i % 2 == 0 ? "LowPower" : "Active");
+    robot_.Set(i % 2 == 0 ? kLowPower : kActive);
     robot_.RunFor(Milliseconds(i % 37));
   }
   ASSERT_GT(times_.size(), 10U);

@@ -204,7 +204,7 @@ TEST_F(PlantedFlaw, FindsALostStopIntentThatBringsTheMachineUpAgain) {
   robot_->CrashController();
   robot_->disk(0).stop_intent = false;
   for (const char* name : {"a", "b"}) robot_->CrashActuator(name);
-  slow_.clear();
+  slow_ = {};
   robot_->LaunchController(0, true, {}, true);
   RunFor(std::chrono::seconds(5));
   ExpectFound(Invariant::kNoStartAfterTearDown, "after an accepted TearDown");
