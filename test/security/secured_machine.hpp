@@ -64,7 +64,7 @@ class SecuredMachine : public MachineByCli {
   static void ExpectTheMachineIsSound() {
     const auto before = Status();
     ASSERT_FALSE(before.is_null());
-    for (const BuiltInState state : {kActive, kLowPower}) {
+    for (const char* state : {"Active", "LowPower"}) {
       const Ended set = Musher({"set", state});
       EXPECT_EQ(set.exit, 0) << set.err;
       const auto status = AwaitStatus(AllHaveArrived);

@@ -96,7 +96,7 @@ void Switch(ObservedController& controller, const State& target, std::vector<dou
   times.push_back(ToSeconds(Clock::now() - begin) * 1000);
   if (result.done()) return;
   ++not_done;
-  std::fprintf(stderr, "  %s was %s: %s\n", target.c_str(),
+  std::fprintf(stderr, "  %s was %s: %s\n", target.name().c_str(),
                std::string(OutcomeName(result.outcome)).c_str(), result.reason.c_str());
 }
 
@@ -111,7 +111,7 @@ void Run(ObservedController& controller, const Losses& losses, Board& loader, in
       Switch(controller, State(kSelfCheck), switches.load_times, switches.not_done);
       next_load += kLoadPeriod;
     } else {
-      const State target(i % 2 == 0 ? "DeActive" : "Active");
+      const State target(i % 2 == 0 ? kDeActive : kActive);
       Switch(controller, target, switches.times, switches.not_done);
     }
     if (Clock::now() >= next_word) {

@@ -89,7 +89,7 @@ class Switched {
 
   void Call() {
     active_ = !active_;
-    const SwitchResult result = controller_.Switch(active_ ? "Active" : "DeActive");
+    const SwitchResult result = controller_.Switch(active_ ? kActive : kDeActive);
     MustBeDone(result);
     if (!result.actuators.front().message.empty()) Fail("nothing was sent");
   }

@@ -108,7 +108,7 @@ void Robot::Listen() {
       transport::MachineStatusTopic(""), transport::kLatchedQos,
       [](Received& received, const msg::MachineStatus& status) {
         if (!received.machine || received.machine->state != status.state) {
-          received.states.push_back(status.state);
+          received.states.emplace_back(status.state);
         }
         received.machine = status;
       });

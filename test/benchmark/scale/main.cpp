@@ -55,7 +55,7 @@ void Measure(int actuators, int processes, int number, const Table& table) {
   std::vector<double> times;
   for (int i = 0; i < 40; ++i) {
     const auto switched = Clock::now();
-    MustBeDone(controller.Switch(i % 2 == 0 ? "DeActive" : "Active"));
+    MustBeDone(controller.Switch(i % 2 == 0 ? kDeActive : kActive));
     times.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
   table.Row(what + "a switch of all", times, "ms");

@@ -54,7 +54,7 @@ double Switch(MachineController& controller, int switches) {
   std::vector<double> times;
   for (int i = -10; i < switches; ++i) {
     const auto begin = Clock::now();
-    MustBeDone(controller.Switch((i & 1) == 0 ? "DeActive" : "Active"));
+    MustBeDone(controller.Switch((i & 1) == 0 ? kDeActive : kActive));
     if (i >= 0) times.push_back(Microseconds(Clock::now() - begin));
   }
   return Median(times);

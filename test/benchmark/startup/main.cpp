@@ -48,7 +48,7 @@ void UnderMusher(const Fleet& fleet, Times& times) {
   times.start_s.push_back(ToSeconds(Clock::now() - begin));
   for (int i = 0; i < kSwitches; ++i) {
     const auto switched = Clock::now();
-    MustBeDone(controller.Switch(i % 2 == 0 ? "DeActive" : "Active"));
+    MustBeDone(controller.Switch(i % 2 == 0 ? kDeActive : kActive));
     times.switch_ms.push_back(ToSeconds(Clock::now() - switched) * 1000);
   }
   static_cast<void>(controller.Switch("TearDown").done());  // ends its processes

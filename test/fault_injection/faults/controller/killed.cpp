@@ -32,7 +32,7 @@ Case CaseFor(FaultRun& run, SwitchPhase phase) {
     return {"Active", [before](const auto& s) { return s.target == before; }};
   }
   std::vector<std::string> others;
-  for (const BuiltInState state : {kActive, kProtected, kDeActive, kLowPower}) {
+  for (const char* state : {"Active", "Protected", "DeActive", "LowPower"}) {
     if (state != run.state()) others.emplace_back(state);
   }
   const std::string target = run.random.Pick(others);
