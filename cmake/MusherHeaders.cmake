@@ -1,14 +1,16 @@
 # Every installed header stands alone: a source file that includes nothing before it compiles. Most have
 # one, their own, which the preset alone compiles alone; for the others one is made.
-set(folders actuator application behavior lifecycle messages transport)
-if(NOT MUSHER_UNITY)  # there it is shown of all
-  list(APPEND folders controller simulation view)
+if(MUSHER_UNITY)
+  include(PublicHeaders)
+  musher_public_headers(headers)
+else()  # there it is shown of all
+  set(folders actuator application base behavior controller lifecycle messages navigation simulation transport view)
   if(MUSHER_MODULES)
     list(APPEND folders modules)
   endif()
+  list(TRANSFORM folders REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.hpp" OUTPUT_VARIABLE patterns)
+  file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${patterns})
 endif()
-list(TRANSFORM folders REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.hpp" OUTPUT_VARIABLE patterns)
-file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${patterns})
 set(alone)
 foreach(header ${headers})
   string(REGEX REPLACE "hpp$" "cpp" own ${PROJECT_SOURCE_DIR}/${header})

@@ -7,36 +7,16 @@ get_property(targets GLOBAL PROPERTY MUSHER_INSTALLED_TARGETS)
 install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
-# What a robot's project includes; what only Musher's own sources include stays here.
-foreach(folder base lifecycle wire behavior messages transport actuator application controller cyberdog simulation)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
-          FILES_MATCHING PATTERN "*.hpp"
-          PATTERN "lifecycle/coordinator/authority.hpp" EXCLUDE
-          PATTERN "lifecycle/command" EXCLUDE
-          PATTERN "lifecycle/process" EXCLUDE
-          PATTERN "lifecycle/recovery" EXCLUDE
-          PATTERN "lifecycle/rules" EXCLUDE
-          PATTERN "lifecycle/startup" EXCLUDE
-          PATTERN "lifecycle/switch" EXCLUDE
-          PATTERN "policy/policy_memory.hpp" EXCLUDE
-          PATTERN "policy/power.hpp" EXCLUDE
-          PATTERN "step/emergency_stops.hpp" EXCLUDE
-          PATTERN "step/machine_view.hpp" EXCLUDE
-          PATTERN "step/saving.hpp" EXCLUDE
-          PATTERN "step/step_part.hpp" EXCLUDE
-          PATTERN "machine_actuator_impl.hpp" EXCLUDE
-          PATTERN "application/ticks.hpp" EXCLUDE
-          PATTERN "application/load_tree.hpp" EXCLUDE
-          PATTERN "tree/building.hpp" EXCLUDE
-          PATTERN "tree/xml/places.hpp" EXCLUDE
-          PATTERN "base/toml" EXCLUDE
-          PATTERN "config/toml" EXCLUDE
-          PATTERN "transport/dds" EXCLUDE
-          PATTERN "security" EXCLUDE
-          PATTERN "controller/cli" EXCLUDE
-          PATTERN "actuator/program" EXCLUDE
-          PATTERN "generator" EXCLUDE)
-endforeach()
+# The headers, found when they are installed: what one includes may have changed since the configuration.
+install(CODE "
+  set(PROJECT_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
+  include(\"${CMAKE_CURRENT_LIST_DIR}/PublicHeaders.cmake\")
+  musher_public_headers(headers)
+  foreach(header IN LISTS headers)
+    get_filename_component(folder \${header} DIRECTORY)
+    file(INSTALL DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/musher/\${folder}\"
+         TYPE FILE FILES \"${PROJECT_SOURCE_DIR}/\${header}\")
+  endforeach()")
 # A folder of the IDL is a package, whose headers are generated.
 file(GLOB packages RELATIVE ${PROJECT_SOURCE_DIR}/messages ${PROJECT_SOURCE_DIR}/messages/*/*.idl)
 list(TRANSFORM packages REPLACE "/.*" "")
@@ -46,13 +26,6 @@ foreach(package ${packages})
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/messages)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/messages/${package} DESTINATION ${CMAKE_INSTALL_DATADIR}/musher/idl)
 endforeach()
-foreach(header document findings module_file table_reader)  # for the TOML file of a module
-  install(FILES ${PROJECT_SOURCE_DIR}/base/toml/${header}.hpp
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/base/toml)
-endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/transport/dds/dds_node.hpp ${PROJECT_SOURCE_DIR}/transport/dds/node_thread.hpp
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
-
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/musher/ros DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS COMPONENT modules)

@@ -45,7 +45,7 @@ std::vector<State> ListedStates(const ActuatorHandle& handle) {
   const PyActuator& actuator = handle.Get();
   const MachineConfig& config = actuator.machine_config();
   const ActuatorConfig& own = config.actuators[*config.IndexOf(actuator.name())];
-  return {own.states.begin(), own.states.end()};
+  return own.states;
 }
 
 void Checkpoint(const ActuatorHandle& handle, std::optional<double> allowance_s) {
