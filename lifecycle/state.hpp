@@ -77,7 +77,7 @@ class State {
   friend bool operator==(const State& state, const char (&literal)[kSize]) {
     return state.name_ == literal;
   }
-  friend auto operator<=>(const State&, const State&) = default;
+  friend auto operator<=>(const State&, const State&) = default;  // NOLINT(*-nullptr)
   friend std::string operator+(const std::string& before, const State& state) {
     return before + state.name_;
   }
