@@ -12,7 +12,7 @@ namespace musher {
 // allowed to differ, at least one character and at most three. Of equally near ones the first wins;
 // a candidate equal to `word` is never given. Words over 64 bytes have no nearest one.
 std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates);
-template <typename Name>  // that is read as a text
+template <typename Name>  // which converts to std::string_view
 std::string Nearest(std::string_view word, const std::vector<Name>& candidates) {
   return Nearest(word, std::vector<std::string_view>(candidates.begin(), candidates.end()));
 }

@@ -1,15 +1,15 @@
 # Every installed header stands alone: a source file that includes nothing before it compiles. Most have
 # one, their own, which the preset alone compiles alone; for the others one is made.
-if(MUSHER_UNITY)
+set(folders actuator application base behavior controller cyberdog lifecycle messages navigation simulation transport
+            view wire)
+if(MUSHER_MODULES)
+  list(APPEND folders modules)
+endif()
+list(TRANSFORM folders REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.hpp" OUTPUT_VARIABLE patterns)
+file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${patterns})
+if(MUSHER_UNITY)  # the everyday build; the preset alone shows it of all
   include(PublicHeaders)
   musher_public_headers(headers)
-else()  # there it is shown of all
-  set(folders actuator application base behavior controller lifecycle messages navigation simulation transport view)
-  if(MUSHER_MODULES)
-    list(APPEND folders modules)
-  endif()
-  list(TRANSFORM folders REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.hpp" OUTPUT_VARIABLE patterns)
-  file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${patterns})
 endif()
 set(alone)
 foreach(header ${headers})

@@ -7,6 +7,10 @@ get_property(targets GLOBAL PROPERTY MUSHER_INSTALLED_TARGETS)
 install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
+set(include_to "${CMAKE_INSTALL_INCLUDEDIR}/musher")
+if(NOT IS_ABSOLUTE "${include_to}")
+  string(PREPEND include_to "\${CMAKE_INSTALL_PREFIX}/")
+endif()
 # The headers, found when they are installed: what one includes may have changed since the configuration.
 install(CODE "
   set(PROJECT_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
@@ -14,7 +18,7 @@ install(CODE "
   musher_public_headers(headers)
   foreach(header IN LISTS headers)
     get_filename_component(folder \${header} DIRECTORY)
-    file(INSTALL DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/musher/\${folder}\"
+    file(INSTALL DESTINATION \"${include_to}/\${folder}\"
          TYPE FILE FILES \"${PROJECT_SOURCE_DIR}/\${header}\")
   endforeach()")
 # A folder of the IDL is a package, whose headers are generated.

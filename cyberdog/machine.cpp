@@ -22,11 +22,6 @@ bool MachineActuator::ActuatorStart() {
 
 MachineController::MachineController() : musher::MachineController({Extension()}) {}
 
-void MachineActuator::RegisterStateCallback(const std::string& state,
-                                            std::function<std::int32_t()> callback) {
-  musher::MachineActuator::RegisterStateCallback(State(state), std::move(callback));
-}
-
 bool MachineController::MachineControllerInit(const std::string& config_file,
                                               std::shared_ptr<transport::NodeThread> node) {
   const Result<> result = Init(config_file, std::move(node));

@@ -13,16 +13,19 @@
 //
 // Threads: as in the base classes.
 
-#include <cstdint>
-#include <functional>
+#include <concepts>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
 
 namespace musher::cyberdog {
+
+template <typename T>
+concept ComputedName = std::same_as<T, std::string> || std::same_as<T, const char*>;
 
 class MachineActuator : public musher::MachineActuator {
  public:
@@ -31,8 +34,12 @@ class MachineActuator : public musher::MachineActuator {
   // Init(); false after an error, which is logged.
   bool MachineActuatorInit(const std::string& config_file = "",
                            std::shared_ptr<transport::NodeThread> node = nullptr);
-  // As the base's; a state is any text here.
-  void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
+  using musher::MachineActuator::RegisterStateCallback;
+  // The same with the name of a state that is computed; CyberDog's states are texts.
+  template <ComputedName Name, typename Callback>
+  void RegisterStateCallback(const Name& state, Callback callback) {
+    RegisterStateCallback(State(state), std::move(callback));
+  }
   // Start(); false after an error, which is logged.
   bool ActuatorStart();
 };

@@ -1,6 +1,6 @@
 #pragma once
-// One value an actuator, in the order of the config. Only the index of an actuator gives one of
-// them: a count, or the index into something else, does not compile.
+// One value for each actuator, in the order of the config. Only the index of an actuator, or a
+// literal, gives one of them: a computed count, or an index into something else, does not compile.
 
 #include <cstddef>
 #include <initializer_list>

@@ -63,7 +63,7 @@ class State {
 
   const std::string& name() const { return name_; }
   bool empty() const { return name_.empty(); }
-  State Shortened() const { return State(name_.substr(0, 64)); }  // for one from outside
+  State Shortened() const { return State(name_.substr(0, 64)); }  // for records
 
   operator const std::string&() const { return name_; }  // NOLINT(google-explicit-constructor)
   operator std::string_view() const { return name_; }    // NOLINT(google-explicit-constructor)

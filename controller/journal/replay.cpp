@@ -246,10 +246,14 @@ class Replayer {
     return std::visit(
         [&](auto& e) {
           if constexpr (requires { e.running; }) {
-            if (std::max(e.running.size(), e.processes.size()) > actuators.size()) return false;
+            if (e.running.size() > actuators.size()) return false;
             e.running = Renumbered(e.running);
+          }
+          if constexpr (requires { e.processes; }) {
+            if (e.processes.size() > actuators.size()) return false;
             e.processes = Renumbered(e.processes);
-          } else if constexpr (requires { actuators[e.actuator]; }) {
+          }
+          if constexpr (requires { actuators[e.actuator]; }) {
             if (!actuators.Has(e.actuator)) return false;
             e.actuator = NumberOf(e.actuator);
           }

@@ -117,6 +117,10 @@ bool ControllerShell::SharesItsProcess(const ActuatorReport& report) const {
   });
 }
 
+void ControllerShell::CheckThread() const {
+  dependencies_.node->loop().CheckThread();
+}
+
 void ControllerShell::Refuse(const Error& why) {
   refused_ = why;
   CloseToClients(why);
@@ -133,6 +137,7 @@ void ControllerShell::ReleaseControl(const std::string& who) {
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
                                OnResult done) {
+  CheckThread();
   if (refused_) return done(Refusal(*refused_));
   const RequestId request = next_request_++;
   waiting_for_result_[request] = std::move(done);
@@ -140,10 +145,12 @@ void ControllerShell::SetState(const State& target, const std::optional<std::str
 }
 
 void ControllerShell::TearDown(AfterTearDown after) {
+  CheckThread();
   Handle(event::SetStateRequested{next_request_++, State(kTearDown), std::nullopt, after});
 }
 
 void ControllerShell::AwaitSetUp(OnAnswer done) {
+  CheckThread();
   if (refused_) return done(*refused_);
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
@@ -151,6 +158,7 @@ void ControllerShell::AwaitSetUp(OnAnswer done) {
 }
 
 void ControllerShell::Restart(const std::string& actuator, OnAnswer done) {
+  CheckThread();
   if (refused_) return done(*refused_);
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
@@ -158,6 +166,7 @@ void ControllerShell::Restart(const std::string& actuator, OnAnswer done) {
 }
 
 void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done) {
+  CheckThread();
   if (refused_) return done(*refused_);
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
@@ -165,6 +174,7 @@ void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done)
 }
 
 void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnswer done) {
+  CheckThread();
   if (refused_) return done(*refused_);
   requested.request = next_request_++;
   waiting_for_answer_[requested.request] = std::move(done);
@@ -173,6 +183,7 @@ void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnsw
 }
 
 void ControllerShell::Remark(std::int32_t code, const std::string& message, EventName event) {
+  CheckThread();
   action::Record record{"machine", std::nullopt, 0, code, message};
   record.event = event;
   Do(record);
@@ -180,7 +191,7 @@ void ControllerShell::Remark(std::int32_t code, const std::string& message, Even
 
 // Handles events one after the other: a callback that gets an answer may send a new request.
 void ControllerShell::Handle(const Event& event) {
-  dependencies_.node->loop().CheckThread();  // every request, sample and exit comes by here
+  CheckThread();
   if (KeepForBegin(event)) return;
   queue_.push_back(event);
   if (handling_) return;

@@ -184,6 +184,7 @@ class ControllerShell {
   void RecordUnlisted(const msg::ActuatorStatus& status);
 
   bool KeepForBegin(const Event& event);
+  void CheckThread() const;
   void Handle(const Event& event);
   void HandleQueued();
   void ArmTimer();

@@ -52,6 +52,24 @@ TEST_F(CallsOfCyberdogsLibrary, DriveAMachineFromItsStartToTearDown) {
   EXPECT_TRUE(controller_.SetState("TearDown"));
 }
 
+TEST_F(CallsOfCyberdogsLibrary, TakeACallbackInEachFormOfMusherAndTheStateAsAText) {
+  cyberdog::MachineActuator tail("tail");
+  const char* const chars = "Protected";
+  const auto code = [] { return 0; };
+  const auto result = [] { return Result<>(Ok()); };
+  tail.RegisterStateCallback("SetUp", code);
+  tail.RegisterStateCallback("SelfCheck", result);
+  tail.RegisterStateCallback(kActive, code);
+  tail.RegisterStateCallback(State("DeActive"), result);
+  tail.RegisterStateCallback(std::string("LowPower"), code);
+  tail.RegisterStateCallback(std::string("OTA"), result);
+  tail.RegisterStateCallback(chars, code);
+  tail.RegisterStateCallback([](const std::string&) { return 0; });
+  const RobotFile file({"tail"}, {"SetUp", "SelfCheck", "Active", "DeActive", "Protected",
+                                  "LowPower", "OTA", "Error", "TearDown"});
+  EXPECT_TRUE(tail.MachineActuatorInit(file.path(), node_));
+}
+
 TEST_F(CallsOfCyberdogsLibrary, ReturnFalseAndLogTheReason) {
   ::testing::internal::CaptureStderr();
   EXPECT_FALSE(legs_.MachineActuatorInit("/nowhere/robot.toml", node_));

@@ -211,6 +211,15 @@ TEST(Replay, RefusesAnEventOfAnActuatorThatIsNotThere) {
   EXPECT_THAT(report.error().message, HasSubstr("names an unknown actuator"));
 }
 
+TEST(Replay, RefusesProcessesOfMoreActuatorsThanThereAre) {
+  auto rows = Rows();
+  auto* timed = InputOf<TimedEvent>(rows[LastOf<event::Replied>(rows)]);
+  timed->event = event::ProcessesFound{PerActuator<std::int32_t>(99, 7)};
+  const auto report = Replay(rows, {});
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().message, HasSubstr("names an unknown actuator"));
+}
+
 // The notes of a replay that has to start again at a snapshot, with this change in its machine.
 std::vector<std::string> NotesWith(const std::function<void(Machine&)>& change) {
   auto rows = Rows();
