@@ -51,4 +51,24 @@ TEST(FinishingATearDown, WaitsThreeSecondsForAnActuatorThatRunsAndIsSilent) {
   EXPECT_EQ(t.now() - begun, std::chrono::seconds(3));
 }
 
+TEST(FinishingATearDown, IsRecordedWithTheStartOfTheSupervisor) {
+  Harness t(MachineOf(1));
+  t.stop_intent_on_disk = true;
+  t.Begin(false, 0, /*restarted=*/true);
+  ASSERT_GE(t.whole_records.size(), 2U);
+  const action::Record& resumed = t.whole_records[1];
+  EXPECT_THAT(resumed.message, ::testing::HasSubstr("supervisor"));
+  EXPECT_EQ(resumed.code, kCodeOk);
+  EXPECT_EQ(resumed.cause, t.whole_records[0].id);
+}
+
+TEST(FinishingATearDown, DoesNotWaitForAMusherActuatorThatDoesNotRun) {
+  Harness t(Ours(1));
+  t.stop_intent_on_disk = true;
+  const Time begun = t.now();
+  t.Begin(false, 0, /*restarted=*/true);
+  ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
+  EXPECT_LT(t.now() - begun, std::chrono::seconds(1));
+}
+
 }  // namespace musher::testing::stop_intent_test

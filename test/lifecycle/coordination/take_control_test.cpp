@@ -246,4 +246,60 @@ TEST_F(SentCommands, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {
   EXPECT_THAT(Did<action::TakeBacktrace>(), SizeIs(1)) << "it cannot be queried";
 }
 
+using OutbidController = OneController;
+
+TEST_F(OutbidController, WaitsAgainForAHeartbeatWhenTheActuatorWasLostMeanwhile) {
+  Begin();
+  ActuatorReport report = Report(0);
+  report.epoch = machine_.epoch + 4;
+  Say(0, report);
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
+  Pass(std::chrono::seconds(5));
+  Forget();
+  report.stamp = now_;
+  Say(0, report);
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty()) << "a controller may lead with that epoch";
+  EXPECT_LT(machine_.epoch, report.epoch);
+  Pass(Milliseconds(1200));
+  EXPECT_GT(machine_.epoch, report.epoch);
+}
+
+TEST_F(OutbidController, WaitsFourSecondsWhereMessagesAreSecured) {
+  config_.keys = "keys";
+  Begin();
+  ActuatorReport report = Report(0);
+  report.epoch = machine_.epoch + 4;
+  Say(0, report);
+  Pass(Milliseconds(3999));
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
+}
+
+TEST_F(OutbidController, TellsThePresentActuatorsItsHigherEpochAndStopsNoCallback) {
+  Begin();
+  Come(0);
+  ActuatorReport report = Report(1);
+  report.epoch = machine_.epoch + 4;
+  Say(1, report);
+  Forget();
+  Pass(Milliseconds(1200));
+  const auto queries = Did<action::SendQuery>();
+  ASSERT_THAT(queries, SizeIs(2));
+  EXPECT_EQ(queries[0].actuator, ActuatorIndex(0));
+  EXPECT_EQ(queries[0].command, (QueryCommand{report.epoch + 1, 0, false}));
+}
+
+TEST_F(OutbidController, EngagesTheStopThatAnArrivingActuatorHasMissed) {
+  Begin();
+  Come(0);
+  Do(event::EmergencyStopSeen{{7, "a panel", ""}});
+  Forget();
+  Come(1);
+  const auto published = Did<action::PublishEmergencyStop>();
+  ASSERT_FALSE(published.empty());
+  EXPECT_TRUE(published[0].engaged);
+  EXPECT_EQ(published[0].stop.id, StopId(7));
+}
+
 }  // namespace musher::testing::take_control_test
