@@ -162,8 +162,8 @@ TEST_F(Rules, AnEmptyBatteryIsRecordedAsAChangeOfTheLevel) {
   Robot();
   Battery(0);
   const auto& records = robot().whole_records;
-  const auto changed = std::ranges::find(records, EventName::kBatteryLevelChanged,
-                                         &action::Record::event);
+  const auto changed =
+      std::ranges::find(records, EventName::kBatteryLevelChanged, &action::Record::event);
   ASSERT_NE(changed, records.end());
   EXPECT_EQ(changed->message, "the battery is at 0 %: it is empty");
 }

@@ -302,4 +302,37 @@ TEST_F(OutbidController, EngagesTheStopThatAnArrivingActuatorHasMissed) {
   EXPECT_EQ(published[0].stop.id, StopId(7));
 }
 
+TEST_F(OutbidController, TakesARefusalOfItsCommandForTheEndOfTheCommand) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  ActuatorReport report = Report(0, "Active");
+  report.epoch = machine_.epoch + 1;
+  Do(event::Replied{0, Of(0).command.value().number, false, Verdict::kRefused,
+                    kCodePermissionDenied, "of another controller", report});
+  EXPECT_FALSE(Of(0).command);
+}
+
+TEST_F(Reports, OfAStateThatNobodyCommandedAreRecordedAsAnError) {
+  StartUp();
+  now_ += Milliseconds(1);
+  ActuatorReport report = Report(0, "LowPower");
+  report.number = report.outcome_number = Of(0).report.outcome_number;
+  Say(0, report);
+  EXPECT_EQ(RecordWith("a has switched to LowPower by itself").code, kCodeStatusError);
+}
+
+TEST_F(Reports, OfAStartingSuccessorKeepTheExitOfItsPredecessorFromARestart) {
+  for (ActuatorConfig& actuator : config_.actuators) {
+    actuator.command = {"run", actuator.name};
+    actuator.restart.policy = RestartPolicy::kOnFailure;
+  }
+  Begin();
+  Do(event::ProcessStarted{0, 690});
+  Say(0, Report(0));  // of process 700, which another party has started
+  ASSERT_EQ(Of(0).presence, Presence::kStarting);
+  Do(event::ProcessEnded{0, 690, false, "exit code 1"});
+  EXPECT_FALSE(Of(0).restart_at);
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+}
+
 }  // namespace musher::testing::take_control_test
