@@ -222,4 +222,21 @@ TEST_F(Rules, AMachineWithoutLowPowerWakesUpFromTheStateInItsPlace) {
   EXPECT_EQ(state(), "Active");
 }
 
+TEST_F(Rules, AMachineWithNoStateBelowTheCeilingIsNotSwitched) {
+  MachineConfig config = WithPolicy();
+  for (const BuiltInState state : {kProtected, kLowPower, kDeActive}) {
+    std::erase(config.states, State(state));
+  }
+  config.flow = DefaultFlow(config.states);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  config.policy->low_power.reset();
+  Robot("Active", config);
+  Battery(3);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_FALSE(IsRecorded("down to")) << "there is none to go down to";
+}
+
 }  // namespace musher::testing::battery_and_config_test

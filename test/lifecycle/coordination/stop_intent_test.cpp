@@ -64,7 +64,9 @@ TEST(FinishingATearDown, IsRecordedWithTheStartOfTheSupervisor) {
 }
 
 TEST(FinishingATearDown, DoesNotWaitForAMusherActuatorThatDoesNotRun) {
-  Harness t(Ours(1));
+  MachineConfig config = Ours(1);
+  config.actuators[0].times.assign(config.states.size(), std::chrono::seconds(10));
+  Harness t(config);
   t.stop_intent_on_disk = true;
   const Time begun = t.now();
   t.Begin(false, 0, /*restarted=*/true);
