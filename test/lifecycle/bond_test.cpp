@@ -138,4 +138,14 @@ TEST_F(ABond, ThatIsOffSendsNothingWhenAReaderIsMatched) {
   EXPECT_FALSE(bond_.OnReaders(now_));
 }
 
+TEST_F(ABond, WaitsAtLeastTwoHundredMillisecondsForTheNextHeartbeat) {
+  bond_.Start(now_);
+  bond_.OnHeartbeat({"manager", true, Milliseconds(10)}, now_);
+  const Time received = now_;
+  Until(received + Milliseconds(199));
+  EXPECT_EQ(bond_.phase(), Phase::kFormed);
+  Until(received + Milliseconds(200));
+  EXPECT_EQ(bond_.phase(), Phase::kBroken);
+}
+
 }  // namespace musher::bond_test

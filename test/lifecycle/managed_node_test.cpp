@@ -87,6 +87,7 @@ TEST(AManagedNode, AcceptsATransitionByItsLabelIndependentOfTheId) {
 TEST(AManagedNode, RefusesTransitionsThatItsStateDoesNotHaveWithAReason) {
   ManagedNode node = In("SetUp");
   EXPECT_THAT(node.Begin(kActivate, "").error().message, HasSubstr("the node is unconfigured"));
+  EXPECT_EQ(node.Begin(kActivate, "").error().code, kCodeStateInvalid);
   EXPECT_THAT(node.Begin(0, "fly").error().message, HasSubstr("there is no transition 'fly'"));
   EXPECT_THAT(node.Begin(10, "").error().message, HasSubstr("there is no transition '10'"));
   ASSERT_TRUE(node.Begin(kConfigure, ""));

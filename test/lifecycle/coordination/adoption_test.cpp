@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::adoption_test {
@@ -345,6 +346,36 @@ TEST_F(Adopting, OfAMachineInErrorIsLedOutThroughSelfCheck) {
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Active").done());
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
+}
+
+using AdoptingOne = OneController;
+
+// Of those on the lowest level only b could be in both states; that c is higher does not matter.
+TEST_F(AdoptingOne, OfTwoStatesOnOneLevelCountsNoStatesOfOtherLevels) {
+  config_ = MachineOf(3);
+  config_.states.emplace_back("Guarding");
+  config_.ranks["Guarding"] = *BuiltInRank(kProtected);
+  for (ActuatorConfig& actuator : config_.actuators) {
+    actuator.states = config_.states;
+    actuator.times.resize(config_.states.size(), Milliseconds(100));
+  }
+  std::erase(config_.actuators[0].states, "Guarding");
+  std::erase(config_.actuators[1].states, "Active");
+  for (ActuatorIndex i = 0; i < 2; ++i) config_.actuators[i].times.pop_back();
+  Begin();
+  Come(0, "Protected");
+  Come(1, "Guarding");
+  Come(2, "Active");
+  EXPECT_EQ(machine_.state, "Guarding");
+}
+
+// The state of a node that agrees with SetUp counts as well once a Musher actuator has a state.
+TEST_F(AdoptingOne, CountsANodeThatIsLowerThanTheMusherActuators) {
+  config_.actuators[1].protocol = Protocol::kRos2Lifecycle;
+  Begin();
+  Come(0, "Active");
+  Come(1, "LowPower");
+  EXPECT_EQ(machine_.state, "LowPower");
 }
 
 }  // namespace musher::testing::adoption_test

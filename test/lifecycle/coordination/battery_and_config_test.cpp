@@ -142,4 +142,101 @@ TEST_F(Rules, ARefusedSwitchDownIsRecordedOnceAndNotRetriedInALoop) {
   EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to LowPower"));
 }
 
+TEST_F(Rules, ABatterySampleBeforeTheStartIsIgnored) {
+  Harness t(WithPolicy());
+  t.Feed(event::BatterySeen{3, false});
+  EXPECT_FALSE(t.machine().policy.battery);
+  EXPECT_TRUE(t.records.empty());
+}
+
+TEST_F(Rules, ABatterySampleIsIgnoredWhereThePolicyHasNoBatteryRule) {
+  MachineConfig config = WithPolicy();
+  config.policy->battery.reset();
+  Robot("Active", config);
+  Battery(3);
+  EXPECT_FALSE(policy().battery);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(Rules, AnEmptyBatteryIsRecordedAsAChangeOfTheLevel) {
+  Robot();
+  Battery(0);
+  const auto& records = robot().whole_records;
+  const auto changed =
+      std::ranges::find(records, EventName::kBatteryLevelChanged, &action::Record::event);
+  ASSERT_NE(changed, records.end());
+  EXPECT_EQ(changed->message, "the battery is at 0 %: it is empty");
+}
+
+TEST_F(Rules, TheLevelOfARestartedControllerIsLeftAsLateAsThatOfTheOneBefore) {
+  Robot();
+  Battery(3);
+  ASSERT_EQ(state(), "LowPower");
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(2));
+  Battery(6);
+  EXPECT_EQ(state(), "LowPower") << "it is left at 7 %";
+}
+
+TEST_F(Rules, AFallbackToWhereTheBatteryTookTheMachineEndsTheLowering) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
+  config.policy = WithPolicy().policy;
+  Robot("Active", config);
+  Battery(10);
+  ASSERT_EQ(state(), "Protected");
+  ASSERT_TRUE(policy().stored.lowering);
+  robot().Crash("b");
+  robot().RunFor(std::chrono::seconds(5));
+  EXPECT_FALSE(policy().stored.lowering);
+}
+
+TEST_F(Rules, AMachineWhoseStartHasFailedIsPoweredOffWhenTheBatteryIsEmpty) {
+  Harness t(WithPolicy());
+  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.Feed(event::BatterySeen{0, false});
+  t.RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(t.power.size(), 1U);
+}
+
+TEST_F(Rules, AMachineWithoutLowPowerWakesUpFromTheStateInItsPlace) {
+  MachineConfig config = WithPolicy();
+  std::erase(config.states, "LowPower");
+  config.states.emplace_back("Sitting");
+  config.ranks["Sitting"] = 3;
+  config.flow = DefaultFlow(config.states);
+  for (const BuiltInState state : {kActive, kProtected}) {
+    config.flow.push_back({state, "Sitting"});
+    config.flow.push_back({"Sitting", state});
+  }
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  config.policy->low_power.reset();
+  Robot("Sitting", config);
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(Rules, AMachineWithNoStateBelowTheCeilingIsNotSwitched) {
+  MachineConfig config = WithPolicy();
+  for (const BuiltInState state : {kProtected, kLowPower, kDeActive}) {
+    std::erase(config.states, State(state));
+  }
+  config.flow = DefaultFlow(config.states);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  config.policy->low_power.reset();
+  Robot("Active", config);
+  Battery(3);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_FALSE(IsRecorded("down to")) << "there is none to go down to";
+}
+
 }  // namespace musher::testing::battery_and_config_test

@@ -211,4 +211,18 @@ TEST_F(Hang, OfAnActuatorThatALateOneNeedsDelaysItUntilTheHangEnds) {
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 
+TEST_F(Hang, WhoseBacktraceComesAfterTheKillIsNotKilledAgain) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "KILL").hangs = true;
+  t.Find("b", Health::kHung, true);
+  ASSERT_TRUE(t.RunUntil([&] { return !t.signals.empty(); }));
+  const std::int32_t pid = t.RecordOf("b").termination.value().pid;
+  const auto kill_at = t.RecordOf("b").termination->kill_at;
+  const std::size_t records = t.records.size();
+  t.Feed(event::BacktraceTaken{1, pid, "late"});
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
+  EXPECT_EQ(t.RecordOf("b").termination.value().kill_at, kill_at);
+  EXPECT_EQ(t.records.size(), records);
+}
+
 }  // namespace musher::testing::hang_test

@@ -211,4 +211,27 @@ TEST_F(KeepAndTearDown, TheEndOfAKeepIsNoDeadlineOfATearDown) {
   EXPECT_GT(Next(), now_) << "the loop would spin";
 }
 
+TEST_F(KeepRule, LastsItsTimeThoughAClockIsReceivedThatTheConfigDoesNotName) {
+  Robot();
+  KeepAndWait("Protected", 60);
+  robot().Feed(event::ClockReceived{Time(std::chrono::hours(5))});
+  robot().RunFor(std::chrono::seconds(60));
+  EXPECT_FALSE(policy().keep);
+}
+
+TEST_F(KeepRule, EndsInTimeAlsoWhereTheStartHasFailed) {
+  Harness t(WithPolicy());
+  t.stops_on_disk.engaged = {{7, "a panel", ""}};
+  t.Begin();
+  t.Rest();
+  t.Release();
+  t.RunFor(Milliseconds(10));
+  t.SendPolicyRequest({0, PolicyRequest::kKeep, "SelfCheck", 60, false});
+  t.RunFor(std::chrono::seconds(59));
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_TRUE(t.machine().policy.keep);
+  t.RunFor(std::chrono::seconds(2));
+  EXPECT_FALSE(t.machine().policy.keep);
+}
+
 }  // namespace musher::testing::keep_test

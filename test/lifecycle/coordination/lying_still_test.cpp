@@ -220,4 +220,13 @@ TEST_F(WithoutTheRule, NoMotionCountsAsLyingStill) {
   EXPECT_EQ(state(), "Active");
 }
 
+TEST_F(LyingStill, IsNoDeadlineWhileTheRobotIsAboutToBePoweredOff) {
+  Motion(kLying);
+  robot().RunFor(Milliseconds(29'900));
+  RequestPolicy(PolicyRequest::kPowerOff);
+  const auto next = NextDeadline(robot().config(), robot().machine());
+  ASSERT_TRUE(next);
+  EXPECT_GT(*next - robot().now(), Milliseconds(200));
+}
+
 }  // namespace musher::testing::lying_still_test

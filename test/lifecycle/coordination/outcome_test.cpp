@@ -289,4 +289,31 @@ TEST_F(Outcomes, AContradictingStateIsShortened) {
   EXPECT_EQ(RecordWith("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);
 }
 
+TEST_F(Outcomes, ListAnActuatorThatCameBackDuringTheSwitchWithoutItsSelfCheck) {
+  StartUp();
+  Do(event::Vanished{1, kFirst + 1, false, "connection lost"});
+  Forget();
+  RequestSwitch("LowPower");
+  ASSERT_TRUE(Of(0).command);
+  now_ += Milliseconds(1);
+  Come(1, "Error");
+  ASSERT_FALSE(Of(1).fault);
+  Obey(0);
+  EXPECT_THAT(Result().degraded, ElementsAre("b"));
+  ASSERT_TRUE(Of(1).fault);
+  EXPECT_EQ(Of(1).fault->code, kCodeStatusError);
+}
+
+TEST_F(Outcomes, OfATearDownDoNotNameTheEndOfAKeep) {
+  config_.policy.emplace();
+  StartUp();
+  Do(event::PolicyRequested{1, PolicyRequest::kKeep, "Protected", 60, false});
+  ObeyAll();
+  ASSERT_TRUE(machine_.policy.keep);
+  Do(event::SetStateRequested{2, "TearDown", {}});
+  ObeyAll();
+  ASSERT_TRUE(machine_.stopping && machine_.stopping->result);
+  EXPECT_EQ(machine_.stopping->result->reason, "");
+}
+
 }  // namespace musher::testing::outcome_test

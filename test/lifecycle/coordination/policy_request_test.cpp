@@ -215,4 +215,43 @@ TEST_F(RecordedRequests, OfAKeepNameItsTimeAndWithoutTicksTheSwitch) {
   EXPECT_TRUE(IsRecorded("keep in Active for 60 s requested"));
 }
 
+TEST_F(RecordedRequests, OfOtaTellItsEntryFromItsExit) {
+  Robot();
+  RequestAndWait(PolicyRequest::kOta, true);
+  EXPECT_TRUE(IsRecorded("OTA entry requested"));
+  EXPECT_FALSE(IsRecorded("OTA exit requested"));
+  RequestAndWait(PolicyRequest::kOta, false);
+  EXPECT_TRUE(IsRecorded("OTA exit requested"));
+}
+
+// "Automatic LowPower when lying still: off" wakes the machine up.
+class SwitchingLowPowerOff : public Rules {};
+
+TEST_F(SwitchingLowPowerOff, IsAnsweredWhenTheMachineIsAwakeAndNotBefore) {
+  Robot("LowPower");
+  const RequestId off = RequestPolicy(PolicyRequest::kLowPowerSwitch, false);
+  EXPECT_EQ(robot().calls.count(off), 0U);
+  EXPECT_EQ(AnswerTo(off), "ok");
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(SwitchingLowPowerOff, IsAnsweredThoughTheMachineCannotWakeUp) {
+  Robot("LowPower");
+  robot().StopAll(7);
+  robot().RunFor(Milliseconds(10));
+  EXPECT_EQ(RequestAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(SwitchingLowPowerOff, IsRefusedWhileTheMachineGoesDownToLowPower) {
+  Robot();
+  RequestPolicy(PolicyRequest::kLowPowerSwitch, true);
+  robot().On("a", "LowPower").takes = Milliseconds(90);
+  robot().RequestSwitch("LowPower");
+  const RequestId off = RequestPolicy(PolicyRequest::kLowPowerSwitch, false);
+  ASSERT_EQ(robot().calls.count(off), 1U);
+  EXPECT_EQ(Text(robot().calls.at(off)), "111: switch 3 (to LowPower) is under way");
+  EXPECT_TRUE(policy().low_power) << "what is refused changes nothing";
+}
+
 }  // namespace musher::testing::policy_request_test

@@ -343,4 +343,48 @@ TEST_F(ForeignProcesses, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne)
   EXPECT_EQ(RecordWith("emergency stop engaged by operator").code, kCodeProtectedError);
 }
 
+TEST_F(ForeignProcesses, ThatExitDuringTheirTearDownHaveEndedIt) {
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", "a"});
+  ASSERT_TRUE(Of(0).command);
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_THAT(answers, SizeIs(1));
+  EXPECT_EQ(answers[0].result.outcome, SwitchOutcome::kDone);
+  EXPECT_EQ(Of(0).state(), "TearDown");
+}
+
+TEST_F(Processes, ThatReplaceOneFoundRunningAreNotTornDownByAFailedExit) {
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 0, {true, true}, "here"};
+  begin.processes = {700, 701};
+  Do(begin);
+  for (ActuatorIndex i = 0; i < 2; ++i) Come(i, "Active");
+  Do(event::ProcessEnded{0, 700, false, "ended"});
+  Pass(std::chrono::seconds(2));
+  Do(event::ProcessStarted{0, 700});  // the kernel reuses the pid
+  ActuatorReport report = Report(0);
+  report.incarnation = 80;
+  Say(0, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+  ObeyAll();
+  ASSERT_EQ(Of(0).state(), kActive);
+  Forget();
+  Do(event::SetStateRequested{1, "TearDown", "a"});
+  Do(event::ProcessEnded{0, 700, false, "killed by SIGSEGV"});
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_THAT(answers, SizeIs(1));
+  EXPECT_NE(answers[0].result.outcome, SwitchOutcome::kDone);
+}
+
+TEST_F(Processes, ThatVanishInTheirSetUpAreGivenUpAfterTheirTerminationAndKill) {
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Say(0, Report(0));
+  Do(event::Vanished{0, kFirst, true, "its writer was lost"});
+  EXPECT_EQ(Of(0).termination.value().kill_at, now_ + Milliseconds(2000));
+  EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(4000));
+}
+
 }  // namespace musher::testing::process_test

@@ -37,4 +37,20 @@ TEST_F(ReceivedStops, OfAFloodAsManyAreMergedAsAMachineKeeps) {
   EXPECT_EQ(Merge({}, flood).engaged, StopsOf(machine_).engaged);
 }
 
+TEST_F(ReceivedStops, AreSavedOnceTheLastSaveHasEndedAndNotAnEarlierOne) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{7, "a panel", ""}});
+  const SaveNumber first = machine_.last_save;
+  Do(event::EmergencyStopSeen{{8, "another panel", ""}});
+  const SaveNumber second = machine_.last_save;
+  ASSERT_NE(first, second);
+  const auto unsaved = [this] {
+    return std::ranges::count(machine_.unsaved, Stored::kEmergencyStops, &Unsaved::what);
+  };
+  Do(event::SaveEnded{Stored::kEmergencyStops, first, true, {}});
+  EXPECT_EQ(unsaved(), 1);
+  Do(event::SaveEnded{Stored::kEmergencyStops, second, true, {}});
+  EXPECT_EQ(unsaved(), 0);
+}
+
 }  // namespace musher::testing::received_stops_test

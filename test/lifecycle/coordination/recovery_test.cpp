@@ -334,4 +334,26 @@ TEST_F(Recovery, AFallbackToAStateThatTheMachineDoesNotHaveIsRefusedAndRecorded)
               Contains(HasSubstr("cannot fall back to Protected: unknown state 'Protected'")));
 }
 
+TEST_F(Recovery, OfAProcessThatHangsInItsSetUpIsGivenUpForThatAndNotForTheCrashBefore) {
+  Harness& t = In("Active", Ours(2));
+  t.On("b", "SetUp").hangs = true;
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.IsAlive("b"); }));
+  t.RunFor(Milliseconds(150));
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->event, EventName::kSetUpTimeout);
+}
+
+TEST_F(Recovery, OfAnActuatorWithoutTheStateOfTheMachineEndsWithThatCode) {
+  MachineConfig config = Ours(2);
+  std::erase(ActuatorNamed(config, "b").states, "LowPower");
+  ActuatorNamed(config, "b").times.pop_back();
+  Harness& t = In("Active", config);
+  t.Set("LowPower");
+  t.Crash("b");
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->code, kCodeUnSupport);
+}
+
 }  // namespace musher::testing::recovery_test

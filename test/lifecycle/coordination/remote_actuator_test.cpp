@@ -156,8 +156,24 @@ TEST_F(RemoteActuators, ThatAnotherControllerHasTornDownAreStoredNoMore) {
   BeginNext();
   ActuatorReport report = ReportOfB("there", "TearDown");
   Say(1, report);
+  ASSERT_THAT(Did<action::SaveRemoteActuators>(), ::testing::SizeIs(1));
   EXPECT_THAT(Saved(), IsEmpty());
   EXPECT_EQ(SetTearDown().outcome, SwitchOutcome::kDone);
+}
+
+TEST_F(RemoteActuators, StayStoredThoughAProcessOnAThirdHostReportsTearDown) {
+  StartUpWithBOn("there");
+  BeginNext();
+  Say(1, ReportOfB("a third host", "TearDown"));
+  EXPECT_THAT(Did<action::SaveRemoteActuators>(), IsEmpty());
+  EXPECT_EQ(Of(1).elsewhere, "there");
+}
+
+TEST_F(RemoteActuators, ThatHaveExitedAreStoredNoMore) {
+  StartUpWithBOn("there");
+  Do(event::Vanished{1, kFirst + 1, true, "its process ended"});
+  EXPECT_THAT(Did<action::SaveRemoteActuators>(), ::testing::SizeIs(2));
+  EXPECT_THAT(Saved(), IsEmpty());
 }
 
 TEST_F(RemoteActuators, ThatTheConfigDoesNotNameAreIgnored) {

@@ -246,4 +246,34 @@ TEST_F(Ends, TakeOverFromASwitchToError) {
   EXPECT_EQ(machine_.phase, Phase::kStopping);
 }
 
+TEST_F(Stages, ACallerThatWaitsForSetUpGetsATimeout) {
+  Begin();
+  Do(event::SetUpAwaited{7});
+  Come(1);
+  Pass(Milliseconds(100));
+  ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
+  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().code, kCodeTimeout);
+}
+
+TEST_F(Stages, AStartByAManagerWithoutAnyActuatorFailsWithTheReasonOfTheFirst) {
+  config_.ros2.started_by_manager = true;
+  Begin();
+  Pass(Milliseconds(100));
+  const auto ended = Did<action::StartUpEnded>();
+  ASSERT_THAT(ended, SizeIs(1));
+  EXPECT_FALSE(ended[0].usable);
+  EXPECT_THAT(ended[0].message, ::testing::HasSubstr("a was not set up within 100 ms"));
+}
+
+TEST_F(Stages, AnActuatorThatReportsTearDownAfterItWasGivenUpIsListedAsBefore) {
+  machine_ = MakeMachine(config_);
+  Do(event::Begin{false, 0, {true, true}, "here"});
+  Come(0);
+  Pass(Milliseconds(100));
+  ASSERT_TRUE(Of(1).fault);
+  ASSERT_EQ(Of(1).fault->event, EventName::kSetUpTimeout);
+  Say(1, Report(1, "TearDown"));
+  EXPECT_EQ(Of(1).fault->event, EventName::kSetUpTimeout);
+}
+
 }  // namespace musher::testing::stage_test

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::stop_intent_test {
@@ -49,6 +50,83 @@ TEST(FinishingATearDown, WaitsThreeSecondsForAnActuatorThatRunsAndIsSilent) {
   t.Mute("a", true, true);
   ASSERT_TRUE(t.RunUntil([&] { return t.machine().phase != Phase::kStarting; }));
   EXPECT_EQ(t.now() - begun, std::chrono::seconds(3));
+}
+
+TEST(FinishingATearDown, IsRecordedWithTheStartOfTheSupervisor) {
+  Harness t(MachineOf(1));
+  t.stop_intent_on_disk = true;
+  t.Begin(false, 0, /*restarted=*/true);
+  ASSERT_GE(t.whole_records.size(), 2U);
+  const action::Record& resumed = t.whole_records[1];
+  EXPECT_THAT(resumed.message, ::testing::HasSubstr("supervisor"));
+  EXPECT_EQ(resumed.code, kCodeOk);
+  EXPECT_EQ(resumed.cause, t.whole_records[0].id);
+}
+
+TEST(FinishingATearDown, DoesNotWaitForAMusherActuatorThatDoesNotRun) {
+  MachineConfig config = Ours(1);
+  config.actuators[0].times.assign(config.states.size(), std::chrono::seconds(10));
+  Harness t(config);
+  t.stop_intent_on_disk = true;
+  const Time begun = t.now();
+  t.Begin(false, 0, /*restarted=*/true);
+  ASSERT_TRUE(t.RunUntil([&] { return t.stopped(); }));
+  EXPECT_LT(t.now() - begun, std::chrono::seconds(1));
+}
+
+// What a controller that is torn down searches for once the known processes have exited.
+class SearchAtTheEnd : public OneController {
+ protected:
+  SearchAtTheEnd() {
+    for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
+  }
+  // Ends with the exit of the last process of the controller.
+  void TearDownWithProcesses() {
+    Begin();
+    for (ActuatorIndex i = 0; i < 2; ++i) {
+      Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i.value())});
+    }
+    for (ActuatorIndex i = 0; i < 2; ++i) Come(i);
+    ObeyAll();
+    Do(event::SetStateRequested{1, "TearDown", {}});
+    ObeyAll();
+    EXPECT_TRUE(Did<action::FindProcesses>().empty()) << "known processes are left";
+    for (ActuatorIndex i = 0; i < 2; ++i) {
+      Do(event::ProcessEnded{i, static_cast<std::int32_t>(700 + i.value()), true, "exit code 0"});
+    }
+  }
+};
+
+TEST_F(SearchAtTheEnd, BeginsAtOnceWhenTheLastProcessHasExited) {
+  processes_ = {0, 0};
+  TearDownWithProcesses();
+  EXPECT_EQ(Did<action::FindProcesses>().size(), 1U);
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
+}
+
+TEST_F(SearchAtTheEnd, IsRepeatedWhenAProcessThatWasFoundHasExited) {
+  processes_ = {900, 0};
+  TearDownWithProcesses();
+  ASSERT_EQ(machine_.phase, Phase::kStopping);
+  processes_ = {0, 901};
+  Do(event::ProcessEnded{0, 900, false, "killed by SIGTERM"});
+  EXPECT_EQ(Did<action::FindProcesses>().size(), 2U);
+  EXPECT_EQ(machine_.phase, Phase::kStopping) << "another one runs";
+  processes_ = {0, 0};
+  Do(event::ProcessEnded{1, 901, false, "killed by SIGTERM"});
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
+}
+
+TEST_F(SearchAtTheEnd, IsFollowedByNoCommandToAnActuatorThatArrivesLater) {
+  processes_ = {0, 0};
+  TearDownWithProcesses();
+  ASSERT_EQ(machine_.phase, Phase::kStopped);
+  Forget();
+  ActuatorReport report = Report(0);
+  report.incarnation = 90;
+  Say(0, report);
+  EXPECT_TRUE(Did<action::SendQuery>().empty());
+  EXPECT_FALSE(Of(0).set_up_by);
 }
 
 }  // namespace musher::testing::stop_intent_test

@@ -262,4 +262,67 @@ TEST_F(Switching, OneActuatorThatFailsACheckWhileDetachedIsNotTakenUpWithTheMach
   EXPECT_EQ(t.StateOf("b"), "DeActive");
 }
 
+TEST_F(Switching, ARollbackLeadsBackToAnotherStateOfTheSameRankAsTheMachines) {
+  MachineConfig config = MachineOf(2);
+  config.states.emplace_back("Guarding");
+  config.ranks["Guarding"] = *BuiltInRank(kProtected);
+  for (const BuiltInState state : {kActive, kProtected}) {
+    config.flow.push_back({state, "Guarding"});
+    config.flow.push_back({"Guarding", state});
+  }
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  Harness& t = In("Protected", config);
+  ASSERT_TRUE(t.Set("Guarding", "b").done());
+  t.On("a", "Active").code = 3009;
+  t.On("a", "Active").takes = Milliseconds(50);
+  ASSERT_EQ(t.Set("Active").outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("b"), "Guarding") << "there it was, and it is no higher";
+}
+
+TEST_F(Switching, ASelfCheckLeavesADetachedActuatorThatHasNoneAsItIs) {
+  MachineConfig config = MachineOf(2);
+  ActuatorConfig& b = ActuatorNamed(config, "b");
+  std::erase(b.states, "SelfCheck");
+  b.times.pop_back();
+  Harness& t = In("Protected", config);
+  ASSERT_TRUE(t.Set("DeActive", "b").done());
+  t.Set("SelfCheck");
+  EXPECT_TRUE(t.RecordOf("b").held);
+  EXPECT_FALSE(t.RecordOf("b").fault);
+}
+
+TEST_F(Switching, ATearDownReachesAnActuatorThatIsBeingRestarted) {
+  Harness& t = In("Active", Ours(2));
+  t.On("a", "TearDown").takes = Milliseconds(50);
+  t.Restart("a");
+  t.RunFor(Milliseconds(10));
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_NE(Of(result, "a").outcome, ActuatorOutcome::kSkipped);
+}
+
+TEST_F(Switching, AnActuatorThatExitsOnItsWayBackIsListedThoughItHasRestarted) {
+  MachineConfig config = Ours(3);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.times.assign(actuator.times.size(), Milliseconds(2000));
+  }
+  Harness& t = In("Protected", config);
+  t.On("a", "Active").code = 3009;
+  t.On("a", "Active").takes = Milliseconds(50);
+  t.On("b", "Protected").takes = Milliseconds(100);
+  t.On("c", "Protected").takes = Milliseconds(1000);
+  t.RequestSwitch("Active");
+  ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("b").report.target == "Protected"; }));
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return !t.machine().current; }));
+  ASSERT_EQ(t.RecordOf("b").presence, Presence::kPresent);
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_EQ(t.RecordOf("b").fault->event, EventName::kRollbackFailed);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
 }  // namespace musher::testing::switch_test

@@ -246,4 +246,93 @@ TEST_F(SentCommands, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {
   EXPECT_THAT(Did<action::TakeBacktrace>(), SizeIs(1)) << "it cannot be queried";
 }
 
+using OutbidController = OneController;
+
+TEST_F(OutbidController, WaitsAgainForAHeartbeatWhenTheActuatorWasLostMeanwhile) {
+  Begin();
+  ActuatorReport report = Report(0);
+  report.epoch = machine_.epoch + 4;
+  Say(0, report);
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
+  Pass(std::chrono::seconds(5));
+  Forget();
+  report.stamp = now_;
+  Say(0, report);
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty()) << "a controller may lead with that epoch";
+  EXPECT_LT(machine_.epoch, report.epoch);
+  Pass(Milliseconds(1200));
+  EXPECT_GT(machine_.epoch, report.epoch);
+}
+
+TEST_F(OutbidController, WaitsFourSecondsWhereMessagesAreSecured) {
+  config_.keys = "keys";
+  Begin();
+  ActuatorReport report = Report(0);
+  report.epoch = machine_.epoch + 4;
+  Say(0, report);
+  Pass(Milliseconds(3999));
+  EXPECT_THAT(Did<action::SendQuery>(), IsEmpty());
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
+}
+
+TEST_F(OutbidController, TellsThePresentActuatorsItsHigherEpochAndStopsNoCallback) {
+  Begin();
+  Come(0);
+  ActuatorReport report = Report(1);
+  report.epoch = machine_.epoch + 4;
+  Say(1, report);
+  Forget();
+  Pass(Milliseconds(1200));
+  const auto queries = Did<action::SendQuery>();
+  ASSERT_THAT(queries, SizeIs(2));
+  EXPECT_EQ(queries[0].actuator, ActuatorIndex(0));
+  EXPECT_EQ(queries[0].command, (QueryCommand{report.epoch + 1, 0, false}));
+}
+
+TEST_F(OutbidController, EngagesTheStopThatAnArrivingActuatorHasMissed) {
+  Begin();
+  Come(0);
+  Do(event::EmergencyStopSeen{{7, "a panel", ""}});
+  Forget();
+  Come(1);
+  const auto published = Did<action::PublishEmergencyStop>();
+  ASSERT_FALSE(published.empty());
+  EXPECT_TRUE(published[0].engaged);
+  EXPECT_EQ(published[0].stop.id, StopId(7));
+}
+
+TEST_F(OutbidController, TakesARefusalOfItsCommandForTheEndOfTheCommand) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  ActuatorReport report = Report(0, "Active");
+  report.epoch = machine_.epoch + 1;
+  Do(event::Replied{0, Of(0).command.value().number, false, Verdict::kRefused,
+                    kCodePermissionDenied, "of another controller", report});
+  EXPECT_FALSE(Of(0).command);
+}
+
+TEST_F(Reports, OfAStateThatNobodyCommandedAreRecordedAsAnError) {
+  StartUp();
+  now_ += Milliseconds(1);
+  ActuatorReport report = Report(0, "LowPower");
+  report.number = report.outcome_number = Of(0).report.outcome_number;
+  Say(0, report);
+  EXPECT_EQ(RecordWith("a has switched to LowPower by itself").code, kCodeStatusError);
+}
+
+TEST_F(Reports, OfAStartingSuccessorKeepTheExitOfItsPredecessorFromARestart) {
+  for (ActuatorConfig& actuator : config_.actuators) {
+    actuator.command = {"run", actuator.name};
+    actuator.restart.policy = RestartPolicy::kOnFailure;
+  }
+  Begin();
+  Do(event::ProcessStarted{0, 690});
+  Say(0, Report(0));  // of process 700, which another party has started
+  ASSERT_EQ(Of(0).presence, Presence::kStarting);
+  Do(event::ProcessEnded{0, 690, false, "exit code 1"});
+  EXPECT_FALSE(Of(0).restart_at);
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+}
+
 }  // namespace musher::testing::take_control_test
