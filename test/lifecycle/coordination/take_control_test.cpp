@@ -276,7 +276,7 @@ TEST_F(OutbidController, WaitsFourSecondsWhereMessagesAreSecured) {
   EXPECT_THAT(Did<action::SendQuery>(), SizeIs(1));
 }
 
-TEST_F(OutbidController, TellsThePresentActuatorsItsHigherEpochAndStopsNoCallback) {
+TEST_F(OutbidController, GivesThePresentActuatorsItsHigherEpochAndStopsNoCallback) {
   Begin();
   Come(0);
   ActuatorReport report = Report(1);
