@@ -83,6 +83,11 @@ TEST_F(Actuator, RefusesAnOutdatedEpoch) {
   EXPECT_EQ(core_.report.state, "Active");
 }
 
+TEST_F(Actuator, AnswersACommandWithoutANumberThoughItHasNotExecutedAnyYet) {
+  SetUpIt();
+  EXPECT_EQ(AnswerIn(Do(Command(0, "Active"))).verdict, Verdict::kRefused);
+}
+
 TEST_F(Actuator, RefusesAnOutdatedNumber) {
   SetUpIt();
   Switch(5, "Active");

@@ -148,4 +148,13 @@ TEST_F(ABond, WaitsAtLeastTwoHundredMillisecondsForTheNextHeartbeat) {
   EXPECT_EQ(bond_.phase(), Phase::kBroken);
 }
 
+TEST_F(ABond, ThatIsBrokenEndsWithoutAHeartbeat) {
+  bond_.Start(now_);
+  Receive("manager");
+  Until(now_ + Milliseconds(4000));
+  ASSERT_EQ(bond_.phase(), Phase::kBroken);
+  EXPECT_FALSE(bond_.Stop(now_));
+  EXPECT_EQ(bond_.phase(), Phase::kOff);
+}
+
 }  // namespace musher::bond_test

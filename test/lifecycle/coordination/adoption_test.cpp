@@ -378,4 +378,19 @@ TEST_F(AdoptingOne, CountsANodeThatIsLowerThanTheMusherActuators) {
   EXPECT_EQ(machine_.state, "LowPower");
 }
 
+TEST_F(AdoptingOne, TearsDownWhatAPersonStartedAndListsNothingAsLeftBehind) {
+  machine_ = MakeMachine(config_);
+  event::Begin begin{false, 0, {true, true}, "here"};
+  begin.processes = {700, 701};
+  Do(begin);
+  for (ActuatorIndex i = 0; i < 2; ++i) Come(i, "Active");
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  ObeyAll();
+  Pass(std::chrono::seconds(10));
+  const auto answers = Did<action::AnswerSetState>();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].result.outcome, SwitchOutcome::kDone);
+  EXPECT_FALSE(IsRecorded("is degraded"));
+}
+
 }  // namespace musher::testing::adoption_test

@@ -339,4 +339,14 @@ TEST_F(ActuatorsOfAnyProtocol, AreNotCommandedUpBeforeTheyHaveReportedTheRelease
   EXPECT_EQ(Of(1).command->target, "Active");
 }
 
+TEST_F(StoppedActuators, ThatASwitchUpHasNotReachedAreSkippedAndNotRefused) {
+  Harness& t = In("Protected", Chain());
+  t.On("c", "Active").takes = Milliseconds(50);
+  const RequestId request = t.RequestSwitch("Active");
+  t.RunFor(Milliseconds(10));
+  Stop(t);
+  ASSERT_TRUE(t.RunUntil([&] { return t.answers.count(request) > 0; }));
+  EXPECT_EQ(Of(t.answers.at(request), "a").outcome, ActuatorOutcome::kSkipped);
+}
+
 }  // namespace musher::testing::emergency_stop_level_test
