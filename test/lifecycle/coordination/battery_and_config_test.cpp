@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::self_check_test {
@@ -141,6 +142,21 @@ TEST_F(CriticalCodes, AnActuatorThatJoinsLateIsPassedDegradedToo) {
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+}
+
+using SupersededSelfCheck = OneController;
+
+// The actuator has not reported yet that it is busy with its check.
+TEST_F(SupersededSelfCheck, IsMissingOnlyWhenItsTimeHasPassed) {
+  StartUp();
+  Of(0).checked = false;
+  Of(0).report.state = State(kLowPower);
+  Of(0).free_by = now_ + Milliseconds(50);
+  Do(event::TimePassed{});
+  EXPECT_FALSE(Of(0).fault) << "its check may pass yet";
+  Pass(Milliseconds(50));
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_EQ(Of(0).fault->code, kCodeStatusError);
 }
 
 }  // namespace musher::testing::self_check_test
