@@ -6,6 +6,12 @@ namespace musher::world {
 
 using Eigen::Vector2d;
 
+namespace {
+
+constexpr double kLongestBlockedS = 10;
+
+}  // namespace
+
 Mover::Mover(const MoverSpec& spec, std::uint64_t seed)
     : random_(seed), position_m_(spec.points_m.front()) {
   Choose(spec);
@@ -37,19 +43,33 @@ void Mover::Step(const MoverSpec& spec, const std::function<bool(const Vector2d&
   const double left_m = way.norm();
   const double step_m = std::min(leg_m_s_ * seconds, left_m);
   const Vector2d to = left_m > 0 ? Vector2d(position_m_ + way * (step_m / left_m)) : position_m_;
-  if (!is_free(to)) return;
+  if (!is_free(to)) {
+    blocked_s_ += seconds;
+    if (blocked_s_ >= kLongestBlockedS) TurnRound(spec);
+    return;
+  }
+  blocked_s_ = 0;
   position_m_ = to;
   speed_m_s_ = step_m / seconds;
   if (step_m < left_m) return;
-  const std::size_t last = spec.points_m.size() - 1;
-  if (spec.round_trip) {
-    next_ = next_ == last ? 0 : next_ + 1;
-  } else {
-    if (next_ == last) back_ = true;
+  if (!spec.round_trip) {
+    if (next_ == spec.points_m.size() - 1) back_ = true;
     if (next_ == 0) back_ = false;
-    next_ = back_ ? next_ - 1 : next_ + 1;
   }
+  next_ = After(spec, next_);
   Choose(spec);
+}
+
+std::size_t Mover::After(const MoverSpec& spec, std::size_t point) const {
+  const std::size_t count = spec.points_m.size();
+  return (point + (back_ ? count - 1 : 1)) % count;
+}
+
+void Mover::TurnRound(const MoverSpec& spec) {
+  back_ = !back_;
+  next_ = After(spec, next_);  // the point it came from
+  Choose(spec);
+  wait_s_ = blocked_s_ = 0;
 }
 
 }  // namespace musher::world

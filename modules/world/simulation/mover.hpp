@@ -15,7 +15,8 @@ class Mover {
  public:
   Mover(const MoverSpec& spec, std::uint64_t seed);
 
-  // `is_free` reports whether its middle can be at a point now; it waits until it is.
+  // `is_free` reports whether its middle can be at a point now. It waits until it is, at most 10 s:
+  // then it turns round, so that it and a robot do not wait for each other for ever.
   void Step(const MoverSpec& spec, const std::function<bool(const Eigen::Vector2d&)>& is_free,
             Duration dt);
 
@@ -25,6 +26,8 @@ class Mover {
 
  private:
   void Choose(const MoverSpec& spec);
+  std::size_t After(const MoverSpec& spec, std::size_t point) const;  // in its direction
+  void TurnRound(const MoverSpec& spec);
   double Sample();  // from 0 to 1
 
   transport::sim::Random random_;
@@ -32,9 +35,10 @@ class Mover {
   double yaw_rad_ = 0;
   double speed_m_s_ = 0;
   std::size_t next_ = 1;  // the point it goes to
-  bool back_ = false;     // from the last point to the first
+  bool back_ = false;     // it goes through the points backwards
   double leg_m_s_ = 0;
   double wait_s_ = 0;
+  double blocked_s_ = 0;  // so far
 };
 
 }  // namespace musher::world

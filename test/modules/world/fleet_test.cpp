@@ -283,12 +283,26 @@ TEST(Movers, WaitForARobotInTheirWay) {
   Scene scene = RobotYard();
   scene.movers = {MoverSpec{.name = "p", .points_m = {{2, 0}, {-2, 0}}, .speed_vary = 0}};
   World world(scene);
-  Pass(world, Seconds(20));
+  Pass(world, Seconds(10));
   EXPECT_NEAR(world.fleet().movers()[0].position_m().x(), 0.5, 0.02);
   EXPECT_EQ(world.fleet().movers()[0].speed_m_s(), 0);
   DriveFor(world, 0, {{0, -1, 0}, 0}, Seconds(2));
   Pass(world, Seconds(2));
   EXPECT_LT(world.fleet().movers()[0].position_m().x(), 0);
+}
+
+// Found in a demo: a robot waited for a mover that waited for the robot, both for ever.
+TEST(Movers, TurnRoundWhenARobotStaysInTheirWay) {
+  for (const bool round_trip : {false, true}) {
+    Scene scene = RobotYard();
+    scene.movers = {MoverSpec{
+        .name = "p", .points_m = {{2, 0}, {-2, 0}}, .round_trip = round_trip, .speed_vary = 0}};
+    World world(scene);
+    Pass(world, Seconds(8));
+    EXPECT_NEAR(world.fleet().movers()[0].position_m().x(), 0.5, 0.02);
+    Pass(world, Seconds(7));
+    EXPECT_GT(world.fleet().movers()[0].position_m().x(), 0.6) << "it goes back";
+  }
 }
 
 TEST(Movers, GoToAndFroOrRound) {
