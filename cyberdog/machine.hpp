@@ -24,6 +24,7 @@
 
 namespace musher::cyberdog {
 
+// A name that is not known to the compiler: a literal is one of the base's states by itself.
 template <typename T>
 concept ComputedName = std::same_as<T, std::string> || std::same_as<T, const char*>;
 
@@ -34,12 +35,14 @@ class MachineActuator : public musher::MachineActuator {
   // Init(); false after an error, which is logged.
   bool MachineActuatorInit(const std::string& config_file = "",
                            std::shared_ptr<transport::NodeThread> node = nullptr);
+
   using musher::MachineActuator::RegisterStateCallback;
   // The same with the name of a state that is computed; CyberDog's states are texts.
   template <ComputedName Name, typename Callback>
   void RegisterStateCallback(const Name& state, Callback callback) {
     RegisterStateCallback(State(state), std::move(callback));
   }
+
   // Start(); false after an error, which is logged.
   bool ActuatorStart();
 };

@@ -355,10 +355,7 @@ TEST_F(AdoptingOne, OfTwoStatesOnOneLevelCountsNoStatesOfOtherLevels) {
   config_ = MachineOf(3);
   config_.states.emplace_back("Guarding");
   config_.ranks["Guarding"] = *BuiltInRank(kProtected);
-  for (ActuatorConfig& actuator : config_.actuators) {
-    actuator.states = config_.states;
-    actuator.times.resize(config_.states.size(), Milliseconds(100));
-  }
+  ListAllStates(config_);
   std::erase(config_.actuators[0].states, "Guarding");
   std::erase(config_.actuators[1].states, "Active");
   for (ActuatorIndex i = 0; i < 2; ++i) config_.actuators[i].times.pop_back();

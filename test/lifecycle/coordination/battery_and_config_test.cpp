@@ -65,10 +65,7 @@ TEST_F(Rules, TheMachineIsBroughtBackToItsOwnStateOfTheAllowedRank) {
   MachineConfig config = WithPolicy();
   config.states.emplace_back("Guarding");
   config.ranks["Guarding"] = *BuiltInRank(kProtected);
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.resize(config.states.size(), Milliseconds(100));
-  }
+  ListAllStates(config);
   for (const BuiltInState state : {kActive, kLowPower}) config.flow.push_back({state, "Guarding"});
   Robot("Guarding", config);
   Battery(3);
@@ -106,19 +103,24 @@ TEST_F(Rules, AfterAFallbackTheBatteryDoesNotRaiseTheMachineToAStateOfAnEarlierC
   EXPECT_EQ(state(), "Protected");
 }
 
-TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
+// A machine that has Sitting, a state of its own, in the place of LowPower.
+MachineConfig WithSittingForLowPower() {
   MachineConfig config = WithPolicy();
   std::erase(config.states, "LowPower");
   config.states.emplace_back("Sitting");
   config.ranks["Sitting"] = 3;
   config.flow = DefaultFlow(config.states);
-  for (const BuiltInState state : {kActive, kProtected}) config.flow.push_back({state, "Sitting"});
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.resize(config.states.size(), Milliseconds(100));
+  for (const BuiltInState state : {kActive, kProtected}) {
+    config.flow.push_back({state, "Sitting"});
+    config.flow.push_back({"Sitting", state});
   }
+  ListAllStates(config);
   config.policy->low_power.reset();
-  Robot("Active", config);
+  return config;
+}
+
+TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
+  Robot("Active", WithSittingForLowPower());
   Battery(3);
   EXPECT_EQ(state(), "Sitting");
 }
@@ -205,21 +207,7 @@ TEST_F(Rules, AMachineWhoseStartHasFailedIsPoweredOffWhenTheBatteryIsEmpty) {
 }
 
 TEST_F(Rules, AMachineWithoutLowPowerWakesUpFromTheStateInItsPlace) {
-  MachineConfig config = WithPolicy();
-  std::erase(config.states, "LowPower");
-  config.states.emplace_back("Sitting");
-  config.ranks["Sitting"] = 3;
-  config.flow = DefaultFlow(config.states);
-  for (const BuiltInState state : {kActive, kProtected}) {
-    config.flow.push_back({state, "Sitting"});
-    config.flow.push_back({"Sitting", state});
-  }
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.resize(config.states.size(), Milliseconds(100));
-  }
-  config.policy->low_power.reset();
-  Robot("Sitting", config);
+  Robot("Sitting", WithSittingForLowPower());
   EXPECT_EQ(RequestAndWait(PolicyRequest::kWakeUp), "ok");
   EXPECT_EQ(state(), "Active");
 }
@@ -230,10 +218,7 @@ TEST_F(Rules, AMachineWithNoStateBelowTheCeilingIsNotSwitched) {
     std::erase(config.states, State(state));
   }
   config.flow = DefaultFlow(config.states);
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.resize(config.states.size(), Milliseconds(100));
-  }
+  ListAllStates(config);
   config.policy->low_power.reset();
   Robot("Active", config);
   Battery(3);

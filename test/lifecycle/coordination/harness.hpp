@@ -166,16 +166,20 @@ class Harness {
 // A machine of actuators "a", "b", "c", …, all states of CyberDog, 100 ms each.
 MachineConfig MachineOf(int actuators);
 ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name);
+// Each actuator lists all states of the machine; 100 ms for those that it did not list.
+inline void ListAllStates(MachineConfig& config) {
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+}
 
 // A machine with Dancing, which is as active as Active.
 inline MachineConfig WithDancing(MachineConfig config) {
   config.states.emplace_back("Dancing");
   config.ranks["Dancing"] = *BuiltInRank(kActive);
   config.flow = DefaultFlow(config.states);
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.push_back(Milliseconds(100));
-  }
+  ListAllStates(config);
   return config;
 }
 

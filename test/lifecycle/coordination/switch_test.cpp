@@ -270,10 +270,7 @@ TEST_F(Switching, ARollbackLeadsBackToAnotherStateOfTheSameRankAsTheMachines) {
     config.flow.push_back({state, "Guarding"});
     config.flow.push_back({"Guarding", state});
   }
-  for (ActuatorConfig& actuator : config.actuators) {
-    actuator.states = config.states;
-    actuator.times.resize(config.states.size(), Milliseconds(100));
-  }
+  ListAllStates(config);
   Harness& t = In("Protected", config);
   ASSERT_TRUE(t.Set("Guarding", "b").done());
   t.On("a", "Active").code = 3009;
