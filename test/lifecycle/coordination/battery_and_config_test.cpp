@@ -4,12 +4,13 @@
 
 #include <algorithm>
 
+#include "musher/lifecycle/plan/plan.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
 namespace musher::testing::battery_and_config_test {
 
-using ::testing::HasSubstr;
+using ::testing::Contains;
 
 TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
   MachineConfig config = WithPolicy();
@@ -143,7 +144,11 @@ TEST_F(Rules, ARefusedSwitchDownIsRecordedOnceAndNotRetriedInALoop) {
   Motion(0);  // it lies down
   robot().RunFor(std::chrono::minutes(10));
   EXPECT_LT(steps, 40);
-  EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to LowPower"));
+  const Plan refused = MakePlan(robot().config(), robot().machine(), State("LowPower"));
+  EXPECT_THAT(robot().records.back(),
+              Is(texts::PolicySwitchRefused(texts::LyingStill(std::chrono::seconds(30)),
+                                            refused.refusal.value().message)));
+  EXPECT_THAT(robot().records, Contains(Is(EventName::kPolicySwitchRefused)).Times(1));
 }
 
 TEST_F(Rules, ABatterySampleBeforeTheStartIsIgnored) {
@@ -165,11 +170,8 @@ TEST_F(Rules, ABatterySampleIsIgnoredWhereThePolicyHasNoBatteryRule) {
 TEST_F(Rules, AnEmptyBatteryIsRecordedAsAChangeOfTheLevel) {
   Robot();
   Battery(0);
-  const auto& records = robot().whole_records;
-  const auto changed =
-      std::ranges::find(records, EventName::kBatteryLevelChanged, &action::Record::event);
-  ASSERT_NE(changed, records.end());
-  EXPECT_EQ(changed->message, "the battery is at 0 %: it is empty");
+  EXPECT_THAT(RecordWith(EventName::kBatteryLevelChanged),
+              Is(texts::BatteryChanged(BatteryAt(0), {}, texts::BatteryLimit::kEmpty, {})));
 }
 
 TEST_F(Rules, TheLevelOfARestartedControllerIsLeftAsLateAsThatOfTheOneBefore) {
@@ -223,7 +225,8 @@ TEST_F(Rules, AMachineWithNoStateBelowTheCeilingIsNotSwitched) {
   Robot("Active", config);
   Battery(3);
   EXPECT_EQ(state(), "Active");
-  EXPECT_FALSE(IsRecorded("down to")) << "there is none to go down to";
+  EXPECT_FALSE(IsRecorded(EventName::kBatterySwitchDown)) << "there is none to go down to";
+  EXPECT_FALSE(IsRecorded(EventName::kPolicySwitchRefused));
 }
 
 }  // namespace musher::testing::battery_and_config_test

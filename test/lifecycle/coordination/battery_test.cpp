@@ -8,6 +8,7 @@
 
 namespace musher::testing::battery_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::StartsWith;
 
@@ -90,9 +91,10 @@ TEST_F(BatteryRule, DisconnectingTheChargerAtThreePercentLeadsToLowPower) {
   Battery(3, true);
   Battery(3, false);
   EXPECT_THAT(states(), ElementsAre("Active", "Protected", "LowPower"));
-  EXPECT_THAT(Why("switch 4 is done"),
-              ElementsAre("switch 4 is done", "the battery is at 3 %: down to LowPower",
-                          "the battery is at 3 %: charger disconnected"));
+  EXPECT_THAT(Why(EventName::kSwitchDone),
+              Are(texts::SwitchEnded(4, SwitchOutcome::kDone, ""),
+                  texts::BatterySwitchDown(BatteryAt(3), "LowPower"),
+                  texts::BatteryChanged(BatteryAt(3), false, texts::BatteryLimit::kAsBefore, {})));
 }
 
 TEST_F(BatteryRule, ConnectingTheChargerDoesNotRaiseAMachineInLowPower) {
@@ -108,8 +110,10 @@ TEST_F(BatteryRule, AnEmptyBatteryTearsTheMachineDownOnceAndPowersItOff) {
   robot().RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot().machine().phase, Phase::kStopped);
   EXPECT_EQ(robot().power.size(), 1U);
-  EXPECT_TRUE(IsRecorded("switch 3: Active → TearDown"));
-  EXPECT_FALSE(IsRecorded("switch 4"));  // the replaced code commanded it twice
+  EXPECT_TRUE(IsRecorded(texts::SwitchStarted(3, "", "Active", "TearDown", 2)));
+  for (const action::Record& record : robot().records) {
+    EXPECT_LE(record.switch_number, CommandNumber(3)) << "the replaced code commanded it twice";
+  }
 }
 
 TEST_F(BatteryRule, ARequestAboveTheCeilingIsRefusedWithNumbersAndWhatToDo) {
@@ -216,26 +220,25 @@ TEST_F(BatteryRule, ValuesOutOfRangeAreIgnoredAndRecordedOnce) {
   for (const int percent : {-1, 101, 255}) Battery(percent);
   EXPECT_EQ(state(), "Active");
   EXPECT_FALSE(policy().battery);
-  const auto& records = robot().records;
-  EXPECT_EQ(std::count_if(records.begin(), records.end(),
-                          [](const auto& text) { return text.find("out of range") != text.npos; }),
-            1);
+  EXPECT_THAT(robot().records, Contains(Is(EventName::kBatterySampleInvalid)).Times(1));
 }
 
 TEST_F(BatteryRule, ASilentBatteryIsRecordedAndItsLastLevelStaysInEffect) {
   Battery(10);
   robot().Feed(event::InputSilent{PolicyInput::kBattery});
-  EXPECT_TRUE(IsRecorded("no battery sample for 10 s; its last value, 10 %, stays in effect"));
+  EXPECT_TRUE(IsRecorded(texts::BatterySilent(std::chrono::seconds(10), 10)));
   EXPECT_EQ(robot().Set("Active").code, kCodeProtectedError);
   Battery(10);
-  EXPECT_TRUE(IsRecorded("battery samples received again"));
+  EXPECT_TRUE(IsRecorded(EventName::kBatteryResumed));
 }
 
 TEST_F(BatteryRule, TheJournalRecordsWhyTheMachineIsInLowPower) {
   Battery(4);
-  EXPECT_THAT(Why("switch 3 is done"),
-              ElementsAre("switch 3 is done", "the battery is at 4 %: down to LowPower",
-                          "the battery is at 4 %: the machine is limited to LowPower"));
+  EXPECT_THAT(
+      Why(EventName::kSwitchDone),
+      Are(texts::SwitchEnded(3, SwitchOutcome::kDone, ""),
+          texts::BatterySwitchDown(BatteryAt(4), "LowPower"),
+          texts::BatteryChanged(BatteryAt(4), {}, texts::BatteryLimit::kLimited, "LowPower")));
 }
 
 TEST_F(BatteryRule, RulesWaitInOtaAndApplyAfterIt) {

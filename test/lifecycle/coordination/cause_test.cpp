@@ -2,36 +2,14 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
-
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing::cause_test {
 
 using ::testing::Contains;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
-class Causes : public Switching {
- protected:
-  // The messages from the last record that begins with `message` to its first cause.
-  static std::vector<std::string> Chain(const Harness& t, const std::string& message) {
-    const auto last =
-        std::find_if(t.whole_records.rbegin(), t.whole_records.rend(),
-                     [&](const auto& record) { return record.message.starts_with(message); });
-    std::vector<std::string> chain;
-    if (last == t.whole_records.rend()) return chain;
-    chain.push_back(last->message);
-    for (RecordId cause = last->cause; cause != 0;) {
-      const action::Record& record = t.whole_records[cause.value() - 1];
-      chain.push_back(record.message);
-      EXPECT_LT(record.cause, cause) << "a cause comes first";
-      cause = record.cause;
-    }
-    return chain;
-  }
-};
+using Causes = Switching;
 
 TEST_F(Causes, RecordsAreNumberedFromOneWithoutGaps) {
   Harness& t = In("Active");
@@ -53,16 +31,19 @@ TEST_F(Causes, EachRecordHasAnEvent) {
 TEST_F(Causes, TheEndOfASwitchIsCausedByTheRequest) {
   Harness& t = In("Active");
   t.Set("LowPower");
-  EXPECT_THAT(Chain(t, "switch 3 is done"),
-              ElementsAre("switch 3 is done", "switch to LowPower requested"));
+  EXPECT_THAT(Why(t.whole_records, EventName::kSwitchDone),
+              Are(texts::SwitchEnded(3, SwitchOutcome::kDone, ""),
+                  texts::SwitchRequested("to LowPower", "LowPower")));
   EXPECT_EQ(t.whole_records.back().state, "LowPower");
 }
 
 TEST_F(Causes, AStartIsExplainedFromItsBeginning) {
   Harness& t = In("Active");
-  EXPECT_THAT(Chain(t, "the machine is Active"),
-              ElementsAre("the machine is Active", "switch 2 is done", "switch 1 is done",
-                          "3 actuators are set up", StartsWith("controller started: epoch 1")));
+  EXPECT_THAT(
+      Why(t.whole_records, EventName::kMachineUsable),
+      Are(texts::MachineUsable("Active", ""), texts::SwitchEnded(2, SwitchOutcome::kDone, ""),
+          texts::SwitchEnded(1, SwitchOutcome::kDone, ""), texts::ActuatorsSetUp(3),
+          texts::ControllerStarted(1, 3)));
 }
 
 TEST_F(Causes, AnUndoneSwitchIsCausedByTheFailedActuator) {
@@ -70,21 +51,23 @@ TEST_F(Causes, AnUndoneSwitchIsCausedByTheFailedActuator) {
   t.On("b", "Active").code = 3009;
   t.Set("Active");
   t.Rest();
-  const std::string failed = "b: Active failed after 10 ms";
-  EXPECT_THAT(Chain(t, "switch 4 is undone"),
-              ElementsAre(StartsWith("switch 4 is undone"), failed, "switch to Active requested"));
-  EXPECT_THAT(
-      Chain(t, "switch 4: rolling back"),
-      ElementsAre(StartsWith("switch 4: rolling back"), failed, "switch to Active requested"));
+  const RecordText failed =
+      texts::CommandEnded("b", "Active", ActuatorOutcome::kFailed, Milliseconds(10), "");
+  const RecordText requested = texts::SwitchRequested("to Active", "Active");
+  EXPECT_THAT(Why(t.whole_records, EventName::kSwitchUndone),
+              Are(EventName::kSwitchUndone, failed, requested));
+  EXPECT_THAT(Why(t.whole_records, EventName::kRollbackStarted),
+              Are(EventName::kRollbackStarted, failed, requested));
 }
 
 TEST_F(Causes, ARefusalIsCausedByTheRequestAndNamesWhatIsUnderWay) {
   Harness& t = In("Active");
   t.RequestSwitch("LowPower");
-  t.Set("Protected");
-  EXPECT_THAT(Chain(t, "switch to Protected refused"),
-              ElementsAre(HasSubstr("switch 3 (to LowPower) is under way"),
-                          "switch to Protected requested"));
+  const std::string reason = t.Set("Protected").reason;
+  EXPECT_THAT(reason, HasSubstr("switch 3 (to LowPower) is under way"));
+  EXPECT_THAT(Why(t.whole_records, EventName::kSwitchRefused),
+              Are(texts::SwitchRefused("to Protected", reason),
+                  texts::SwitchRequested("to Protected", "Protected")));
 }
 
 TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
@@ -92,10 +75,10 @@ TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
   t.RequestSwitch("LowPower");
   t.Mute("b", true, true);
   t.Rest();
-  EXPECT_THAT(Chain(t, "b is degraded"),
-              ElementsAre(StartsWith("b is degraded: no answer"),
-                          StartsWith("b did not answer within 100 ms; querying"),
-                          "switch to LowPower requested"));
+  const RecordText lost = texts::Degraded("b", texts::QueryUnanswered("LowPower"));
+  EXPECT_THAT(Why(t.whole_records, lost),
+              Are(lost, texts::CommandUnanswered("b", Milliseconds(100), "LowPower", true),
+                  texts::SwitchRequested("to LowPower", "LowPower")));
 }
 
 TEST_F(Causes, NoQueryIsRecordedForAnActuatorThatCannotBeQueried) {
@@ -105,26 +88,24 @@ TEST_F(Causes, NoQueryIsRecordedForAnActuatorThatCannotBeQueried) {
   t.RequestSwitch("LowPower");
   t.Mute("b", true, true);
   t.Rest();
-  EXPECT_THAT(t.records, Contains("b did not answer within 100 ms; its protocol has no query for "
-                                  "the outcome of LowPower, so its state is unknown until it "
-                                  "answers"));
+  EXPECT_THAT(t.records,
+              Contains(Is(texts::CommandUnanswered("b", Milliseconds(100), "LowPower", false))));
 }
 
 TEST_F(Causes, ASwitchThatTookOverIsNamed) {
   Harness& t = In("Active");
   t.RequestSwitch("LowPower");
   t.Set("Error");
-  EXPECT_THAT(Chain(t, "switch 3 is superseded"),
-              ElementsAre(StartsWith("switch 3 is superseded"), "switch to Error requested"));
+  EXPECT_THAT(Why(t.whole_records, EventName::kSwitchSuperseded),
+              Are(EventName::kSwitchSuperseded, texts::SwitchRequested("to Error", "Error")));
 }
 
 TEST_F(Causes, ATakeoverIsTheCauseOfWhatItEnds) {
   Harness& t = In("Active");
   t.RequestSwitch("LowPower");
   t.ReceiveRivalHeartbeat(99);
-  EXPECT_THAT(Chain(t, "switch 3 is superseded"),
-              ElementsAre(StartsWith("switch 3 is superseded"),
-                          StartsWith("this controller (epoch 1) releases control")));
+  EXPECT_THAT(Why(t.whole_records, EventName::kSwitchSuperseded),
+              Are(EventName::kSwitchSuperseded, EventName::kControllerFenced));
 }
 
 // With processes that the controller starts.
@@ -149,17 +130,11 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
   t.Crash("a");
   t.Rest();
   ASSERT_EQ(t.machine().state, "Protected");
-  const auto entered = std::find_if(t.whole_records.rbegin(), t.whole_records.rend(),
-                                    [](const auto& record) { return record.state == "Protected"; });
-  ASSERT_NE(entered, t.whole_records.rend());
-  std::vector<std::string> chain;
-  for (RecordId id = entered->id; id != 0; id = t.whole_records[id.value() - 1].cause) {
-    chain.push_back(t.whole_records[id.value() - 1].message);
-  }
-  EXPECT_THAT(chain, ElementsAre(StartsWith("switch 3 is done-degraded"),
-                                 "an actuator is lost; falling back to Protected",
-                                 StartsWith("a is degraded: crashed: its process "),
-                                 StartsWith("a's process ")));
+  const auto chain = Why(t.whole_records, EventName::kSwitchDoneDegraded);
+  ASSERT_THAT(chain, Are(EventName::kSwitchDoneDegraded, texts::FallbackStarted("Protected"),
+                         EventName::kActuatorCrashed, EventName::kProcessExited));
+  EXPECT_EQ(chain[0].state, "Protected");
+  for (const std::size_t i : {2U, 3U}) EXPECT_EQ(chain[i].actuator, t.config().IndexOf("a"));
 }
 
 TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
@@ -167,14 +142,10 @@ TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
   t.On("a", "SetUp").code = 3001;
   t.Begin();
   t.Rest();
-  const auto b = std::find_if(
-      t.whole_records.begin(), t.whole_records.end(),
-      [](const auto& record) { return record.message.starts_with("b is degraded: needs a"); });
-  ASSERT_NE(b, t.whole_records.end());
-  ASSERT_NE(b->cause, RecordId(0));
-  const action::Record& ended = t.whole_records[b->cause.value() - 1];
-  EXPECT_THAT(ended.message, StartsWith("a's process "));
-  EXPECT_THAT(t.whole_records[ended.cause.value() - 1].message, StartsWith("a is degraded"));
+  EXPECT_THAT(
+      Why(t.whole_records, EventName::kDependencyDegraded),
+      Are(EventName::kDependencyDegraded, EventName::kProcessExited, EventName::kSetUpFailed,
+          EventName::kProcessStarted, EventName::kControllerStarted));
 }
 
 }  // namespace musher::testing::cause_test

@@ -6,6 +6,7 @@
 
 namespace musher::testing::disturbed_switch_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -18,7 +19,7 @@ TEST_F(Switching, AnOverdueActuatorIsQueriedAndItsOutcomeNotGuessed) {
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kOverdue);
   EXPECT_EQ(Of(result, "b").code, kCodeTimeout);
-  EXPECT_THAT(Of(result, "b").message, HasSubstr("still busy with LowPower"));
+  EXPECT_EQ(Of(result, "b").message, texts::StillBusy("LowPower", Milliseconds(100)).message);
 }
 
 TEST_F(Switching, ALateResultNeverChangesTheSwitchButTheActuatorIsNoLongerDegraded) {
@@ -106,8 +107,8 @@ TEST_F(Switching, AnActuatorThatIsLostBeforeItsTurnIsNotRolledBack) {
   t.Rest();
   EXPECT_EQ(Of(t.answers.at(request), "b").outcome, ActuatorOutcome::kLost);
   EXPECT_EQ(Of(t.answers.at(request), "b").code, kCodeNetError);
-  EXPECT_THAT(t.records,
-              ::testing::Contains(::testing::ContainsRegex("rolling back.* 2 actuators")));
+  const CommandNumber number = t.answers.at(request).number;
+  EXPECT_THAT(t.records, Contains(Is(texts::RollbackStarted(number, number + 1, 2))));
 }
 
 // A switch is not "done" when an actuator has exited after its part, while others switch.
@@ -328,7 +329,7 @@ TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsRestarted) {
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Rest();
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
-  EXPECT_THAT(t.Set("LowPower").reason, HasSubstr("only a new start"));
+  EXPECT_THAT(t.Set("LowPower").reason, HasSubstr(texts::TornDownAlone().message));
   t.StartActuator("b");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "LowPower");

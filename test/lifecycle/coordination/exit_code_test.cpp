@@ -9,14 +9,25 @@
 
 namespace musher::testing::exit_code_test {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Ne;
 using ::testing::Not;
-using ::testing::StartsWith;
 
 constexpr const char* kWords = "b.toml:7:1: error: unknown key 'sped'; did you mean 'speed'?";
+
+// How the process of b has ended.
+std::string How() {
+  return std::string("exit code 2: ") + kWords;
+}
+// Why it is not restarted.
+RecordText Prevented() {
+  return texts::RestartPrevented(How(), 2, "b");
+}
 
 class ExitCode : public Switching {
  protected:
@@ -28,8 +39,9 @@ class ExitCode : public Switching {
   static void Fix(Harness& t) { t.On("b", "exec").exit_code = 0; }
 
   static std::ptrdiff_t StartsOf(const Harness& t, const std::string& name) {
-    return std::count_if(t.records.begin(), t.records.end(), [&](const std::string& record) {
-      return record.starts_with(name + " started (pid");
+    return std::ranges::count_if(t.records, [&](const action::Record& record) {
+      return Says(record, EventName::kProcessStarted) &&
+             record.actuator == t.config().IndexOf(name);
     });
   }
 
@@ -47,10 +59,7 @@ TEST_F(ExitCode, TwoIsNotRestartedAndRecordedWithTheLastLinesOfItsOutput) {
   EXPECT_EQ(StartsOf(t, "b"), 1);
   EXPECT_TRUE(t.RecordOf("b").given_up);
   EXPECT_EQ(t.RecordOf("b").fault->code, kCodeFailed);
-  EXPECT_EQ(t.RecordOf("b").fault->message,
-            std::string("exit code 2: ") + kWords +
-                "; not restarted automatically, because exit code 2 means a configuration error; "
-                "restart it with `musher restart b`");
+  EXPECT_THAT(t.RecordOf("b").fault, Is(Prevented()));
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
   EXPECT_EQ(t.machine().state, "Active");
 }
@@ -59,7 +68,10 @@ TEST_F(ExitCode, IsRecordedOnce) {
   Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
-  EXPECT_THAT(t.records, Contains(StartsWith("b is degraded")).Times(1));
+  const auto fault =
+      AllOf(Field(&action::Record::kind, "actuator"), Field(&action::Record::code, Ne(kCodeOk)));
+  EXPECT_THAT(t.records, Contains(fault).Times(1));
+  EXPECT_THAT(t.records, Contains(Is(texts::Degraded("b", Prevented()))));
 }
 
 TEST_F(ExitCode, OtherCodesAndSignalsAreRestarted) {
@@ -78,7 +90,7 @@ TEST_F(ExitCode, ZeroIsNotRecordedAsAFailureAndAnyOtherIs) {
   const auto code_of_end = [&] {
     std::int32_t code = -1;
     for (const action::Record& record : t.whole_records) {
-      if (record.message.starts_with("b's process ")) code = record.code;
+      if (Says(record, EventName::kProcessExited)) code = record.code;
     }
     return code;
   };
@@ -106,8 +118,8 @@ TEST_F(ExitCode, ThatTheConfigNamesCountsInsteadOfTwo) {
   t.Exit("b", 78, "no licence");
   t.Rest();
   EXPECT_FALSE(t.IsAlive("b"));
-  EXPECT_THAT(t.RecordOf("b").fault->message,
-              HasSubstr("because exit code 78 is one of its restart_prevent_exit_codes"));
+  EXPECT_THAT(t.RecordOf("b").fault,
+              Is(texts::RestartPrevented("exit code 78: no licence", 78, "b")));
 }
 
 TEST_F(ExitCode, NoneMeansThatAllAreRestarted) {
@@ -138,17 +150,12 @@ TEST_F(ExitCode, OfACriticalActuatorTakesTheMachineToItsOnLostAtOnce) {
 
 TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
   Harness& t = In("Active", OursWithCriticalB());
+  const std::int32_t pid = t.RecordOf("b").process;
   t.Exit("b", 2, kWords);
   t.Rest();
-  const auto fall = std::find_if(
-      t.whole_records.begin(), t.whole_records.end(), [](const action::Record& record) {
-        return record.message == "an actuator is lost; falling back to Protected";
-      });
-  ASSERT_NE(fall, t.whole_records.end());
-  const action::Record& degraded = t.whole_records.at(fall->cause.value() - 1);
-  EXPECT_THAT(degraded.message, StartsWith("b is degraded: exit code 2: "));
-  EXPECT_THAT(t.whole_records.at(degraded.cause.value() - 1).message,
-              HasSubstr("ended: exit code 2: "));
+  EXPECT_THAT(Why(t.whole_records, EventName::kFallbackStarted),
+              Are(texts::FallbackStarted("Protected"), texts::Degraded("b", Prevented()),
+                  texts::ProcessExited("b", pid, How())));
 }
 
 TEST_F(ExitCode, InACrashLoopEndsIt) {
@@ -157,7 +164,7 @@ TEST_F(ExitCode, InACrashLoopEndsIt) {
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(StartsOf(t, "b"), 2);
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr(kWords));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(Prevented()));
 }
 
 TEST_F(ExitCode, InASwitchUpUndoesIt) {
@@ -177,7 +184,7 @@ TEST_F(ExitCode, OfAnActuatorTornDownAloneCountsLikeAnyOther) {
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Exit("b", 2, kWords);
   t.Rest();
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("is torn down"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kTornDownAlone));
 }
 
 // By request
@@ -215,10 +222,11 @@ TEST_F(ExitCode, OfAProcessTerminatedForARestartIsNotRecordedAsFinal) {
   t.On("b", "TearDown").hangs = true;
   t.Restart("b");
   t.RunFor(Milliseconds(20));
+  const std::int32_t pid = t.RecordOf("b").process;
   t.Exit("b", 2, "interrupted");
   t.Rest();
-  EXPECT_THAT(t.records, Contains(HasSubstr("exit code 2: interrupted")));
-  EXPECT_THAT(t.records, Not(Contains(HasSubstr("not restarted automatically"))));
+  EXPECT_THAT(t.records, Contains(Is(texts::ProcessExited("b", pid, "exit code 2: interrupted"))));
+  EXPECT_THAT(t.records, Not(Contains(Is(EventName::kRestartPrevented))));
 }
 
 TEST_F(ExitCode, IsRetriedByTheNextController) {
@@ -239,8 +247,8 @@ TEST_F(ExitCode, AtTheStartOfACriticalActuatorFailsTheStartUpAtOnce) {
   t.RunFor(Milliseconds(90));
   ASSERT_TRUE(t.start_up()) << "its first restart would come after 100 ms";
   EXPECT_FALSE(t.usable());
-  EXPECT_THAT(t.start_up()->message, HasSubstr(std::string("critical b: 101 (Robot: Failed), ") +
-                                               "exit code 2: " + kWords));
+  EXPECT_THAT(t.start_up()->message,
+              HasSubstr("critical b: 101 (Robot: Failed), " + Prevented().message));
   EXPECT_EQ(StartsOf(t, "b"), 1);
   Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
@@ -259,7 +267,7 @@ TEST_F(ExitCode, AtTheStartOfANonCriticalActuatorLeavesTheMachineWithoutIt) {
   EXPECT_TRUE(t.usable());
   EXPECT_EQ(t.StateOf("a"), "Active");
   EXPECT_FALSE(t.IsAlive("c"));
-  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("needs b, which is degraded: exit code 2"));
+  EXPECT_THAT(t.RecordOf("c").fault, Is(texts::DependencyDegraded("b", Prevented().message)));
   Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
   t.Rest();
@@ -276,7 +284,7 @@ TEST_F(ExitCode, OfAnActuatorOfALaterStageLeavesTheFirstStageAsItIs) {
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(StartsOf(t, "b"), 1);
-  EXPECT_THAT(t.records, Not(Contains(HasSubstr("b: restarting in"))));
+  EXPECT_THAT(t.records, Not(Contains(Is(EventName::kRestartScheduled))));
 }
 
 }  // namespace musher::testing::exit_code_test

@@ -63,7 +63,8 @@ TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatActuatorIsP
   t.Crash("a");
   t.Rest();
   ASSERT_FALSE(t.IsAlive("b"));
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("needs a"));
+  EXPECT_THAT(t.RecordOf("b").fault,
+              Is(texts::DependencyDegraded("a", t.RecordOf("a").fault->message)));
   t.StartActuator("a");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -81,7 +82,7 @@ TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedActuatorReportsThat) {
   t.Crash("c");  // … and c cannot come back before it
   t.Rest();
   ASSERT_TRUE(t.RecordOf("c").fault);
-  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which is suspended"));
+  EXPECT_THAT(t.RecordOf("c").fault, Is(texts::DependencySuspended("b")));
 }
 
 TEST_F(FoundBySimulation, TearDownOfAnActuatorBeforeTheMachineIsSetUpIsRefused) {
@@ -161,7 +162,7 @@ TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsRecorded) 
   t.RequestSwitch("Error");
   t.Rest();
   ASSERT_TRUE(t.RecordOf("a").fault);
-  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with SelfCheck"));
+  EXPECT_THAT(t.RecordOf("a").fault, Is(texts::FoundBusy("SelfCheck", Milliseconds(100))));
 }
 
 // Found by the fault-injection suite.
@@ -200,10 +201,10 @@ TEST_F(FoundBySimulation, AnActuatorTornDownAloneInASharedProcessUndoesNoSwitchU
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Rest();
   ASSERT_TRUE(t.RecordOf("b").fault);
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("only a new start brings it back"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kTornDownAlone));
   const SwitchResult up = t.Set("Active");
   EXPECT_EQ(up.outcome, SwitchOutcome::kDoneDegraded);
-  EXPECT_THAT(up.reason, HasSubstr("b: is torn down; only a new start brings it back"));
+  EXPECT_THAT(up.reason, HasSubstr("b: " + texts::TornDownAlone().message));
   EXPECT_EQ(t.StateOf("a"), "Active");
   EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(t.Set("Active").degraded, ElementsAre("b"));
@@ -230,7 +231,7 @@ TEST_F(FoundBySimulation,
   t.ClearLog();
   const SwitchResult up = t.Set("Active");
   EXPECT_EQ(up.outcome, SwitchOutcome::kRefused);
-  EXPECT_THAT(up.reason, HasSubstr("critical b is torn down; only a new start brings it back"));
+  EXPECT_THAT(up.reason, HasSubstr("critical b " + texts::TornDownAlone().message));
   EXPECT_THAT(t.log(), ElementsAre());
 }
 
@@ -267,7 +268,7 @@ TEST_F(FoundBySimulation,
   };
   publish("TearDown");
   ASSERT_TRUE(t.RecordOf("a").fault);
-  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("only a new start brings it back"));
+  EXPECT_THAT(t.RecordOf("a").fault, Is(EventName::kTornDownAlone));
   t.On("c", "SelfCheck") = {};
   const SwitchResult check = t.Set("SelfCheck");
   EXPECT_EQ(check.outcome, SwitchOutcome::kDoneDegraded);
@@ -288,13 +289,14 @@ TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasE
   const RequestId request = t.RequestSwitch("TearDown");
   t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process == 0; });
   ASSERT_EQ(t.machine().phase, Phase::kStopping) << "a is torn down, b does not end";
+  const std::int32_t pid = t.RecordOf("b").process;
   t.ReceiveRivalHeartbeat(99);
   ASSERT_TRUE(t.answers.contains(request));
   const SwitchResult& result = t.answers.at(request);
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, ElementsAre("b"));
-  EXPECT_THAT(result.reason, HasSubstr("had not ended when another controller, process 1 "
-                                       "elsewhere, took over"));
+  EXPECT_THAT(result.reason,
+              HasSubstr(texts::ProcessLeftBehind(pid, "process 1 elsewhere").message));
 }
 
 TEST_F(FoundBySimulation, AnActuatorThatReportedAFalseTearDownIsStillKnownToHang) {
@@ -308,10 +310,10 @@ TEST_F(FoundBySimulation, AnActuatorThatReportedAFalseTearDownIsStillKnownToHang
     t.RunFor(Milliseconds(1));
   };
   say("TearDown");
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("torn down"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kTornDownAlone));
   say("Active");
   ASSERT_TRUE(t.RecordOf("b").fault);
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("hung"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kActuatorHung));
 }
 
 // A late one runs its first check while the others are switched: it is neither listed nor at fault.
@@ -350,7 +352,7 @@ TEST_F(FoundBySimulation, AnActuatorWhoseCheckWasSupersededHasAReasonWhyItStays)
   t.Rest();
   ASSERT_EQ(t.StateOf("b"), "SetUp");
   ASSERT_TRUE(t.RecordOf("b").fault);
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("has not passed its self-check"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kSelfCheckMissing));
 }
 
 }  // namespace musher::testing::found_by_simulation_test

@@ -380,7 +380,7 @@ void Harness::Do(const Action& action) {
   } else if (const auto* end = std::get_if<action::Fenced>(&action)) {
     fenced = end->message;
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
-    records.push_back(record->message);
+    records.push_back(*record);
     if (record->id == 1) whole_records.clear();
     whole_records.push_back(*record);
   } else if (const auto* ended = std::get_if<action::StartUpEnded>(&action)) {

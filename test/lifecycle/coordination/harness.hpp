@@ -98,7 +98,7 @@ class Harness {
   bool stopped() const { return stopped_; }
   std::map<RequestId, SwitchResult> answers;
   std::map<RequestId, Result<>> calls;
-  std::vector<std::string> records;
+  std::vector<action::Record> records;  // of all controllers
   StoredStops stops_on_disk;
   bool stop_intent_on_disk = false;
   std::optional<Duration> disk_takes = Duration{};  // for a save; none: it never ends
@@ -106,7 +106,7 @@ class Harness {
   StoredPolicy policy_on_disk;
   std::vector<std::pair<Time, bool>> power;  // when the power command came, and whether to reboot
   std::optional<std::string> fenced;
-  std::vector<action::Record> whole_records;  // the whole records of the present controller
+  std::vector<action::Record> whole_records;  // of the present controller: id n at n - 1
   std::vector<std::string> signals;           // "audio:TERM"
   std::set<std::string> shared;      // actuators whose process still runs after their TearDown
   std::function<void()> after_step;  // called after every step of the controller

@@ -20,8 +20,7 @@ TEST_F(KeepRule, WithTicksTheStateIsTakenAndKept) {
   robot().RunFor(std::chrono::seconds(2));
   EXPECT_FALSE(policy().keep);
   EXPECT_EQ(state(), "Protected") << "its end changes no state";
-  EXPECT_EQ(robot().whole_records.back().message,
-            "the machine is no longer kept in Protected: time expired");
+  EXPECT_THAT(robot().whole_records.back(), Is(texts::KeepEnded("Protected", "time expired")));
   EXPECT_EQ(robot().whole_records.back().code, kCodeOk);
 }
 
@@ -180,7 +179,7 @@ TEST_F(KeepRule, ASwitchSupersededByErrorIsNotKept) {
   EXPECT_EQ(robot().Set("Error").reason, "") << "it ends no keep: that was over before";
   EXPECT_THAT(Text(robot().calls.at(request)), StartsWith("111: "));
   EXPECT_FALSE(policy().keep);
-  EXPECT_TRUE(IsRecorded("no longer kept in Active: the switch to it was superseded"));
+  EXPECT_TRUE(IsRecorded(texts::KeepEnded("Active", "the switch to it was superseded")));
 }
 
 TEST_F(KeepRule, AKeepInAStepOfAStartByHandEndsInTimeToo) {

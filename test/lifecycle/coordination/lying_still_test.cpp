@@ -4,7 +4,6 @@
 
 namespace musher::testing::lying_still_test {
 
-using ::testing::ElementsAre;
 
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kLyingDown = 101;
@@ -25,9 +24,8 @@ TEST_F(LyingStill, ForThirtySecondsLeadsToLowPower) {
   EXPECT_EQ(state(), "Active");
   Pass(2);
   EXPECT_EQ(state(), "LowPower");
-  EXPECT_THAT(
-      Why("switch 3 is done"),
-      ElementsAre("switch 3 is done", "the robot has lain still for 30 s: down to LowPower"));
+  EXPECT_THAT(Why(EventName::kSwitchDone), Are(texts::SwitchEnded(3, SwitchOutcome::kDone, ""),
+                                               texts::LyingStill(std::chrono::seconds(30))));
 }
 
 TEST_F(LyingStill, CountsFromProtectedToo) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/lifecycle/coordination/records.hpp"
 
 namespace musher::testing {
 
@@ -99,18 +100,14 @@ class OneController : public ::testing::Test {
     }
     return some;
   }
-  // The record whose message contains `part`.
-  action::Record RecordWith(const std::string& part) const {
-    for (const action::Record& record : records_) {
-      if (record.message.find(part) != std::string::npos) return record;
-    }
-    ADD_FAILURE() << "no record of '" << part << "'";
-    return {};
+  // `what`: an EventName or a RecordText.
+  template <class What>
+  action::Record RecordWith(const What& what) const {
+    return testing::RecordWith(records_, what);
   }
-  bool IsRecorded(const std::string& part) const {
-    return std::any_of(records_.begin(), records_.end(), [&](const action::Record& record) {
-      return record.message.find(part) != std::string::npos;
-    });
+  template <class What>
+  bool IsRecorded(const What& what) const {
+    return testing::IsRecorded(records_, what);
   }
   void Forget() {
     actions_.clear();
@@ -123,7 +120,7 @@ class OneController : public ::testing::Test {
   Time now_ = Time(std::chrono::hours(1));
   std::vector<Action> actions_;
   PerActuator<std::int32_t> processes_;
-  std::vector<action::Record> records_;
+  Records records_;
 };
 
 }  // namespace musher::testing

@@ -53,7 +53,7 @@ TEST_F(Outcomes, AreInTheRecordOfTheEndAlsoAsValues) {
   In("Active");
   RequestSwitch("LowPower");
   ObeyAll();
-  const auto of_switch = RecordWith(" is done").of_switch;
+  const auto of_switch = RecordWith(EventName::kSwitchDone).of_switch;
   ASSERT_TRUE(of_switch);
   EXPECT_EQ(*of_switch, (action::SwitchNote{"LowPower", SwitchOutcome::kDone, "LowPower"}));
 }
@@ -67,7 +67,7 @@ TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayContinue) {
   Fail(1, 5001);
   EXPECT_TRUE(Of(2).command);
   Obey(2);
-  EXPECT_EQ(Result().actuators[0].message, "needs b, which failed");
+  EXPECT_EQ(Result().actuators[0].message, texts::NeededOneFailed("b").message);
   EXPECT_EQ(machine_.state, kActive);
 }
 
@@ -212,13 +212,13 @@ TEST_F(Outcomes, OfAProcessThatHasExitedDoNotChangeWhenItsReplyArrivesLate) {
   const CommandNumber number = Of(0).command.value().number;
   Do(event::Vanished{0, kFirst, true, "its process ended"});
   ASSERT_TRUE(Of(0).fault);
-  ASSERT_EQ(Of(0).fault->message, "crashed: its process ended");
+  ASSERT_THAT(Of(0).fault, Is(texts::Crashed("its process ended")));
   ActuatorReport late = Report(0, "Active");
   late.number = late.outcome_number = number;
   late.outcome_code = kCodeFailed;
   late.outcome_message = "the motor stalls";
   Do(event::Replied{0, number, false, Verdict::kFailed, kCodeFailed, "the motor stalls", late});
-  EXPECT_EQ(Of(0).fault->message, "crashed: its process ended");
+  EXPECT_THAT(Of(0).fault, Is(texts::Crashed("its process ended")));
 }
 
 // Its command has been sent, and no status that it is busy has arrived yet.
@@ -284,9 +284,9 @@ TEST_F(Outcomes, AContradictingStateIsShortened) {
   const PendingCommand command = Of(0).command.value();
   Do(event::Replied{0, command.number, false, Verdict::kDone, kCodeOk, "",
                     Report(0, State(std::string(100, 'x')))});
-  EXPECT_NE(RecordWith("a: LowPower failed").message.find(" " + std::string(64, 'x')),
-            std::string::npos);
-  EXPECT_EQ(RecordWith("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);
+  const std::string contradiction = texts::ContradictedBy(State(std::string(64, 'x'))).message;
+  EXPECT_TRUE(IsRecorded(texts::CommandEnded("a", "LowPower", ActuatorOutcome::kFailed,
+                                             Duration::zero(), contradiction)));
 }
 
 TEST_F(Outcomes, ListAnActuatorThatCameBackDuringTheSwitchWithoutItsSelfCheck) {

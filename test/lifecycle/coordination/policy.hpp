@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/policy/policy.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing {
@@ -64,25 +65,24 @@ class Rules : public Switching {
     if (answer.ok()) return "ok";
     return std::to_string(answer.error().code) + ": " + answer.error().message;
   }
-  bool IsRecorded(const std::string& part) {
-    const auto& records = robot().records;
-    return std::any_of(records.begin(), records.end(), [&](const std::string& record) {
-      return record.find(part) != std::string::npos;
-    });
+  // The words of a record for this level.
+  static std::string BatteryAt(int percent) {
+    PolicyState policy;
+    policy.battery = percent;
+    return BatteryText(policy);
   }
-  // The records from the last one that begins with `message` to its first cause.
-  std::vector<std::string> Why(const std::string& message) {
-    const auto& all = robot().whole_records;
-    const auto last = std::find_if(all.rbegin(), all.rend(), [&](const action::Record& record) {
-      return record.message.starts_with(message);
-    });
-    std::vector<std::string> chain;
-    if (last == all.rend()) return chain;
-    chain.push_back(last->message);
-    for (RecordId cause = last->cause; cause != 0; cause = all[cause.value() - 1].cause) {
-      chain.push_back(all[cause.value() - 1].message);
-    }
-    return chain;
+  // `what`: an EventName or a RecordText.
+  template <class What>
+  action::Record RecordWith(const What& what) {
+    return testing::RecordWith(robot().whole_records, what);
+  }
+  template <class What>
+  bool IsRecorded(const What& what) {
+    return testing::IsRecorded(robot().records, what);
+  }
+  template <class What>
+  Records Why(const What& what) {
+    return testing::Why(robot().whole_records, what);
   }
 
  private:

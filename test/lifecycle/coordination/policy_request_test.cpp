@@ -149,9 +149,10 @@ TEST_F(Requests, AFailedWakeUpIsNotCalledASuccess) {
 TEST_F(Requests, ARefusalIsRecordedWithItsRequest) {
   Robot();
   RequestAndWait(PolicyRequest::kWakeUp);
-  EXPECT_THAT(Why("wake-up refused"),
-              ElementsAre("wake-up refused: the machine is not in LowPower, it is in Active",
-                          "wake-up requested"));
+  EXPECT_THAT(
+      Why(EventName::kPolicyRefused),
+      Are(texts::PolicyRefused("wake-up", "the machine is not in LowPower, it is in Active"),
+          texts::PolicyRequested("wake-up", {})));
 }
 
 TEST_F(Requests, WithoutAPolicyAllAreRefused) {
@@ -210,18 +211,18 @@ class RecordedRequests : public Rules {};
 TEST_F(RecordedRequests, OfAKeepNameItsTimeAndWithoutTicksTheSwitch) {
   Robot();
   KeepAndWait("Protected", 0);
-  EXPECT_TRUE(IsRecorded("switch to Protected or end of the keep requested"));
+  EXPECT_TRUE(IsRecorded(texts::PolicyRequested("switch to Protected or end of the keep", {})));
   KeepAndWait("Active", 60);
-  EXPECT_TRUE(IsRecorded("keep in Active for 60 s requested"));
+  EXPECT_TRUE(IsRecorded(texts::PolicyRequested("keep in Active for 60 s", {})));
 }
 
 TEST_F(RecordedRequests, OfOtaTellItsEntryFromItsExit) {
   Robot();
   RequestAndWait(PolicyRequest::kOta, true);
-  EXPECT_TRUE(IsRecorded("OTA entry requested"));
-  EXPECT_FALSE(IsRecorded("OTA exit requested"));
+  EXPECT_TRUE(IsRecorded(texts::PolicyRequested("OTA entry", {})));
+  EXPECT_FALSE(IsRecorded(texts::PolicyRequested("OTA exit", {})));
   RequestAndWait(PolicyRequest::kOta, false);
-  EXPECT_TRUE(IsRecorded("OTA exit requested"));
+  EXPECT_TRUE(IsRecorded(texts::PolicyRequested("OTA exit", {})));
 }
 
 // "Automatic LowPower when lying still: off" wakes the machine up.

@@ -7,18 +7,10 @@ namespace musher::testing::power_test {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
-using ::testing::StartsWith;
 
 class Power : public Rules {
  protected:
   Duration After(Time begun) { return robot().power.at(0).first - begun; }
-  // Of the record that begins with `message`; -1: there is none.
-  std::int32_t CodeOf(const std::string& message) {
-    for (const action::Record& record : robot().whole_records) {
-      if (record.message.starts_with(message)) return record.code;
-    }
-    return -1;
-  }
 };
 
 TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
@@ -33,10 +25,10 @@ TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_FALSE(robot().power[0].second);
   EXPECT_LT(After(begun), seconds(4));
-  EXPECT_EQ(CodeOf("power-off; no command"), kCodeOk);
-  EXPECT_THAT(Why("power-off; no command"),
-              ElementsAre("power-off; no command is configured", "the robot is powered off",
-                          "power-off requested"));
+  const RecordText given = texts::PowerCommandGiven(/*reboot=*/false, /*in_time=*/true, {});
+  EXPECT_EQ(RecordWith(given).code, kCodeOk);
+  EXPECT_THAT(Why(given),
+              Are(given, EventName::kPowerOffStarted, texts::PolicyRequested("power-off", {})));
 }
 
 TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
@@ -47,7 +39,8 @@ TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
   robot().RunFor(seconds(20));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_TRUE(robot().power[0].second);
-  EXPECT_TRUE(IsRecorded("reboot: reboot now"));
+  EXPECT_TRUE(
+      IsRecorded(texts::PowerCommandGiven(/*reboot=*/true, /*in_time=*/true, {"reboot", "now"})));
 }
 
 TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
@@ -63,7 +56,8 @@ TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
   robot().RunFor(seconds(60));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_EQ(After(begun), seconds(15));
-  EXPECT_EQ(CodeOf("power-off, although the machine is not torn down"), kCodeTimeout);
+  EXPECT_EQ(RecordWith(texts::PowerCommandGiven(/*reboot=*/false, /*in_time=*/false, {})).code,
+            kCodeTimeout);
 }
 
 TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {

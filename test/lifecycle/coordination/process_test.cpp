@@ -32,7 +32,7 @@ class Processes : public OneController {
 TEST_F(Processes, AreRecordedWithTheirStartAsTheCause) {
   Begin();
   Do(event::ProcessStarted{0, 700});
-  const action::Record record = RecordWith("a started (pid 700)");
+  const action::Record record = RecordWith(texts::ProcessStarted("a", 700));
   EXPECT_EQ(record.code, kCodeOk);
   EXPECT_EQ(record.cause, RecordId(1)) << "the controller's beginning";
 }
@@ -45,7 +45,7 @@ TEST_F(Processes, ThatFailToExecuteTheirProgramLateAreLost) {
   EXPECT_EQ(Of(0).process, 0);
   EXPECT_EQ(Of(0).presence, Presence::kAbsent);
   ASSERT_TRUE(Of(0).fault);
-  EXPECT_THAT(Of(0).fault->message, HasSubstr("could not be started: can't run a"));
+  EXPECT_THAT(Of(0).fault, Is(texts::ProcessNotStarted("can't run a: No such file or directory")));
   EXPECT_EQ(Of(0).fault->code, kCodeFailed);
 }
 
@@ -56,9 +56,7 @@ TEST_F(Processes, ThatRunOneOfTheirActuatorsOnlyAreRestartedByAPerson) {
   Come(0);
   Pass(Milliseconds(100));
   ASSERT_TRUE(Of(1).fault);
-  EXPECT_EQ(Of(1).fault->message,
-            "was not set up within 100 ms: process 700, which runs it and a, did not announce it; "
-            "`musher restart b` starts both again");
+  EXPECT_THAT(Of(1).fault, Is(texts::NotAnnouncedBeside("b", "a", Milliseconds(100), 700)));
 }
 
 TEST_F(Processes, OfAnotherHostAreNotSignalledHoweverTheyHang) {
@@ -129,7 +127,7 @@ TEST_F(Processes, ThatSigkillDoesNotEndAreAssumedToHaveExitedWithTheCodeOfATimeo
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   Pass(std::chrono::seconds(7));
-  EXPECT_EQ(RecordWith("it is assumed to have exited").code, kCodeTimeout);
+  EXPECT_EQ(RecordWith(EventName::kProcessExitAssumed).code, kCodeTimeout);
 }
 
 TEST_F(Processes, ThatHungStayCalledSoWhenTheyEnd) {
@@ -152,11 +150,11 @@ TEST_F(Processes, TheirBacktraceIsARecordOfTheProcess) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   Do(event::BacktraceTaken{0, 700, "main()"});
-  const action::Record record = RecordWith("backtrace of a:");
+  const action::Record record = RecordWith(texts::BacktraceTaken("a"));
   EXPECT_EQ(record.kind, "process");
   EXPECT_EQ(record.actuator, ActuatorIndex(0));
   EXPECT_EQ(record.data, "main()");
-  EXPECT_EQ(RecordWith("gets SIGKILL").code, kCodeTimeout);
+  EXPECT_EQ(RecordWith(EventName::kBacktraceStarted).code, kCodeTimeout);
 }
 
 TEST_F(Processes, VerdictsOfAnotherProcessOrAnExitedProcessChangeNothing) {
@@ -171,7 +169,7 @@ TEST_F(Processes, VerdictsOfAnotherProcessOrAnExitedProcessChangeNothing) {
 TEST_F(Processes, ThatAreStarvedAreRecordedWithTheCodeOfATimeout) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kStarved, true, "it waits"});
-  EXPECT_EQ(RecordWith("a is starved: it waits").code, kCodeTimeout);
+  EXPECT_EQ(RecordWith(texts::ActuatorStarved("a", "it waits")).code, kCodeTimeout);
 }
 
 TEST_F(Processes, OfACriticalActuatorWithoutConnectionTakeTheMachineDownThoughItMayBeRestarted) {
@@ -183,7 +181,7 @@ TEST_F(Processes, OfACriticalActuatorWithoutConnectionTakeTheMachineDownThoughIt
   Do(event::Vanished{0, kFirst, false, "connection lost"});
   ASSERT_TRUE(machine_.current);
   EXPECT_EQ(machine_.current->target, "LowPower");
-  EXPECT_EQ(RecordWith("falling back to LowPower").code, kCodeOk);
+  EXPECT_EQ(RecordWith(texts::FallbackStarted("LowPower")).code, kCodeOk);
 }
 
 TEST_F(Processes, OfTheControllerWithoutConnectionAreAwaitedBeforeTheFallback) {
@@ -217,8 +215,7 @@ TEST_F(Processes, ThatAreBeingStartedAtATakeoverAreNotReportedAsTornDown) {
   const SwitchResult result = Did<action::AnswerSetState>()[0].result;
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, ::testing::ElementsAre("a"));
-  EXPECT_THAT(result.reason,
-              HasSubstr("its process had not ended when another controller, process 1, took over"));
+  EXPECT_THAT(result.reason, HasSubstr(texts::ProcessLeftBehind(0, "process 1").message));
 }
 
 TEST_F(Processes, ThatCannotBeStartedAreNoLossOfTheOneThatAnotherPartyHasStarted) {
@@ -236,7 +233,8 @@ TEST_F(Processes, ThatDoNotAnnounceTheirActuatorAfterARestartAreReportedSo) {
   Do(event::ProcessStarted{0, 800});
   Pass(Milliseconds(100));
   ASSERT_TRUE(Of(0).fault);
-  EXPECT_THAT(Of(0).fault->message, HasSubstr("never announced itself as actuator a"));
+  EXPECT_THAT(Of(0).fault,
+              Is(texts::NotAnnounced("a", config_.actuators[0].command, Milliseconds(100), 800)));
 }
 
 // The one before ran on another host and has exited there.
@@ -340,7 +338,7 @@ TEST_F(ForeignProcesses, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne)
   EXPECT_FALSE(machine_.emergency_stop);
   Do(event::EmergencyStopSeen{{1, "operator", ""}});
   EXPECT_TRUE(machine_.emergency_stop);
-  EXPECT_EQ(RecordWith("emergency stop engaged by operator").code, kCodeProtectedError);
+  EXPECT_EQ(RecordWith(texts::EmergencyStopEngaged("operator", "")).code, kCodeProtectedError);
 }
 
 TEST_F(ForeignProcesses, ThatExitDuringTheirTearDownHaveEndedIt) {

@@ -70,7 +70,7 @@ class Walk {
     std::string scenario = scenario_;
     const std::size_t count = t_.records.size();
     for (std::size_t i = count > 40 ? count - 40 : 0; i < count; ++i)
-      scenario += t_.records[i] + "\n";
+      scenario += t_.records[i].message + "\n";
     return scenario;
   }
 

@@ -8,7 +8,6 @@
 namespace musher::testing::self_check_test {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 class SelfChecked : public ::testing::Test {
  protected:
@@ -34,7 +33,7 @@ TEST_F(SelfChecked, ADegradedCriticalActuatorReachesActiveAndIsListedWithItsReas
   EXPECT_EQ(t.StateOf("b"), "Active");
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
   EXPECT_EQ(TroubleOf(t.RecordOf("b")), (Error{1109, "led: silent, 1109"}));
-  EXPECT_THAT(t.start_up()->message, HasSubstr("degraded: b: led: silent, 1109"));
+  EXPECT_EQ(t.start_up()->message, texts::MachineUsable("Active", "b: led: silent, 1109").message);
 }
 
 TEST_F(SelfChecked, AFailedCriticalActuatorBlocksTheStart) {

@@ -11,6 +11,11 @@ using ::testing::SizeIs;
 
 using Stages = OneController;
 
+// Why a is missing.
+std::string AIsLate() {
+  return "a " + texts::SetUpTimeout(Milliseconds(100)).message;
+}
+
 TEST_F(Stages, AnActuatorWithoutACommandIsWaitedForAsLongAsItsSetUpMayTake) {
   Begin();
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(100));
@@ -44,13 +49,13 @@ TEST_F(Stages, AfterTheFirstAreRecordedAndNoneBeyondTheLast) {
   Come(0);
   Obey(0);
   Obey(0);
-  EXPECT_FALSE(IsRecorded("starting stage 1"));
-  EXPECT_EQ(RecordWith("starting stage 2").cause, RecordId(1)) << "the controller's beginning";
+  EXPECT_FALSE(IsRecorded(texts::StageStarted(1)));
+  EXPECT_EQ(RecordWith(texts::StageStarted(2)).cause, RecordId(1)) << "the controller's beginning";
   Come(1);
   Obey(1);
   Obey(1);
   EXPECT_EQ(Of(1).state(), kActive);
-  EXPECT_FALSE(IsRecorded("starting stage 3"));
+  EXPECT_FALSE(IsRecorded(texts::StageStarted(3)));
 }
 
 // An adopted machine: a is still on its way down.
@@ -72,7 +77,7 @@ TEST_F(Stages, OfAStartByHandBeginTogetherAndAreNotRecordedOneByOne) {
   machine_ = MakeMachine(config_);
   Do(event::Begin{/*by_hand=*/true, 0, {false, false}, "here"});
   EXPECT_TRUE(Of(1).set_up_by);
-  EXPECT_FALSE(IsRecorded("starting stage"));
+  EXPECT_FALSE(IsRecorded(EventName::kStageStarted));
 }
 
 TEST_F(Stages, ACallerThatWaitsForSetUpIsAnswered) {
@@ -92,7 +97,7 @@ TEST_F(Stages, ACallerThatWaitsForSetUpGetsTheMissingActuator) {
   Come(1);
   Pass(Milliseconds(100));
   ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
-  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
+  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, AIsLate());
 }
 
 // A caller that waited for SetUp after the end of the first stage got the reply that all was well.
@@ -102,7 +107,7 @@ TEST_F(Stages, ACallerThatWaitsForSetUpTooLateGetsTheMissingActuatorAtOnce) {
   Pass(Milliseconds(100));
   Do(event::SetUpAwaited{7});
   ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
-  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
+  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, AIsLate());
 }
 
 TEST_F(Stages, ACriticalActuatorOfTheFirstStageThatFailsItsCheckEndsTheStart) {
@@ -175,10 +180,10 @@ TEST_F(Stages, ARecordAboutTheMachineHasItsNewState) {
   config_.actuators[1].stage = 2;
   Begin();
   Come(0);
-  EXPECT_EQ(RecordWith("1 actuator is set up").state, "SetUp");
+  EXPECT_EQ(RecordWith(texts::ActuatorsSetUp(1)).state, "SetUp");
   Obey(0);
-  EXPECT_EQ(RecordWith("switch 1 is done").state, "SelfCheck");
-  EXPECT_EQ(RecordWith("a: SelfCheck done").state, "");
+  EXPECT_EQ(RecordWith(EventName::kSwitchDone).state, "SelfCheck");
+  EXPECT_EQ(RecordWith(EventName::kCommandDone).state, "");
 }
 
 using Ends = OneController;
@@ -262,7 +267,7 @@ TEST_F(Stages, AStartByAManagerWithoutAnyActuatorFailsWithTheReasonOfTheFirst) {
   const auto ended = Did<action::StartUpEnded>();
   ASSERT_THAT(ended, SizeIs(1));
   EXPECT_FALSE(ended[0].usable);
-  EXPECT_THAT(ended[0].message, ::testing::HasSubstr("a was not set up within 100 ms"));
+  EXPECT_THAT(ended[0].message, ::testing::HasSubstr(AIsLate()));
 }
 
 TEST_F(Stages, AnActuatorThatReportsTearDownAfterItWasGivenUpIsListedAsBefore) {

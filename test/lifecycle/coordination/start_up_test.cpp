@@ -5,7 +5,6 @@
 
 namespace musher::testing::start_up_test {
 
-using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
@@ -131,7 +130,7 @@ TEST(StartUp, NamesAnActuatorWhoseSetUpFailedAndItsCode) {
   EXPECT_TRUE(t.usable());
   ASSERT_TRUE(t.RecordOf("b").fault);
   EXPECT_EQ(t.RecordOf("b").fault->code, 5012);
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("no sound card"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(texts::SetUpFailed(5012, "no sound card")));
 }
 
 TEST(StartUp, GivesUpOnAnActuatorThatIsNotSetUpInItsTime) {
@@ -141,7 +140,7 @@ TEST(StartUp, GivesUpOnAnActuatorThatIsNotSetUpInItsTime) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_EQ(t.RecordOf("b").fault->code, kCodeTimeout);
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("100 ms"));
+  EXPECT_THAT(t.RecordOf("b").fault, Is(texts::SetUpTimeout(Milliseconds(100))));
 }
 
 TEST(StartUp, FailsWhenNoActuatorIsSetUp) {
@@ -162,7 +161,8 @@ TEST(StartUp, DoesNotStartAnActuatorThatNeedsAFailedOne) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("a", "b"));
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("needs a"));
+  EXPECT_THAT(t.RecordOf("b").fault,
+              Is(texts::DependencyDegraded("a", t.RecordOf("a").fault->message)));
 }
 
 TEST(StartUp, RefusesSwitchesUntilItIsSetUp) {
@@ -194,7 +194,7 @@ TEST(StartUpByAManager, EndsOnceAllActuatorsAreSetUpAndTheManagerActivatesTheMac
   EXPECT_EQ(t.machine().state, "SetUp");
   ASSERT_TRUE(t.start_up().has_value()) << "`musher up --detach` returns";
   EXPECT_TRUE(t.start_up()->usable);
-  EXPECT_THAT(t.start_up()->message, ::testing::HasSubstr("waits in SetUp for a manager"));
+  EXPECT_EQ(t.start_up()->message, texts::WaitingForManager({}).message);
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
@@ -223,8 +223,8 @@ TEST(StartUpByAManager, NamesTheActuatorsThatAreNotSetUp) {
   t.Begin();
   t.Rest();
   EXPECT_TRUE(t.usable());
-  EXPECT_THAT(t.start_up()->message, AllOf(HasSubstr("waits in SetUp for a manager"),
-                                           HasSubstr("; b "), HasSubstr("no sound card")));
+  const RecordText failed = texts::SetUpFailed(5012, "no sound card");
+  EXPECT_EQ(t.start_up()->message, texts::WaitingForManager({"b " + failed.message}).message);
 }
 
 TEST(StartUpByAManager, FailsWhenNoActuatorIsSetUp) {
@@ -367,7 +367,7 @@ TEST_F(SetUpDeadline, IsReportedForANodeThatHasFailedBeforeAndIsBeingConfiguredA
   Say(0, report);
   Pass(Milliseconds(200));
   ASSERT_TRUE(Of(0).fault);
-  EXPECT_THAT(Of(0).fault->message, HasSubstr("was not set up within 100 ms"));
+  EXPECT_THAT(Of(0).fault, Is(texts::SetUpTimeout(Milliseconds(100))));
 }
 
 }  // namespace musher::testing::start_up_test

@@ -58,7 +58,7 @@ TEST(FinishingATearDown, IsRecordedWithTheStartOfTheSupervisor) {
   t.Begin(false, 0, /*restarted=*/true);
   ASSERT_GE(t.whole_records.size(), 2U);
   const action::Record& resumed = t.whole_records[1];
-  EXPECT_THAT(resumed.message, ::testing::HasSubstr("supervisor"));
+  EXPECT_THAT(resumed, Is(texts::TearDownResumedBySupervisor()));
   EXPECT_EQ(resumed.code, kCodeOk);
   EXPECT_EQ(resumed.cause, t.whole_records[0].id);
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "musher/test/lifecycle/coordination/harness.hpp"
+#include "musher/test/lifecycle/coordination/records.hpp"
 
 namespace musher::testing {
 

@@ -5,7 +5,6 @@
 
 namespace musher::testing::take_control_test {
 
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -65,13 +64,13 @@ TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotRetriedSoonerAndRaisesNoEp
 TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndRecordsItsProcessIfAny) {
   Begin();
   Come(0);
-  EXPECT_EQ(RecordWith("a is present").message, "a is present in SetUp (pid 700)");
+  EXPECT_TRUE(IsRecorded(texts::ActuatorPresent("a", "SetUp", 700)));
   ActuatorReport report = Report(1);
   report.pid = 0;
   Say(1, report);
   report.epoch = machine_.epoch;
   Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
-  EXPECT_EQ(RecordWith("b is present").message, "b is present in SetUp");
+  EXPECT_TRUE(IsRecorded(texts::ActuatorPresent("b", "SetUp", 0)));
 }
 
 TEST_F(TakeControl, IsNotRepeatedWhenADenialArrivesAfterTheAnswer) {
@@ -153,7 +152,7 @@ TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndASetUpThatHasNotBegunIsNotAF
   Say(1, report);
   ASSERT_TRUE(Of(1).fault);
   EXPECT_EQ(Of(1).fault->code, 5012);
-  EXPECT_THAT(Of(1).fault->message, HasSubstr("no microphone"));
+  EXPECT_THAT(Of(1).fault, Is(texts::SetUpFailed(5012, "no microphone")));
 }
 
 TEST_F(Reports, OfANewProcessEndTheCommandOfItsPredecessor) {
@@ -168,7 +167,7 @@ TEST_F(Reports, OfANewProcessEndTheCommandOfItsPredecessor) {
   EXPECT_FALSE(Of(0).command);
   EXPECT_FALSE(Of(0).checked);
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
-  EXPECT_TRUE(IsRecorded("it was restarted"));
+  EXPECT_TRUE(IsRecorded(EventName::kActuatorReplaced));
 }
 
 TEST_F(Reports, OfAnImpostorAreRecordedWithItsHostShortened) {
@@ -177,8 +176,7 @@ TEST_F(Reports, OfAnImpostorAreRecordedWithItsHostShortened) {
   report.incarnation += 100;
   report.host = std::string(100, 'h');
   Say(0, report);
-  EXPECT_THAT(RecordWith("another process publishes").message,
-              HasSubstr(" " + std::string(64, 'h') + ";"));
+  EXPECT_TRUE(IsRecorded(texts::DuplicateActuator("a", 700, std::string(64, 'h'), 700)));
 }
 
 TEST_F(Reports, OfAProcessThatHasExitedAreIgnored) {
@@ -196,7 +194,7 @@ TEST_F(Reports, AnActuatorLostInItsSetUpIsDegraded) {
   Say(0, report);
   Do(event::Vanished{0, report.incarnation, true, "its process 700 ended"});
   ASSERT_TRUE(Of(0).fault);
-  EXPECT_THAT(Of(0).fault->message, HasSubstr("crashed: its process 700 ended"));
+  EXPECT_THAT(Of(0).fault, Is(texts::Crashed("its process 700 ended")));
   EXPECT_EQ(Of(0).health, Health::kCrashed);
 }
 
@@ -318,7 +316,8 @@ TEST_F(Reports, OfAStateThatNobodyCommandedAreRecordedAsAnError) {
   ActuatorReport report = Report(0, "LowPower");
   report.number = report.outcome_number = Of(0).report.outcome_number;
   Say(0, report);
-  EXPECT_EQ(RecordWith("a has switched to LowPower by itself").code, kCodeStatusError);
+  EXPECT_EQ(RecordWith(texts::ActuatorDrifted("a", "LowPower", std::nullopt)).code,
+            kCodeStatusError);
 }
 
 TEST_F(Reports, OfAStartingSuccessorKeepTheExitOfItsPredecessorFromARestart) {

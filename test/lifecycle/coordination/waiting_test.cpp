@@ -177,7 +177,7 @@ TEST_F(WaitingSwitches, AWaitIsRecordedAndIsNoError) {
   Harness& t = WithALateOne("LowPower");
   t.RequestSwitch("Active");
   const action::Record& record = t.whole_records.back();
-  EXPECT_THAT(record.message, HasSubstr("waits at most"));
+  EXPECT_THAT(record, Is(EventName::kSwitchWaiting));
   EXPECT_EQ(record.code, kCodeOk);
 }
 
