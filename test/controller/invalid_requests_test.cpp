@@ -10,6 +10,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
@@ -115,13 +116,14 @@ TEST_F(InvalidRequests, AnUnknownStateIsRefusedAndTheNearestIsNamed) {
 
 // A query right after a switch was answered with less than had happened.
 TEST_F(InvalidRequests, TheHistoryHasAllEntriesFromBeforeTheRequest) {
-  for (int number = 4; number <= 12; number += 2) {
+  for (std::uint64_t number = 4; number <= 12; number += 2) {
     EXPECT_EQ(Set("LowPower").outcome, "done");
     EXPECT_EQ(Set("Active").outcome, "done");
     const auto history =
         Call<msg::GetHistory>(transport::MachineService(NameSpace(), "get_history"), {0, 1});
     ASSERT_EQ(history.entries.size(), 1U) << history.error;
-    EXPECT_EQ(history.entries[0].message, "switch " + std::to_string(number) + " is done");
+    const auto done = texts::SwitchEnded(CommandNumber(number), SwitchOutcome::kDone, "");
+    EXPECT_EQ(history.entries[0].message, done.message);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <future>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
 namespace musher::machine_controller_test {
@@ -177,7 +178,8 @@ TEST(MachineController, ReportsAnActuatorThatDidNotStartByItsDeadline) {
   ASSERT_TRUE(controller.Init(file.path()));
   const Result<> result = controller.AwaitSetUp();
   ASSERT_FALSE(result.ok());
-  EXPECT_THAT(result.error().message, HasSubstr("arm was not set up within 100 ms"));
+  EXPECT_THAT(result.error().message,
+              HasSubstr("arm " + texts::SetUpTimeout(Milliseconds(100)).message));
 }
 
 }  // namespace musher::machine_controller_test

@@ -18,6 +18,7 @@
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/lifecycle/coordination/records.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
@@ -26,6 +27,7 @@ namespace musher::process_proof_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using testing::Is;
 using testing::kAllStates;
 using ::testing::Not;
 using testing::RobotFile;
@@ -78,9 +80,7 @@ class ProcessProof : public ::testing::Test {
         peer_(transport::MakeDdsNode(loop_, {}).value()) {
     ControllerOptions options;
     options.by_hand = true;
-    options.hooks.on_record = [this](const action::Record& record) {
-      records_.push_back(record.message);
-    };
+    options.hooks.on_record = [this](const action::Record& record) { records_.push_back(record); };
     options.hooks.on_stopped = [this] { stopped_ = true; };
     controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
     EXPECT_TRUE(RunUntil([&] { return Arm().fault.has_value(); })) << "its process has ended";
@@ -124,7 +124,7 @@ class ProcessProof : public ::testing::Test {
   transport::LinuxEventLoop loop_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Node> peer_;
-  std::vector<std::string> records_;
+  testing::Records records_;
   bool stopped_ = false;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
   std::unique_ptr<Controller> controller_;
@@ -136,9 +136,10 @@ TEST_F(ProcessProof, AProcessThatAStatusNamesWithoutProofIsNotSignalled) {
   EXPECT_EQ(Arm().report.pid, 0) << "the decision code never gets it";
   TakeDown();
   EXPECT_TRUE(bystander.IsAlive());
-  const std::string process = "process " + std::to_string(bystander.pid());
-  EXPECT_THAT(records_, Contains(HasSubstr("arm reports " + process)));
-  EXPECT_THAT(records_, Not(Contains(HasSubstr(process + " gets SIG"))));
+  EXPECT_THAT(testing::RecordWith(records_, EventName::kProcessUnproven).message,
+              HasSubstr(std::to_string(bystander.pid())));
+  EXPECT_THAT(records_, Not(Contains(Is(EventName::kProcessSignalled))));
+  EXPECT_THAT(records_, Not(Contains(Is(EventName::kBacktraceStarted))));
 }
 
 TEST_F(ProcessProof, NorIsItWatched) {
@@ -155,11 +156,7 @@ TEST_F(ProcessProof, AnUnprovenPidIsReportedOnceHoweverOftenItIsPublished) {
   for (Incarnation incarnation = 100; incarnation < 110; ++incarnation) {
     Say(bystander.pid(), incarnation);
   }
-  EXPECT_EQ(std::count_if(records_.begin(), records_.end(),
-                          [](const std::string& record) {
-                            return record.find("without proof") != std::string::npos;
-                          }),
-            1);
+  EXPECT_THAT(records_, Contains(Is(EventName::kProcessUnproven)).Times(1));
 }
 
 TEST_F(ProcessProof, TheProcessThatHoldsTheNameIsAcceptedAndEndsWithTheMachine) {
@@ -195,7 +192,8 @@ TEST_F(ProcessProof, AProcessOfAnotherUserIsReportedWithItsUser) {
   ASSERT_EQ(seteuid(0), 0);
   Say(arm.pid());
   EXPECT_EQ(Arm().report.pid, 0);
-  EXPECT_THAT(records_, Contains(HasSubstr("of user 65534")));
+  EXPECT_THAT(testing::RecordWith(records_, EventName::kProcessUnproven).message,
+              HasSubstr("of user 65534"));
   TakeDown();
   EXPECT_TRUE(arm.IsAlive());
 }

@@ -2,6 +2,8 @@
 
 #include "musher/test/protocols/mixed_robot.hpp"
 
+#include "musher/test/lifecycle/coordination/records.hpp"
+
 namespace musher::testing::mixed_robot_test {
 
 using ::testing::Contains;
@@ -147,6 +149,9 @@ class AMixedRobotWhoseNodeCannotBeConfigured : public AMixedRobot {
   }
   AMixedRobotWhoseNodeCannotBeConfigured() : AMixedRobot(WithALongSetUp()) {}
 
+  // Of the node, about its failure.
+  static constexpr const char* kWords = "configure failed; the node is unconfigured now";
+
   void BringUpWithout() {
     node_script_["configure"].outcome = RosManagedNode::Outcome::kFailure;
     const Time begun = robot_.network().now();
@@ -156,13 +161,11 @@ class AMixedRobotWhoseNodeCannotBeConfigured : public AMixedRobot {
     EXPECT_EQ(robot_.machine().state, "Active");
     ASSERT_THAT(robot_.Degraded(), ElementsAre("c"));
     robot_.RunFor(std::chrono::seconds(2));
-    EXPECT_THAT(Fault(), HasSubstr("configure failed")) << "no later reason replaces it";
+    EXPECT_THAT(Fault(), Is(texts::SetUpFailed(kCodeFailed, kWords)))
+        << "no later reason replaces it";
     EXPECT_THAT(ros_->log(), ElementsAre("configure")) << "no automatic retry";
   }
-  std::string Fault() const {
-    const auto& fault = robot_.machine().actuators[2].fault;
-    return fault ? fault->message : "";
-  }
+  const std::optional<ActuatorFault>& Fault() const { return robot_.machine().actuators[2].fault; }
   void Repair() { ros_->script["configure"].outcome = RosManagedNode::Outcome::kSuccess; }
 };
 
@@ -173,7 +176,7 @@ TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, StartsWithoutItAtOnceAndReportsWh
 TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, ConfiguresItByASelfCheck) {
   ASSERT_NO_FATAL_FAILURE(BringUpWithout());
   EXPECT_EQ(Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
-  EXPECT_THAT(Fault(), HasSubstr("configure failed"));
+  EXPECT_THAT(Fault(), Is(texts::Reported(ActuatorOutcome::kFailed, kWords)));
   Repair();
   EXPECT_TRUE(Set("SelfCheck").done());
   robot_.RunFor(std::chrono::seconds(2));
@@ -183,7 +186,7 @@ TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, ConfiguresItByASelfCheck) {
 TEST_F(AMixedRobotWhoseNodeCannotBeConfigured, ConfiguresItByASwitchToTheCurrentState) {
   ASSERT_NO_FATAL_FAILURE(BringUpWithout());
   EXPECT_EQ(Set("Active").outcome, SwitchOutcome::kDoneDegraded);
-  EXPECT_THAT(Fault(), HasSubstr("configure failed"));
+  EXPECT_THAT(Fault(), Is(texts::Reported(ActuatorOutcome::kFailed, kWords)));
   Repair();
   const SwitchResult result = Set("Active");
   EXPECT_TRUE(result.done()) << result.reason;
@@ -217,7 +220,8 @@ TEST_F(AMixedRobot, DrivesANodeBackAfterATransitionByAnotherClient) {
   robot_.RunFor(std::chrono::seconds(1));
   ExpectAllIn("Active");
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
-  EXPECT_THAT(robot_.journal(), Contains(HasSubstr("c has switched to DeActive by itself")));
+  EXPECT_THAT(robot_.journal(),
+              Contains(texts::ActuatorDrifted("c", "DeActive", std::nullopt).message));
   ASSERT_TRUE(Set("LowPower").done());
   ros_->Change("activate");
   robot_.RunFor(std::chrono::seconds(1));

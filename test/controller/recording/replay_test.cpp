@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "musher/lifecycle/config/config_toml.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 
 namespace musher::recording::replay_test {
@@ -67,15 +68,16 @@ TEST(Replay, ShowsADecisionThatIsAnotherWithItsInput) {
                                   [](const auto& line) { return line.mark != Mark::kSame; });
   ASSERT_NE(first, report.lines.end());
   EXPECT_EQ(first->mark, Mark::kRecorded);
-  EXPECT_EQ(first->entry.message, "switch to Active requested");
+  EXPECT_EQ(first->entry.message, texts::SwitchRequested("to Active", "Active").message);
   EXPECT_THAT(first->input, HasSubstr(R"("target":"Protected")"));
 }
 
 TEST(Replay, ShowsARecordThatIsMissingAsNew) {
   auto rows = Rows();
-  const auto gone = std::find_if(rows.begin(), rows.end(), [](const JournalRow& row) {
+  const std::string done = texts::SwitchEnded(3, SwitchOutcome::kDone, "").message;
+  const auto gone = std::find_if(rows.begin(), rows.end(), [&](const JournalRow& row) {
     const auto* entry = std::get_if<JournalEntry>(&row.item);
-    return entry != nullptr && entry->message == "switch 3 is done";
+    return entry != nullptr && entry->message == done;
   });
   rows.erase(gone);
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].id = static_cast<std::int64_t>(i) + 1;
@@ -84,7 +86,7 @@ TEST(Replay, ShowsARecordThatIsMissingAsNew) {
   const auto line = std::find_if(report.lines.begin(), report.lines.end(),
                                  [](const auto& l) { return l.mark == Mark::kNew; });
   ASSERT_NE(line, report.lines.end());
-  EXPECT_EQ(line->entry.message, "switch 3 is done");
+  EXPECT_EQ(line->entry.message, done);
 }
 
 TEST(Replay, TakesTheEndOfARecordingThatWasCutOffForRecorded) {
