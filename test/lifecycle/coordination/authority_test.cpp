@@ -9,7 +9,6 @@
 namespace musher::testing::authority_test {
 
 using ::testing::Contains;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;

@@ -4,7 +4,6 @@
 
 namespace musher::testing::lying_still_test {
 
-
 constexpr std::int32_t kLying = 0;
 constexpr std::int32_t kLyingDown = 101;
 constexpr std::int32_t kWalking = 303;

@@ -7,7 +7,6 @@ namespace musher::testing::outcome_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 class Outcomes : public OneController {
  protected:
