@@ -31,7 +31,7 @@ class MachineController::Impl {
     config_ = std::move(config).value();
     transport::DdsOptions options =
         transport::OptionsFor(*config_, transport::kControllerIdentity, transport::kControllerNode);
-    options.discovery = transport::DiscoveryTiming::kController;
+    options.discovery = transport::DiscoveryTiming::kOnceKnown;
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
     config_->transport = profile.value();  // decisions about silent actuators depend on it, too

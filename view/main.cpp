@@ -83,7 +83,7 @@ Result<std::unique_ptr<transport::Node>> JoinForView(transport::EventLoop& loop,
                                                      const ViewOptions& options, bool with_keys) {
   transport::DdsOptions dds;
   dds.domain_id = options.domain;
-  dds.discovery = transport::DiscoveryTiming::kCommand;
+  dds.discovery = transport::DiscoveryTiming::kAtOnce;
   dds.unicast = true;
   dds.node_name = "musher_view";
   dds.name_space = options.name_space;

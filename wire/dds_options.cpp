@@ -25,7 +25,7 @@ DdsOptions OptionsFor(const MachineConfig& config, const std::string& identity,
   DdsOptions options;
   options.profile = config.transport;
   options.credentials = CredentialsFor(config, identity);
-  options.discovery = IsCrowd(config) ? DiscoveryTiming::kCrowd : DiscoveryTiming::kActuator;
+  options.discovery = IsCrowd(config) ? DiscoveryTiming::kCombinedLong : DiscoveryTiming::kCombined;
   options.node_name = node_name;
   options.name_space = config.name_space;
   options.ros_distro = config.ros_distro;

@@ -129,7 +129,7 @@ Result<> ToolLink::Join() {
   if (options_.transport) setenv("MUSHER_TRANSPORT", options_.transport->c_str(), 1);
   transport::DdsOptions dds;
   dds.domain_id = options_.domain;
-  dds.discovery = transport::DiscoveryTiming::kCommand;
+  dds.discovery = transport::DiscoveryTiming::kAtOnce;
   dds.unicast = true;  // it may read pictures
   dds.hidden = true;
   if (!options_.keys.empty()) {

@@ -24,7 +24,7 @@ PyNodePtr MakeNode(const std::string& name, const std::string& name_space,
                    const std::string& identity) {
   transport::DdsOptions options;
   options.domain_id = domain;
-  options.discovery = transport::DiscoveryTiming::kCommand;
+  options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.node_name = name;
   options.name_space = name_space;
   options.hidden = name.empty();

@@ -202,7 +202,7 @@ int Run(int argc, char** argv) {
   LinuxEventLoop loop;
   DdsOptions options;
   options.domain_id = std::atoi(argv[1]);
-  options.discovery = DiscoveryTiming::kCommand;
+  options.discovery = DiscoveryTiming::kAtOnce;
   if (argv[2] != std::string("-")) options.credentials = {argv[2], argv[3]};
   const auto node = MakeDdsNode(loop, options);
   if (!node) {

@@ -231,7 +231,7 @@ TEST(Settings, KeepOneHostOnLoopbackAndLetItsProcessesBeMany) {
 TEST(Settings, DiscoverByMulticastAndReadPicturesByUnicast) {
   for (const auto profile : {TransportProfile::kLocal, TransportProfile::kLan}) {
     EXPECT_THAT(dds::SettingsXml(profile, {}), Not(HasSubstr("AllowMulticast")));
-    EXPECT_THAT(dds::SettingsXml(profile, {}, DiscoveryTiming::kActuator, true),
+    EXPECT_THAT(dds::SettingsXml(profile, {}, DiscoveryTiming::kCombined, true),
                 HasSubstr("<AllowMulticast>spdp</AllowMulticast>"));
   }
 }
@@ -242,9 +242,9 @@ TEST(Settings, LetAnActuatorDiscoverTheControllerBeforeTheControllerRequests) {
   const auto xml = [](DiscoveryTiming timing) {
     return dds::SettingsXml(TransportProfile::kLocal, {}, timing);
   };
-  EXPECT_THAT(xml(DiscoveryTiming::kController),
+  EXPECT_THAT(xml(DiscoveryTiming::kOnceKnown),
               HasSubstr("<PreEmptiveAckDelay>30ms</PreEmptiveAckDelay>"));
-  EXPECT_THAT(xml(DiscoveryTiming::kCommand), Not(HasSubstr("PreEmptiveAckDelay")));
+  EXPECT_THAT(xml(DiscoveryTiming::kAtOnce), Not(HasSubstr("PreEmptiveAckDelay")));
 }
 
 // With an actuator's timing the start of a hundred processes takes twice as long.
@@ -252,8 +252,8 @@ TEST(Settings, RequestRepetitionsSeldomInACrowd) {
   const auto xml = [](DiscoveryTiming timing) {
     return dds::SettingsXml(TransportProfile::kLocal, {}, timing);
   };
-  EXPECT_THAT(xml(DiscoveryTiming::kActuator), HasSubstr("<NackDelay>10ms</NackDelay>"));
-  EXPECT_THAT(xml(DiscoveryTiming::kCrowd), HasSubstr("<NackDelay>100ms</NackDelay>"));
+  EXPECT_THAT(xml(DiscoveryTiming::kCombined), HasSubstr("<NackDelay>10ms</NackDelay>"));
+  EXPECT_THAT(xml(DiscoveryTiming::kCombinedLong), HasSubstr("<NackDelay>100ms</NackDelay>"));
 }
 
 TEST(Settings, TakeTheRequestedLease) {

@@ -18,13 +18,13 @@ DiscoveryTiming TimingOf(const MachineConfig& config) {
 }
 
 TEST(DdsOptions, HaveTheTimingOfACrowdFromSixtyFourStartedProcessesOn) {
-  EXPECT_EQ(TimingOf(MachineOf(63, 0)), DiscoveryTiming::kActuator);
-  EXPECT_EQ(TimingOf(MachineOf(64, 0)), DiscoveryTiming::kCrowd);
+  EXPECT_EQ(TimingOf(MachineOf(63, 0)), DiscoveryTiming::kCombined);
+  EXPECT_EQ(TimingOf(MachineOf(64, 0)), DiscoveryTiming::kCombinedLong);
 }
 
 // Several actuators that the controller does not start may share a process.
 TEST(DdsOptions, CountOnlyProcessesThatTheControllerStarts) {
-  EXPECT_EQ(TimingOf(MachineOf(8, 248)), DiscoveryTiming::kActuator);
+  EXPECT_EQ(TimingOf(MachineOf(8, 248)), DiscoveryTiming::kCombined);
 }
 
 // With 50 in each of two stages and an actuator's timing an emergency stop was not confirmed for
@@ -32,13 +32,13 @@ TEST(DdsOptions, CountOnlyProcessesThatTheControllerStarts) {
 TEST(DdsOptions, CountTheProcessesOfAllStages) {
   MachineConfig config = MachineOf(100, 0);
   for (ActuatorIndex i = 50; i < 100; ++i) config.actuators[i].stage = 2;
-  EXPECT_EQ(TimingOf(config), DiscoveryTiming::kCrowd);
+  EXPECT_EQ(TimingOf(config), DiscoveryTiming::kCombinedLong);
 }
 
 TEST(DdsOptions, DoNotCountNodesOfRos2) {
   MachineConfig config = MachineOf(64, 0);
   config.actuators[0].protocol = Protocol::kRos2Lifecycle;
-  EXPECT_EQ(TimingOf(config), DiscoveryTiming::kActuator);
+  EXPECT_EQ(TimingOf(config), DiscoveryTiming::kCombined);
 }
 
 }  // namespace musher::transport::dds_options_test

@@ -177,10 +177,10 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
     if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
   }
   const bool restarted = std::getenv("MUSHER_FAST_DISCOVERY") != nullptr;
-  const bool of_actuator = options.discovery == DiscoveryTiming::kActuator ||
-                           options.discovery == DiscoveryTiming::kCrowd;
-  const bool fast = restarted && of_actuator;
-  const DiscoveryTiming discovery = fast ? DiscoveryTiming::kCommand : options.discovery;
+  const bool combined = options.discovery == DiscoveryTiming::kCombined ||
+                        options.discovery == DiscoveryTiming::kCombinedLong;
+  const bool fast = restarted && combined;
+  const DiscoveryTiming discovery = fast ? DiscoveryTiming::kAtOnce : options.discovery;
   const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   const char* uri = std::getenv("CYCLONEDDS_URI");
   const bool own_settings = uri != nullptr && ReplacesProfile(profile.value(), uri);

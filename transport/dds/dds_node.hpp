@@ -24,10 +24,10 @@ struct Credentials {
 // How soon a process requests and repeats what may have been lost in discovery (profile local; lan
 // has one timing).
 enum class DiscoveryTiming {
-  kActuator,    // waits a little and combines
-  kCrowd,       // waits long and combines: of a hundred processes that start together
-  kCommand,     // at once: for a program that exits after its reply
-  kController,  // at once, but lets a new process discover this one first
+  kCombined,      // waits a little and combines
+  kCombinedLong,  // waits long and combines: of a hundred processes that start together
+  kAtOnce,        // for a program that exits after its reply
+  kOnceKnown,     // at once, but lets a new process discover this one first
 };
 
 struct DdsOptions {
@@ -37,9 +37,9 @@ struct DdsOptions {
   TransportProfile profile = TransportProfile::kLocal;
   // The lease: a process that is silent for longer counts as lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
-  // MUSHER_FAST_DISCOVERY in the environment makes kActuator to kCommand: a controller sets it for
-  // a process that it restarts while the others keep running.
-  DiscoveryTiming discovery = DiscoveryTiming::kActuator;
+  // MUSHER_FAST_DISCOVERY in the environment makes the combined ones to kAtOnce: set for a process
+  // that is restarted while the others keep running.
+  DiscoveryTiming discovery = DiscoveryTiming::kCombined;
   // Receives its samples by unicast. By default a sample with several readers is sent once, by
   // multicast, and the kernel copies it to every process of the domain, whether it reads that topic
   // or not: good for small samples, expensive for pictures. For programs that read pictures;

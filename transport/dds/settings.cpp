@@ -37,7 +37,7 @@ std::string Buffers(const std::string& linger) {
 // request of a ROS 2 client is often lost like that. With 10 ms the start of 32 processes sends up
 // to twice as many packets. What a new process has announced is requested after 13 ms: it discovers
 // this process within about 12 ms, and does not respond to an unknown one.
-constexpr const char* kActuatorDiscoveryTiming =
+constexpr const char* kCombinedTiming =
     "<HeartbeatInterval min=\"20ms\" minsched=\"50ms\" max=\"8s\">100ms</HeartbeatInterval>"
     "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"
     "<NackDelay>10ms</NackDelay><AutoReschedNackDelay>50ms</AutoReschedNackDelay>"
@@ -47,14 +47,14 @@ constexpr const char* kActuatorDiscoveryTiming =
 // them: with the timing above the start of 100 takes 20 to 29 s, with this one 10 to 14 s. Delays
 // of 300 to 400 ms instead of 13 and 100 ms gain nothing more, and delay an emergency stop from the
 // command line, which takes 0.15 to 0.5 s with these (up to 1.3 s within seconds of the start).
-constexpr const char* kCrowdDiscoveryTiming =
+constexpr const char* kCombinedLongTiming =
     "<HeartbeatInterval min=\"400ms\" minsched=\"500ms\" max=\"8s\">1s</HeartbeatInterval>"
     "<PreEmptiveAckDelay>13ms</PreEmptiveAckDelay>"
     "<NackDelay>100ms</NackDelay><AutoReschedNackDelay>1s</AutoReschedNackDelay>"
     "<AckDelay>100ms</AckDelay>";
 // For a few processes that must not wait for a repetition. Cyclone requests what a new process has
 // announced after 10 ms.
-constexpr const char* kCommandDiscoveryTiming =
+constexpr const char* kAtOnceTiming =
     "<HeartbeatInterval min=\"0ms\" minsched=\"5ms\" max=\"8s\">10ms</HeartbeatInterval>"
     "<NackDelay>5ms</NackDelay><AutoReschedNackDelay>10ms</AutoReschedNackDelay>"
     "<AckDelay>0ms</AckDelay>";
@@ -65,16 +65,16 @@ constexpr const char* kRequestAfter = "<PreEmptiveAckDelay>30ms</PreEmptiveAckDe
 
 std::string TimingXml(DiscoveryTiming timing) {
   switch (timing) {
-    case DiscoveryTiming::kActuator:
-      return kActuatorDiscoveryTiming;
-    case DiscoveryTiming::kCrowd:
-      return kCrowdDiscoveryTiming;
-    case DiscoveryTiming::kCommand:
-      return kCommandDiscoveryTiming;
-    case DiscoveryTiming::kController:
+    case DiscoveryTiming::kCombined:
+      return kCombinedTiming;
+    case DiscoveryTiming::kCombinedLong:
+      return kCombinedLongTiming;
+    case DiscoveryTiming::kAtOnce:
+      return kAtOnceTiming;
+    case DiscoveryTiming::kOnceKnown:
       break;
   }
-  return std::string(kCommandDiscoveryTiming) + kRequestAfter;
+  return std::string(kAtOnceTiming) + kRequestAfter;
 }
 
 // Discovery is by multicast, samples are sent by unicast.

@@ -20,7 +20,7 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured);
 // The XML for a profile. `lease`: a process that is silent for longer is lost; none: 10 s local, 2
 // s lan. For `unicast` see DdsOptions.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
-                        DiscoveryTiming discovery = DiscoveryTiming::kActuator,
+                        DiscoveryTiming discovery = DiscoveryTiming::kCombined,
                         bool unicast = false);
 
 }  // namespace musher::transport::dds

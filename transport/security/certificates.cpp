@@ -102,14 +102,15 @@ Result<CertificatePtr> NewAuthority(const std::string& name, const Validity& val
   return made;
 }
 
-Result<CertificatePtr> NewCertificate(const std::string& name, Role role, const Validity& validity,
-                                      EVP_PKEY* key, X509* authority, EVP_PKEY* authority_key) {
+Result<CertificatePtr> NewCertificate(const std::string& name, const std::string& role,
+                                      const Validity& validity, EVP_PKEY* key, X509* authority,
+                                      EVP_PKEY* authority_key) {
   const auto number = NewNumber();
   CertificatePtr made = number ? Draft(*number, validity, key) : nullptr;
   X509_NAME* subject = made ? X509_get_subject_name(made.get()) : nullptr;
   const bool done =
       made && AddText(subject, NID_commonName, name) &&
-      AddText(subject, NID_organizationalUnitName, std::string(RoleName(role))) &&
+      AddText(subject, NID_organizationalUnitName, role) &&
       AddText(subject, NID_serialNumber, Hex(*number)) &&
       X509_set_issuer_name(made.get(), X509_get_subject_name(authority)) == 1 &&
       Extend(made.get(), authority, NID_basic_constraints, "critical,CA:FALSE") &&
@@ -158,8 +159,8 @@ std::string NameOf(const X509* certificate) {
   return Text(certificate, NID_commonName);
 }
 
-std::optional<Role> RoleOf(const X509* certificate) {
-  return RoleFrom(Text(certificate, NID_organizationalUnitName));
+std::string RoleOf(const X509* certificate) {
+  return Text(certificate, NID_organizationalUnitName);
 }
 
 Validity ValidityOf(const X509* certificate) {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "musher/transport/security/openssl.hpp"
-#include "musher/transport/security/role.hpp"
+#include "musher/transport/security/wall_time.hpp"
 
 namespace musher::transport::keys {
 
@@ -20,8 +20,9 @@ Result<KeyPtr> NewKey();
 Result<CertificatePtr> NewAuthority(const std::string& name, const Validity& validity,
                                     EVP_PKEY* key);
 // The certificate of an identity, with its role and a unique serial number.
-Result<CertificatePtr> NewCertificate(const std::string& name, Role role, const Validity& validity,
-                                      EVP_PKEY* key, X509* authority, EVP_PKEY* authority_key);
+Result<CertificatePtr> NewCertificate(const std::string& name, const std::string& role,
+                                      const Validity& validity, EVP_PKEY* key, X509* authority,
+                                      EVP_PKEY* authority_key);
 
 // The revocation list of `authority`, valid as long as `authority`: the entries of `old` (may be
 // null) and `revoked` (may be null).
@@ -32,7 +33,7 @@ bool IsRevoked(X509_CRL* revocations, X509* certificate);
 // The subject in the form that DDS Security compares, RFC 2253.
 std::string SubjectOf(const X509* certificate);
 std::string NameOf(const X509* certificate);
-std::optional<Role> RoleOf(const X509* certificate);
+std::string RoleOf(const X509* certificate);  // empty: it names none
 Validity ValidityOf(const X509* certificate);
 
 // X509_V_OK if `authority` currently vouches for `certificate`, else why not. `revocations` may be

@@ -6,7 +6,7 @@
 
 #include "musher/base/result.hpp"
 #include "musher/transport/security/key_folder.hpp"
-#include "musher/transport/security/role.hpp"
+#include "musher/transport/security/wall_time.hpp"
 
 namespace musher::transport::keys {
 

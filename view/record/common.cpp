@@ -23,7 +23,7 @@ Result<std::unique_ptr<transport::Node>> JoinDomain(transport::EventLoop& loop,
                                                     const DomainOptions& where) {
   transport::DdsOptions options;
   options.domain_id = where.domain;
-  options.discovery = transport::DiscoveryTiming::kCommand;
+  options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.unicast = true;
   options.hidden = true;
   const char* keys = std::getenv("MUSHER_KEYS");          // NOLINT(concurrency-mt-unsafe)

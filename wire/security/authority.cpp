@@ -133,8 +133,8 @@ Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
   const auto key = NewKey();
   if (!key) return key.error();
   const auto certificate =
-      NewCertificate(name, role, validity, key.value().get(), identity.value().certificate.get(),
-                     identity.value().key.get());
+      NewCertificate(name, std::string(RoleName(role)), validity, key.value().get(),
+                     identity.value().certificate.get(), identity.value().key.get());
   if (!certificate) return certificate.error();
   const Grant grant{name, SubjectOf(certificate.value().get()), role, validity.not_before,
                     validity.not_after};
@@ -162,7 +162,7 @@ Result<std::vector<Identity>> List(const KeyFolder& folder) {
     const auto certificate = ReadCertificate(folder.Certificate(name));
     if (!certificate) return certificate.error();
     X509* one = certificate.value().get();
-    identities.push_back({name, RoleOf(one), ValidityOf(one).not_after,
+    identities.push_back({name, RoleFrom(RoleOf(one)), ValidityOf(one).not_after,
                           IsRevoked(revocations.value().get(), one), Exists(folder.Key(name))});
   }
   return identities;

@@ -12,9 +12,13 @@
 
 #include <string>
 
-#include "musher/transport/security/role.hpp"
+#include "musher/transport/security/wall_time.hpp"
+#include "musher/wire/security/role.hpp"
 
 namespace musher::transport::keys {
+
+// Whether participants without a certificate can read samples on the network.
+enum class Protection { kSigned, kEncrypted };
 
 std::string GovernanceXml(Protection protection);
 

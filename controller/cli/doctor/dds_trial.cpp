@@ -31,7 +31,7 @@ class Peer {
   explicit Peer(TransportProfile profile) {
     transport::DdsOptions options;
     options.profile = profile;
-    options.discovery = transport::DiscoveryTiming::kCommand;
+    options.discovery = transport::DiscoveryTiming::kAtOnce;
     options.hidden = true;
     auto node = transport::MakeDdsNode(loop_, options);
     if (!node) {

@@ -12,7 +12,7 @@
 #include "musher/base/time.hpp"
 #include "musher/lifecycle/config/config.hpp"
 #include "musher/transport/ros_environment.hpp"
-#include "musher/transport/security/role.hpp"
+#include "musher/transport/security/wall_time.hpp"
 
 namespace musher::cli {
 

@@ -25,7 +25,7 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 
 Result<> Link::Join() {
   transport::DdsOptions options;
-  options.discovery = transport::DiscoveryTiming::kCommand;
+  options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.hidden = true;
   if (!global_.keys.empty()) {
     options.credentials =

@@ -91,7 +91,7 @@ Result<> ControllerProcess::Begin() {
   if (!domain_id) return domain_id.error();
   transport::DdsOptions options =
       transport::OptionsFor(config_, transport::kControllerIdentity, transport::kControllerNode);
-  options.discovery = transport::DiscoveryTiming::kController;
+  options.discovery = transport::DiscoveryTiming::kOnceKnown;
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();

@@ -264,7 +264,7 @@ Result<std::string> SendWorldCommand(const WorldCommand& command, const std::str
                                      Duration timeout) {
   transport::LinuxEventLoop loop;
   transport::DdsOptions options;
-  options.discovery = transport::DiscoveryTiming::kCommand;
+  options.discovery = transport::DiscoveryTiming::kAtOnce;
   options.hidden = true;
   auto node = transport::MakeDdsNode(loop, options);
   if (!node) return node.error();

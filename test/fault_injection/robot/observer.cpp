@@ -41,7 +41,7 @@ Observer::Observer(int domain, TransportProfile profile, const std::string& name
   transport::DdsOptions options;
   options.domain_id = domain;
   options.profile = profile;
-  options.discovery = transport::DiscoveryTiming::kCommand;
+  options.discovery = transport::DiscoveryTiming::kAtOnce;
   node_ = Must(transport::NodeThread::Start(options));
   node_->RunOnLoop([&] { Make(name_space); });
 }

@@ -1,20 +1,9 @@
-#include "musher/transport/security/role.hpp"
+#include "musher/wire/security/role.hpp"
 
 #include <algorithm>
-#include <array>
-#include <ctime>
 #include <iterator>
 
 namespace musher::transport::keys {
-
-std::string IsoTime(WallTime time) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
-}
 
 std::string_view RoleName(Role role) {
   switch (role) {

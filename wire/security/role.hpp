@@ -1,9 +1,7 @@
 #pragma once
-// The role of an identity, which its certificate names, and how its data is protected.
+// The role of an identity, which its certificate names: what it may do on Musher's topics.
 
-#include <chrono>
 #include <optional>
-#include <string>
 #include <string_view>
 
 namespace musher::transport::keys {
@@ -15,15 +13,9 @@ enum class Role {
   kObserver,    // reads the machine's status
 };
 
-using WallTime = std::chrono::sys_seconds;
-std::string IsoTime(WallTime time);  // "2026-01-31T12:00:00Z"
-
 std::string_view RoleName(Role role);
 std::optional<Role> RoleFrom(std::string_view name);
 inline constexpr Role kRoles[] = {Role::kController, Role::kActuator, Role::kOperator,
                                   Role::kObserver};
-
-// Whether participants without a certificate can read samples on the network.
-enum class Protection { kSigned, kEncrypted };
 
 }  // namespace musher::transport::keys
