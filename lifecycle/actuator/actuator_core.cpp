@@ -5,6 +5,7 @@
 
 #include "musher/base/code.hpp"
 #include "musher/lifecycle/actuator/command_age.hpp"
+#include "musher/lifecycle/actuator/safe_state.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 
 namespace musher {
@@ -17,22 +18,11 @@ using Refusal = Error;
 
 // The number of announced controllers that are kept: those received last.
 constexpr std::size_t kAnnouncedKept = 8;
-
 // The number of released emergency stops that are kept; older ones have no samples left.
 constexpr std::size_t kReleasedKept = 64;
 // The most stops engaged at once. One more changes nothing until one of these is released.
 constexpr std::size_t kMostStops = 256;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
-
-// The state of an actuator that has lost its controller, if it is below the present one.
-std::optional<State> SafeState(const MachineConfig& config, ActuatorIndex index,
-                               const ActuatorCore& core) {
-  const State& safe = config.actuators[index].on_controller_lost;
-  const auto own = config.RankOf(core.report.state);
-  const auto rank = config.RankOf(safe);
-  if (!own || !rank || *rank >= *own) return std::nullopt;
-  return safe;
-}
 
 // One event's decision: the arguments of Step() and the actions so far.
 class Deciding {
@@ -99,12 +89,10 @@ class Deciding {
       report_.held_by_stop = false;
     }
     if (target != kSelfCheck && end.code != kCodeOk) report_.detached = core_.was_detached;
-    for (const RequestToken token : tokens) {
-      Do(Answer{token, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, end.code,
-                end.message});
-    }
+    AnswerAll(tokens, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed,
+              {end.code, end.message});
     if (target == kTearDown && end.code == kCodeOk) {
-      DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
+      EndWaitingTornDown();
       Do(PublishStatus{});
       return Do(Finish{});
     }
@@ -165,13 +153,26 @@ class Deciding {
 
   void UseUp(CommandNumber number) { report_.number = std::max(report_.number, number); }
 
+  void AnswerAll(const std::vector<RequestToken>& tokens, Verdict verdict,
+                 const Error& why = {kCodeOk, ""}) {
+    for (const RequestToken token : tokens) Do(Answer{token, verdict, why.code, why.message});
+  }
+
   void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
-    for (const RequestToken token : tokens)
-      Do(Answer{token, Verdict::kRefused, refusal.code, refusal.message});
+    AnswerAll(tokens, Verdict::kRefused, refusal);
   }
 
   void DropWaiting(const Refusal& why) {
     if (const auto dropped = std::exchange(core_.waiting, {})) Refuse(dropped->tokens, why);
+  }
+
+  // A TearDown that waits for another one is done with it; any other command is refused.
+  void EndWaitingTornDown() {
+    if (auto& waiting = core_.waiting; waiting && waiting->command.target == kTearDown) {
+      report_.outcome_number = waiting->command.number;
+      AnswerAll(std::exchange(waiting, {})->tokens, Verdict::kDone);
+    }
+    DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
   }
 
   // One controller has control: the one with the highest epoch, once it has announced itself.
@@ -303,7 +304,7 @@ class Deciding {
   }
 
   std::optional<Refusal> CheckTarget(const State& target) const {
-    if (report_.state == kTearDown) {
+    if (report_.state == kTearDown && target != kTearDown) {
       return Refusal{kCodeStateInvalid,
                      "the actuator is torn down; only a new start brings it back"};
     }
@@ -327,7 +328,7 @@ class Deciding {
     if (there && !core_.unsettled && !report_.held_by_stop) {
       EndCommand(command.number, command.target, kCodeOk, "");
       report_.detached = command.detached;
-      for (const RequestToken token : tokens) Do(Answer{token, Verdict::kDone, kCodeOk, ""});
+      AnswerAll(tokens, Verdict::kDone);
       return Do(PublishStatus{});
     }
     report_.busy_number = command.number;
@@ -343,10 +344,9 @@ class Deciding {
     if (ended.code == kCodeOk) {
       report_.state = State(kSetUp);
       Do(BecomeVisible{});
-      return Do(PublishStatus{});
     }
     Do(PublishStatus{});
-    Do(Finish{ended.code, ended.message});
+    if (ended.code != kCodeOk) Do(Finish{ended.code, ended.message});
   }
 
   void EndCommand(CommandNumber number, const State& target, std::int32_t code,

@@ -11,11 +11,15 @@ using actuator_event::ManagerCommand;
 using actuator_event::QueryArrived;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
+using ::testing::_;
 using testing::Actions;
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::SizeIs;
 using ::testing::VariantWith;
 
 class Actuator : public testing::OneActuator {};
@@ -191,6 +195,39 @@ TEST_F(Actuator, AWaitingCommandThatIsQueriedNeverBegins) {
   EXPECT_EQ(AnswerIn(queried).verdict, Verdict::kRefused);  // of the waiting one
   EXPECT_THAT(Do(CallbackEnded{}),
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
+}
+
+// The machine is torn down while the actuator is in the TearDown of its own restart.
+TEST_F(Actuator, ATearDownThatWaitsForAnotherOneIsDoneWithIt) {
+  SetUpIt();
+  Do(Command(1, "TearDown"));
+  Do(Command(2, "TearDown"));
+  const Actions ended = Do(CallbackEnded{});
+  EXPECT_THAT(ended, Not(Contains(VariantWith<RunCallback>(_))));
+  EXPECT_THAT(AnswersIn(ended), Each(Field(&Answer::verdict, Verdict::kDone)));
+  EXPECT_THAT(AnswersIn(ended), SizeIs(2));
+  EXPECT_EQ(core_.report.outcome_number, CommandNumber(2));
+  EXPECT_EQ(core_.report.outcome_code, kCodeOk);
+}
+
+TEST_F(Actuator, ATearDownOfAnActuatorThatIsTornDownIsDone) {
+  SetUpIt();
+  Switch(1, "TearDown");
+  const Actions actions = Do(Command(2, "TearDown"));
+  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kDone);
+  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
+  EXPECT_EQ(AnswerIn(Do(Command(3, "Active"))).code, kCodeStateInvalid);
+}
+
+TEST_F(Actuator, AnotherCommandThatWaitsForATearDownIsRefused) {
+  SetUpIt();
+  Do(Command(1, "TearDown"));
+  Do(Command(2, "LowPower"));
+  const std::vector<Answer> answers = AnswersIn(Do(CallbackEnded{}));
+  ASSERT_THAT(answers, SizeIs(2));
+  EXPECT_EQ(answers[0].verdict, Verdict::kDone);
+  EXPECT_EQ(answers[1].verdict, Verdict::kRefused);
+  EXPECT_EQ(core_.report.outcome_number, CommandNumber(1));
 }
 
 // It waits behind a callback while the process is silent for a moment; the probe only checks that

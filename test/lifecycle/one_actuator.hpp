@@ -55,6 +55,15 @@ class OneActuator : public ::testing::Test {
     EXPECT_EQ(core_.report.state, target);
   }
 
+  static std::vector<actuator_action::Answer> AnswersIn(const Actions& actions) {
+    std::vector<actuator_action::Answer> answers;
+    for (const ActuatorAction& action : actions) {
+      if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
+        answers.push_back(*answer);
+      }
+    }
+    return answers;
+  }
   static const actuator_action::Answer& AnswerIn(const Actions& actions) {
     for (const ActuatorAction& action : actions) {
       if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) return *answer;
