@@ -7,12 +7,15 @@
 
 namespace musher {
 
-// "1 number", "7 numbers"; `plural` where an s is not enough.
+// "number" of 1, "numbers" of 7; `plural` where an s is not enough.
+inline std::string NounOf(std::size_t count, std::string_view what, std::string_view plural = "") {
+  if (count == 1) return std::string(what);
+  return plural.empty() ? std::string(what) + "s" : std::string(plural);
+}
+
+// "1 number", "7 numbers"
 inline std::string Counted(std::size_t count, std::string_view what, std::string_view plural = "") {
-  std::string text = std::to_string(count) + " ";
-  if (count == 1) return text.append(what);
-  if (!plural.empty()) return text.append(plural);
-  return text.append(what).append("s");
+  return std::to_string(count) + " " + NounOf(count, what, plural);
 }
 
 // "the default namespace", "namespace 'fleet'"

@@ -5,7 +5,6 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -78,8 +77,8 @@ class State {
     return state.name_ == literal;
   }
   friend auto operator<=>(const State&, const State&) = default;  // NOLINT(*-nullptr)
-  friend std::string operator+(const std::string& before, const State& state) {
-    return before + state.name_;
+  friend std::string operator+(std::string before, const State& state) {
+    return std::move(before) + state.name_;
   }
   friend std::string operator+(const State& state, const std::string& after) {
     return state.name_ + after;

@@ -111,11 +111,11 @@ void Checker::OnWrongConfig(const std::string& name) {
   const ActuatorIndex i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
   const ActuatorRecord& record = leader->shell().machine().actuators[i];
-  const bool its_child = record.process != 0 &&
-                         record.process == robot_.processes().PidOf(name, leader->host()) &&
-                         !record.found_running;
+  const bool its_child = record.process.pid != 0 &&
+                         record.process.pid == robot_.processes().PidOf(name, leader->host()) &&
+                         record.process.launch != Launch::kFoundRunning;
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (its_child && counts && !record.restart_requested) config_errors_[name] = leader->serial();
+  if (its_child && counts && !record.restart.requested) config_errors_[name] = leader->serial();
 }
 
 void Checker::OnStart(const ControllerProcess& controller, const std::string& name) {
@@ -242,7 +242,7 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
     const std::string what = "the machine went from " + seen.state + " to " + machine.state;
     if (!requested)
       ReportViolation(Invariant::kNoUnrequestedActivation, what + ", which was not requested");
-    if (seen.stopped && machine.emergency_stop) {
+    if (seen.stopped && machine.emergency.stop) {
       ReportViolation(Invariant::kEmergencyStopHolds, what + " during an emergency stop");
     }
   }
@@ -253,7 +253,7 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
   }
   if (seen.state != machine.state) CheckPolicyChange(machine, seen);
   seen.state = machine.state;
-  seen.stopped = machine.emergency_stop.has_value();
+  seen.stopped = machine.emergency.stop.has_value();
   const bool requested = (seen.requested && machine.state == seen.requested_state) ||
                          just_replied_.contains(machine.state);
   if (requested && !machine.current) requested_state_at_ = robot_.age();
@@ -285,14 +285,14 @@ std::string Checker::PendingActivity(const Machine& machine, ActuatorIndex i) co
   const ActuatorRecord& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
-  if (r.fault && !r.command && !r.restart_at && !r.termination && !r.restart_requested) return {};
+  if (r.fault && !r.command && !r.restart.at && !r.process.termination && !r.restart.requested)
+    return {};
   if (r.command) return "has a command to " + r.command->target;
-  if (r.restart_at || r.restart_requested) return "is to be restarted";
-  if (r.termination) return "is to be killed";
+  if (r.restart.at || r.restart.requested) return "is to be restarted";
+  if (r.process.termination) return "is to be killed";
   if (r.free_by) return "is busy with the callback that it was found in";
-  if (r.take_control_again && r.presence == Presence::kStarting && alive)
-    return "is being attached";
-  const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
+  if (r.control.again && r.presence == Presence::kStarting && alive) return "is being attached";
+  const bool waits = machine.emergency.stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;
   return r.due && !waits ? "is to be switched to the machine's state" : "";
 }
@@ -307,7 +307,7 @@ std::string Checker::PendingActivity() const {
   if (machine.policy.keep) return "an application keeps it in " + machine.policy.keep->state;
   if (machine.policy.power) return "the robot is being powered off";
   if (machine.policy.still_since) return "it is about to go to LowPower";
-  if (machine.fallback) return "it is about to fall back to " + *machine.fallback;
+  if (machine.fallback.target) return "it is about to fall back to " + *machine.fallback.target;
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
     return "the machine is " + std::string(PhaseName(machine.phase));
   }
@@ -356,13 +356,14 @@ void Checker::CheckPlace(const Machine& machine, ActuatorIndex i) {
   if (report == nullptr || record.held || record.fault || false_reporters_.contains(name)) return;
   const auto own = config_.RankOf(report->state);
   const auto rank = config_.RankOf(machine.state);
-  const bool waits = machine.emergency_stop && (!own || (rank && *own < *rank));
-  if (machine.emergency_stop && record.presence == Presence::kPresent &&
+  const bool waits = machine.emergency.stop && (!own || (rank && *own < *rank));
+  if (machine.emergency.stop && record.presence == Presence::kPresent &&
       report->emergency_stop == 0) {
     ReportViolation(Invariant::kEmergencyStopHolds, name + " has not latched the emergency stop");
   }
   if (report->state == machine.state || waits || !rank) return;
-  if (config_.actuators[i].stage > machine.stage && record.presence == Presence::kAbsent) return;
+  if (config_.actuators[i].stage > machine.start_up.stage && record.presence == Presence::kAbsent)
+    return;
   ReportViolation(Invariant::kStatesAgree, name + " is in " + report->state +
                                                " while the machine is in " + machine.state +
                                                ", without a recorded reason");
@@ -373,7 +374,7 @@ void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) 
   const ActuatorConfig& actuator = config_.actuators[i];
   const auto rank = config_.RankOf(machine.state);
   if (record.presence == Presence::kPresent || record.held || !rank) return;
-  if (record.presence == Presence::kAbsent && machine.emergency_stop) return;  // of a later stage
+  if (record.presence == Presence::kAbsent && machine.emergency.stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
     // An operator may continue without an actuator that is not critical.
@@ -384,16 +385,16 @@ void Checker::CheckLoss(const Machine& machine, ActuatorIndex i, bool provided) 
             ", whose on_lost is " + actuator.on_lost);
   }
   if (!provided || actuator.command.empty()) return;  // others are not started by the controller
-  ReportViolation(
-      Invariant::kOnLostCoversLoss,
-      "the machine stays in " + machine.state + " without " + actuator.name + ", " +
-          (record.given_up
-               ? (record.restarts < actuator.restart.limit
-                      ? "which is not restarted after its exit code"
-                      : "which was given up after " + std::to_string(record.restarts) + " restarts")
-               : (robot_.IsAlive(actuator.name) ? "which hangs, and is not killed"
-                                                : "which is not restarted")) +
-          "; it has no on_lost (\"Active\" if the machine may run without it)");
+  ReportViolation(Invariant::kOnLostCoversLoss,
+                  "the machine stays in " + machine.state + " without " + actuator.name + ", " +
+                      (record.restart.given_up
+                           ? (record.restart.count < actuator.restart.limit
+                                  ? "which is not restarted after its exit code"
+                                  : "which was given up after " +
+                                        std::to_string(record.restart.count) + " restarts")
+                           : (robot_.IsAlive(actuator.name) ? "which hangs, and is not killed"
+                                                            : "which is not restarted")) +
+                      "; it has no on_lost (\"Active\" if the machine may run without it)");
 }
 
 }  // namespace musher::simulation

@@ -47,8 +47,8 @@ void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid)
   bool unproven = true;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const ActuatorRecord& record = machine.actuators[i];
-    const bool terminated = record.termination && record.termination->pid == pid;
-    const bool meant = record.process == pid || terminated || record.report.pid == pid;
+    const bool terminated = record.process.termination && record.process.termination->pid == pid;
+    const bool meant = record.process.pid == pid || terminated || record.report.pid == pid;
     const bool holds =
         robot_.processes().PidOf(config_.actuators[i].name, controller.host()) == pid;
     unproven &= !(meant && holds);

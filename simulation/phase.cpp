@@ -47,7 +47,7 @@ MachinePhase MachinePhaseOf(const Machine* machine) {
   const bool joining = std::any_of(machine->actuators.begin(), machine->actuators.end(),
                                    [](const ActuatorRecord& r) { return r.command.has_value(); });
   if (joining) return MachinePhase::kJoining;
-  return machine->emergency_stop ? MachinePhase::kStopped : MachinePhase::kAtRest;
+  return machine->emergency.stop ? MachinePhase::kStopped : MachinePhase::kAtRest;
 }
 
 }  // namespace musher::simulation

@@ -2,7 +2,6 @@
 // the controller derives from it.
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "musher/simulation/checker.hpp"
@@ -22,9 +21,14 @@ std::optional<Rank> MostAt(const BatteryPolicy& policy, int percent, bool chargi
   return std::nullopt;
 }
 
-// Reads 22 from "the battery is at 22 %, …".
-int PercentIn(const std::string& text) {
-  return std::atoi(text.c_str() + text.find_first_of("0123456789"));
+State TargetOf(const action::Record& record) {
+  return State(ArgumentOf(record.arguments, "target"));
+}
+
+std::optional<int> PercentOf(const action::Record& record) {
+  const Argument* percent = FindArgument(record.arguments, "percent");
+  if (percent == nullptr) return std::nullopt;
+  return static_cast<int>(std::get<std::int64_t>(percent->value));
 }
 
 }  // namespace
@@ -33,7 +37,7 @@ int PercentIn(const std::string& text) {
 // then.
 void Checker::CheckCeiling(const Machine& machine, bool at_rest) {
   const PolicyState& policy = machine.policy;
-  const bool waits = machine.current || machine.fallback || policy.keep || policy.power ||
+  const bool waits = machine.current || machine.fallback.target || policy.keep || policy.power ||
                      machine.state == kOta || (!at_rest && !policy.loaded);
   if (!config_.policy || !config_.policy->battery || !policy.battery) return;
   NoteLevels(*config_.policy->battery, *policy.battery);
@@ -64,21 +68,21 @@ void Checker::OnRecord(const action::Record& record) {
     case EventName::kPolicyRequested:
     case EventName::kSwitchRequested:
       // A request that ends in the same step never shows as the switch under way.
-      if (!record.actuator && !record.target.empty()) just_replied_.insert(record.target);
+      if (!record.actuator && !TargetOf(record).empty()) just_replied_.insert(TargetOf(record));
       return;
     case EventName::kSwitchStarted:
       if (std::exchange(lowering_begins_, false)) NoteLowering(record.of_switch->state);
       return;
     case EventName::kBatterySwitchUp:
-      policy_up_to_.push_back(record.target);
-      raised_at_ = PercentIn(record.message);
+      policy_up_to_.push_back(TargetOf(record));
+      raised_at_ = PercentOf(record);
       return;
     case EventName::kBatterySwitchDown:
-      policy_down_to_.push_back(record.target);
+      policy_down_to_.push_back(TargetOf(record));
       lowering_begins_ = true;
       return;
     case EventName::kLyingStillSwitch:
-      policy_down_to_.push_back(record.target);
+      policy_down_to_.push_back(TargetOf(record));
       lowering_begins_ = false;
       lowered_.reset();
       return;

@@ -36,7 +36,7 @@ void Scenario::Repair() {
     StartController();
     if (!ReachStableState("after its start")) return;
   }
-  for (int tries = 0; tries < 8 && robot_.machine().emergency_stop; ++tries) {
+  for (int tries = 0; tries < 8 && robot_.machine().emergency.stop; ++tries) {
     Note("the operator releases the emergency stop");
     robot_.ReleaseEmergencyStop();
     RunFor(std::chrono::seconds(1));  // another one may be engaged as well

@@ -51,7 +51,7 @@ void Checker::CheckStopsAtRest(const Machine& machine) {
     return latched && !open && (state_lost_ || ReleasedElsewhere());
   };
   const std::string what = open ? " although one is engaged" : " although all stops are released";
-  const bool known = machine.emergency_stop.has_value();
+  const bool known = machine.emergency.stop.has_value();
   if (known != open && !excused(known)) {
     return ReportViolation(
         Invariant::kEmergencyStopLatched,
@@ -125,7 +125,7 @@ bool Checker::RunsForAnother(const ControllerProcess& process, ActuatorIndex i,
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);
     if (other == nullptr || other->serial() == process.serial() || !other->leads()) continue;
-    const std::int32_t pid = other->shell().machine().actuators[i].process;
+    const std::int32_t pid = other->shell().machine().actuators[i].process.pid;
     const bool its_own =
         pid != 0 && pid == robot_.processes().PidOf(config_.actuators[i].name, host);
     if (other->host() == host && host != process.host() && its_own) return true;

@@ -86,15 +86,26 @@ class Writer {
   template <Struct T>
   void AddFields(Json& json, const T& value) const {
     static_assert(kIsComplete<T>, "fields.hpp has to name every member");
-    [[maybe_unused]] static const T otherwise{};
-    const auto add = [&](const auto& field) {
-      if (value.*field.member == otherwise.*field.member) return;
-      json[field.name] = Of(value.*field.member);
-    };
-    std::apply([&](const auto&... fields) { (add(fields), ...); }, kFields<T>);
+    std::apply([&](const auto&... fields) { (Add(json, value, fields), ...); }, kFields<T>);
   }
 
  private:
+  template <class T, class M>
+  void Add(Json& json, const T& value, const Field<T, M>& field) const {
+    static const T otherwise{};
+    if (value.*field.member == otherwise.*field.member) return;
+    json[field.name] = Of(value.*field.member);
+  }
+  template <class T, class M>
+  void Add(Json& json, const T& value, const Part<T, M>& part) const {
+    AddFields(json, value.*part.member);
+  }
+  template <class T, class M, std::size_t kFlags>
+  void Add(Json& json, const T& value, const Flags<T, M, kFlags>& flags) const {
+    const auto number = static_cast<std::size_t>(value.*flags.member);
+    if (number > 0) json[flags.names.at(number - 1)] = true;
+  }
+
   template <class T, class Items>
   Json ListOf(const Items& items) const {
     Json list = Json::array();
@@ -121,12 +132,7 @@ class Reader {
   template <Struct T>
   void TakeFields(const Json& json, T& value) const {
     if (!json.is_object()) Fail("an object", json);
-    const auto take = [&](const auto& field) {
-      const auto found = json.find(field.name);
-      if (found == json.end()) return;
-      At(field.name).Read(*found, value.*field.member);
-    };
-    std::apply([&](const auto&... fields) { (take(fields), ...); }, kFields<T>);
+    std::apply([&](const auto&... fields) { (TakeOne(json, value, fields), ...); }, kFields<T>);
   }
 
   Reader At(const std::string& name) const {
@@ -142,6 +148,29 @@ class Reader {
 
  private:
   explicit Reader(std::string path) : path_(std::move(path)) {}
+
+  template <class T, class M>
+  void TakeOne(const Json& json, T& value, const Field<T, M>& field) const {
+    const auto found = json.find(field.name);
+    if (found != json.end()) At(field.name).Read(*found, value.*field.member);
+  }
+  template <class T, class M>
+  void TakeOne(const Json& json, T& value, const Part<T, M>& part) const {
+    TakeFields(json, value.*part.member);
+  }
+  // Of several flags the last one counts.
+  template <class T, class M, std::size_t kFlags>
+  void TakeOne(const Json& json, T& value, const Flags<T, M, kFlags>& flags) const {
+    for (std::size_t i = 0; i < kFlags; ++i) {
+      bool set = false;
+      TakeOne(json, set, flags.names[i]);
+      if (set) value.*flags.member = static_cast<M>(i + 1);
+    }
+  }
+  void TakeOne(const Json& json, bool& value, const char* name) const {
+    const auto found = json.find(name);
+    if (found != json.end()) At(name).Read(*found, value);
+  }
 
   void Read(const Json& json, bool& value) const {
     if (!json.is_boolean()) Fail("true or false", json);

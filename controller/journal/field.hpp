@@ -19,7 +19,24 @@ struct Field {
 template <class T, class M>
 Field(const char*, M T::*) -> Field<T, M>;
 
-// The fields of a struct, as a tuple of Field.
+// A member whose fields are recorded as fields of the struct around it.
+template <class T, class M>
+struct Part {
+  M T::*member;
+};
+template <class T, class M>
+Part(M T::*) -> Part<T, M>;
+
+// An enumeration that is recorded as flags: a flag for each value but the first.
+template <class T, class M, std::size_t kFlags>
+struct Flags {
+  M T::*member;
+  std::array<const char*, kFlags> names;  // of the values from 1 on
+};
+template <class T, class M, std::size_t kFlags>
+Flags(M T::*, std::array<const char*, kFlags>) -> Flags<T, M, kFlags>;
+
+// The fields of a struct, as a tuple of Field, Part and Flags.
 template <class T>
 inline constexpr auto kFields = nullptr;
 template <class T>

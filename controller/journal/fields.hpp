@@ -32,19 +32,41 @@ inline constexpr std::tuple kFields<ActuatorFault> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<ActuatorProcess> = {
+    Field{"process", &ActuatorProcess::pid},
+    Flags{&ActuatorProcess::launch,
+          std::to_array<const char*>({"hindered", "launching", "found_running"})},
+    Field{"dead", &ActuatorProcess::dead},
+    Field{"termination", &ActuatorProcess::termination},
+};
+
+static_assert(static_cast<int>(Launch::kFoundRunning) == 3, "each value has its flag");
+
+template <>
+inline constexpr std::tuple kFields<Restarts> = {
+    Field{"restarts", &Restarts::count},          Field{"restart_at", &Restarts::at},
+    Field{"healthy_at", &Restarts::reset_at},     Field{"given_up", &Restarts::given_up},
+    Field{"restart_asked", &Restarts::requested}, Field{"restart_requests", &Restarts::requests},
+};
+
+template <>
+inline constexpr std::tuple kFields<ControlRecord> = {
+    Field{"claimed", &ControlRecord::incarnation},
+    Field{"claim_again", &ControlRecord::again},
+    Field{"outbid_at", &ControlRecord::outbid_at},
+};
+
+template <>
 inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"presence", &ActuatorRecord::presence},
     Field{"report", &ActuatorRecord::report},
     Field{"other", &ActuatorRecord::other},
     Field{"clock_theirs", &ActuatorRecord::clock_theirs},
     Field{"clock_ours", &ActuatorRecord::clock_ours},
-    Field{"process", &ActuatorRecord::process},
-    Field{"launching", &ActuatorRecord::launching},
-    Field{"dead", &ActuatorRecord::dead},
-    Field{"found_running", &ActuatorRecord::found_running},
+    Part{&ActuatorRecord::process},
+    Part{&ActuatorRecord::restart},
+    Part{&ActuatorRecord::control},
     Field{"set_up_by", &ActuatorRecord::set_up_by},
-    Field{"claimed", &ActuatorRecord::controlled},
-    Field{"claim_again", &ActuatorRecord::take_control_again},
     Field{"checked", &ActuatorRecord::checked},
     Field{"join_tried", &ActuatorRecord::join_tried},
     Field{"set_again", &ActuatorRecord::set_again},
@@ -55,17 +77,8 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"order", &ActuatorRecord::command},
     Field{"cause", &ActuatorRecord::cause},
     Field{"health", &ActuatorRecord::health},
-    Field{"restarts", &ActuatorRecord::restarts},
-    Field{"restart_at", &ActuatorRecord::restart_at},
-    Field{"healthy_at", &ActuatorRecord::healthy_at},
-    Field{"given_up", &ActuatorRecord::given_up},
-    Field{"restart_asked", &ActuatorRecord::restart_requested},
-    Field{"restart_requests", &ActuatorRecord::restart_requests},
-    Field{"termination", &ActuatorRecord::termination},
     Field{"parked", &ActuatorRecord::suspended},
-    Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
-    Field{"hindered", &ActuatorRecord::blocked},
     Field{"elsewhere", &ActuatorRecord::elsewhere},
 };
 
@@ -130,12 +143,13 @@ inline constexpr std::tuple kFields<Stopping> = {
     Field{"terminate_at", &Stopping::terminate_at},
     Field{"kill_at", &Stopping::kill_at},
     Field{"give_up_at", &Stopping::give_up_at},
-    Field{"terminated", &Stopping::terminated},
-    Field{"killed", &Stopping::killed},
+    Flags{&Stopping::sent, std::to_array<const char*>({"terminated", "killed"})},
     Field{"look", &Stopping::look},
     Field{"result", &Stopping::result},
     Field{"requests", &Stopping::requests},
 };
+
+static_assert(static_cast<int>(Stopping::Signal::kKill) == 2, "each value has its flag");
 
 template <>
 inline constexpr std::tuple kFields<Keep> = {
@@ -181,32 +195,52 @@ inline constexpr std::tuple kFields<Unsaved> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<StartUpState> = {
+    Field{"by_hand", &StartUpState::by_hand},
+    Field{"finishing", &StartUpState::finishing},
+    Field{"set_up", &StartUpState::set_up},
+    Field{"stage", &StartUpState::stage},
+    Field{"set_up_requests", &StartUpState::requests},
+};
+
+template <>
+inline constexpr std::tuple kFields<EmergencyStopState> = {
+    Field{"emergency_stop", &EmergencyStopState::stop},
+    Field{"stop_cause", &EmergencyStopState::cause},
+    Field{"other_stops", &EmergencyStopState::others},
+    Field{"released_stops", &EmergencyStopState::released},
+};
+
+template <>
+inline constexpr std::tuple kFields<FallbackState> = {
+    Field{"fallback", &FallbackState::target},
+    Field{"fallback_cause", &FallbackState::cause},
+};
+
+template <>
+inline constexpr std::tuple kFields<SavesState> = {
+    Field{"last_save", &SavesState::last},
+    Field{"unsaved", &SavesState::unsaved},
+};
+
+template <>
 inline constexpr std::tuple kFields<Machine> = {
     Field{"phase", &Machine::phase},
-    Field{"by_hand", &Machine::by_hand},
-    Field{"finishing", &Machine::finishing},
     Field{"state", &Machine::state},
     Field{"host", &Machine::host},
     Field{"epoch", &Machine::epoch},
     Field{"number", &Machine::number},
     Field{"last_switch", &Machine::last_switch},
-    Field{"set_up", &Machine::set_up},
-    Field{"stage", &Machine::stage},
+    Part{&Machine::start_up},
     Field{"actuators", &Machine::actuators},
     Field{"current", &Machine::current},
     Field{"waiting", &Machine::waiting},
-    Field{"fallback", &Machine::fallback},
-    Field{"fallback_cause", &Machine::fallback_cause},
+    Part{&Machine::fallback},
     Field{"stopping", &Machine::stopping},
-    Field{"emergency_stop", &Machine::emergency_stop},
-    Field{"stop_cause", &Machine::stop_cause},
-    Field{"other_stops", &Machine::other_stops},
-    Field{"released_stops", &Machine::released_stops},
-    Field{"set_up_requests", &Machine::set_up_requests},
+    Part{&Machine::emergency},
     Field{"last_record", &Machine::last_record},
     Field{"told_state", &Machine::recorded_state},
-    Field{"last_save", &Machine::last_save},
-    Field{"unsaved", &Machine::unsaved},
+    Part{&Machine::saves},
     Field{"policy", &Machine::policy},
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/controller/journal/record_data.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/lifecycle/record/texts.hpp"
 
@@ -210,7 +211,7 @@ class Replayer {
     return IsWhole(machine, config_->actuators.size()) &&
            std::is_sorted(number_of_.begin(), number_of_.end()) &&
            HasRulesOf(*config_, machine.policy) &&
-           (!machine.fallback || config_->RankOf(*machine.fallback));
+           (!machine.fallback.target || config_->RankOf(*machine.fallback.target));
   }
 
   void CountStart() {
@@ -284,6 +285,7 @@ class Replayer {
     entry.cause = record.cause;
     entry.state = record.state;
     entry.event = NameOf(record.event);
+    entry.data = DataOf(record);
     return entry;
   }
 

@@ -26,7 +26,7 @@ std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Mac
   bool settled = machine.phase == Phase::kRunning && !machine.current;
   for (const ActuatorIndex i : machine.actuators.Indices()) {
     const auto& fault = machine.actuators[i].fault;
-    const bool coming_back = machine.actuators[i].restart_at.has_value();
+    const bool coming_back = machine.actuators[i].restart.at.has_value();
     if (fault && config.actuators[i].critical && !coming_back) {
       return Result<>(Error{fault->code, Why(config, i, *fault)});
     }

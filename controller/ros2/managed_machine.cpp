@@ -52,11 +52,11 @@ std::optional<Error> ManagedMachine::Refusal(const Ros2Transition* transition) c
     return Error{kCodeTargetBusy, "switch " + ToString(machine.current->number) + " to " +
                                       machine.current->target + " is under way"};
   }
-  if (machine.phase == Phase::kStarting && !machine.by_hand) {
+  if (machine.phase == Phase::kStarting && !machine.start_up.by_hand) {
     return Error{kCodeTargetBusy,
                  "the machine is starting by itself; with [ros2] start = \"manager\" it waits"};
   }
-  if (!machine.set_up || transition == nullptr) return std::nullopt;
+  if (!machine.start_up.set_up || transition == nullptr) return std::nullopt;
   const auto target = TargetOf(*transition, shell_.config());
   if (!target || NeedsNoSwitch(*target)) return std::nullopt;
   const Plan plan = MakePlan(shell_.config(), machine, *target);
@@ -71,7 +71,7 @@ void ManagedMachine::Change(const Ros2Transition& transition, const Done& done) 
   const auto target = TargetOf(transition, shell_.config());
   if (!target) return done(Error{kCodeUnSupport, "the machine has no state for this transition"});
   if (NeedsNoSwitch(*target)) return done(Ok());
-  if (shell_.machine().set_up) return Switch(*target, done);
+  if (shell_.machine().start_up.set_up) return Switch(*target, done);
   // Its services are available before its actuators are set up. What becomes of an actuator that
   // is not set up is the switch's decision, as after the set-up.
   shell_.AwaitSetUp(

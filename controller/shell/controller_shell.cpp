@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/controller/shell/switch_log.hpp"
+#include "musher/controller/journal/record_data.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -182,10 +182,16 @@ void ControllerShell::SendPolicyRequest(event::PolicyRequested requested, OnAnsw
   Handle(requested);
 }
 
-void ControllerShell::Remark(std::int32_t code, const std::string& message, EventName event) {
+void ControllerShell::Remark(std::int32_t code, const std::string& message) {
   CheckThread();
-  action::Record record{"machine", std::nullopt, 0, code, message};
-  record.event = event;
+  RecordHere("machine", std::nullopt, code, {EventName::kControllerRemark, message});
+}
+
+void ControllerShell::RecordHere(const std::string& kind, std::optional<ActuatorIndex> actuator,
+                                 std::int32_t code, const RecordText& text) {
+  action::Record record{kind, actuator, 0, code, text.message};
+  record.event = text.event;
+  record.arguments = text.arguments;
   Do(record);
 }
 
@@ -275,7 +281,7 @@ void ControllerShell::Do(const action::TakeBacktrace& a) {
 
 void ControllerShell::Do(const action::PublishEmergencyStop& a) {
   presence_->Publish(a.stop, a.engaged);
-  if (!machine_.emergency_stop) presence_->ForgetEngaged();
+  if (!machine_.emergency.stop) presence_->ForgetEngaged();
 }
 
 ControllerShell::Dependencies::OnSaved ControllerShell::OnSaved(Stored what, SaveNumber save) {
@@ -322,13 +328,12 @@ void ControllerShell::Do(const action::Record& a) {
   if (a.actuator) entry.actuator = config_.actuators[*a.actuator].name;
   entry.code = a.code;
   entry.message = a.message;
-  entry.data = a.data;
+  entry.data = DataOf(a);
   entry.id = a.id;
   entry.cause = a.cause;
   entry.state = a.state;
   entry.event = NameOf(a.event);
   if (a.of_switch) {
-    entry.data = EncodeSwitchNote(*a.of_switch);
     if (switches_.size() == kSwitchEntriesKept) switches_.erase(switches_.begin());
     switches_.push_back(entry);
   }

@@ -124,8 +124,7 @@ class ControllerShell {
   void SendPolicyRequest(event::PolicyRequested requested, OnAnswer done);
 
   // Records an event that needs no decision.
-  void Remark(std::int32_t code, const std::string& message,
-              EventName event = EventName::kControllerRemark);
+  void Remark(std::int32_t code, const std::string& message);
 
   // Whether clients are answered; after the machine is stopped, until the last reply is sent.
   bool OpenForClients() const { return status_ != nullptr; }
@@ -210,6 +209,9 @@ class ControllerShell {
   void Do(const action::SaveRemoteActuators& a);
   void Do(const action::RunPowerCommand& a);
   void Do(const action::Record& a);
+  // A record of the shell itself, not of a decision: without an id and a cause.
+  void RecordHere(const std::string& kind, std::optional<ActuatorIndex> actuator, std::int32_t code,
+                  const RecordText& text);
   void Do(const action::StartUpEnded& a);
   void Do(const action::Stopped& a);
 

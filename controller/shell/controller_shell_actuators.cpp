@@ -5,6 +5,7 @@
 
 #include "musher/controller/shell/controller_shell.hpp"
 #include "musher/controller/shell/wire.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/wire/lifecycle_wire.hpp"
 
 namespace musher {
@@ -76,9 +77,9 @@ void ControllerShell::CountAsHeartbeat(ActuatorIndex actuator, Incarnation incar
   const bool own = config_.actuators[actuator].protocol == Protocol::kMusher;
   if (!own && record.presence != Presence::kPresent) return;
   ActuatorReport report = record.report;
-  if (report.host.empty() && record.process != 0) {
+  if (report.host.empty() && record.process.pid != 0) {
     report.host = dependencies_.host;
-    report.pid = dependencies_.process_probe->WorkerOf(record.process);
+    report.pid = dependencies_.process_probe->WorkerOf(record.process.pid);
   }
   health_->OnReport(actuator, report);
 }
@@ -94,11 +95,9 @@ void ControllerShell::CompareHash(ActuatorIndex actuator, const std::string& has
   Peer& peer = peers_[actuator];
   if (hash == config_.hash || peer.hash_recorded) return;
   peer.hash_recorded = true;
-  action::Record record{"actuator", actuator, 0, kCodeParametersInvalid,
-                        config_.actuators[actuator].name + " is using a different config (" + hash +
-                            ") than " + config_.file + " (" + config_.hash + ")"};
-  record.event = EventName::kConfigDiffers;
-  Do(record);
+  RecordHere(
+      "actuator", actuator, kCodeParametersInvalid,
+      texts::ConfigDiffers(config_.actuators[actuator].name, hash, config_.file, config_.hash));
 }
 
 // An earlier config may have listed it. No controller controls it, so it is only reported here.
@@ -109,12 +108,9 @@ void ControllerShell::RecordUnlisted(const msg::ActuatorStatus& status) {
   const bool known = !added && unlisted->second == incarnation;
   if (known || unlisted_.size() > kMostUnlisted) return;
   unlisted->second = incarnation;
-  Remark(kCodeStateInvalid,
-         unlisted->first + " runs (pid " + std::to_string(status.pid) + ", in " + status.state +
-             "), but " + config_.file +
-             " does not list it: it is not controlled. `musher down` and then `musher down "
-             "--without-controller` stop it",
-         EventName::kUnlistedActuator);
+  RecordHere(
+      "machine", std::nullopt, kCodeStateInvalid,
+      texts::UnlistedActuatorFound(unlisted->first, status.pid, State(status.state), config_.file));
 }
 
 std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {

@@ -63,7 +63,7 @@ void ControllerShell::PublishSoon() {
 
 // The status shows how long a value is not on disk, so it must be republished.
 void ControllerShell::PublishWhileUnsaved() {
-  if (machine_.unsaved.empty()) {
+  if (machine_.saves.unsaved.empty()) {
     unsaved_timer_ = nullptr;
   } else if (!unsaved_timer_) {
     const Time now = dependencies_.node->loop().Now();
@@ -102,7 +102,7 @@ msg::MachineStatus ControllerShell::Status() const {
   status.pid = dependencies_.pid;
   status.host = dependencies_.host;
   const Time now = dependencies_.node->loop().Now();
-  for (const Unsaved& unsaved : machine_.unsaved) {
+  for (const Unsaved& unsaved : machine_.saves.unsaved) {
     if (now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
     const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();
     status.not_on_disk.push_back(std::string(StoredName(unsaved.what)) + " (" +

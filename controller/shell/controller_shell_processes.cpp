@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "musher/controller/shell/controller_shell.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 #include "musher/transport/ros_environment.hpp"
 
 namespace musher {
@@ -41,7 +42,8 @@ void ControllerShell::Do(const action::StartProcess& a) {
     for (const auto& [name, value] : actuator.env) inherited[name] = value;
     spec.env.merge(transport::RosEnvironment(config_.transport, inherited));
   }
-  const bool alone = machine_.actuators[a.actuator].dead != 0;  // the other actuators already run
+  const bool alone =
+      machine_.actuators[a.actuator].process.dead != 0;  // the other actuators already run
   if (alone) spec.env.emplace("MUSHER_FAST_DISCOVERY", "1");
   if (dependencies_.child_mark) spec.mark = dependencies_.child_mark(actuator.name);
   const auto output = dependencies_.output(actuator.name);
@@ -128,17 +130,15 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
   const auto output = dependencies_.output(spec.name);
   if (output) spec.output = output->get();
   const auto failed = [this, name = spec.name](const std::string& how) {
-    action::Record record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how};
-    record.event = EventName::kPowerCommandFailed;
-    Do(record);
+    RecordHere("policy", std::nullopt, kCodeFailed, texts::PowerCommandFailed(name, how));
   };
   const auto started =
       dependencies_.processes->Start(spec, [this, failed](const ProcessExit& exit) {
         power_command_runs_ = false;
-        if (!exit.clean()) failed(" failed: " + exit.Text());
+        if (!exit.clean()) failed("failed: " + exit.Text());
       });
   power_command_runs_ = started.ok();
-  if (!started) failed(" could not be executed: " + started.error().message);
+  if (!started) failed("could not be executed: " + started.error().message);
 }
 
 // The report, with pid 0 unless the pid is proven. Any participant on the network can publish a
@@ -163,7 +163,7 @@ ActuatorReport ControllerShell::WithProvenPid(ActuatorIndex actuator, ActuatorRe
 // The exit of a process that we did not start is noticed as fast as a child's, but without the exit
 // code. Several actuators may share a process: each watches it.
 Result<> ControllerShell::ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report) {
-  const std::int32_t child = machine_.actuators[actuator].process;
+  const std::int32_t child = machine_.actuators[actuator].process.pid;
   if (report.pid == child) return Ok();  // watched since it was started
   Result<> proven =
       dependencies_.process_probe->Prove(config_.actuators[actuator].name, report.pid, child);
@@ -185,12 +185,8 @@ void ControllerShell::RecordUnproven(ActuatorIndex actuator, std::int32_t pid,
   const Time now = dependencies_.node->loop().Now();
   if (recorded && now - *recorded < kUnprovenPeriod) return;
   recorded = now;
-  action::Record record{"process", actuator, 0, kCodePermissionDenied,
-                        config_.actuators[actuator].name + " reports process " +
-                            std::to_string(pid) + " of this host as its own, without proof: " +
-                            why + "; that process is not watched, traced or signalled"};
-  record.event = EventName::kProcessUnproven;
-  Do(record);
+  RecordHere("process", actuator, kCodePermissionDenied,
+             texts::ProcessUnproven(config_.actuators[actuator].name, pid, why));
 }
 
 // Watches a process that ran before this controller and may never publish a status. A `child` was

@@ -15,12 +15,6 @@ std::string TextOf(const Json& json, const char* key) {
 
 }  // namespace
 
-std::string EncodeSwitchNote(const action::SwitchNote& note) {
-  Json json = {{"target", note.target}, {"state", note.state}};
-  if (note.outcome) json["outcome"] = OutcomeName(*note.outcome);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 msg::GetSwitch::Response FindSwitch(const std::vector<JournalEntry>& entries, Epoch epoch,
                                     CommandNumber number) {
   msg::GetSwitch::Response response;

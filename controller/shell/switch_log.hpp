@@ -9,13 +9,9 @@
 #include <vector>
 
 #include "musher/controller/journal/journal.hpp"
-#include "musher/lifecycle/coordinator/coordinator.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
 namespace musher {
-
-// For JournalEntry::data.
-std::string EncodeSwitchNote(const action::SwitchNote& note);
 
 // The outcome of the switch with that epoch and number. `outcome` is empty if the entries, oldest
 // first, contain only its begin; `found` is false if they do not contain even that. Number 0 is the

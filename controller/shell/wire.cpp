@@ -77,10 +77,10 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   status.switch_number = machine.last_switch.value();
   status.config_file = config.file;
   status.config_hash = config.hash;
-  status.emergency_stop = machine.emergency_stop.has_value();
-  if (machine.emergency_stop) {
-    status.emergency_stop_by = machine.emergency_stop->by;
-    status.emergency_stop_reason = machine.emergency_stop->reason;
+  status.emergency_stop = machine.emergency.stop.has_value();
+  if (machine.emergency.stop) {
+    status.emergency_stop_by = machine.emergency.stop->by;
+    status.emergency_stop_reason = machine.emergency.stop->reason;
   }
   status.degraded = Degraded(config, machine);
   for (const ActuatorIndex i : config.actuators.Indices()) {
@@ -90,7 +90,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.state = record.state();
     info.target = record.command ? record.command->target : record.report.target;
     info.presence = PresenceName(record.presence);
-    info.pid = record.process != 0 ? record.process
+    info.pid = record.process.pid != 0 ? record.process.pid
                : record.presence == Presence::kPresent || record.presence == Presence::kStarting
                    ? record.report.pid
                    : 0;
@@ -108,9 +108,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     }
     info.protocol = ProtocolName(config.actuators[i].protocol);
     info.health = HealthName(record.health);
-    info.restarts = record.restarts;
-    info.restarting = record.restart_at || record.restart_requested ||
-                      (record.restarts > 0 && record.presence == Presence::kStarting);
+    info.restarts = record.restart.count;
+    info.restarting = record.restart.at || record.restart.requested ||
+                      (record.restart.count > 0 && record.presence == Presence::kStarting);
     status.actuators.push_back(std::move(info));
   }
   status.policy = PolicyOf(config, machine.policy);

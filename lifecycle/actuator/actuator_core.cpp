@@ -91,11 +91,7 @@ class Deciding {
     if (target != kSelfCheck && end.code != kCodeOk) report_.detached = core_.was_detached;
     AnswerAll(tokens, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed,
               {end.code, end.message});
-    if (target == kTearDown && end.code == kCodeOk) {
-      EndWaitingTornDown();
-      Do(PublishStatus{});
-      return Do(Finish{});
-    }
+    if (target == kTearDown && end.code == kCodeOk) return EndTornDown();
     if (core_.waiting) {
       const auto next = *std::exchange(core_.waiting, std::nullopt);
       if (auto refusal = MayBegin(next.command)) {
@@ -167,12 +163,14 @@ class Deciding {
   }
 
   // A TearDown that waits for another one is done with it; any other command is refused.
-  void EndWaitingTornDown() {
-    if (auto& waiting = core_.waiting; waiting && waiting->command.target == kTearDown) {
-      report_.outcome_number = waiting->command.number;
-      AnswerAll(std::exchange(waiting, {})->tokens, Verdict::kDone);
+  void EndTornDown() {
+    if (core_.waiting && core_.waiting->command.target == kTearDown) {
+      const auto waiting = *std::exchange(core_.waiting, std::nullopt);
+      Begin(waiting.command, waiting.tokens);
     }
     DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
+    Do(PublishStatus{});
+    Do(Finish{});
   }
 
   // One controller has control: the one with the highest epoch, once it has announced itself.
@@ -325,7 +323,8 @@ class Deciding {
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
     const bool there = command.target == report_.state && command.target != kSelfCheck;
-    if (there && !core_.unsettled && !report_.held_by_stop) {
+    const bool final = there && command.target == kTearDown;  // also after an emergency stop
+    if (final || (there && !core_.unsettled && !report_.held_by_stop)) {
       EndCommand(command.number, command.target, kCodeOk, "");
       report_.detached = command.detached;
       AnswerAll(tokens, Verdict::kDone);

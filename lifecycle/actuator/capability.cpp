@@ -65,7 +65,7 @@ CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machin
     Result<> allowed =
         EvaluateCapability(config, declared.name,
                            {name, record.report.state, record.report.target,
-                            record.report.emergency_stop != 0 || machine.emergency_stop.has_value(),
+                            record.report.emergency_stop != 0 || machine.emergency.stop.has_value(),
                             battery, record.report.held_by_stop});
     if (const std::string absence = Absence(config.actuators[i], record); !absence.empty()) {
       allowed = Error{kCodeStateInvalid, absence};

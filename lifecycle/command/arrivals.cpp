@@ -8,7 +8,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
   ActuatorRecord& record = Of(seen.actuator);
   const ActuatorReport& report = seen.report;
   const bool same = report.incarnation == record.report.incarnation;
-  if (same && (record.presence == Presence::kPresent || record.take_control_again)) {
+  if (same && (record.presence == Presence::kPresent || record.control.again)) {
     if (report.stamp < record.report.stamp) return;
     commands_.Accept(seen.actuator, report);
     // The latched status carries the outcome like the reply, and remains when the reply is lost.
@@ -17,7 +17,7 @@ void Arrivals::On(const event::StatusSeen& seen) {
     }
     return;
   }
-  if (same && record.termination) return;  // its termination was decided
+  if (same && record.process.termination) return;  // its termination was decided
   // The status of an exited process can arrive after the status of its successor.
   // Incarnations are compared within a boot of a host only, which an empty host does not name.
   const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
@@ -30,17 +30,17 @@ void Arrivals::On(const event::StatusSeen& seen) {
     if (!stopping) SetUpFailed(seen.actuator, report);
     return;
   }
-  if (report.incarnation == record.dead) return;
+  if (report.incarnation == record.process.dead) return;
   if (!same && record.presence == Presence::kPresent) {
     if (IsImpostor(seen.actuator, report)) return;
     commands_.Lose(seen.actuator, texts::Replaced(), record.cause);
   }
   // Restarts by another party are counted as well.
-  if (!same && record.report.incarnation != 0 && record.process == 0) ++record.restarts;
+  if (!same && record.report.incarnation != 0 && record.process.pid == 0) ++record.restart.count;
   if (!same) processes_.ForgetEnd(seen.actuator);
   commands_.Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
-  if (record.restart_at) processes_.CancelRestart(seen.actuator);
+  if (record.restart.at) processes_.CancelRestart(seen.actuator);
   // An actuator that publishes its status and never answers is given up like one that never starts.
   if (!record.set_up_by && !record.fault && !stopping) {
     record.set_up_by = now_ + config_.TimeFor(seen.actuator, kSetUp);
@@ -59,10 +59,11 @@ void Arrivals::FoundTornDown(ActuatorIndex i, const ActuatorReport& report) {
     saving_.Save(Stored::kRemoteActuators);
   }
   const bool same = report.incarnation == record.report.incarnation;
-  const bool awaited = record.presence == Presence::kAbsent ||
-                       (record.presence == Presence::kStarting && same && !record.termination);
-  if (!record.found_running || !record.set_up_by || !awaited || machine_.finishing ||
-      report.incarnation == record.dead) {
+  const bool awaited =
+      record.presence == Presence::kAbsent ||
+      (record.presence == Presence::kStarting && same && !record.process.termination);
+  if (record.process.launch != Launch::kFoundRunning || !record.set_up_by || !awaited ||
+      machine_.start_up.finishing || report.incarnation == record.process.dead) {
     return;
   }
   record.report = report;
@@ -116,7 +117,7 @@ void Arrivals::On(const event::Replied& replied) {
   ActuatorRecord& record = Of(replied.actuator);
   if (replied.report.incarnation != record.report.incarnation) return;
   // A delayed reply of a process whose exit is known already.
-  if (record.dead == replied.report.incarnation) return;
+  if (record.process.dead == replied.report.incarnation) return;
   if (replied.report.stamp >= record.report.stamp)
     commands_.Accept(replied.actuator, replied.report);
   // A lost one publishes its status again when it can be reached.
@@ -129,13 +130,13 @@ void Arrivals::On(const event::Replied& replied) {
   if (denied && replied.report.epoch == machine_.epoch) {
     // Another controller with the same epoch has taken it, unnoticed: on the other side of a
     // partition.
-    record.controlled = 0;
+    record.control.incarnation = 0;
     control_.Take(replied.actuator);
   }
-  if (replied.query && denied && record.take_control_again) {
-    record.take_control_again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
+  if (replied.query && denied && record.control.again) {
+    record.control.again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
   }
-  if (replied.query && replied.verdict == Verdict::kDone && record.take_control_again) {
+  if (replied.query && replied.verdict == Verdict::kDone && record.control.again) {
     control_.Attach(replied.actuator);
   }
   if (!record.command || record.command->number != replied.number) return;
@@ -164,7 +165,7 @@ void Arrivals::On(const event::Vanished& vanished) {
   ActuatorRecord& record = Of(vanished.actuator);
   if (record.other && record.other->incarnation == vanished.incarnation) record.other.reset();
   if (record.report.incarnation != vanished.incarnation) return;
-  if (record.dead == vanished.incarnation) return;  // its successor may be starting already
+  if (record.process.dead == vanished.incarnation) return;  // its successor may be starting already
   const bool was_there =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
   if (!vanished.for_good) {
@@ -173,13 +174,14 @@ void Arrivals::On(const event::Vanished& vanished) {
     }
     return;
   }
-  record.dead = vanished.incarnation;
+  record.process.dead = vanished.incarnation;
   commands_.AssumeTornDown(vanished.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (was_there) commands_.Lose(vanished.actuator, texts::Crashed(vanished.how));
-  if (record.restart_at) return;  // our process has exited before
-  if (record.given_up) return FallBack(vanished.actuator);
-  if (record.process != 0) return processes_.Terminate(vanished.actuator, record.process, kEndTime);
+  if (record.restart.at) return;  // our process has exited before
+  if (record.restart.given_up) return FallBack(vanished.actuator);
+  if (record.process.pid != 0)
+    return processes_.Terminate(vanished.actuator, record.process.pid, kEndTime);
   processes_.Recover(vanished.actuator);
 }
 
@@ -187,7 +189,7 @@ void Arrivals::CheckDeadlines() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     if (record.command && record.command->deadline <= now_) commands_.QueryOrLose(i);
-    if (record.take_control_again && *record.take_control_again <= now_) control_.Take(i);
+    if (record.control.again && *record.control.again <= now_) control_.Take(i);
     if (record.free_by && *record.free_by <= now_) EvaluateFoundBusy(i);
   }
 }

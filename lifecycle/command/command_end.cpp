@@ -85,7 +85,7 @@ Leg* Commands::LegUnderWay(ActuatorIndex i) {
 // The end of a command that was not part of a switch.
 void Commands::EndOwn(ActuatorIndex i, const PendingCommand& command, const CommandResult& end) {
   ActuatorRecord& record = Of(i);
-  if (record.restart_requested) return EndTornDown(i, end);
+  if (record.restart.requested) return EndTornDown(i, end);
   if (end.outcome == ActuatorOutcome::kDone) {
     record.due = command.target == kSelfCheck || record.state() != PlaceOf(i);
     return;
@@ -111,7 +111,7 @@ void Commands::EndTornDown(ActuatorIndex i, const CommandResult& end) {
   const Duration grace = ends_itself ? kExitGrace : Duration::zero();
   processes_.Terminate(i, pid, grace + kEndTime);
   if (ends_itself) {
-    record.termination->terminate_at = now_ + grace;
+    record.process.termination->terminate_at = now_ + grace;
   } else {
     Do(action::SignalProcess{i, pid, false});
   }
@@ -130,12 +130,12 @@ void Commands::Lose(ActuatorIndex i, const RecordText& how, RecordId cause, std:
   const bool had_answered = record.presence == Presence::kPresent;
   if (record.command) End(i, {ActuatorOutcome::kLost, code, how, true, cause});
   record.presence = Presence::kLost;
-  record.take_control_again.reset();
+  record.control.again.reset();
   record.checked = false;
   record.held = record.held && torn_down;  // an actuator torn down alone stays detached
   record.due = false;
-  record.healthy_at.reset();
-  record.outbid_at.reset();
+  record.restart.reset_at.reset();
+  record.control.outbid_at.reset();
   record.free_by.reset();
   record.report.target = {};
   record.report.busy_number = 0;

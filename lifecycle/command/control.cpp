@@ -7,27 +7,28 @@ namespace musher {
 void Control::Take(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const Epoch seen = record.report.epoch;
-  const bool ours = record.controlled == record.report.incarnation;
+  const bool ours = record.control.incarnation == record.report.incarnation;
   if (seen >= kLastEpoch) {
-    record.take_control_again.reset();
+    record.control.again.reset();
     return Degrade(i, kCodePermissionDenied, texts::EpochOutOfRange(seen));
   }
   if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
     // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
     // control.
-    if (!record.outbid_at)
-      record.outbid_at = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
-    if (now_ < *record.outbid_at) {
-      record.take_control_again = record.outbid_at;
+    if (!record.control.outbid_at)
+      record.control.outbid_at = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
+    if (now_ < *record.control.outbid_at) {
+      record.control.again = record.control.outbid_at;
       if (record.set_up_by)
-        record.set_up_by = std::max(*record.set_up_by, *record.outbid_at + kTakeControlPeriod);
+        record.set_up_by =
+            std::max(*record.set_up_by, *record.control.outbid_at + kTakeControlPeriod);
       return;
     }
     RaiseEpoch(seen + 1, i);
   }
-  record.outbid_at.reset();
-  record.controlled = record.report.incarnation;
-  record.take_control_again = now_ + kTakeControlPeriod;
+  record.control.outbid_at.reset();
+  record.control.incarnation = record.report.incarnation;
+  record.control.again = now_ + kTakeControlPeriod;
   Do(action::SendQuery{i, {machine_.epoch, record.report.number, false}});
 }
 
@@ -46,12 +47,12 @@ void Control::RaiseEpoch(Epoch epoch, ActuatorIndex because_of) {
 
 void Control::Attach(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
-  record.take_control_again.reset();
+  record.control.again.reset();
   if (record.presence == Presence::kPresent) return;
   const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
   record.presence = Presence::kPresent;
   record.set_up_by.reset();
-  record.restart_at.reset();  // it was started by another party first
+  record.restart.at.reset();  // it was started by another party first
   record.fault.reset();
   record.tolerated.reset();
   const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
@@ -65,8 +66,8 @@ void Control::Attach(ActuatorIndex i) {
   record.cause = RecordActuator(
       i, kCodeOk, texts::ActuatorPresent(ConfigOf(i).name, record.state(), record.report.pid),
       record.cause);
-  if (machine_.emergency_stop && record.report.emergency_stop == 0) {
-    Do(action::PublishEmergencyStop{*machine_.emergency_stop,
+  if (machine_.emergency.stop && record.report.emergency_stop == 0) {
+    Do(action::PublishEmergencyStop{*machine_.emergency.stop,
                                     true});  // it may have missed the stop
   }
   if (record.state() == kTearDown && record.held)

@@ -33,11 +33,11 @@ void Authority::On(const event::RivalSeen& rival) {
     const SwitchResult result = tear_down_.Conclude(fenced.code, rival.who);
     switching_.Answer(machine_.stopping->requests, result);
   }
-  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+  for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, fenced});
   }
   for (ActuatorRecord& record : machine_.actuators) {
-    for (const RequestId request : std::exchange(record.restart_requests, {})) {
+    for (const RequestId request : std::exchange(record.restart.requests, {})) {
       Do(action::AnswerCall{request, fenced});
     }
   }

@@ -172,12 +172,12 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   std::optional<Time> next;
   const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
   if (record.command) consider(record.command->deadline);
-  if (record.take_control_again) consider(*record.take_control_again);
+  if (record.control.again) consider(*record.control.again);
   if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
-  for (const auto& when : {record.restart_at, record.healthy_at, record.free_by}) {
+  for (const auto& when : {record.restart.at, record.restart.reset_at, record.free_by}) {
     if (when) consider(*when);
   }
-  if (const auto& termination = record.termination) {
+  if (const auto& termination = record.process.termination) {
     consider(std::min(termination->kill_at, termination->terminate_at.value_or(Time::max())));
   }
   return next;
@@ -211,8 +211,8 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   if (machine.phase == Phase::kStopping && machine.stopping) {
     const Stopping& stopping = *machine.stopping;
     consider(stopping.intent_by);
-    if (!stopping.terminated) consider(stopping.terminate_at);
-    consider(stopping.killed ? stopping.give_up_at : stopping.kill_at);
+    if (stopping.sent == Stopping::Signal::kNone) consider(stopping.terminate_at);
+    consider(stopping.sent == Stopping::Signal::kKill ? stopping.give_up_at : stopping.kill_at);
   }
   if (machine.waiting) consider(machine.waiting->until);
   consider(NextPowerDeadline(machine));

@@ -62,9 +62,10 @@ Machine MakeMachine(const MachineConfig& config) {
 
 StoredStops StopsOf(const Machine& machine) {
   StoredStops stops;
-  if (machine.emergency_stop) stops.engaged.push_back(*machine.emergency_stop);
-  stops.engaged.insert(stops.engaged.end(), machine.other_stops.begin(), machine.other_stops.end());
-  stops.released = machine.released_stops;
+  if (machine.emergency.stop) stops.engaged.push_back(*machine.emergency.stop);
+  stops.engaged.insert(stops.engaged.end(), machine.emergency.others.begin(),
+                       machine.emergency.others.end());
+  stops.released = machine.emergency.released;
   return stops;
 }
 

@@ -15,15 +15,15 @@ const char* BrokenOf(const Machine& machine, const ActuatorRecord& record) {
   }
   if (record.due && !present) return "an actuator that is not present is to be driven";
   if (record.free_by && !present) return "an actuator that is not present is awaited to be free";
-  if (record.take_control_again && !announced) {
+  if (record.control.again && !announced) {
     return "control is taken of an actuator that has not been seen";
   }
-  if (record.healthy_at && !present)
+  if (record.restart.reset_at && !present)
     return "the restart count of an actuator that is not present is about to be reset";
-  if (record.termination && record.termination->pid == 0) {
+  if (record.process.termination && record.process.termination->pid == 0) {
     return "the termination of a process has no pid";
   }
-  if (record.restart_at && present) return "an actuator that is present is to be started again";
+  if (record.restart.at && present) return "an actuator that is present is to be started again";
   return nullptr;
 }
 
@@ -61,18 +61,19 @@ const char* BrokenOf(const Machine& machine) {
   if (stops != machine.stopping.has_value() && machine.phase != Phase::kFenced) {
     return "a machine that stops has no deadlines, or the reverse";
   }
-  if (machine.fallback && machine.phase != Phase::kRunning && machine.phase != Phase::kFenced) {
+  if (machine.fallback.target && machine.phase != Phase::kRunning &&
+      machine.phase != Phase::kFenced) {
     return "a machine that does not run is to fall back";
   }
-  if (!machine.emergency_stop && !machine.other_stops.empty()) {
+  if (!machine.emergency.stop && !machine.emergency.others.empty()) {
     return "there are further emergency stops without a first one";
   }
-  const auto& released = machine.released_stops;
+  const auto& released = machine.emergency.released;
   const bool again =
-      machine.emergency_stop &&
-      std::find(released.begin(), released.end(), machine.emergency_stop->id) != released.end();
+      machine.emergency.stop &&
+      std::find(released.begin(), released.end(), machine.emergency.stop->id) != released.end();
   if (again) return "a released emergency stop is engaged";
-  if (machine.set_up && !machine.set_up_requests.empty())
+  if (machine.start_up.set_up && !machine.start_up.requests.empty())
     return "a request that awaits the set-up is not answered after it";
   if (!machine.recorded_state.empty() && machine.recorded_state != machine.state) {
     return "the state of the machine is not recorded";

@@ -69,7 +69,7 @@ class Planning {
     }
     const std::string subject = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
     if (machine_.phase == Phase::kIdle ||
-        (!machine_.set_up && (target != kTearDown || plan_.only))) {
+        (!machine_.start_up.set_up && (target != kTearDown || plan_.only))) {
       return Error{kCodeStatusError, "the machine is not set up yet"};
     }
     if (machine_.phase == Phase::kFenced) {
@@ -98,7 +98,7 @@ class Planning {
   // During an emergency stop no actuator becomes more active. On the way down the actuators that
   // would have to come up for it refuse themselves.
   void RefuseWhileStopped() {
-    if (!machine_.emergency_stop || plan_.direction == Direction::kDown) return;
+    if (!machine_.emergency.stop || plan_.direction == Direction::kDown) return;
     const bool rises =
         Rises(config_, plan_.from, plan_.target) ||
         std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
@@ -106,7 +106,7 @@ class Planning {
         });
     const bool resumes = SwitchesOnAgain(config_, plan_.from, plan_.target);
     if (!rises && !resumes) return;
-    const EmergencyStop& stop = *machine_.emergency_stop;
+    const EmergencyStop& stop = *machine_.emergency.stop;
     RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
                                         (stop.by.empty() ? "" : " by " + stop.by) +
                                         (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
@@ -151,7 +151,7 @@ class Planning {
     } else if (!actuator.Lists(plan_.target)) {
       RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
                                      List(actuator.states));
-    } else if (record.restart_requested) {
+    } else if (record.restart.requested) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
     } else if (record.report.busy() || record.command) {
       NoteBusy(i, "is busy with " + BusyWith(record));
@@ -202,7 +202,7 @@ class Planning {
     } else if (record.state() == kTearDown && plan_.target != kTearDown) {
       // Its process still runs, with other actuators in it.
       leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
-    } else if (record.restart_requested && plan_.target != kTearDown) {
+    } else if (record.restart.requested && plan_.target != kTearDown) {
       leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {
       leave_out("is still starting", kCodeTargetBusy, false);
@@ -247,7 +247,9 @@ class Planning {
            plan_.direction != Direction::kDown;
   }
 
-  bool StartsByItself() const { return machine_.phase == Phase::kStarting && !machine_.by_hand; }
+  bool StartsByItself() const {
+    return machine_.phase == Phase::kStarting && !machine_.start_up.by_hand;
+  }
 
   // Leaving Error by the command of an earlier controller, while the machine stays in Error.
   bool LeavesError(const ActuatorRecord& record) const {

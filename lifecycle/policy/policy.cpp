@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "musher/lifecycle/config/flow.hpp"
+#include "musher/lifecycle/record/texts.hpp"
 
 namespace musher {
 namespace {
@@ -51,8 +52,7 @@ BatteryLevel TakingDownLevel(const PolicyState& policy) {
 }
 
 std::string BatteryText(const PolicyState& policy) {
-  return "the battery is at " + std::to_string(policy.battery.value_or(0)) + " %" +
-         (policy.charging ? ", being charged" : "");
+  return texts::BatteryText(policy.battery.value_or(0), policy.charging);
 }
 
 Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level) {

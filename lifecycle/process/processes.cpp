@@ -21,13 +21,13 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
-  record.termination.reset();
-  record.healthy_at.reset();
+  record.process.termination.reset();
+  record.restart.reset_at.reset();
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
   if (!wanted) return;
-  if (std::exchange(record.restart_requested, false)) {
-    record.restart_at = now_;
+  if (std::exchange(record.restart.requested, false)) {
+    record.restart.at = now_;
     return;
   }
   // An actuator that was torn down alone stays down.
@@ -35,22 +35,22 @@ void Processes::Recover(ActuatorIndex i, const event::ProcessEnded& ended) {
   const bool content = ended.clean && config.restart.policy == RestartPolicy::kOnFailure;
   if (!MayRestart(i) || content) return FallBack(i);
   if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
-  if (record.restarts >= config.restart.limit) {
+  if (record.restart.count >= config.restart.limit) {
     return GiveUp(
-        i, texts::GivenUp(record.restarts,
+        i, texts::GivenUp(record.restart.count,
                           record.fault ? std::optional(record.fault->message) : std::nullopt));
   }
-  const Duration delay = DelayOf(config.restart, record.restarts);
-  ++record.restarts;
-  record.restart_at = now_ + delay;
+  const Duration delay = DelayOf(config.restart, record.restart.count);
+  ++record.restart.count;
+  record.restart.at = now_ + delay;
   record.cause = RecordProcess(
       i, kCodeOk,
-      texts::RestartScheduled(config.name, delay, record.restarts, config.restart.limit),
+      texts::RestartScheduled(config.name, delay, record.restart.count, config.restart.limit),
       record.cause);
 }
 
 void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
-  Of(i).given_up = true;
+  Of(i).restart.given_up = true;
   Degrade(i, kCodeFailed, why, Of(i).cause);
   FallBack(i);
 }
@@ -58,34 +58,32 @@ void Processes::GiveUp(ActuatorIndex i, const RecordText& why) {
 void Processes::EvaluateArrival(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
-  record.given_up = record.restarts > restart.limit;
-  if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
-  if (!record.given_up) return;
-  Degrade(i, kCodeFailed, texts::RestartedTooOften(record.restarts, restart.reset_after),
+  record.restart.given_up = record.restart.count > restart.limit;
+  if (record.restart.count > 0) record.restart.reset_at = now_ + restart.reset_after;
+  if (!record.restart.given_up) return;
+  Degrade(i, kCodeFailed, texts::RestartedTooOften(record.restart.count, restart.reset_after),
           record.cause);
   FallBack(i);
 }
 
 void Processes::StartAgain(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
-  record.restart_at.reset();
-  record.blocked = false;
-  record.found_running = false;
+  record.restart.at.reset();
   record.report.state = config_.default_state;  // the old process does not count any more
   record.presence = Presence::kStarting;
   record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
-  record.launching = true;
+  record.process.launch = Launch::kUnderWay;
   Do(action::StartProcess{i});
 }
 
 void Processes::Terminate(ActuatorIndex i, std::int32_t pid, Duration grace) {
   ActuatorRecord& record = Of(i);
-  record.termination = {pid, std::nullopt, now_ + grace, false};
+  record.process.termination = {pid, std::nullopt, now_ + grace, false};
   if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
 
 void Processes::Kill(ActuatorIndex i) {
-  Termination& termination = *Of(i).termination;
+  Termination& termination = *Of(i).process.termination;
   termination.killed = true;
   termination.kill_at = now_ + kEndTime;
   Do(action::SignalProcess{i, termination.pid, true});
@@ -93,17 +91,17 @@ void Processes::Kill(ActuatorIndex i) {
 
 void Processes::ForgetEnd(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
-  record.termination.reset();
-  record.restart_requested = false;
+  record.process.termination.reset();
+  record.restart.requested = false;
 }
 
 void Processes::CancelRestart(ActuatorIndex i) {
-  Of(i).restart_at.reset();
+  Of(i).restart.at.reset();
   Of(i).set_up_by = now_ + config_.TimeFor(i, kSetUp);
 }
 
 bool Processes::IsFinal(ActuatorIndex i, const event::ProcessEnded& ended) const {
-  return MayRestart(i) && !Of(i).restart_requested && ConfigOf(i).restart.Prevents(ended.exit_code);
+  return MayRestart(i) && !Of(i).restart.requested && ConfigOf(i).restart.Prevents(ended.exit_code);
 }
 
 RecordText Processes::WhyFinal(const event::ProcessEnded& ended) const {

@@ -7,10 +7,6 @@
 namespace musher::texts {
 namespace {
 
-std::string WithinMs(Duration time) {
-  return "within " + std::to_string(ToMilliseconds(time)) + " ms";
-}
-
 EventName EventOf(Health health) {
   switch (health) {
     case Health::kHung:
@@ -30,82 +26,116 @@ EventName EventOf(Health health) {
 }  // namespace
 
 RecordText ActuatorPresent(const std::string& actuator, const State& state, std::int32_t pid) {
-  return {EventName::kActuatorPresent, actuator + " is present in " + state +
-                                           (pid == 0 ? "" : " (pid " + std::to_string(pid) + ")")};
+  return MakeText(
+      EventName::kActuatorPresent,
+      std::string("{actuator} is present in {state}") + (pid == 0 ? "" : " (pid {pid})"),
+      {{"actuator", actuator}, {"state", state}, {"pid", Known(pid)}});
 }
 
 RecordText ActuatorDrifted(const std::string& actuator, const State& state,
                            const std::optional<std::string>& failure) {
-  return {EventName::kActuatorDrifted,
-          actuator + " has switched to " + state + " by itself" + (failure ? ": " + *failure : "")};
+  return MakeText(
+      EventName::kActuatorDrifted,
+      std::string("{actuator} has switched to {state} by itself") + (failure ? ": {failure}" : ""),
+      {{"actuator", actuator}, {"state", state}, {"failure", failure.value_or("")}});
 }
 
 RecordText ActuatorStarved(const std::string& actuator, const std::string& how) {
-  return {EventName::kActuatorStarved, actuator + " is starved: " + how};
+  return MakeText(EventName::kActuatorStarved, "{actuator} is starved: {how}",
+                  {{"actuator", actuator}, {"how", how}});
 }
 
 RecordText ActuatorRecovered(const std::string& actuator, const std::string& how) {
-  return {EventName::kActuatorRecovered, actuator + " has recovered: " + how};
+  return MakeText(EventName::kActuatorRecovered, "{actuator} has recovered: {how}",
+                  {{"actuator", actuator}, {"how", how}});
 }
 
 RecordText DuplicateActuator(const std::string& actuator, std::int32_t pid, const std::string& host,
                              std::int32_t known_pid) {
-  return {EventName::kDuplicateActuator, "another process publishes as " + actuator + ": process " +
-                                             std::to_string(pid) + " of host " + host +
-                                             "; it is ignored while process " +
-                                             std::to_string(known_pid) + " answers"};
+  const std::string known = known_pid == 0 ? "the known process" : "process {known_pid}";
+  return MakeText(
+      EventName::kDuplicateActuator,
+      "another process publishes as {actuator}: process {pid} of host {host}; it is ignored "
+      "while " +
+          known + " answers",
+      {{"actuator", actuator}, {"pid", pid}, {"host", host}, {"known_pid", Known(known_pid)}});
+}
+
+RecordText ConfigDiffers(const std::string& actuator, const std::string& hash,
+                         const std::string& file, const std::string& own_hash) {
+  return MakeText(
+      EventName::kConfigDiffers,
+      "{actuator} is using a different config ({hash}) than {config} ({own_hash})",
+      {{"actuator", actuator}, {"hash", hash}, {"config", file}, {"own_hash", own_hash}});
 }
 
 RecordText Degraded(const std::string& actuator, const RecordText& fault) {
-  return {fault.event, actuator + " is degraded: " + fault.message};
+  RecordText text = MakeText(fault.event, "{actuator} is degraded: ", {{"actuator", actuator}});
+  text.message += fault.message;
+  for (const Argument& argument : fault.arguments) {
+    if (argument.name != "actuator") text.arguments.push_back(argument);
+  }
+  return text;
 }
 
 RecordText DependencyDegraded(const std::string& needed, const std::string& why) {
-  return {EventName::kDependencyDegraded, "needs " + needed + ", which is degraded: " + why};
+  return MakeText(EventName::kDependencyDegraded, "needs {needed}, which is degraded: {reason}",
+                  {{"needed", needed}, {"reason", why}});
 }
 
 RecordText DependencySuspended(const std::string& needed) {
-  return {EventName::kDependencySuspended, "waits for " + needed + ", which is suspended"};
+  return MakeText(EventName::kDependencySuspended, "waits for {needed}, which is suspended",
+                  {{"needed", needed}});
 }
 
 RecordText NotUp(const std::string& bound_to) {
-  return {EventName::kActuatorSuspended, "suspended: " + bound_to + ", in its binds_to, is not up"};
+  return MakeText(EventName::kActuatorSuspended, "suspended: {needed}, in its binds_to, is not up",
+                  {{"needed", bound_to}});
 }
 
 RecordText SetUpFailed(std::int32_t code, const std::string& message) {
-  return {EventName::kSetUpFailed,
-          "SetUp failed with " + CodeText(code) + (message.empty() ? "" : ": " + message)};
+  return MakeText(EventName::kSetUpFailed,
+                  "SetUp failed with " + CodeText(code) + (message.empty() ? "" : ": {message}"),
+                  {{"code", code}, {"message", message}});
 }
 
 RecordText SetUpTimeout(Duration within) {
-  return {EventName::kSetUpTimeout, "was not set up " + WithinMs(within)};
+  return MakeText(EventName::kSetUpTimeout, "was not set up within {within_ms} ms",
+                  {{"within_ms", ToMilliseconds(within)}});
 }
 
 RecordText NodeNotDiscovered(const std::string& node, Duration within, std::int32_t pid) {
-  return {EventName::kNodeNotDiscovered,
-          "no managed node " + node + " was discovered " + WithinMs(within) +
-              (pid == 0 ? "" : ", but its program runs (process " + std::to_string(pid) + ")") +
-              "; the node has another name, or no lifecycle states, or does not discover the "
-              "machine: `musher check` shows why"};
+  const std::string runs = pid == 0 ? "" : ", but its program runs (process {pid})";
+  return MakeText(EventName::kNodeNotDiscovered,
+                  "no managed node {node} was discovered within {within_ms} ms" + runs +
+                      "; the node has another name, or no lifecycle states, or does not discover "
+                      "the machine: `musher check` shows why",
+                  {{"node", node}, {"within_ms", ToMilliseconds(within)}, {"pid", Known(pid)}});
 }
 
 RecordText NotAnnounced(const std::string& actuator, const std::vector<std::string>& command,
                         Duration within, std::int32_t pid) {
   std::string wrapped = R"(["musher-exec", "--")";
   for (const std::string& word : command) wrapped += ", \"" + word + "\"";
-  return {EventName::kNotAnnounced,
-          "its program runs (process " + std::to_string(pid) +
-              ") but never announced itself as actuator " + actuator + " " + WithinMs(within) +
-              "; wrap a program that is not a Musher module with musher-exec: command = " +
-              wrapped + "]"};
+  return MakeText(EventName::kNotAnnounced,
+                  "its program runs (process {pid}) but never announced itself as actuator "
+                  "{actuator} within {within_ms} ms; wrap a program that is not a Musher module "
+                  "with musher-exec: command = {command}",
+                  {{"pid", pid},
+                   {"actuator", actuator},
+                   {"within_ms", ToMilliseconds(within)},
+                   {"command", wrapped + "]"}});
 }
 
 RecordText NotAnnouncedBeside(const std::string& actuator, const std::string& other,
                               Duration within, std::int32_t pid) {
-  return {EventName::kNotAnnounced, "was not set up " + WithinMs(within) + ": process " +
-                                        std::to_string(pid) + ", which runs it and " + other +
-                                        ", did not announce it; `musher restart " + actuator +
-                                        "` starts both again"};
+  return MakeText(EventName::kNotAnnounced,
+                  "was not set up within {within_ms} ms: process {pid}, which runs it and {other}, "
+                  "did not announce it; `musher restart {actuator}` starts both again",
+                  {{"within_ms", ToMilliseconds(within)},
+                   {"pid", pid},
+                   {"other", other},
+                   {"actuator", actuator}});
 }
 
 RecordText TornDownAlone() {
@@ -113,33 +143,36 @@ RecordText TornDownAlone() {
 }
 
 RecordText SelfCheckMissing(const State& state) {
-  return {EventName::kSelfCheckMissing,
-          "it is in " + state + " and has not passed its self-check; run `musher set SelfCheck`"};
+  return MakeText(EventName::kSelfCheckMissing,
+                  "it is in {state} and has not passed its self-check; run `musher set SelfCheck`",
+                  {{"state", state}});
 }
 
 RecordText NoState(const State& state) {
-  return {EventName::kStateUnsupported, "has no state '" + state + "'"};
+  return MakeText(EventName::kStateUnsupported, "has no state '{state}'", {{"state", state}});
 }
 
 RecordText HeldIn(const State& state, const State& machine) {
-  return {EventName::kHeldByEmergencyStop,
-          "is in " + state + ", the machine in " + machine +
-              ": held by an emergency stop; after its release run `musher set " + machine + "`"};
+  return MakeText(EventName::kHeldByEmergencyStop,
+                  "is in {state}, the machine in {machine}: held by an emergency stop; after its "
+                  "release run `musher set {machine}`",
+                  {{"state", state}, {"machine", machine}});
 }
 
 RecordText EpochOutOfRange(Epoch epoch) {
-  return {EventName::kEpochOutOfRange,
-          "it reports epoch " + ToString(epoch) + ", which is out of range"};
+  return MakeText(EventName::kEpochOutOfRange, "it reports epoch {epoch}, which is out of range",
+                  {{"epoch", epoch}});
 }
 
 RecordText Unhealthy(Health health, const std::string& how) {
-  return {EventOf(health), std::string(HealthName(health)) + ": " + how};
+  return MakeText(EventOf(health), "{health}: {how}",
+                  {{"health", std::string(HealthName(health))}, {"how", how}});
 }
 
 RecordText HungIn(const State& target, Duration time) {
-  return {EventName::kActuatorHung, "hung: in " + target + " for " +
-                                        std::to_string(ToMilliseconds(time)) +
-                                        " ms, and it cannot be queried"};
+  return MakeText(EventName::kActuatorHung,
+                  "hung: in {target} for {after_ms} ms, and it cannot be queried",
+                  {{"target", target}, {"after_ms", ToMilliseconds(time)}});
 }
 
 RecordText StillHung() {
@@ -147,7 +180,7 @@ RecordText StillHung() {
 }
 
 RecordText Crashed(const std::string& how) {
-  return {EventName::kActuatorCrashed, "crashed: " + how};
+  return MakeText(EventName::kActuatorCrashed, "crashed: {how}", {{"how", how}});
 }
 
 RecordText Killed() {
@@ -163,12 +196,14 @@ RecordText PidUnknown() {
 }
 
 RecordText QueryUnanswered(const State& target) {
-  return {EventName::kCommandUnanswered,
-          "no answer, not even to the query for the outcome of " + target};
+  return MakeText(EventName::kCommandUnanswered,
+                  "no answer, not even to the query for the outcome of {target}",
+                  {{"target", target}});
 }
 
 RecordText Disconnected(const std::string& how) {
-  return {how == kOutOfReach ? EventName::kConnectionLost : EventName::kActuatorUnavailable, how};
+  return MakeText(how == kOutOfReach ? EventName::kConnectionLost : EventName::kActuatorUnavailable,
+                  "{how}", {{"how", how}});
 }
 
 }  // namespace musher::texts

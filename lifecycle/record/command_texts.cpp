@@ -5,10 +5,6 @@
 namespace musher::texts {
 namespace {
 
-std::string InMs(Duration time) {
-  return std::to_string(ToMilliseconds(time)) + " ms";
-}
-
 EventName EventOf(ActuatorOutcome outcome) {
   switch (outcome) {
     case ActuatorOutcome::kDone:
@@ -34,51 +30,65 @@ EventName EventOf(ActuatorOutcome outcome) {
 
 RecordText CommandEnded(const std::string& actuator, const State& target, ActuatorOutcome outcome,
                         Duration took, const std::string& message) {
-  return {EventOf(outcome), actuator + ": " + target + " " + std::string(OutcomeName(outcome)) +
-                                " after " + InMs(took) + (message.empty() ? "" : ": " + message)};
+  return MakeText(EventOf(outcome),
+                  std::string("{actuator}: {target} {outcome} after {took_ms} ms") +
+                      (message.empty() ? "" : ": {message}"),
+                  {{"actuator", actuator},
+                   {"target", target},
+                   {"outcome", std::string(OutcomeName(outcome))},
+                   {"took_ms", ToMilliseconds(took)},
+                   {"message", message}});
 }
 
 RecordText CommandUnanswered(const std::string& actuator, Duration waited, const State& target,
                              bool has_query) {
-  const std::string next = has_query ? "; querying the outcome of " + target
-                                     : "; its protocol has no query for the outcome of " + target +
-                                           ", so its state is unknown until it answers";
-  return {EventName::kCommandUnanswered,
-          actuator + " did not answer within " + InMs(waited) + next};
+  const std::string next = has_query ? "; querying the outcome of {target}"
+                                     : "; its protocol has no query for the outcome of {target}, "
+                                       "so its state is unknown until it answers";
+  return MakeText(
+      EventName::kCommandUnanswered, "{actuator} did not answer within {within_ms} ms" + next,
+      {{"actuator", actuator}, {"within_ms", ToMilliseconds(waited)}, {"target", target}});
 }
 
 RecordText Reported(ActuatorOutcome outcome, const std::string& message) {
-  return {EventOf(outcome), message};
+  return MakeText(EventOf(outcome), "{message}", {{"message", message}});
 }
 
 RecordText DoneDegraded(const std::string& why) {
-  return {EventName::kCommandDone, "degraded: " + why};
+  return MakeText(EventName::kCommandDone, "degraded: {reason}", {{"reason", why}});
 }
 
 RecordText StillBusy(const State& target, Duration time) {
-  return {EventName::kCommandOverdue, "still busy with " + target + " after " + InMs(time)};
+  return MakeText(EventName::kCommandOverdue, "still busy with {target} after {after_ms} ms",
+                  {{"target", target}, {"after_ms", ToMilliseconds(time)}});
 }
 
 RecordText HadNotStarted(const State& target, Duration time) {
-  return {EventName::kCommandOverdue, "had not started " + target + " after " + InMs(time)};
+  return MakeText(EventName::kCommandOverdue, "had not started {target} after {after_ms} ms",
+                  {{"target", target}, {"after_ms", ToMilliseconds(time)}});
 }
 
 RecordText ContradictedBy(const State& state) {
-  return {EventName::kCommandFailed, "it reports done, but its state is " + state};
+  return MakeText(EventName::kCommandFailed, "it reports done, but its state is {state}",
+                  {{"state", state}});
 }
 
 RecordText CommandNotDone(const State& target, ActuatorOutcome outcome,
                           const std::string& message) {
-  return {EventOf(outcome), target + " " + std::string(OutcomeName(outcome)) + ": " + message};
+  return MakeText(
+      EventOf(outcome), "{target} {outcome}: {message}",
+      {{"target", target}, {"outcome", std::string(OutcomeName(outcome))}, {"message", message}});
 }
 
 RecordText FailedLate(const std::string& message) {
-  return {EventName::kCommandFailed, "failed after its deadline: " + message};
+  return MakeText(EventName::kCommandFailed, "failed after its deadline: {message}",
+                  {{"message", message}});
 }
 
 RecordText FoundBusy(const State& target, Duration time) {
-  return {EventName::kCommandOverdue,
-          "still busy with " + target + ", which no switch waits for, after " + InMs(time)};
+  return MakeText(EventName::kCommandOverdue,
+                  "still busy with {target}, which no switch waits for, after {after_ms} ms",
+                  {{"target", target}, {"after_ms", ToMilliseconds(time)}});
 }
 
 }  // namespace musher::texts

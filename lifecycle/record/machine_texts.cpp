@@ -8,14 +8,15 @@ namespace musher::texts {
 namespace {
 
 std::string SourceOf(const std::string& by) {
-  return by.empty() ? "an unknown source" : by;
+  return by.empty() ? "an unknown source" : "{by}";
 }
 
 }  // namespace
 
 RecordText ControllerStarted(Epoch epoch, std::size_t actuators) {
-  return {EventName::kControllerStarted,
-          "controller started: epoch " + ToString(epoch) + ", " + Counted(actuators, "actuator")};
+  return MakeText(EventName::kControllerStarted,
+                  "controller started: epoch {epoch}, {actuators} " + NounOf(actuators, "actuator"),
+                  {{"epoch", epoch}, {"actuators", actuators}});
 }
 
 RecordText TearDownResumed() {
@@ -30,36 +31,48 @@ RecordText TearDownResumedBySupervisor() {
 }
 
 RecordText StageStarted(int stage) {
-  return {EventName::kStageStarted, "starting stage " + std::to_string(stage)};
+  return MakeText(EventName::kStageStarted, "starting stage {stage}", {{"stage", stage}});
 }
 
 RecordText ActuatorsSetUp(std::size_t present) {
-  return {EventName::kActuatorsSetUp, Counted(present, "actuator is", "actuators are") + " set up"};
+  return MakeText(EventName::kActuatorsSetUp,
+                  "{actuators} " + NounOf(present, "actuator is", "actuators are") + " set up",
+                  {{"actuators", present}});
 }
 
 RecordText WaitingForManager(const std::vector<std::string>& missing) {
-  std::string message = "the machine waits in SetUp for a manager to configure it";
-  for (const std::string& actuator : missing) message += "; " + actuator;
-  return {EventName::kWaitingForManager, message};
+  std::string list;
+  for (const std::string& actuator : missing) list += (list.empty() ? "" : "; ") + actuator;
+  return MakeText(EventName::kWaitingForManager,
+                  std::string("the machine waits in SetUp for a manager to configure it") +
+                      (missing.empty() ? "" : "; {missing}"),
+                  {{"missing", list}});
 }
 
 RecordText StartUpFailed(const State& state, const std::string& why) {
-  return {EventName::kStartUpFailed, "start-up failed, the machine stays in " + state + ": " + why};
+  return MakeText(EventName::kStartUpFailed,
+                  "start-up failed, the machine stays in {state}: {reason}",
+                  {{"state", state}, {"reason", why}});
 }
 
 RecordText UnfinishedSwitchFound(const std::string& elsewhere, const State& lowest) {
-  return {EventName::kUnfinishedSwitchFound, "a previous controller left a switch unfinished (" +
-                                                 elsewhere + "); finishing it in " + lowest};
+  return MakeText(EventName::kUnfinishedSwitchFound,
+                  "a previous controller left a switch unfinished ({elsewhere}); finishing it in "
+                  "{state}",
+                  {{"elsewhere", elsewhere}, {"state", lowest}});
 }
 
 RecordText MixedStatesFound(const std::string& elsewhere, const State& lowest) {
-  return {EventName::kMixedStatesFound,
-          "the least active state found is " + lowest + "; elsewhere: " + elsewhere};
+  return MakeText(EventName::kMixedStatesFound,
+                  "the least active state found is {state}; elsewhere: {elsewhere}",
+                  {{"state", lowest}, {"elsewhere", elsewhere}});
 }
 
 RecordText MachineUsable(const State& state, const std::string& trouble) {
-  return {EventName::kMachineUsable,
-          "the machine is " + state + (trouble.empty() ? "" : ", degraded: " + trouble)};
+  return MakeText(
+      EventName::kMachineUsable,
+      trouble.empty() ? "the machine is {state}" : "the machine is {state}, degraded: {degraded}",
+      {{"state", state}, {"degraded", trouble}});
 }
 
 RecordText MachineUsableWithoutActive() {
@@ -67,11 +80,13 @@ RecordText MachineUsableWithoutActive() {
 }
 
 RecordText MachineAdopted(const State& state) {
-  return {EventName::kMachineAdopted, "the machine is adopted in " + state};
+  return MakeText(EventName::kMachineAdopted, "the machine is adopted in {state}",
+                  {{"state", state}});
 }
 
 RecordText InvariantBroken(const std::string& broken) {
-  return {EventName::kInvariantBroken, kBrokenInvariant + broken};
+  return MakeText(EventName::kInvariantBroken, kBrokenInvariant + std::string("{broken}"),
+                  {{"broken", broken}});
 }
 
 RecordText StopIntentLate() {
@@ -81,79 +96,104 @@ RecordText StopIntentLate() {
 }
 
 RecordText MachineStopped(Duration took, const std::optional<std::string>& left) {
-  return {EventName::kMachineStopped, "the machine is stopped after " +
-                                          std::to_string(ToMilliseconds(took)) + " ms" +
-                                          (left ? "; " + *left : "")};
+  return MakeText(EventName::kMachineStopped,
+                  left ? "the machine is stopped after {took_ms} ms; {left}"
+                       : "the machine is stopped after {took_ms} ms",
+                  {{"took_ms", ToMilliseconds(took)}, {"left", left.value_or("")}});
 }
 
 RecordText ControllerFenced(Epoch epoch, const std::string& why) {
-  return {EventName::kControllerFenced,
-          "this controller (epoch " + ToString(epoch) + ") releases control: " + why};
+  return MakeText(EventName::kControllerFenced,
+                  "this controller (epoch {epoch}) releases control: {reason}",
+                  {{"epoch", epoch}, {"reason", why}});
 }
 
 RecordText EpochRaised(Epoch epoch, const std::string& actuator) {
-  return {EventName::kEpochRaised, "epoch " + ToString(epoch) + ": " + actuator +
-                                       " was controlled by epoch " + ToString(epoch - 1)};
+  return MakeText(EventName::kEpochRaised,
+                  "epoch {epoch}: {actuator} was controlled by epoch {other_epoch}",
+                  {{"epoch", epoch}, {"actuator", actuator}, {"other_epoch", epoch - 1}});
 }
 
 RecordText SaveFailed(std::string_view what, const std::string& why) {
-  return {EventName::kSaveFailed, "the " + std::string(what) + " is not on disk: " + why};
+  return MakeText(EventName::kSaveFailed, "the {what} is not on disk: {reason}",
+                  {{"what", std::string(what)}, {"reason", why}});
 }
 
 RecordText SaveRecovered(std::string_view what) {
-  return {EventName::kSaveRecovered, "the " + std::string(what) + " is on disk now"};
+  return MakeText(EventName::kSaveRecovered, "the {what} is on disk now",
+                  {{"what", std::string(what)}});
+}
+
+RecordText UnlistedActuatorFound(const std::string& actuator, std::int32_t pid, const State& state,
+                                 const std::string& config) {
+  const std::string process = pid == 0 ? "" : "pid {pid}, ";
+  return MakeText(
+      EventName::kUnlistedActuator,
+      "{actuator} runs (" + process +
+          "in {state}), but {config} does not list it: it is "
+          "not controlled. `musher down` and then `musher down --without-controller` stop "
+          "it",
+      {{"actuator", actuator}, {"pid", Known(pid)}, {"state", state}, {"config", config}});
 }
 
 RecordText EmergencyStopEngaged(const std::string& by, const std::string& reason) {
-  return {EventName::kEmergencyStopEngaged,
-          "emergency stop engaged by " + SourceOf(by) + (reason.empty() ? "" : ": " + reason)};
+  return MakeText(
+      EventName::kEmergencyStopEngaged,
+      "emergency stop engaged by " + SourceOf(by) + (reason.empty() ? "" : ": {reason}"),
+      {{"by", by}, {"reason", reason}});
 }
 
 RecordText EmergencyStopReleased(const std::string& by) {
-  return {EventName::kEmergencyStopReleased,
-          "emergency stop released by " + SourceOf(by) + "; no state changes"};
+  return MakeText(EventName::kEmergencyStopReleased,
+                  "emergency stop released by " + SourceOf(by) + "; no state changes",
+                  {{"by", by}});
 }
 
 RecordText FallbackStarted(const State& target) {
-  return {EventName::kFallbackStarted, "an actuator is lost; falling back to " + target};
+  return MakeText(EventName::kFallbackStarted, "an actuator is lost; falling back to {target}",
+                  {{"target", target}});
 }
 
 RecordText FallbackRefused(const State& target, const std::string& why) {
-  return {EventName::kFallbackRefused, "cannot fall back to " + target + ": " + why};
+  return MakeText(EventName::kFallbackRefused, "cannot fall back to {target}: {reason}",
+                  {{"target", target}, {"reason", why}});
 }
 
 RecordText ProcessFound(std::int32_t pid, const std::string& actuator) {
-  return {EventName::kProcessFound, "process " + std::to_string(pid) + " of " + actuator +
-                                        ", started by another controller, was found during "
-                                        "shutdown and is ended with the machine"};
+  return MakeText(EventName::kProcessFound,
+                  "process {pid} of {actuator}, started by another controller, was found during "
+                  "shutdown and is ended with the machine",
+                  {{"pid", pid}, {"actuator", actuator}});
 }
 
 RecordText ProcessSignalled(const std::string& actuator, std::int32_t pid, bool kill) {
-  return {EventName::kProcessSignalled, actuator + " has not ended; process " +
-                                            std::to_string(pid) +
-                                            (kill ? " gets SIGKILL" : " gets SIGTERM")};
+  return MakeText(EventName::kProcessSignalled,
+                  "{actuator} has not ended; process {pid} gets {signal}",
+                  {{"actuator", actuator}, {"pid", pid}, {"signal", kill ? "SIGKILL" : "SIGTERM"}});
 }
 
 RecordText ProcessLeftBehind(std::int32_t pid, const std::optional<std::string>& successor) {
-  const std::string process =
-      pid == 0 ? "its process " : "its process " + std::to_string(pid) + " ";
-  return {
-      EventName::kProcessLeftBehind,
-      process + (successor ? "had not ended when another controller, " + *successor + ", took over"
-                           : "has not ended")};
+  const std::string process = pid == 0 ? "its process " : "its process {pid} ";
+  const char* what =
+      successor ? "had not ended when another controller, {successor}, took over" : "has not ended";
+  return MakeText(EventName::kProcessLeftBehind, process + what,
+                  {{"pid", Known(pid)}, {"successor", successor.value_or("")}});
 }
 
 RecordText MayStillRun(const std::optional<State>& state) {
-  return {EventName::kMayStillRun, "connection lost and no exit seen; it may still run in " +
-                                       state.value_or("an unknown state")};
+  const std::string where = state ? "{state}" : "an unknown state";
+  return MakeText(EventName::kMayStillRun,
+                  "connection lost and no exit seen; it may still run in " + where,
+                  {{"state", state.value_or(State())}});
 }
 
 RecordText MayStillRunOn(const std::string& host) {
-  return {EventName::kMayStillRun,
-          "no status received since this controller started; it may still run " +
-              (host.empty() ? "on this or another host" : "on another host, " + host) +
-              ", where an earlier controller has left it (if it has exited, remove its line from "
-              "the file remote_actuators in the state folder)"};
+  const std::string where = host.empty() ? "on this or another host" : "on another host, {host}";
+  return MakeText(EventName::kMayStillRun,
+                  "no status received since this controller started; it may still run " + where +
+                      ", where an earlier controller has left it (if it has exited, remove its "
+                      "line from the file remote_actuators in the state folder)",
+                  {{"host", host}});
 }
 
 }  // namespace musher::texts

@@ -7,85 +7,105 @@
 namespace musher::texts {
 namespace {
 
-std::string InSeconds(Duration duration) {
-  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(duration).count()) + " s";
+std::int64_t ToSeconds(Duration duration) {
+  return std::chrono::duration_cast<std::chrono::seconds>(duration).count();
 }
 
-std::string LimitText(BatteryLimit limit, const State& most) {
+std::string LimitForm(BatteryLimit limit) {
   switch (limit) {
     case BatteryLimit::kAsBefore:
       return "";
     case BatteryLimit::kLifted:
       return ": the machine is no longer limited";
     case BatteryLimit::kNoSwitchAbove:
-      return ": no switch above " + most;
+      return ": no switch above {most}";
     case BatteryLimit::kEmpty:
       return ": it is empty";
     case BatteryLimit::kLimited:
       break;
   }
-  return ": the machine is limited to " + most;
+  return ": the machine is limited to {most}";
 }
 
 }  // namespace
 
 RecordText PolicyRequested(const std::string& what, const State& target) {
-  return {EventName::kPolicyRequested, what + " requested", target};
+  return MakeText(EventName::kPolicyRequested, "{what} requested",
+                  {{"what", what}, {"target", target}});
 }
 
 RecordText PolicyRefused(const std::string& what, const std::string& why) {
-  return {EventName::kPolicyRefused, what + " refused: " + why};
+  return MakeText(EventName::kPolicyRefused, "{what} refused: {reason}",
+                  {{"what", what}, {"reason", why}});
 }
 
 RecordText BatterySampleInvalid(int percent) {
-  return {EventName::kBatterySampleInvalid,
-          "the battery reports " + std::to_string(percent) +
-              " %, which is out of range; such values are ignored"};
+  return MakeText(EventName::kBatterySampleInvalid,
+                  "the battery reports {percent} %, which is out of range; such values are ignored",
+                  {{"percent", percent}});
 }
 
 RecordText BatterySilent(Duration limit, std::optional<int> last) {
-  return {EventName::kBatterySilent,
-          "no battery sample for " + InSeconds(limit) +
-              (last ? "; its last value, " + std::to_string(*last) + " %, stays in effect"
-                    : "; its level is unknown")};
+  return MakeText(
+      EventName::kBatterySilent,
+      std::string("no battery sample for {limit_s} s; ") +
+          (last ? "its last value, {percent} %, stays in effect" : "its level is unknown"),
+      {{"limit_s", ToSeconds(limit)}, {"percent", last}});
 }
 
 RecordText BatteryResumed() {
   return {EventName::kBatteryResumed, "battery samples received again"};
 }
 
-RecordText BatteryChanged(const std::string& battery, std::optional<bool> charger,
+std::string BatteryText(int percent, bool charging) {
+  return "the battery is at " + std::to_string(percent) + " %" +
+         (charging ? ", being charged" : "");
+}
+
+RecordText BatteryChanged(int percent, bool charging, std::optional<bool> charger,
                           BatteryLimit limit, const State& most) {
   const EventName of_charger =
       charger.value_or(false) ? EventName::kChargerConnected : EventName::kChargerDisconnected;
-  return {limit == BatteryLimit::kAsBefore ? of_charger : EventName::kBatteryLevelChanged,
-          battery +
-              (!charger   ? ""
-               : *charger ? ": charger connected"
-                          : ": charger disconnected") +
-              LimitText(limit, most)};
+  const bool names_most = limit == BatteryLimit::kNoSwitchAbove || limit == BatteryLimit::kLimited;
+  std::string change;
+  if (charger) change = *charger ? "connected" : "disconnected";
+  return MakeText(
+      limit == BatteryLimit::kAsBefore ? of_charger : EventName::kBatteryLevelChanged,
+      BatteryText(percent, charging) + (charger ? ": charger {charger}" : "") + LimitForm(limit),
+      {{"percent", percent},
+       {"charging", charging},
+       {"charger", change},
+       {"most", names_most ? most : State()}});
 }
 
-RecordText BatterySwitchDown(const std::string& battery, const State& target) {
-  return {EventName::kBatterySwitchDown, battery + ": down to " + target, target};
+RecordText BatterySwitchDown(int percent, bool charging, const State& target) {
+  return MakeText(EventName::kBatterySwitchDown,
+                  BatteryText(percent, charging) + ": down to {target}",
+                  {{"percent", percent}, {"charging", charging}, {"target", target}});
 }
 
-RecordText BatterySwitchUp(const std::string& battery, const State& target) {
-  return {EventName::kBatterySwitchUp, battery + ": back to " + target, target};
+RecordText BatterySwitchUp(int percent, bool charging, const State& target) {
+  return MakeText(EventName::kBatterySwitchUp,
+                  BatteryText(percent, charging) + ": back to {target}",
+                  {{"percent", percent}, {"charging", charging}, {"target", target}});
 }
 
 RecordText LyingStill(Duration limit) {
-  return {EventName::kLyingStillSwitch,
-          "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
-          State(kLowPower)};
+  return MakeText(EventName::kLyingStillSwitch,
+                  "the robot has lain still for {limit_s} s: down to {target}",
+                  {{"limit_s", ToSeconds(limit)}, {"target", State(kLowPower)}});
 }
 
 RecordText PolicySwitchRefused(const RecordText& wanted, const std::string& why) {
-  return {EventName::kPolicySwitchRefused, wanted.message + " refused: " + why};
+  return MakeText(EventName::kPolicySwitchRefused, "{switch} refused: {reason}",
+                  {{"switch", wanted.message},
+                   {"target", ArgumentOf(wanted.arguments, "target")},
+                   {"reason", why}});
 }
 
 RecordText KeepEnded(const State& state, const std::string& why) {
-  return {EventName::kKeepEnded, "the machine is no longer kept in " + state + ": " + why};
+  return MakeText(EventName::kKeepEnded, "the machine is no longer kept in {state}: {reason}",
+                  {{"state", state}, {"reason", why}});
 }
 
 RecordText PowerDownStarted(bool reboot) {
@@ -95,15 +115,21 @@ RecordText PowerDownStarted(bool reboot) {
 
 RecordText PowerCommandGiven(bool reboot, bool in_time, const std::vector<std::string>& command) {
   std::string line;
-  for (const std::string& word : command) line += " " + word;
-  return {EventName::kPowerCommandGiven,
-          std::string(reboot ? "reboot" : "power-off") +
-              (in_time ? "" : ", although the machine is not torn down") +
-              (command.empty() ? "; no command is configured" : ":" + line)};
+  for (const std::string& word : command) line += (line.empty() ? "" : " ") + word;
+  return MakeText(EventName::kPowerCommandGiven,
+                  std::string("{what}") +
+                      (in_time ? "" : ", although the machine is not torn down") +
+                      (command.empty() ? "; no command is configured" : ": {command}"),
+                  {{"what", reboot ? "reboot" : "power-off"}, {"command", line}});
+}
+
+RecordText PowerCommandFailed(const std::string& command, const std::string& how) {
+  return MakeText(EventName::kPowerCommandFailed, "the command of {command} {how}",
+                  {{"command", command}, {"how", how}});
 }
 
 RecordText PowerTearDownRefused(const std::string& why) {
-  return {EventName::kPowerTearDownRefused, "no TearDown: " + why};
+  return MakeText(EventName::kPowerTearDownRefused, "no TearDown: {reason}", {{"reason", why}});
 }
 
 }  // namespace musher::texts

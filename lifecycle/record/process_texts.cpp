@@ -4,74 +4,85 @@
 #include "musher/lifecycle/record/texts.hpp"
 
 namespace musher::texts {
-namespace {
-
-std::string Ended(std::int32_t pid, const std::string& how) {
-  return "process " + std::to_string(pid) + " ended: " + how;
-}
-
-}  // namespace
 
 RecordText ProcessStarted(const std::string& actuator, std::int32_t pid) {
-  return {EventName::kProcessStarted, actuator + " started (pid " + std::to_string(pid) + ")"};
+  return MakeText(EventName::kProcessStarted, "{actuator} started (pid {pid})",
+                  {{"actuator", actuator}, {"pid", pid}});
 }
 
 RecordText ProcessExited(const std::string& actuator, std::int32_t pid, const std::string& how) {
-  return {EventName::kProcessExited, actuator + "'s " + Ended(pid, how)};
+  return MakeText(EventName::kProcessExited, "{actuator}'s process {pid} ended: {how}",
+                  {{"actuator", actuator}, {"pid", pid}, {"how", how}});
 }
 
 RecordText ProcessExitAssumed(std::int32_t pid) {
-  return {EventName::kProcessExitAssumed, "no exit reported for process " + std::to_string(pid) +
-                                              " after SIGKILL; it is assumed to have exited"};
+  return MakeText(EventName::kProcessExitAssumed,
+                  "no exit reported for process {pid} after SIGKILL; it is assumed to have exited",
+                  {{"pid", pid}});
+}
+
+RecordText ProcessUnproven(const std::string& actuator, std::int32_t pid, const std::string& why) {
+  return MakeText(EventName::kProcessUnproven,
+                  "{actuator} reports process {pid} of this host as its own, without proof: "
+                  "{reason}; that process is not watched, traced or signalled",
+                  {{"actuator", actuator}, {"pid", pid}, {"reason", why}});
 }
 
 RecordText BacktraceStarted(const std::string& actuator, std::int32_t pid) {
-  return {EventName::kBacktraceStarted, "taking a backtrace of " + actuator + "; then process " +
-                                            std::to_string(pid) + " gets SIGKILL"};
+  return MakeText(EventName::kBacktraceStarted,
+                  "taking a backtrace of {actuator}; then process {pid} gets SIGKILL",
+                  {{"actuator", actuator}, {"pid", pid}});
 }
 
 RecordText BacktraceTaken(const std::string& actuator) {
-  return {EventName::kBacktraceTaken, "backtrace of " + actuator + ":"};
+  return MakeText(EventName::kBacktraceTaken, "backtrace of {actuator}:", {{"actuator", actuator}});
 }
 
 RecordText RestartRequested(const std::string& actuator) {
-  return {EventName::kRestartRequested, "restart of " + actuator + " requested"};
+  return MakeText(EventName::kRestartRequested, "restart of {actuator} requested",
+                  {{"actuator", actuator}});
 }
 
 RecordText RestartScheduled(const std::string& actuator, Duration delay, int restart, int limit) {
-  return {EventName::kRestartScheduled,
-          actuator + ": restarting in " + std::to_string(ToMilliseconds(delay)) + " ms (" +
-              std::to_string(restart) + " of " + std::to_string(limit) + ")"};
+  return MakeText(EventName::kRestartScheduled,
+                  "{actuator}: restarting in {delay_ms} ms ({restart} of {limit})",
+                  {{"actuator", actuator},
+                   {"delay_ms", ToMilliseconds(delay)},
+                   {"restart", restart},
+                   {"limit", limit}});
 }
 
 RecordText ProcessNotStarted(const std::string& why) {
-  return {EventName::kProcessNotStarted, "its process could not be started: " + why};
+  return MakeText(EventName::kProcessNotStarted, "its process could not be started: {reason}",
+                  {{"reason", why}});
 }
 
 RecordText Exited(std::int32_t pid, const std::string& how, bool clean, bool in_set_up) {
-  return {clean ? EventName::kActuatorExited : EventName::kActuatorCrashed,
-          (clean ? "ended: its " : "crashed: its ") + Ended(pid, how) +
-              (in_set_up ? " during SetUp" : "")};
+  return MakeText(clean ? EventName::kActuatorExited : EventName::kActuatorCrashed,
+                  std::string(clean ? "ended" : "crashed") + ": its process {pid} ended: {how}" +
+                      (in_set_up ? " during SetUp" : ""),
+                  {{"pid", pid}, {"how", how}});
 }
 
 RecordText RestartPrevented(const std::string& how, int exit_code, const std::string& actuator) {
-  const std::string code = "exit code " + std::to_string(exit_code);
-  return {EventName::kRestartPrevented,
-          how + "; not restarted automatically, because " + code +
-              (exit_code == kUsageExitCode ? " means a configuration error"
-                                           : " is one of its restart_prevent_exit_codes") +
-              "; restart it with `musher restart " + actuator + "`"};
+  const std::string why = exit_code == kUsageExitCode ? "means a configuration error"
+                                                      : "is one of its restart_prevent_exit_codes";
+  return MakeText(EventName::kRestartPrevented,
+                  "{how}; not restarted automatically, because exit code {exit_code} " + why +
+                      "; restart it with `musher restart {actuator}`",
+                  {{"how", how}, {"exit_code", exit_code}, {"actuator", actuator}});
 }
 
 RecordText GivenUp(int restarts, const std::optional<std::string>& why) {
-  return {EventName::kRestartLimitReached, "given up after " + std::to_string(restarts) +
-                                               " restarts; " + why.value_or("its process ended")};
+  return MakeText(EventName::kRestartLimitReached, "given up after {restarts} restarts; {reason}",
+                  {{"restarts", restarts}, {"reason", why.value_or("its process ended")}});
 }
 
 RecordText RestartedTooOften(int starts, Duration reset_after) {
-  return {EventName::kRestartLimitReached, "started " + std::to_string(starts) +
-                                               " times in a row; not driven until it has run for " +
-                                               std::to_string(ToMilliseconds(reset_after)) + " ms"};
+  return MakeText(EventName::kRestartLimitReached,
+                  "started {starts} times in a row; not driven until it has run for "
+                  "{reset_after_ms} ms",
+                  {{"starts", starts}, {"reset_after_ms", ToMilliseconds(reset_after)}});
 }
 
 }  // namespace musher::texts

@@ -6,10 +6,6 @@
 namespace musher::texts {
 namespace {
 
-std::string CountOf(std::size_t actuators) {
-  return Counted(actuators, "actuator");
-}
-
 EventName EventOf(SwitchOutcome outcome) {
   switch (outcome) {
     case SwitchOutcome::kDone:
@@ -29,35 +25,45 @@ EventName EventOf(SwitchOutcome outcome) {
 }  // namespace
 
 RecordText SwitchRequested(const std::string& to, const State& target) {
-  return {EventName::kSwitchRequested, "switch " + to + " requested", target};
+  return MakeText(EventName::kSwitchRequested, "switch {to} requested",
+                  {{"to", to}, {"target", target}});
 }
 
 RecordText SwitchWaiting(const std::string& to, Duration at_most, const std::string& why) {
-  return {EventName::kSwitchWaiting, "switch " + to + " waits at most " +
-                                         std::to_string(ToMilliseconds(at_most)) + " ms: " + why};
+  return MakeText(EventName::kSwitchWaiting, "switch {to} waits at most {at_most_ms} ms: {reason}",
+                  {{"to", to}, {"at_most_ms", ToMilliseconds(at_most)}, {"reason", why}});
 }
 
 RecordText SwitchRefused(const std::string& to, const std::string& why) {
-  return {EventName::kSwitchRefused, "switch " + to + " refused: " + why};
+  return MakeText(EventName::kSwitchRefused, "switch {to} refused: {reason}",
+                  {{"to", to}, {"reason", why}});
 }
 
 RecordText SwitchStarted(CommandNumber number, const std::string& actuator, const State& from,
                          const State& target, std::size_t actuators) {
-  return {EventName::kSwitchStarted, "switch " + ToString(number) + ": " +
-                                         (actuator.empty() ? "" : actuator + " ") + from + " → " +
-                                         target + ", " + CountOf(actuators)};
+  const std::string whose = actuator.empty() ? "" : "{actuator} ";
+  return MakeText(EventName::kSwitchStarted,
+                  "switch {number}: " + whose + "{from} → {target}, {actuators} " +
+                      NounOf(actuators, "actuator"),
+                  {{"number", number},
+                   {"actuator", actuator},
+                   {"from", from},
+                   {"target", target},
+                   {"actuators", actuators}});
 }
 
 RecordText SwitchEnded(CommandNumber number, SwitchOutcome outcome, const std::string& reason) {
-  return {EventOf(outcome), "switch " + ToString(number) + " is " +
-                                std::string(OutcomeName(outcome)) +
-                                (reason.empty() ? "" : ": " + reason)};
+  return MakeText(
+      EventOf(outcome),
+      reason.empty() ? "switch {number} is {outcome}" : "switch {number} is {outcome}: {reason}",
+      {{"number", number}, {"outcome", std::string(OutcomeName(outcome))}, {"reason", reason}});
 }
 
 RecordText RollbackStarted(CommandNumber number, CommandNumber command, std::size_t actuators) {
-  return {EventName::kRollbackStarted, "switch " + ToString(number) +
-                                           ": rolling back with command " + ToString(command) +
-                                           ", " + CountOf(actuators)};
+  return MakeText(EventName::kRollbackStarted,
+                  "switch {number}: rolling back with command {command}, {actuators} " +
+                      NounOf(actuators, "actuator"),
+                  {{"number", number}, {"command", command}, {"actuators", actuators}});
 }
 
 RecordText AnotherFailedFirst() {
@@ -65,7 +71,7 @@ RecordText AnotherFailedFirst() {
 }
 
 RecordText NeededOneFailed(const std::string& needed) {
-  return {EventName::kCommandSkipped, "needs " + needed + ", which failed"};
+  return MakeText(EventName::kCommandSkipped, "needs {needed}, which failed", {{"needed", needed}});
 }
 
 RecordText NoLongerAvailable() {
@@ -97,18 +103,22 @@ RecordText BudgetUsedUp() {
 }
 
 RecordText RollbackFailed(const State& target, const std::string& why) {
-  return {EventName::kRollbackFailed,
-          "could not be brought back to " + (target.empty() ? "rest" : target) + ": " + why};
+  const std::string where = target.empty() ? "rest" : "{target}";
+  return MakeText(EventName::kRollbackFailed,
+                  "could not be brought back to " + where + ": {reason}",
+                  {{"target", target}, {"reason", why}});
 }
 
 RecordText StoppedWhileBusy(const State& busy_with, const State& target) {
-  return {EventName::kHeldByEmergencyStop,
-          "is busy with " + busy_with + ": an emergency stop has ended the switch to " + target};
+  return MakeText(EventName::kHeldByEmergencyStop,
+                  "is busy with {busy_with}: an emergency stop has ended the switch to {target}",
+                  {{"busy_with", busy_with}, {"target", target}});
 }
 
 RecordText StoppedIn(const State& state, const State& target) {
-  return {EventName::kHeldByEmergencyStop,
-          "is in " + state + ": an emergency stop has ended the switch to " + target};
+  return MakeText(EventName::kHeldByEmergencyStop,
+                  "is in {state}: an emergency stop has ended the switch to {target}",
+                  {{"state", state}, {"target", target}});
 }
 
 }  // namespace musher::texts

@@ -1,7 +1,7 @@
 #pragma once
-// The sentences of all records and faults of the decision code, each with its event name: the only
-// place that puts them together. The callers give the values; a reader finds a sentence here, and
-// test/golden/record_texts.expected has an example of each one.
+// The sentences of all records and faults of the decision code, each with its event name and its
+// arguments: the only place that puts them together. The callers give the values; a reader finds a
+// sentence here, and test/golden/record_texts.expected has an example of each one.
 //
 // A fault's sentence has no subject: its record is "<actuator> is degraded: <sentence>". Durations
 // are shown in ms, those of the policy in s. Pure; from any thread.
@@ -18,20 +18,15 @@
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/ids.hpp"
 #include "musher/lifecycle/machine/switch_result.hpp"
+#include "musher/lifecycle/record/record_text.hpp"
 #include "musher/lifecycle/state.hpp"
 
-namespace musher {
+namespace musher::texts {
 
-// What a record says: as an id, and as a sentence.
-struct RecordText {
-  EventName event = EventName::kNone;
-  std::string message;
-  State target = {};  // of the switch that is requested or decided, for programs
-
-  friend bool operator==(const RecordText&, const RecordText&) = default;
-};
-
-namespace texts {
+// A pid as an argument; 0 is not known.
+inline std::optional<int> Known(std::int32_t pid) {
+  return pid == 0 ? std::nullopt : std::optional<int>(pid);
+}
 
 // The machine and its controller: machine_texts.cpp.
 RecordText ControllerStarted(Epoch epoch, std::size_t actuators);
@@ -54,6 +49,8 @@ RecordText ControllerFenced(Epoch epoch, const std::string& why);
 RecordText EpochRaised(Epoch epoch, const std::string& actuator);
 RecordText SaveFailed(std::string_view what, const std::string& why);
 RecordText SaveRecovered(std::string_view what);
+RecordText UnlistedActuatorFound(const std::string& actuator, std::int32_t pid, const State& state,
+                                 const std::string& config);
 RecordText EmergencyStopEngaged(const std::string& by, const std::string& reason);
 RecordText EmergencyStopReleased(const std::string& by);
 RecordText FallbackStarted(const State& target);
@@ -113,6 +110,8 @@ RecordText ActuatorStarved(const std::string& actuator, const std::string& how);
 RecordText ActuatorRecovered(const std::string& actuator, const std::string& how);
 RecordText DuplicateActuator(const std::string& actuator, std::int32_t pid, const std::string& host,
                              std::int32_t known_pid);
+RecordText ConfigDiffers(const std::string& actuator, const std::string& hash,
+                         const std::string& file, const std::string& own_hash);
 RecordText Degraded(const std::string& actuator, const RecordText& fault);
 // Faults.
 RecordText DependencyDegraded(const std::string& needed, const std::string& why);
@@ -147,6 +146,7 @@ RecordText Disconnected(const std::string& how);
 RecordText ProcessStarted(const std::string& actuator, std::int32_t pid);
 RecordText ProcessExited(const std::string& actuator, std::int32_t pid, const std::string& how);
 RecordText ProcessExitAssumed(std::int32_t pid);
+RecordText ProcessUnproven(const std::string& actuator, std::int32_t pid, const std::string& why);
 RecordText BacktraceStarted(const std::string& actuator, std::int32_t pid);
 RecordText BacktraceTaken(const std::string& actuator);
 RecordText RestartRequested(const std::string& actuator);
@@ -158,7 +158,9 @@ RecordText RestartPrevented(const std::string& how, int exit_code, const std::st
 RecordText GivenUp(int restarts, const std::optional<std::string>& why);
 RecordText RestartedTooOften(int starts, Duration reset_after);
 
-// The policy: policy_texts.cpp. `battery`: BatteryText().
+// The policy: policy_texts.cpp.
+// "the battery is at 18 %, being charged": the beginning of sentences.
+std::string BatteryText(int percent, bool charging);
 // `target`: of a request for a switch; "": another request.
 RecordText PolicyRequested(const std::string& what, const State& target);
 RecordText PolicyRefused(const std::string& what, const std::string& why);
@@ -174,16 +176,17 @@ enum class BatteryLimit {
   kEmpty,
 };
 // `charger`: was connected (true) or disconnected; none: neither. `most`: the limit.
-RecordText BatteryChanged(const std::string& battery, std::optional<bool> charger,
+RecordText BatteryChanged(int percent, bool charging, std::optional<bool> charger,
                           BatteryLimit limit, const State& most);
-RecordText BatterySwitchDown(const std::string& battery, const State& target);
-RecordText BatterySwitchUp(const std::string& battery, const State& target);
+RecordText BatterySwitchDown(int percent, bool charging, const State& target);
+RecordText BatterySwitchUp(int percent, bool charging, const State& target);
 RecordText LyingStill(Duration limit);
 RecordText PolicySwitchRefused(const RecordText& wanted, const std::string& why);
 RecordText KeepEnded(const State& state, const std::string& why);
 RecordText PowerDownStarted(bool reboot);
 RecordText PowerCommandGiven(bool reboot, bool in_time, const std::vector<std::string>& command);
+// `command`: "reboot" or "power_off"; `how`: "failed: exit code 1".
+RecordText PowerCommandFailed(const std::string& command, const std::string& how);
 RecordText PowerTearDownRefused(const std::string& why);
 
-}  // namespace texts
-}  // namespace musher
+}  // namespace musher::texts

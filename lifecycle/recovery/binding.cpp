@@ -28,8 +28,8 @@ bool Binding::SuspendAndResume() {
 // Whether the actuators bound to it may be up.
 bool Binding::IsUp(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
-         record.health != Health::kHung && !record.restart_requested && record.state() != kTearDown;
+  return record.presence == Presence::kPresent && Fits(i) && !record.restart.given_up &&
+         record.health != Health::kHung && !record.restart.requested && record.state() != kTearDown;
 }
 
 bool Binding::IsBoundTo(ActuatorIndex i, ActuatorIndex other, PerActuator<bool>& seen) const {

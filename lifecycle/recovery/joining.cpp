@@ -12,8 +12,8 @@ bool Joining::DriveLateOnes() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const ActuatorRecord& record = Of(i);
     const bool free = record.presence == Presence::kPresent && !record.command &&
-                      !record.report.busy() && record.health != Health::kHung && !record.given_up &&
-                      !record.restart_requested;
+                      !record.report.busy() && record.health != Health::kHung &&
+                      !record.restart.given_up && !record.restart.requested;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held) continue;
     if (!record.due && !unchecked) {
@@ -55,7 +55,7 @@ bool Joining::StoppedOnTheLevel(ActuatorIndex i) const {
 
 // Its command could overtake the release on the way to it: its own report counts, too.
 bool Joining::IsStopped(ActuatorIndex i) const {
-  return machine_.emergency_stop.has_value() || Of(i).report.emergency_stop != 0;
+  return machine_.emergency.stop.has_value() || Of(i).report.emergency_stop != 0;
 }
 
 void Joining::Hold(ActuatorIndex i) {
@@ -66,7 +66,7 @@ void Joining::Hold(ActuatorIndex i) {
   const bool reported = own != kCodeOk && record.fault && record.fault->code == own;
   if (record.fault && (reported || record.suspended || !record.checked)) return;
   Degrade(i, kCodeProtectedError, texts::HeldIn(record.state(), machine_.state),
-          machine_.stop_cause);
+          machine_.emergency.cause);
 }
 
 // Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.

@@ -3,12 +3,19 @@
 #include <utility>
 
 namespace musher {
+namespace {
+
+void EndLaunch(ActuatorRecord& record) {
+  if (record.process.launch == Launch::kUnderWay) record.process.launch = Launch::kNone;
+}
+
+}  // namespace
 
 void Recovery::On(const event::HealthChanged& changed) {
   const ActuatorIndex i = changed.actuator;
   ActuatorRecord& record = Of(i);
-  if (changed.incarnation != record.report.incarnation || changed.incarnation == record.dead ||
-      machine_.phase == Phase::kStopping) {
+  if (changed.incarnation != record.report.incarnation ||
+      changed.incarnation == record.process.dead || machine_.phase == Phase::kStopping) {
     return;
   }
   if (changed.health == Health::kWell) return Recovered(i, changed.how);
@@ -35,7 +42,8 @@ void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
   record.health = Health::kWell;
   record.cause =
       RecordActuator(i, kCodeOk, texts::ActuatorRecovered(ConfigOf(i).name, how), record.cause);
-  if (!record.restart_requested) record.termination.reset();  // else it is terminated anyway
+  if (!record.restart.requested)
+    record.process.termination.reset();  // else it is terminated anyway
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
     return control_.Take(i);
@@ -47,7 +55,7 @@ void Recovery::Recovered(ActuatorIndex i, const std::string& how) {
 
 void Recovery::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
-  const auto& termination = record.termination;  // none: it has recovered, or has exited
+  const auto& termination = record.process.termination;  // none: it has recovered, or has exited
   if (!termination || termination->pid != taken.pid || termination->killed) return;
   action::Record backtrace;
   backtrace.kind = "process";
@@ -55,6 +63,7 @@ void Recovery::On(const event::BacktraceTaken& taken) {
   const RecordText text = texts::BacktraceTaken(ConfigOf(taken.actuator).name);
   backtrace.message = text.message;
   backtrace.event = text.event;
+  backtrace.arguments = text.arguments;
   backtrace.cause = record.cause;
   backtrace.data = taken.text;
   Record(backtrace);
@@ -64,10 +73,10 @@ void Recovery::On(const event::BacktraceTaken& taken) {
 // Its exit was not seen, or the kernel delays it. If it still runs, its successor will report that.
 void Recovery::AssumeExited(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
-  const std::int32_t pid = record.termination->pid;
+  const std::int32_t pid = record.process.termination->pid;
   RecordProcess(i, kCodeTimeout, texts::ProcessExitAssumed(pid));
-  if (record.process == pid) record.process = 0;
-  record.dead = record.report.incarnation;
+  if (record.process.pid == pid) record.process.pid = 0;
+  record.process.dead = record.report.incarnation;
   if (record.presence == Presence::kPresent) commands_.Lose(i, texts::Killed());
   processes_.Recover(i);
 }
@@ -75,42 +84,43 @@ void Recovery::AssumeExited(ActuatorIndex i) {
 void Recovery::CheckDeadlines() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
-    if (auto& termination = record.termination) {
+    if (auto& termination = record.process.termination) {
       if (termination->terminate_at && *termination->terminate_at <= now_) {
         termination->terminate_at.reset();
         Do(action::SignalProcess{i, termination->pid, false});
       }
       if (termination->kill_at <= now_) termination->killed ? AssumeExited(i) : processes_.Kill(i);
     }
-    if (record.healthy_at && *record.healthy_at <= now_) {
-      record.healthy_at.reset();
-      record.restarts = 0;
-      if (std::exchange(record.given_up, false)) record.due = record.checked;
+    if (record.restart.reset_at && *record.restart.reset_at <= now_) {
+      record.restart.reset_at.reset();
+      record.restart.count = 0;
+      if (std::exchange(record.restart.given_up, false)) record.due = record.checked;
     }
-    if (record.restart_at && *record.restart_at <= now_) processes_.StartAgain(i);
-    if (!record.restart_requests.empty()) AnswerRestarts(i);
+    if (record.restart.at && *record.restart.at <= now_) processes_.StartAgain(i);
+    if (!record.restart.requests.empty()) AnswerRestarts(i);
   }
 }
 
 void Recovery::On(const event::ProcessStarted& started) {
   ActuatorRecord& record = Of(started.actuator);
-  record.process = started.pid;
-  record.launching = false;
+  record.process.pid = started.pid;
+  EndLaunch(record);
   record.cause = RecordProcess(started.actuator, kCodeOk,
                                texts::ProcessStarted(ConfigOf(started.actuator).name, started.pid),
                                record.cause);
   // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
   if (!stopped && machine_.phase != Phase::kStopping) return;
-  Do(action::SignalProcess{started.actuator, started.pid, stopped || machine_.stopping->killed});
+  Do(action::SignalProcess{started.actuator, started.pid,
+                           stopped || machine_.stopping->sent == Stopping::Signal::kKill});
 }
 
 // Possibly after its process was forked and could not execute the program.
 void Recovery::On(const event::ProcessNotStarted& failed) {
-  Of(failed.actuator).process = 0;
-  Of(failed.actuator).launching = false;
+  Of(failed.actuator).process.pid = 0;
+  EndLaunch(Of(failed.actuator));
   // Another party has started it.
-  const bool announced = Of(failed.actuator).take_control_again.has_value();
+  const bool announced = Of(failed.actuator).control.again.has_value();
   if (Of(failed.actuator).presence == Presence::kPresent || announced) return;
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, texts::ProcessNotStarted(failed.why),
@@ -120,16 +130,17 @@ void Recovery::On(const event::ProcessNotStarted& failed) {
 
 void Recovery::On(const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(ended.actuator);
-  if (record.process != ended.pid) return;
-  record.process = 0;
-  if (record.report.pid == ended.pid) record.dead = record.report.incarnation;
+  if (record.process.pid != ended.pid) return;
+  record.process.pid = 0;
+  if (record.report.pid == ended.pid) record.process.dead = record.report.incarnation;
   record.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     texts::ProcessExited(ConfigOf(ended.actuator).name, ended.pid, ended.how),
                     record.fault ? record.cause : 0);
   if (AnotherProcessIsPresent(ended.actuator, ended.pid)) return;
   // The exit status of a process that we have not started is unknown.
-  if (ended.clean || record.found_running) commands_.AssumeTornDown(ended.actuator);
+  if (ended.clean || record.process.launch == Launch::kFoundRunning)
+    commands_.AssumeTornDown(ended.actuator);
   // A clean exit that was not requested is a loss, but not a crash.
   if (record.health != Health::kHung && !ended.clean) record.health = Health::kCrashed;
   const bool in_set_up = record.presence == Presence::kStarting;

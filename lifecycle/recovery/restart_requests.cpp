@@ -39,11 +39,11 @@ void Recovery::On(const event::RestartRequested& requested) {
                       " was not started by this controller, and its process is not known: end it "
                       "where it was started; a second one would run beside it");
   }
-  record.restart_requests.push_back(requested.request);
-  if (record.restart_requested) return;
-  record.restart_requested = true;
-  record.restarts = 0;
-  record.given_up = false;
+  record.restart.requests.push_back(requested.request);
+  if (record.restart.requested) return;
+  record.restart.requested = true;
+  record.restart.count = 0;
+  record.restart.given_up = false;
   record.cause = RecordProcess(*i, kCodeOk, texts::RestartRequested(requested.actuator));
   EndForRestart(*i);
 }
@@ -52,8 +52,9 @@ void Recovery::On(const event::RestartRequested& requested) {
 void Recovery::EndForRestart(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
-  if (pid == 0 && record.launching) {  // the start that is under way is the one requested
-    record.restart_requested = false;
+  if (pid == 0 && record.process.launch ==
+                      Launch::kUnderWay) {  // the start that is under way is the one requested
+    record.restart.requested = false;
     record.presence = Presence::kStarting;
     record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
     return;
@@ -76,7 +77,7 @@ void Recovery::AnswerRestarts(ActuatorIndex i) {
   ActuatorRecord& record = Of(i);
   if (IsComing(i)) return;
   const bool ended = machine_.phase != Phase::kRunning && machine_.phase != Phase::kFailed;
-  const bool may_go_on = record.due && !machine_.emergency_stop;
+  const bool may_go_on = record.due && !machine_.emergency.stop;
   const bool driven =
       ((Fits(i) || record.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
   const bool there = record.presence == Presence::kPresent && !record.command && driven;
@@ -87,7 +88,7 @@ void Recovery::AnswerRestarts(ActuatorIndex i) {
   } else if (!there) {
     answer = Error{kCodeStateInvalid, "the machine is being torn down"};
   }
-  for (const RequestId request : std::exchange(record.restart_requests, {})) {
+  for (const RequestId request : std::exchange(record.restart.requests, {})) {
     Do(action::AnswerCall{request, answer});
   }
 }

@@ -53,7 +53,7 @@ void PolicyRules::EvaluateLevel(std::optional<bool> charger) {
                       : policy.level == BatteryLevel::kEmpty ? Limit::kEmpty
                                                              : Limit::kLimited;
   policy.level_cause =
-      RecordPolicy(kCodeOk, texts::BatteryChanged(BatteryText(policy), charger, limit,
+      RecordPolicy(kCodeOk, texts::BatteryChanged(*policy.battery, policy.charging, charger, limit,
                                                   CeilingState(config_, policy.level)));
 }
 
@@ -90,8 +90,8 @@ bool PolicyRules::Advance() {
   if (!config_.policy) return false;
   PolicyState& policy = machine_.policy;
   // During an emergency stop no actuator goes up; the battery rule does not wait for that.
-  const bool settled = machine_.emergency_stop ||
-                       (machine_.stage >= LastStage(config_) && StageIsSettled(machine_.stage));
+  const bool settled = machine_.emergency.stop || (machine_.start_up.stage >= LastStage(config_) &&
+                                                   StageIsSettled(machine_.start_up.stage));
   policy.loaded |= machine_.phase == Phase::kRunning && settled;
   if (policy.keep && policy_now() >= policy.keep->until) memory_.EndKeep("time expired");
   CountStillness();
@@ -135,7 +135,8 @@ bool PolicyRules::TakeDown(BatteryLevel level) {
   const auto& before = machine_.policy.stored.lowering;
   const State from = before && before->to == machine_.state ? before->from : machine_.state;
   if (!BeginByPolicy(MakeSafetyPlan(config_, machine_, target),
-                     texts::BatterySwitchDown(BatteryText(machine_.policy), target),
+                     texts::BatterySwitchDown(machine_.policy.battery.value_or(0),
+                                              machine_.policy.charging, target),
                      machine_.policy.level_cause)) {
     return false;
   }
@@ -153,10 +154,11 @@ bool PolicyRules::BringBack() {
   }
   const State target = UpTo(lowering->from);
   const auto rank = config_.RankOf(target);
-  if (!rank || *rank <= *config_.RankOf(machine_.state) || machine_.emergency_stop) return false;
-  return BeginByPolicy(MakePlan(config_, machine_, target),
-                       texts::BatterySwitchUp(BatteryText(machine_.policy), target),
-                       machine_.policy.level_cause);
+  if (!rank || *rank <= *config_.RankOf(machine_.state) || machine_.emergency.stop) return false;
+  return BeginByPolicy(
+      MakePlan(config_, machine_, target),
+      texts::BatterySwitchUp(machine_.policy.battery.value_or(0), machine_.policy.charging, target),
+      machine_.policy.level_cause);
 }
 
 State PolicyRules::UpTo(const State& wanted) const {

@@ -19,67 +19,73 @@ constexpr Duration kFinishingGrace = std::chrono::seconds(3);
 
 void StartUp::Begin(const event::Begin& begin) {
   machine_.phase = Phase::kStarting;
-  machine_.by_hand = begin.by_hand || config_.ros2.started_by_manager;
+  machine_.start_up.by_hand = begin.by_hand || config_.ros2.started_by_manager;
   machine_.host = begin.host;
   machine_.epoch = begin.epoch + 1;
-  machine_.finishing = begin.stop_intent && begin.restarted;
+  machine_.start_up.finishing = begin.stop_intent && begin.restarted;
   saving_.Save(Stored::kEpoch);
-  for (const ActuatorIndex i : begin.running.Indices()) Of(i).found_running = begin.running[i];
-  for (const ActuatorIndex i : begin.processes.Indices()) Of(i).process = begin.processes[i];
+  for (const ActuatorIndex i : begin.running.Indices()) {
+    if (begin.running[i]) Of(i).process.launch = Launch::kFoundRunning;
+  }
+  for (const ActuatorIndex i : begin.processes.Indices()) Of(i).process.pid = begin.processes[i];
   for (const RemoteActuator& remote : begin.remote) {
     if (const auto i = config_.IndexOf(remote.name)) Of(*i).elsewhere = remote.host;
   }
   RecordMachine(kCodeOk, texts::ControllerStarted(machine_.epoch, machine_.actuators.size()));
-  if (machine_.finishing) {
+  if (machine_.start_up.finishing) {
     RecordMachine(kCodeOk, texts::TearDownResumedBySupervisor(), kBegun);
   } else if (begin.stop_intent) {
     saving_.Save(Stored::kStopIntent);  // clears the intent
   }
-  StartStage(machine_.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
+  StartStage(machine_.start_up.by_hand || machine_.start_up.finishing ? LastStage(config_) : 1,
+             kBegun);
 }
 
 void StartUp::StartStage(int stage, RecordId cause) {
-  machine_.stage = stage;
-  if (stage > 1 && !machine_.by_hand) {
+  machine_.start_up.stage = stage;
+  if (stage > 1 && !machine_.start_up.by_hand) {
     cause = RecordMachine(kCodeOk, texts::StageStarted(stage), cause);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
-    const bool waited_for = ConfigOf(i).command.empty() || record.found_running;
+    const bool waited_for =
+        ConfigOf(i).command.empty() || record.process.launch == Launch::kFoundRunning;
     if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
       continue;
     record.cause = cause;
     const Duration set_up = config_.TimeFor(i, kSetUp);
-    const Duration timeout = machine_.finishing ? std::min(set_up, kFinishingGrace) : set_up;
+    const Duration timeout =
+        machine_.start_up.finishing ? std::min(set_up, kFinishingGrace) : set_up;
     // Only a Musher process holds its actuator's name, by which it is found running.
-    const bool may_run = machine_.finishing && ConfigOf(i).protocol != Protocol::kMusher;
+    const bool may_run = machine_.start_up.finishing && ConfigOf(i).protocol != Protocol::kMusher;
     if (waited_for || may_run) record.set_up_by = now_ + timeout;
   }
 }
 
 bool StartUp::StartProcesses() {
-  if (machine_.finishing) return false;
+  if (machine_.start_up.finishing) return false;
   bool changed = false;
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
     const ActuatorConfig& actuator = ConfigOf(i);
-    if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
-        record.presence != Presence::kAbsent || record.set_up_by ||
-        (record.fault && !record.blocked)) {
+    const bool blocked = record.process.launch == Launch::kBlocked;
+    if (actuator.stage > machine_.start_up.stage || actuator.command.empty() ||
+        record.process.launch == Launch::kFoundRunning || record.presence != Presence::kAbsent ||
+        record.set_up_by || (record.fault && !blocked)) {
       continue;
     }
     std::optional<RecordText> blocker;
     if (!NeedsMet(i, blocker)) {
       if (!blocker) blocker = WaitsForSuspended(i);
-      if (!blocker || record.blocked) continue;
-      record.blocked = true;
+      if (!blocker || blocked) continue;
+      record.process.launch = Launch::kBlocked;
       Degrade(i, kCodeStatusError, *blocker, CauseOfBlocker(i));
       FallBack(i);
     } else {
-      if (std::exchange(record.blocked, false)) record.fault.reset();
+      if (blocked) record.fault.reset();
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
-      record.launching = true;
+      record.process.launch = Launch::kUnderWay;
       Do(action::StartProcess{i});
     }
     changed = true;
@@ -88,20 +94,21 @@ bool StartUp::StartProcesses() {
 }
 
 bool StartUp::Advance() {
-  if (!machine_.set_up && machine_.phase == Phase::kStarting) {
-    if (!StageIsSetUp(machine_.stage)) return false;
+  if (!machine_.start_up.set_up && machine_.phase == Phase::kStarting) {
+    if (!StageIsSetUp(machine_.start_up.stage)) return false;
     EndFirstStage();
     return true;
   }
-  const bool more = machine_.phase == Phase::kRunning && machine_.stage < LastStage(config_);
-  if (!more || machine_.current || !StageIsSettled(machine_.stage)) return false;
-  StartStage(machine_.stage + 1, kBegun);
+  const bool more =
+      machine_.phase == Phase::kRunning && machine_.start_up.stage < LastStage(config_);
+  if (!more || machine_.current || !StageIsSettled(machine_.start_up.stage)) return false;
+  StartStage(machine_.start_up.stage + 1, kBegun);
   return true;
 }
 
 // All actuators of the first stage are set up, or given up.
 void StartUp::EndFirstStage() {
-  machine_.set_up = true;
+  machine_.start_up.set_up = true;
   machine_.state = State(kSetUp);
   std::vector<std::string> missing;
   std::size_t present = 0;
@@ -112,15 +119,15 @@ void StartUp::EndFirstStage() {
   }
   AnswerSetUpRequests();
   const RecordId recorded = RecordMachine(kCodeOk, texts::ActuatorsSetUp(present), kBegun);
-  if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
+  if (machine_.start_up.finishing) return AdoptFrom(State(kTearDown), recorded);
   if (const auto lowest = Adoption(config_, machine_).LowestFound())
     return AdoptFrom(*lowest, recorded);
   if (config_.ros2.started_by_manager) return WaitForManager(present, missing, recorded);
-  if (machine_.by_hand) return;
+  if (machine_.start_up.by_hand) return;
   if (present == 0) {
     return Fail(missing.empty() ? "there is no actuator in stage 1" : missing.front(), recorded);
   }
-  if (machine_.emergency_stop) {
+  if (machine_.emergency.stop) {
     return Fail(
         "an emergency stop is engaged; run `musher estop --release`, then `musher set SelfCheck` "
         "and `musher set Active`",
@@ -145,7 +152,7 @@ void StartUp::WaitForManager(std::size_t present, const std::vector<std::string>
 // Returns whether a critical actuator of the stages so far has a fault.
 bool StartUp::FailOnCriticalFault() {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;
+    if (ConfigOf(i).stage > machine_.start_up.stage || !Critical(i) || !Of(i).fault) continue;
     Fail("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
              Of(i).fault->message,
          Of(i).cause);
@@ -228,8 +235,8 @@ std::string StartUp::FirstTrouble() const {
 }
 
 void StartUp::On(const event::SetUpAwaited& awaited) {
-  machine_.set_up_requests.push_back(awaited.request);
-  if (machine_.set_up) AnswerSetUpRequests();
+  machine_.start_up.requests.push_back(awaited.request);
+  if (machine_.start_up.set_up) AnswerSetUpRequests();
 }
 
 void StartUp::AnswerSetUpRequests() {
@@ -239,7 +246,7 @@ void StartUp::AnswerSetUpRequests() {
     const auto& fault = Of(i).fault;
     if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + " " + fault->message};
   }
-  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+  for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, answer});
   }
 }

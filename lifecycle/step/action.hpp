@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/lifecycle/machine/actuator_command.hpp"
+#include "musher/lifecycle/record/record_text.hpp"
 #include "musher/lifecycle/step/event.hpp"
 
 namespace musher {
@@ -113,8 +114,8 @@ struct Record {
   State state{};          // the machine's, where this record reports its change
   std::string data = {};  // what does not fit in a line: a backtrace
   std::optional<SwitchNote> of_switch = {};
-  EventName event = EventName::kNone;  // what happened, as an id
-  State target = {};                   // of the switch that is requested or decided; not journaled
+  EventName event = EventName::kNone;    // what happened, as an id
+  std::vector<Argument> arguments = {};  // of the message
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.

@@ -42,7 +42,7 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
 // Both are published, so that a panel that still publishes "engaged" does not engage a released
 // stop.
 void EmergencyStops::Begin(const StoredStops& stops) {
-  machine_.released_stops = stops.released;
+  machine_.emergency.released = stops.released;
   for (const StopId id : stops.released) Do(action::PublishEmergencyStop{{id, "", ""}, false});
   for (const EmergencyStop& stop : stops.engaged) {
     if (Add(stop)) Engage(stop);
@@ -65,13 +65,13 @@ void EmergencyStops::On(const event::ReleaseRequested& requested) {
                                  "the machine is stopped; start it (`musher up`), then release "
                                  "the emergency stop"}});
   }
-  if (!machine_.emergency_stop) {
+  if (!machine_.emergency.stop) {
     return Do(action::AnswerCall{requested.request,
                                  Error{kCodeStateInvalid, "no emergency stop is engaged"}});
   }
   const std::vector<EmergencyStop> engaged = StopsOf(machine_).engaged;
-  machine_.emergency_stop.reset();
-  machine_.other_stops.clear();
+  machine_.emergency.stop.reset();
+  machine_.emergency.others.clear();
   for (const EmergencyStop& stop : engaged) Release(stop.id);
   saving_.Save(Stored::kEmergencyStops);
   RecordMachine(kCodeOk, texts::EmergencyStopReleased(requested.by));
@@ -95,12 +95,12 @@ void EmergencyStops::Compare(const ActuatorReport& report, ActuatorIndex i) {
 // Adds a stop to the engaged ones. Returns whether it has new information.
 bool EmergencyStops::Add(const EmergencyStop& stop) {
   if (stop.id == 0 || IsReleased(stop.id)) return false;
-  auto& first = machine_.emergency_stop;
+  auto& first = machine_.emergency.stop;
   if (!first) {
     first = stop;
     return true;
   }
-  auto& others = machine_.other_stops;
+  auto& others = machine_.emergency.others;
   const auto same = [&](const EmergencyStop& other) { return other.id == stop.id; };
   const auto found = std::find_if(others.begin(), others.end(), same);
   EmergencyStop* known = same(*first) ? &*first : found != others.end() ? &*found : nullptr;
@@ -116,7 +116,7 @@ bool EmergencyStops::Add(const EmergencyStop& stop) {
 }
 
 bool EmergencyStops::IsReleased(StopId id) const {
-  const auto& released = machine_.released_stops;
+  const auto& released = machine_.emergency.released;
   return std::find(released.begin(), released.end(), id) != released.end();
 }
 
@@ -127,14 +127,14 @@ void EmergencyStops::Engage(const EmergencyStop& stop) {
   saving_.Save(Stored::kEmergencyStops);
   const RecordId recorded =
       RecordMachine(kCodeProtectedError, texts::EmergencyStopEngaged(stop.by, stop.reason),
-                    machine_.other_stops.empty() ? 0 : machine_.stop_cause);
-  if (machine_.other_stops.empty()) machine_.stop_cause = recorded;
+                    machine_.emergency.others.empty() ? 0 : machine_.emergency.cause);
+  if (machine_.emergency.others.empty()) machine_.emergency.cause = recorded;
   if (machine_.current) machine_.current->stopped = true;
   for (ActuatorRecord& record : machine_.actuators) record.set_again = false;
 }
 
 void EmergencyStops::Release(StopId id) {
-  auto& released = machine_.released_stops;
+  auto& released = machine_.emergency.released;
   released.push_back(id);
   if (released.size() > kMostReleasedKept) released.erase(released.begin());
   Do(action::PublishEmergencyStop{{id, "", ""}, false});

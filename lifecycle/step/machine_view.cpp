@@ -6,8 +6,8 @@ namespace musher {
 
 bool MachineView::IsComing(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
-  const bool about_to_end = record.termination.has_value();  // and is restarted after that
-  return record.restart_at || record.restart_requested ||
+  const bool about_to_end = record.process.termination.has_value();  // and is restarted after that
+  return record.restart.at || record.restart.requested ||
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
 
@@ -17,10 +17,10 @@ bool MachineView::MayRestart(ActuatorIndex i) const {
 
 std::int32_t MachineView::ProcessOf(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
-  if (record.process != 0) return record.process;
+  if (record.process.pid != 0) return record.process.pid;
   const ActuatorReport& report = record.report;
   const bool here = !report.host.empty() && report.host == view_.host;
-  return here && report.incarnation != record.dead ? report.pid : 0;
+  return here && report.incarnation != record.process.dead ? report.pid : 0;
 }
 
 std::int32_t MachineView::OwnProcess(ActuatorIndex i) const {
@@ -32,15 +32,16 @@ bool MachineView::RunsElsewhere(ActuatorIndex i) const {
   const bool connected =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
   const ActuatorReport& report = record.report;
-  return connected && record.process == 0 && report.incarnation != 0 &&
-         report.incarnation != record.dead && !report.host.empty() && report.host != view_.host;
+  return connected && record.process.pid == 0 && report.incarnation != 0 &&
+         report.incarnation != record.process.dead && !report.host.empty() &&
+         report.host != view_.host;
 }
 
 bool MachineView::AnotherProcessIsPresent(ActuatorIndex i, std::int32_t pid) const {
   const ActuatorRecord& record = Of(i);
   const bool publishes =
       record.presence == Presence::kPresent ||
-      (record.presence == Presence::kStarting && record.report.incarnation != record.dead);
+      (record.presence == Presence::kStarting && record.report.incarnation != record.process.dead);
   const bool here = !record.report.host.empty() && record.report.host == view_.host;
   return publishes && here && record.report.pid != 0 && record.report.pid != pid;
 }
@@ -98,7 +99,7 @@ State MachineView::PlaceOf(ActuatorIndex i) const {
 bool MachineView::StageIsSetUp(int stage) const {
   for (const ActuatorIndex i : view_.actuators.Indices()) {
     if (ConfigOf(i).stage > stage) continue;
-    if (view_.finishing && !Of(i).set_up_by) continue;
+    if (view_.start_up.finishing && !Of(i).set_up_by) continue;
     if (Of(i).presence != Presence::kPresent && (!Of(i).fault || IsComing(i))) return false;
   }
   return true;

@@ -5,8 +5,8 @@
 namespace musher {
 
 void Saving::Save(Stored what) {
-  const SaveNumber save = ++machine_.last_save;
-  auto& unsaved = machine_.unsaved;
+  const SaveNumber save = ++machine_.saves.last;
+  auto& unsaved = machine_.saves.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(),
                                   [what](const Unsaved& one) { return one.what == what; });
   if (found == unsaved.end()) {
@@ -40,7 +40,8 @@ std::vector<RemoteActuator> Saving::RemoteActuators() const {
 // host may be on another one with profile lan only.
 bool Saving::IsElsewhere(ActuatorIndex i) const {
   const ActuatorReport& report = Of(i).report;
-  if (Of(i).process != 0 || report.incarnation == Of(i).dead || report.state == kTearDown) {
+  if (Of(i).process.pid != 0 || report.incarnation == Of(i).process.dead ||
+      report.state == kTearDown) {
     return false;
   }
   // A Musher actuator exits after a failed SetUp.
@@ -67,7 +68,7 @@ void Saving::NoteHosts() {
 }
 
 void Saving::On(const event::SaveEnded& ended) {
-  auto& unsaved = machine_.unsaved;
+  auto& unsaved = machine_.saves.unsaved;
   const auto found = std::find_if(unsaved.begin(), unsaved.end(), [&](const Unsaved& one) {
     return one.what == ended.what && one.save == ended.save;
   });

@@ -9,7 +9,7 @@ action::Record Filled(const char* kind, std::int32_t code, const RecordText& tex
   record.code = code;
   record.message = text.message;
   record.event = text.event;
-  record.target = text.target;
+  record.arguments = text.arguments;
   record.cause = cause;
   return record;
 }
@@ -89,9 +89,10 @@ void StepPart::Degrade(ActuatorIndex i, std::int32_t code, const RecordText& tex
 void StepPart::FallBack(ActuatorIndex i) {
   const State& on_lost = ConfigOf(i).on_lost;
   if (on_lost.empty() || machine_.phase != Phase::kRunning) return;
-  if (!machine_.fallback || *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback)) {
-    machine_.fallback = on_lost;
-    machine_.fallback_cause = Of(i).cause;
+  if (!machine_.fallback.target ||
+      *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback.target)) {
+    machine_.fallback.target = on_lost;
+    machine_.fallback.cause = Of(i).cause;
   }
 }
 

@@ -35,7 +35,7 @@ EndedSwitch Switching::End() {
   const Leg* worst = undone ? conclusion().WorstLeg(s) : nullptr;
   const bool stopped = undone && s.stopped;
   const RecordId recorded = RecordEnd(s, result,
-                                      stopped ? machine_.stop_cause
+                                      stopped ? machine_.emergency.cause
                                       : worst ? Of(worst->actuator).cause
                                               : s.cause);
   EndedSwitch ended{s.purpose, undone, !s.only, result, recorded};
@@ -125,10 +125,10 @@ void Switching::SettleHeld(const Switch& s, const Leg& back) {
   const auto forward = std::ranges::find(s.legs, back.actuator, &Leg::actuator);
   if (record.report.busy()) {
     Degrade(back.actuator, back.code, texts::StoppedWhileBusy(record.report.target, s.target),
-            machine_.stop_cause);
+            machine_.emergency.cause);
   } else if (record.state() != machine_.state && record.state() == s.target) {
     Degrade(back.actuator, back.code, texts::StoppedIn(record.state(), s.target),
-            machine_.stop_cause);
+            machine_.emergency.cause);
   } else if (forward->failed() && forward->code != kCodeProtectedError) {
     Degrade(back.actuator, forward->code, {forward->event, forward->message}, record.cause);
   }

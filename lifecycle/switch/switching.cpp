@@ -75,7 +75,7 @@ void Switching::AddLeg(Switch& s, const PlanStep& step) {
 }
 
 void Switching::PermitSwitchingOn(const Switch& s) {
-  if (machine_.emergency_stop) return;
+  if (machine_.emergency.stop) return;
   for (const Leg& leg : s.legs) {
     if (SwitchesOnAgain(config_, leg.from, leg.target)) Of(leg.actuator).set_again = true;
   }
@@ -242,9 +242,10 @@ void Switching::BeginRollback(Switch& s) {
   }
   const auto driven = std::ranges::count(s.back, Leg::Progress::kWaiting, &Leg::progress);
   const Leg* worst = conclusion().WorstLeg(s);
-  RecordSwitch(s.only, s.number, kCodeOk,
-               texts::RollbackStarted(s.number, s.back_number, static_cast<std::size_t>(driven)),
-               s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause);
+  RecordSwitch(
+      s.only, s.number, kCodeOk,
+      texts::RollbackStarted(s.number, s.back_number, static_cast<std::size_t>(driven)),
+      s.stopped || worst == nullptr ? machine_.emergency.cause : Of(worst->actuator).cause);
 }
 
 // The state to which a leg is rolled back: its state before; from a step of a start, where an

@@ -14,7 +14,7 @@ constexpr Duration kIntentTime = Milliseconds(500);
 void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId cause,
                      AfterTearDown after) {
   if (machine_.current) switching_.Supersede(machine_.number + 1, plan.target, cause);
-  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+  for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {
     Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
   }
   const Duration budget = config_.shutdown_budget;
@@ -26,17 +26,18 @@ void TearDown::Begin(const Plan& plan, std::vector<RequestId> requests, RecordId
   stopping.requests = std::move(requests);
   machine_.stopping = std::move(stopping);
   machine_.phase = Phase::kStopping;
-  machine_.fallback.reset();
+  machine_.fallback.target.reset();
   machine_.stopping->after = after;
-  if (after != AfterTearDown::kStartsAgain && !machine_.finishing) {  // then it is on disk already
+  if (after != AfterTearDown::kStartsAgain &&
+      !machine_.start_up.finishing) {  // then it is on disk already
     machine_.stopping->intent_by = now_ + std::min(kIntentTime, budget / 10);
     saving_.Save(Stored::kStopIntent);
   }
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     ActuatorRecord& record = Of(i);
-    record.take_control_again.reset();
-    record.restart_at.reset();
-    record.restart_requested = false;
+    record.control.again.reset();
+    record.restart.at.reset();
+    record.restart.requested = false;
     const bool present = record.presence == Presence::kPresent;
     // A process that has exited cannot be left behind.
     if (!present || record.state() == kTearDown) record.fault.reset();
@@ -53,7 +54,7 @@ void TearDown::Join(const event::SetStateRequested& requested) {
   Stopping& stopping = *machine_.stopping;
   stopping.requests.push_back(requested.request);
   if (requested.after >= stopping.after) return;
-  const bool saved = stopping.after != AfterTearDown::kStartsAgain || machine_.finishing;
+  const bool saved = stopping.after != AfterTearDown::kStartsAgain || machine_.start_up.finishing;
   stopping.after = requested.after;
   if (!saved) saving_.Save(Stored::kStopIntent);
 }
@@ -75,12 +76,13 @@ void TearDown::OnTornDown(SwitchResult result) {
 
 void TearDown::Advance() {
   Stopping& stopping = *machine_.stopping;
-  if (stopping.terminate_at && now_ >= *stopping.terminate_at && !stopping.terminated) {
-    stopping.terminated = true;
+  using Signal = Stopping::Signal;
+  if (stopping.terminate_at && now_ >= *stopping.terminate_at && stopping.sent == Signal::kNone) {
+    stopping.sent = Signal::kTerminate;
     SignalProcesses(false);
   }
-  if (now_ >= stopping.kill_at && !stopping.killed) {
-    stopping.killed = true;
+  if (now_ >= stopping.kill_at && stopping.sent != Signal::kKill) {
+    stopping.sent = Signal::kKill;
     SignalProcesses(true);
   }
   power_.Force();
@@ -120,7 +122,7 @@ SwitchResult TearDown::Conclude(std::int32_t code, const std::optional<std::stri
   ListSurvivors();
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
     const std::int32_t pid = OwnProcess(i);
-    if (pid == 0 && !Of(i).launching) continue;
+    if (pid == 0 && Of(i).process.launch != Launch::kUnderWay) continue;
     Degrade(i, code, texts::ProcessLeftBehind(pid, successor), Of(i).cause);
   }
   SwitchResult result = *machine_.stopping->result;
@@ -148,13 +150,14 @@ std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
   const ActuatorRecord& record = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   // Found by its name when this controller started, and no status has arrived from it yet.
-  const bool found =
-      record.found_running && record.presence == Presence::kAbsent && record.process != 0;
+  const bool found = record.process.launch == Launch::kFoundRunning &&
+                     record.presence == Presence::kAbsent && record.process.pid != 0;
   if (found && !ends_with_it) return texts::MayStillRun(std::nullopt);
   if (record.report.incarnation == 0 && record.elsewhere) {
     return texts::MayStillRunOn(record.elsewhere->substr(0, 64));
   }
-  const bool reported = record.report.incarnation != 0 && record.report.incarnation != record.dead;
+  const bool reported =
+      record.report.incarnation != 0 && record.report.incarnation != record.process.dead;
   const bool out_of_reach =
       record.presence == Presence::kLost || record.presence == Presence::kStarting;
   if (!reported || !out_of_reach || ends_with_it || record.state() == kTearDown) {
@@ -165,7 +168,7 @@ std::optional<RecordText> TearDown::WhyMayRun(ActuatorIndex i) const {
 
 bool TearDown::ProcessesLeft() const {
   for (const ActuatorIndex i : machine_.actuators.Indices()) {
-    if (OwnProcess(i) != 0 || Of(i).launching) return true;
+    if (OwnProcess(i) != 0 || Of(i).process.launch == Launch::kUnderWay) return true;
   }
   return false;
 }
@@ -191,9 +194,9 @@ void TearDown::On(const event::ProcessesFound& found) {
   for (const ActuatorIndex i : found.processes.Indices()) {
     const std::int32_t pid = found.processes[i];
     if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0) continue;
-    Of(i).process = pid;
+    Of(i).process.pid = pid;
     RecordProcess(i, kCodeOk, texts::ProcessFound(pid, ConfigOf(i).name), Of(i).cause);
-    Do(action::SignalProcess{i, pid, stopping.killed});
+    Do(action::SignalProcess{i, pid, stopping.sent == Stopping::Signal::kKill});
     stopping.look = Stopping::Look::kNotYet;  // again, once it has ended
   }
 }

@@ -148,7 +148,7 @@ TEST_F(ProcessProof, NorIsItWatched) {
   kill(bystander.pid(), SIGKILL);
   EXPECT_TRUE(RunUntil([&] { return !bystander.IsAlive(); }));
   Say(0, 78);  // comes after what the end of the other would have led to
-  EXPECT_EQ(Arm().dead, Incarnation(0));
+  EXPECT_EQ(Arm().process.dead, Incarnation(0));
 }
 
 TEST_F(ProcessProof, AnUnprovenPidIsReportedOnceHoweverOftenItIsPublished) {
@@ -171,7 +171,7 @@ TEST_F(ProcessProof, TheEndOfTheProcessThatHoldsTheNameIsSeenAtOnce) {
   Bystander arm(NameOfArm());
   Say(arm.pid());
   kill(arm.pid(), SIGKILL);
-  EXPECT_TRUE(RunUntil([&] { return Arm().dead == 77; }));
+  EXPECT_TRUE(RunUntil([&] { return Arm().process.dead == 77; }));
 }
 
 TEST_F(ProcessProof, OnlyTheProcessThatHoldsTheNameIsAccepted) {

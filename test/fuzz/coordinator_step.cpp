@@ -127,9 +127,9 @@ class Harness {
       const auto target = config.RankOf(run.substr(run.find(':') + 1));
       Require(!target || *target <= allowed_, "actuators switch up on request only: " + run);
     }
-    const bool both = rank_ && rank && stopped_ && machine.emergency_stop;
+    const bool both = rank_ && rank && stopped_ && machine.emergency.stop;
     Require(!both || *rank <= *rank_, "the machine does not switch up during an emergency stop");
-    stopped_ = machine.emergency_stop.has_value();
+    stopped_ = machine.emergency.stop.has_value();
     rank_ = rank;
   }
 

@@ -1,12 +1,13 @@
-// Each sentence that the decision code can record, with its event name: record_texts.expected has
-// an example of each function of texts.hpp. With MUSHER_UPDATE_GOLDEN=1 in the environment the test
-// writes the file instead, to be read before it is committed.
+// Each sentence that the decision code can record, with its event name and arguments:
+// record_texts.expected has an example of each function of texts.hpp. With MUSHER_UPDATE_GOLDEN=1
+// in the environment the test writes the file instead, to be read before it is committed.
 
 #include <gmock/gmock.h>
 
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -50,6 +51,7 @@ Examples OfTheMachine() {
       {"EpochRaised", EpochRaised(9, "legs")},
       {"SaveFailed", SaveFailed("epoch", "no space left on device")},
       {"SaveRecovered", SaveRecovered("epoch")},
+      {"UnlistedActuatorFound", UnlistedActuatorFound("wheels", 12, "Active", "robot.toml")},
       {"EmergencyStopEngaged", EmergencyStopEngaged("panel", "a person is near")},
       {"EmergencyStopEngaged", EmergencyStopEngaged("", "")},
       {"EmergencyStopReleased", EmergencyStopReleased("operator")},
@@ -128,6 +130,7 @@ Examples OfAnActuator() {
       {"ActuatorStarved", ActuatorStarved("legs", "no heartbeat for 300 ms")},
       {"ActuatorRecovered", ActuatorRecovered("legs", "heartbeat received again")},
       {"DuplicateActuator", DuplicateActuator("legs", 77, "there", 12)},
+      {"ConfigDiffers", ConfigDiffers("legs", "a1b2", "robot.toml", "c3d4")},
       {"Degraded", Degraded("legs", Killed())},
       {"DependencyDegraded", DependencyDegraded("legs", "it was killed")},
       {"DependencySuspended", DependencySuspended("legs")},
@@ -154,7 +157,7 @@ Examples OfAnActuator() {
       {"PidUnknown", PidUnknown()},
       {"QueryUnanswered", QueryUnanswered("Active")},
       {"Disconnected", Disconnected(kOutOfReach)},
-      {"Disconnected", Disconnected("its node is gone from the graph")},
+      {"Disconnected", Disconnected("its services are lost")},
   };
 }
 
@@ -164,6 +167,7 @@ Examples OfAProcess() {
       {"ProcessStarted", ProcessStarted("legs", 12)},
       {"ProcessExited", ProcessExited("legs", 12, "killed by SIGKILL")},
       {"ProcessExitAssumed", ProcessExitAssumed(12)},
+      {"ProcessUnproven", ProcessUnproven("legs", 12, "it is of user 65534")},
       {"BacktraceStarted", BacktraceStarted("legs", 12)},
       {"BacktraceTaken", BacktraceTaken("legs")},
       {"RestartRequested", RestartRequested("legs")},
@@ -181,23 +185,24 @@ Examples OfAProcess() {
 
 Examples OfThePolicy() {
   using namespace texts;
-  const std::string battery = "the battery is at 18 %";
   return {
       {"PolicyRequested", PolicyRequested("wake-up", "")},
+      {"PolicyRequested", PolicyRequested("switch to Active", "Active")},
       {"PolicyRefused", PolicyRefused("wake-up", "the machine is not in LowPower")},
       {"BatterySampleInvalid", BatterySampleInvalid(250)},
       {"BatterySilent", BatterySilent(Milliseconds(10000), 18)},
       {"BatterySilent", BatterySilent(Milliseconds(10000), std::nullopt)},
       {"BatteryResumed", BatteryResumed()},
       {"BatteryChanged",
-       BatteryChanged(battery, std::nullopt, BatteryLimit::kLimited, "Protected")},
-      {"BatteryChanged", BatteryChanged(battery, false, BatteryLimit::kNoSwitchAbove, "Protected")},
-      {"BatteryChanged", BatteryChanged(battery, std::nullopt, BatteryLimit::kLifted, "Active")},
-      {"BatteryChanged", BatteryChanged(battery, std::nullopt, BatteryLimit::kEmpty, "")},
-      {"BatteryChanged", BatteryChanged(battery, true, BatteryLimit::kAsBefore, "Active")},
-      {"BatteryChanged", BatteryChanged(battery, false, BatteryLimit::kAsBefore, "Active")},
-      {"BatterySwitchDown", BatterySwitchDown(battery, "Protected")},
-      {"BatterySwitchUp", BatterySwitchUp(battery, "Active")},
+       BatteryChanged(18, false, std::nullopt, BatteryLimit::kLimited, "Protected")},
+      {"BatteryChanged",
+       BatteryChanged(18, false, false, BatteryLimit::kNoSwitchAbove, "Protected")},
+      {"BatteryChanged", BatteryChanged(18, false, std::nullopt, BatteryLimit::kLifted, "Active")},
+      {"BatteryChanged", BatteryChanged(18, false, std::nullopt, BatteryLimit::kEmpty, "")},
+      {"BatteryChanged", BatteryChanged(18, false, true, BatteryLimit::kAsBefore, "Active")},
+      {"BatteryChanged", BatteryChanged(18, false, false, BatteryLimit::kAsBefore, "Active")},
+      {"BatterySwitchDown", BatterySwitchDown(18, true, "Protected")},
+      {"BatterySwitchUp", BatterySwitchUp(18, false, "Active")},
       {"LyingStill", LyingStill(Milliseconds(30000))},
       {"PolicySwitchRefused", PolicySwitchRefused(LyingStill(Milliseconds(30000)), "busy")},
       {"KeepEnded", KeepEnded("Active", "time expired")},
@@ -205,6 +210,7 @@ Examples OfThePolicy() {
       {"PowerDownStarted", PowerDownStarted(true)},
       {"PowerCommandGiven", PowerCommandGiven(false, true, {"systemctl", "poweroff"})},
       {"PowerCommandGiven", PowerCommandGiven(true, false, {})},
+      {"PowerCommandFailed", PowerCommandFailed("reboot", "failed: exit code 1")},
       {"PowerTearDownRefused", PowerTearDownRefused("the machine is not set up yet")},
   };
 }
@@ -224,11 +230,24 @@ std::string ReadText(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+// actuator = "legs", pid = 12
+std::string ArgumentsOf(const RecordText& text) {
+  std::string list;
+  for (const Argument& argument : text.arguments) {
+    const bool is_text = std::holds_alternative<std::string>(argument.value);
+    const std::string value = ArgumentOf(text.arguments, argument.name);
+    list += (list.empty() ? "" : ", ") + std::string(argument.name) + " = " +
+            (is_text ? '"' + value + '"' : value);
+  }
+  return list;
+}
+
 TEST(RecordTexts, AreThoseOfTheGoldenFile) {
   std::string text;
   for (const auto& [function, example] : All()) {
     text +=
         function + "\n  " + std::string(NameOf(example.event)) + "\n  " + example.message + "\n";
+    if (!example.arguments.empty()) text += "  " + ArgumentsOf(example) + "\n";
   }
   const std::string file = "test/golden/record_texts.expected";
   if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {
@@ -252,10 +271,8 @@ TEST(RecordTexts, HaveAnExampleOfEachFunction) {
   EXPECT_GT(functions.size(), 100U);
 }
 
-TEST(RecordTexts, HaveAnEventEachAndUseAllThatTheShellDoesNot) {
-  std::set<EventName> used = {
-      EventName::kNone,          EventName::kUnlistedActuator, EventName::kControllerRemark,
-      EventName::kConfigDiffers, EventName::kProcessUnproven,  EventName::kPowerCommandFailed};
+TEST(RecordTexts, HaveAnEventEachAndUseAll) {
+  std::set<EventName> used = {EventName::kNone, EventName::kControllerRemark};
   for (const auto& [function, example] : All()) {
     EXPECT_NE(example.event, EventName::kNone) << function;
     used.insert(example.event);
@@ -266,20 +283,64 @@ TEST(RecordTexts, HaveAnEventEachAndUseAllThatTheShellDoesNot) {
 }
 
 // The rows of "## Events of records".
-std::multiset<std::string> EventsInTheReference() {
-  std::multiset<std::string> events;
+std::vector<std::string> EventRows() {
+  std::vector<std::string> rows;
   std::ifstream file(SourceDir() + "/docs/reference.md");
   bool inside = false;
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with("## ")) inside = line == "## Events of records";
-    if (inside && line.starts_with("| `")) events.insert(line.substr(3, line.find('`', 3) - 3));
+    if (inside && line.starts_with("| `")) rows.push_back(line);
   }
-  return events;
+  return rows;
+}
+
+std::string FirstCode(const std::string& row) {
+  return row.substr(3, row.find('`', 3) - 3);
 }
 
 TEST(EventNames, AreAllInTheReferenceOnce) {
+  std::multiset<std::string> events;
+  for (const std::string& row : EventRows()) events.insert(FirstCode(row));
   const std::multiset<std::string> all(kEventNames.begin() + 1, kEventNames.end());
-  EXPECT_THAT(EventsInTheReference(), ElementsAreArray(all));
+  EXPECT_THAT(events, ElementsAreArray(all));
+}
+
+// The last column of these rows: the arguments of all sentences of the event.
+std::map<std::string, std::set<std::string>> ArgumentsInTheReference() {
+  std::map<std::string, std::set<std::string>> arguments;
+  for (const std::string& row : EventRows()) {
+    std::set<std::string>& names = arguments[FirstCode(row)];
+    const std::string last = row.substr(row.rfind('|', row.size() - 2));
+    for (std::size_t at = last.find('`'); at != std::string::npos;) {
+      const std::size_t end = last.find('`', at + 1);
+      names.insert(last.substr(at + 1, end - at - 1));
+      at = last.find('`', end + 1);
+    }
+  }
+  return arguments;
+}
+
+// Functions whose text is a part of another record, never a record of its own.
+const std::set<std::string>& InsideOthers() {
+  static const std::set<std::string> functions = {
+      "AnotherFailedFirst", "BudgetUsedUp",      "ContradictedBy",       "DoneDegraded",
+      "HadNotStarted",      "NeededOneFailed",   "NoAnswerWithinBudget", "NotDrivenBack",
+      "Reported",           "RestartedUnchecked"};
+  return functions;
+}
+
+TEST(EventNames, HaveTheirArgumentsInTheReference) {
+  std::map<std::string, std::set<std::string>> all;
+  for (const std::string_view event : kEventNames) all[std::string(event)];
+  for (const auto& [function, example] : All()) {
+    if (InsideOthers().contains(function)) continue;
+    for (const Argument& argument : example.arguments) {
+      if (argument.name != "actuator")
+        all[std::string(NameOf(example.event))].emplace(argument.name);
+    }
+  }
+  all.erase("");
+  EXPECT_EQ(ArgumentsInTheReference(), all);
 }
 
 }  // namespace musher::record_texts_golden_test

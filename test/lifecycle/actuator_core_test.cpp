@@ -219,6 +219,35 @@ TEST_F(Actuator, ATearDownOfAnActuatorThatIsTornDownIsDone) {
   EXPECT_EQ(AnswerIn(Do(Command(3, "Active"))).code, kCodeStateInvalid);
 }
 
+TEST_F(Actuator, NorDoesItRunAgainAfterAnEmergencyStop) {
+  SetUpIt();
+  Switch(1, "Active");
+  Do(EmergencyStopReceived{9, 4, true});
+  Switch(2, "TearDown");
+  ASSERT_TRUE(core_.report.held_by_stop);
+  const Actions actions = Do(Command(3, "TearDown"));
+  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kDone);
+  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
+}
+
+// What it did by itself before is not the outcome of the command.
+TEST_F(Actuator, ATearDownThatWaitsForOneOfTheActuatorItselfIsDone) {
+  config_.actuators[0].on_controller_lost = "TearDown";
+  config_.actuators[0].controller_lost = Milliseconds(100);
+  SetUpIt();
+  Switch(1, "Active");
+  Do(Command(2, "LowPower"));
+  Do(CallbackEnded{5001, "joint 7 is hot"});
+  now_ += std::chrono::seconds(1);
+  ASSERT_THAT(Do(actuator_event::TimePassed{}),
+              Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
+  Do(Command(3, "TearDown"));
+  EXPECT_THAT(AnswersIn(Do(CallbackEnded{})), Each(Field(&Answer::verdict, Verdict::kDone)));
+  EXPECT_EQ(core_.report.outcome_number, CommandNumber(3));
+  EXPECT_EQ(core_.report.outcome_code, kCodeOk);
+  EXPECT_FALSE(core_.report.detached);
+}
+
 TEST_F(Actuator, AnotherCommandThatWaitsForATearDownIsRefused) {
   SetUpIt();
   Do(Command(1, "TearDown"));

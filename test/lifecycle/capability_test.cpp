@@ -145,9 +145,9 @@ TEST_F(Capabilities, OfADegradedActuatorHaveItsFaultAsReasonAndDependOnItsState)
 }
 
 TEST_F(Capabilities, AreRefusedByAStopOfTheMachineOrOfTheActuator) {
-  machine_.emergency_stop = EmergencyStop{7, "me", ""};
+  machine_.emergency.stop = EmergencyStop{7, "me", ""};
   EXPECT_FALSE(Verdict("walk").allowed);
-  machine_.emergency_stop.reset();
+  machine_.emergency.stop.reset();
   EXPECT_TRUE(Verdict("walk").allowed);
   machine_.actuators[0].report.emergency_stop = 7;
   EXPECT_FALSE(Verdict("walk").allowed);

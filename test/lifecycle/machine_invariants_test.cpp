@@ -42,24 +42,24 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
     return Broken();
   };
   EXPECT_THAT(broken_by([&] { machine_.actuators.resize(1); }), HasSubstr("1 actuator,"));
-  EXPECT_THAT(broken_by([&] { first().termination = Termination{}; }), HasSubstr("no pid"));
-  EXPECT_THAT(broken_by([&] { first().restart_at = Time{}; }), HasSubstr("started again"));
+  EXPECT_THAT(broken_by([&] { first().process.termination = Termination{}; }), HasSubstr("no pid"));
+  EXPECT_THAT(broken_by([&] { first().restart.at = Time{}; }), HasSubstr("started again"));
   EXPECT_THAT(broken_by([&] {
                 first().command = PendingCommand{1'000'000, State("Active")};
               }),
               HasSubstr("number"));
   EXPECT_THAT(broken_by([&] { machine_.phase = Phase::kStopping; }), HasSubstr("no deadlines"));
   EXPECT_THAT(broken_by([&] {
-                machine_.other_stops.push_back({7, "", ""});
+                machine_.emergency.others.push_back({7, "", ""});
               }),
               HasSubstr("emergency stops"));
   EXPECT_THAT(broken_by([&] {
-                machine_.emergency_stop = EmergencyStop{7, "", ""};
-                machine_.released_stops = {7};
+                machine_.emergency.stop = EmergencyStop{7, "", ""};
+                machine_.emergency.released = {7};
               }),
               HasSubstr("released"));
   EXPECT_THAT(broken_by([&] { machine_.state = State("Protected"); }), HasSubstr("not recorded"));
-  EXPECT_THAT(broken_by([&] { machine_.set_up_requests = {1}; }), HasSubstr("not answered"));
+  EXPECT_THAT(broken_by([&] { machine_.start_up.requests = {1}; }), HasSubstr("not answered"));
   EXPECT_THAT(broken_by([&] {
                 machine_.current.emplace();
                 machine_.current->number = machine_.last_switch + 1;
@@ -84,7 +84,7 @@ TEST_F(BrokenInvariants, AreFoundInEveryPartOfTheMachine) {
 
 // A takeover came before the fallback.
 TEST_F(BrokenInvariants, AreNoneInAFencedMachineThatWasAboutToFallBack) {
-  machine_.fallback = State("Protected");
+  machine_.fallback.target = State("Protected");
   machine_.phase = Phase::kFenced;
   EXPECT_THAT(Broken(), IsEmpty());
   machine_.phase = Phase::kFailed;
@@ -142,7 +142,7 @@ TEST(ALostActuator, IsNotTakenByALateReply) {
   ActuatorReport report = before;
   report.epoch += 1;
   t.Feed(event::Replied{1, 1, true, Verdict::kRefused, kCodePermissionDenied, "", report});
-  EXPECT_FALSE(t.RecordOf("b").take_control_again);
+  EXPECT_FALSE(t.RecordOf("b").control.again);
 }
 
 // A node that another party has started, and whose protocol does not name its process: a restart
@@ -152,7 +152,7 @@ TEST(AnActuatorOfUnknownProcess, IsNotRestarted) {
   t.Begin();
   t.Rest();
   ActuatorReport report = t.RecordOf("b").report;
-  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process, true, "exit code 0"});
+  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process.pid, true, "exit code 0"});
   report.incarnation += 1;
   report.stamp = t.now();
   report.host.clear();

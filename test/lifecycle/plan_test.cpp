@@ -20,7 +20,7 @@ class Plans : public ::testing::Test {
  protected:
   Plans() {
     machine_.phase = Phase::kRunning;
-    machine_.set_up = true;
+    machine_.start_up.set_up = true;
     machine_.state = State(kDeActive);
     machine_.actuators.resize(4);
     for (ActuatorRecord& record : machine_.actuators) {
@@ -105,7 +105,7 @@ TEST_F(Plans, OfAMachineThatIsTornDownAreRefused) {
 }
 
 TEST_F(Plans, OfAnActuatorThatIsBeingRestartedAreRefused) {
-  machine_.actuators[1].restart_requested = true;
+  machine_.actuators[1].restart.requested = true;
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
 }
 
@@ -192,7 +192,7 @@ TEST_F(Plans, ToAStateOfTheSameRankGoNeitherUpNorDown) {
 
 // That actuator refuses itself; the others become less active.
 TEST_F(Plans, DownAreNotRefusedDuringAnEmergencyStopForAnActuatorThatWouldHaveToComeUp) {
-  machine_.emergency_stop = EmergencyStop{7, "the test", ""};
+  machine_.emergency.stop = EmergencyStop{7, "the test", ""};
   machine_.actuators[1].report.state = State(kOta);
   machine_.actuators[1].held = true;
   EXPECT_EQ(CodeOf(To(kLowPower)), kCodeOk);
@@ -203,7 +203,7 @@ TEST_F(Plans, DownAreNotRefusedDuringAnEmergencyStopForAnActuatorThatWouldHaveTo
 TEST_F(Plans, ToAStateOfTheSameRankAreRefusedDuringAnEmergencyStopAboveDeActive) {
   AddState("Dancing", kActive);
   AddState("Sitting", kLowPower);
-  machine_.emergency_stop = EmergencyStop{7, "the test", ""};
+  machine_.emergency.stop = EmergencyStop{7, "the test", ""};
   PutAllIn(kActive);
   ASSERT_TRUE(To("Dancing").refusal);
   EXPECT_EQ(To("Dancing").refusal->code, kCodeProtectedError);

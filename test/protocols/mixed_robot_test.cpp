@@ -14,7 +14,7 @@ TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   BringUp();
   ExpectAllIn("Active");
   for (const ActuatorRecord& record : robot_.machine().actuators) {
-    EXPECT_EQ(record.report.pid, record.process);
+    EXPECT_EQ(record.report.pid, record.process.pid);
   }
   EXPECT_TRUE(Set("LowPower").done());
   ExpectAllIn("LowPower");

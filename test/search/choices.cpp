@@ -65,7 +65,7 @@ class Listing {
 
   void ListRelease() {
     if (!model_.releases || !IsQuiet(world_, choices_)) return;
-    if (!world_.released && world_.machine.emergency_stop) Free(ChoiceKind::kRelease);
+    if (!world_.released && world_.machine.emergency.stop) Free(ChoiceKind::kRelease);
     const bool runs = world_.machine.phase == Phase::kRunning;
     if (world_.released && world_.repeat == Repeat::kNotYet && runs) Free(ChoiceKind::kRepeat);
   }

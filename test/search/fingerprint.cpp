@@ -124,12 +124,12 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 }
 
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
-  mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
-            r.controlled, r.take_control_again, r.checked, r.join_tried, r.held, r.due, r.set_again,
-            r.fault ? r.fault->code : 0, r.fault ? r.fault->event : EventName::kNone,
-            r.tolerated.has_value(), r.command, r.health, r.restarts, r.restart_at, r.healthy_at,
-            r.given_up, r.restart_requested, r.termination, r.suspended, r.outbid_at, r.blocked,
-            r.free_by, r.elsewhere);
+  mixer.Add(r.presence, r.report, r.process.pid, r.process.launch, r.process.dead, r.set_up_by,
+            r.control.incarnation, r.control.again, r.checked, r.join_tried, r.held, r.due,
+            r.set_again, r.fault ? r.fault->code : 0, r.fault ? r.fault->event : EventName::kNone,
+            r.tolerated.has_value(), r.command, r.health, r.restart.count, r.restart.at,
+            r.restart.reset_at, r.restart.given_up, r.restart.requested, r.process.termination,
+            r.suspended, r.control.outbid_at, r.free_by, r.elsewhere);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
@@ -186,9 +186,9 @@ Identity IdentityOf(const Model& model, const World& w) {
   std::sort(actuators.begin(), actuators.end());
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
             w.stopped, w.stop_seen_due, w.released, w.repeat);
-  mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
-            m.emergency_stop.has_value(), m.other_stops.size(), m.released_stops, m.set_up_requests,
-            m.policy);
+  mixer.Add(m.phase, m.start_up.by_hand, m.state, m.epoch, m.number, m.start_up.set_up,
+            m.start_up.stage, m.fallback.target, m.emergency.stop.has_value(),
+            m.emergency.others.size(), m.emergency.released, m.start_up.requests, m.policy);
   mixer.Add(m.current.has_value());
   if (m.current) {
     const Switch& s = *m.current;
@@ -201,8 +201,8 @@ Identity IdentityOf(const Model& model, const World& w) {
   mixer.Add(m.stopping.has_value());
   if (m.stopping) {
     const Stopping& s = *m.stopping;
-    mixer.Add(s.intent_by, s.after, s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at,
-              s.terminated, s.killed, s.look, s.requests, s.result.has_value());
+    mixer.Add(s.intent_by, s.after, s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at, s.sent,
+              s.look, s.requests, s.result.has_value());
     if (s.result) mixer.Add(s.result->outcome);
   }
   return {mixer.Get(), twins};

@@ -53,7 +53,7 @@ void Harness::Feed(const Event& event) {
     const bool requested = std::holds_alternative<event::SetStateRequested>(next);
     if (machine.phase == Phase::kStopped && !requested) continue;
     const bool starting = machine.current && machine.current->purpose == Purpose::kStartUpActivate;
-    const Before before{machine.state, machine.phase, machine.emergency_stop.has_value(), starting};
+    const Before before{machine.state, machine.phase, machine.emergency.stop.has_value(), starting};
     const auto actions = model_.rules.controller(config_, machine, next, world_.now);
     for (const Action& action : actions) Apply(action);
     CheckStep(model_, world_, before, notes_);
@@ -106,7 +106,7 @@ void Harness::FeedEnd(ActuatorIndex i) {
   const bool clean = *std::exchange(world_.actuators[i].end, std::nullopt);
   const std::int32_t pid = world_.actuators[i].core.report.pid;
   const std::string how = clean ? "exit code 0" : "killed";
-  if (world_.machine.actuators[i].process == pid) {
+  if (world_.machine.actuators[i].process.pid == pid) {
     return Feed(event::ProcessEnded{i, pid, clean, how});
   }
   Feed(event::Vanished{i, Incarnation(static_cast<std::uint64_t>(pid)), true, "its process ended"});

@@ -22,7 +22,7 @@ bool HasSameContent(const ActuatorReport& a, const ActuatorReport& b) {
 // releases it.
 bool StopIsKnown(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
   if (world.released) return report.emergency_stop == record.report.emergency_stop;
-  return report.emergency_stop == 0 || world.machine.emergency_stop;
+  return report.emergency_stop == 0 || world.machine.emergency.stop;
 }
 
 // Whether the controller knows the content of the latched status already.
@@ -45,7 +45,7 @@ bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorR
 bool IsOver(const World& world, const SimActuator& actuator, const ActuatorRecord& record,
             const event::Replied& reply) {
   const bool waited =
-      (record.command && record.command->number == reply.number) || record.take_control_again;
+      (record.command && record.command->number == reply.number) || record.control.again;
   const bool published = actuator.status_due &&
                          HasSameContent(actuator.core.report, reply.report) &&
                          actuator.core.report.emergency_stop == reply.report.emergency_stop;

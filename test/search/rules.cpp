@@ -92,7 +92,7 @@ void CheckPlace(const Model& model, const World& world, ActuatorIndex i, Notes& 
   const auto place = config.RankOf(machine.state);
   const auto rank = config.RankOf(state);
   // For the release of the stop, which drives no actuator to another state on the same level.
-  const bool waits = machine.emergency_stop && (!rank || (place && *rank < *place));
+  const bool waits = machine.emergency.stop && (!rank || (place && *rank < *place));
   const bool there = actuator.alive && record.presence == Presence::kPresent &&
                      (state == machine.state || !place || waits);
   if (!there && !record.held && !record.fault) {
@@ -269,7 +269,7 @@ void CheckStep(const Model& model, const World& world, const Before& before, Not
     notes.violations.push_back("the machine switches up to " + machine.state +
                                ", which was not requested");
   }
-  if (rises && before.stopped && machine.emergency_stop) {
+  if (rises && before.stopped && machine.emergency.stop) {
     notes.violations.push_back("the machine switches up to " + machine.state +
                                " during an emergency stop");
   }

@@ -111,7 +111,7 @@ TEST(SimRobot, AProcessThatNeverPublishesEndsWithTheMachine) {
   robot.CrashController();
   robot.FreezeActuator("b");
   robot.StartController();
-  ASSERT_TRUE(robot.RunUntil([&] { return robot.machine().set_up; }));
+  ASSERT_TRUE(robot.RunUntil([&] { return robot.machine().start_up.set_up; }));
   robot.Set("TearDown");
   robot.RunFor(std::chrono::seconds(1));
   EXPECT_FALSE(robot.IsAlive("b"));
@@ -129,7 +129,7 @@ TEST(SimRobot, AStopThatIsEngagedForANewControllerIsEngagedForItsActuators) {
   robot.CrashController();
   robot.StartController(std::chrono::seconds(1));
   robot.RunFor(std::chrono::seconds(5));
-  EXPECT_EQ(robot.machine().emergency_stop.has_value(), robot.ReportOf("a")->emergency_stop == 7);
+  EXPECT_EQ(robot.machine().emergency.stop.has_value(), robot.ReportOf("a")->emergency_stop == 7);
 }
 
 TEST(SimRobot, TwoReportsOfOneInstantHaveDifferentStamps) {

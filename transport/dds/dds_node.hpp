@@ -37,8 +37,8 @@ struct DdsOptions {
   TransportProfile profile = TransportProfile::kLocal;
   // The lease: a process that is silent for longer counts as lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
-  // MUSHER_FAST_DISCOVERY in the environment makes the combined ones to kAtOnce: set for a process
-  // that is restarted while the others keep running.
+  // MUSHER_FAST_DISCOVERY in the environment replaces kCombined and kCombinedLong by kAtOnce. The
+  // program that restarts a process while the others keep running sets it.
   DiscoveryTiming discovery = DiscoveryTiming::kCombined;
   // Receives its samples by unicast. By default a sample with several readers is sent once, by
   // multicast, and the kernel copies it to every process of the domain, whether it reads that topic

@@ -54,7 +54,8 @@ export function eventToExplain(history, actuator) {
 }
 
 function dataPart(entry) {
-  if (!entry.data) return null;
+  // JSON is for programs: the sentence has the same values.
+  if (!entry.data || entry.data.startsWith('{')) return null;
   return h('details', null, h('summary', null, t('why.data')),
     h('pre', {lang: 'en', tabindex: '0'}, entry.data));
 }

@@ -56,6 +56,14 @@ std::string EventOf(const std::vector<std::string>& events, std::size_t i) {
   return i < events.size() ? events[i] : "";
 }
 
+// The arguments of an entry's sentence, from its data; empty: it has none.
+Json ArgumentsIn(const std::string& data) {
+  if (!data.starts_with('{')) return Json::object();
+  const Json json = Json::parse(data, nullptr, false);
+  const auto found = json.is_object() ? json.find("arguments") : json.end();
+  return found != json.end() && found->is_object() ? *found : Json::object();
+}
+
 // An entry of the journal or of the wire.
 template <class Entry>
 Json OfEntry(const Entry& e, const std::string& event) {
@@ -70,7 +78,8 @@ Json OfEntry(const Entry& e, const std::string& event) {
           {"id", e.id},
           {"cause", e.cause},
           {"new_state", e.state},
-          {"data", e.data}};
+          {"data", e.data},
+          {"arguments", ArgumentsIn(e.data)}};
 }
 
 const char* MarkName(recording::ReplayLine::Mark mark) {

@@ -57,7 +57,7 @@ void ServiceManager::Update(const Machine& machine) {
   if (stops && !stopping_) {
     stopping_ = true;
     // systemd counts a service that exits before READY as failed and would restart it.
-    if (machine.finishing) notifier_.Notify("READY=1");
+    if (machine.start_up.finishing) notifier_.Notify("READY=1");
     // The unit's own TimeoutStopSec may be shorter.
     notifier_.Notify("STOPPING=1\nEXTEND_TIMEOUT_USEC=" +
                      Microseconds(config_.shutdown_budget + kExitTime));

@@ -27,7 +27,7 @@ ObservedController::ObservedController(const std::string& config_file)
     : config_(ConfigOf(config_file)) {
   transport::DdsOptions dds;
   dds.profile = config_.transport;
-  dds.discovery = transport::DiscoveryTiming::kController;
+  dds.discovery = transport::DiscoveryTiming::kOnceKnown;
   auto node = transport::NodeThread::Start(dds);
   if (!node) Fail(node.error().message);
   node_ = std::move(node).value();
@@ -53,9 +53,9 @@ ObservedController::~ObservedController() {
     controller_.reset();
   });
   for (const ActuatorRecord& actuator : machine.actuators) {
-    if (actuator.process <= 0) continue;
-    kill(actuator.process, SIGKILL);
-    waitpid(actuator.process, nullptr, 0);
+    if (actuator.process.pid <= 0) continue;
+    kill(actuator.process.pid, SIGKILL);
+    waitpid(actuator.process.pid, nullptr, 0);
   }
 }
 

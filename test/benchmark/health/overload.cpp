@@ -62,9 +62,10 @@ class Losses {
         counts_.starved += now.health == Health::kStarved;
       }
       counts_.lost += now.presence == Presence::kLost && before.presence != Presence::kLost;
-      counts_.restarted += before.process != 0 && now.process != 0 && now.process != before.process;
+      counts_.restarted +=
+          before.process.pid != 0 && now.process.pid != 0 && now.process.pid != before.process.pid;
       if (counts_.all() > bad) std::fprintf(stderr, "  %s\n", record.message.c_str());
-      if (now.process == 0) continue;  // until it is started again the one before counts
+      if (now.process.pid == 0) continue;  // until it is started again the one before counts
       before = now;
     }
   }

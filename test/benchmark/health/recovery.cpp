@@ -22,13 +22,14 @@ class Comeback {
           return record.actuator == actuator && !record.data.empty();
         })),
         ended_(controller.Next([=](const action::Record&, const Machine& machine) {
-          return machine.actuators[actuator].dead != 0 &&
-                 machine.actuators[actuator].dead == machine.actuators[actuator].report.incarnation;
+          return machine.actuators[actuator].process.dead != 0 &&
+                 machine.actuators[actuator].process.dead ==
+                     machine.actuators[actuator].report.incarnation;
         })),
         started_(
             controller.Next([=, before = before_](const action::Record&, const Machine& machine) {
               const ActuatorRecord& record = machine.actuators[actuator];
-              return record.process != 0 && record.process != before;
+              return record.process.pid != 0 && record.process.pid != before;
             })),
         back_(controller.Next([=, before = before_](const action::Record&, const Machine& machine) {
           const ActuatorRecord& record = machine.actuators[actuator];

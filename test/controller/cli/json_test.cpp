@@ -130,10 +130,18 @@ TEST(Json, HasAHistory) {
       R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
       R"("kind":"switch","event":"switch_done","actuator":"","code":0,"message":"done",)"
       R"("id":9,"cause":7,)"
-      R"("new_state":"Active","data":""}],"damage":""})");
+      R"("new_state":"Active","data":"","arguments":{}}],"damage":""})");
   EXPECT_THAT(HistoryJson({"", {{9, 1, 3, 12, "switch", "", 0, "done", 7, ""}}, {}}),
               ::testing::HasSubstr(R"("event":"")"))
       << "of a controller that sends no events";
+  const std::string data = R"({"arguments":{"pid":12,"actuator":"legs"}})";
+  EXPECT_THAT(HistoryJson({"", {{9, 1, 3, 12, "process", "", 0, "started", 7, "", data}}, {}}),
+              ::testing::HasSubstr(R"("arguments":{"pid":12,"actuator":"legs"})"));
+  for (const char* other : {"#0 in main", "{", "[1]", R"({"arguments":7})"}) {
+    EXPECT_THAT(HistoryJson({"", {{9, 1, 3, 12, "process", "", 0, "hung", 7, "", other}}, {}}),
+                ::testing::HasSubstr(R"("arguments":{})"))
+        << other;
+  }
   EXPECT_EQ(HistoryJson({"torn", {}}), R"({"entries":[],"damage":"torn"})");
 }
 

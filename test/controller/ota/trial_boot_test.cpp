@@ -65,7 +65,7 @@ TEST_F(Trials, EndBadlyWithACriticalActuator) {
 
 TEST_F(Trials, WaitForACriticalActuatorThatIsStartedAgain) {
   machine_.actuators[0].fault = ActuatorFault{kCodeFailed, "it crashed"};
-  machine_.actuators[0].restart_at = Time{};
+  machine_.actuators[0].restart.at = Time{};
   EXPECT_EQ(Verdict(), "not known");
 }
 

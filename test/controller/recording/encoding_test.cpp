@@ -20,7 +20,7 @@ TEST(Encoding, IsReadableAndLeavesDefaultsOut) {
   EXPECT_EQ(EncodeEvent(event::TimePassed{}, Time()), R"({"event":"TimePassed","now":0})");
   Machine machine;
   machine.phase = Phase::kRunning;
-  machine.fallback = "";
+  machine.fallback.target = "";
   EXPECT_EQ(EncodeSnapshot({"cafe", machine}),
             R"({"config_hash":"cafe","machine":{"phase":"running","fallback":""}})");
 }

@@ -162,7 +162,7 @@ TEST(Replay, StartsFromASnapshotOfAnOlderVersionAsThatVersionContinued) {
   Snapshot older{config.hash, MachineAfter(recorded, config)};
   ActuatorRecord& eyes = older.machine.actuators[1];
   eyes.presence = Presence::kLost;
-  eyes.process = 4711;
+  eyes.process.pid = 4711;
   eyes.fault = ActuatorFault{kCodeNetError, "connection lost"};
   std::vector<JournalRow> rows;
   Append(rows, {1, ConfigText{"dog.toml", config.hash, RobotToml()}});

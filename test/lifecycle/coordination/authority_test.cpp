@@ -195,7 +195,7 @@ TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenItsPreviousProcessIsLost) {
   t.Find("b", Health::kPartitioned, true);
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kStarting);
   EXPECT_EQ(t.RecordOf("b").report.incarnation, Incarnation(1));
-  EXPECT_EQ(t.RecordOf("b").controlled, Incarnation(1));
+  EXPECT_EQ(t.RecordOf("b").control.incarnation, Incarnation(1));
 }
 
 TEST_F(Authority, ALostActuatorOfAnotherHostIsNotUsed) {
@@ -240,7 +240,7 @@ TEST_F(Authority, AnEpochOutOfRangeIsNotUsedForAllActuators) {
     Say(t, "b", [&](ActuatorReport& report) { report.epoch = absurd; });
     t.RunFor(std::chrono::seconds(10));
     EXPECT_EQ(t.machine().epoch, epoch);
-    EXPECT_THAT(t.RecordOf("b").fault, Is(EventName::kEpochOutOfRange));
+    EXPECT_THAT(t.RecordOf("b").fault, Is(texts::EpochOutOfRange(absurd)));
   }
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_EQ(t.StateOf("a"), "LowPower");

@@ -145,6 +145,7 @@ TEST_F(Rules, ARefusedSwitchDownIsRecordedOnceAndNotRetriedInALoop) {
   robot().RunFor(std::chrono::minutes(10));
   EXPECT_LT(steps, 40);
   const Plan refused = MakePlan(robot().config(), robot().machine(), State("LowPower"));
+  EXPECT_EQ(refused.refusal.value().code, kCodeStateInvalid) << "not in the flow";
   EXPECT_THAT(robot().records.back(),
               Is(texts::PolicySwitchRefused(texts::LyingStill(std::chrono::seconds(30)),
                                             refused.refusal.value().message)));
@@ -171,7 +172,7 @@ TEST_F(Rules, AnEmptyBatteryIsRecordedAsAChangeOfTheLevel) {
   Robot();
   Battery(0);
   EXPECT_THAT(RecordWith(EventName::kBatteryLevelChanged),
-              Is(texts::BatteryChanged(BatteryAt(0), {}, texts::BatteryLimit::kEmpty, {})));
+              Is(texts::BatteryChanged(0, false, {}, texts::BatteryLimit::kEmpty, {})));
 }
 
 TEST_F(Rules, TheLevelOfARestartedControllerIsLeftAsLateAsThatOfTheOneBefore) {

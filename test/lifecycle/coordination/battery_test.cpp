@@ -93,8 +93,8 @@ TEST_F(BatteryRule, DisconnectingTheChargerAtThreePercentLeadsToLowPower) {
   EXPECT_THAT(states(), ElementsAre("Active", "Protected", "LowPower"));
   EXPECT_THAT(Why(EventName::kSwitchDone),
               Are(texts::SwitchEnded(4, SwitchOutcome::kDone, ""),
-                  texts::BatterySwitchDown(BatteryAt(3), "LowPower"),
-                  texts::BatteryChanged(BatteryAt(3), false, texts::BatteryLimit::kAsBefore, {})));
+                  texts::BatterySwitchDown(3, false, "LowPower"),
+                  texts::BatteryChanged(3, false, false, texts::BatteryLimit::kAsBefore, {})));
 }
 
 TEST_F(BatteryRule, ConnectingTheChargerDoesNotRaiseAMachineInLowPower) {
@@ -234,11 +234,10 @@ TEST_F(BatteryRule, ASilentBatteryIsRecordedAndItsLastLevelStaysInEffect) {
 
 TEST_F(BatteryRule, TheJournalRecordsWhyTheMachineIsInLowPower) {
   Battery(4);
-  EXPECT_THAT(
-      Why(EventName::kSwitchDone),
-      Are(texts::SwitchEnded(3, SwitchOutcome::kDone, ""),
-          texts::BatterySwitchDown(BatteryAt(4), "LowPower"),
-          texts::BatteryChanged(BatteryAt(4), {}, texts::BatteryLimit::kLimited, "LowPower")));
+  EXPECT_THAT(Why(EventName::kSwitchDone),
+              Are(texts::SwitchEnded(3, SwitchOutcome::kDone, ""),
+                  texts::BatterySwitchDown(4, false, "LowPower"),
+                  texts::BatteryChanged(4, false, {}, texts::BatteryLimit::kLimited, "LowPower")));
 }
 
 TEST_F(BatteryRule, RulesWaitInOtaAndApplyAfterIt) {

@@ -246,7 +246,7 @@ TEST_F(BoundPair, NoActuatorIsSuspendedBecauseOfItself) {
   config_.actuators[0].binds_to = {"b"};
   config_.actuators[1].binds_to = {"a"};
   StartUp();
-  Of(0).given_up = true;
+  Of(0).restart.given_up = true;
   Do(event::TimePassed{});
   EXPECT_FALSE(Of(0).suspended);
   EXPECT_TRUE(Of(1).suspended);

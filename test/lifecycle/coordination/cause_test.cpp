@@ -142,10 +142,13 @@ TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedActuatorNamesItsCause) {
   t.On("a", "SetUp").code = 3001;
   t.Begin();
   t.Rest();
-  EXPECT_THAT(
-      Why(t.whole_records, EventName::kDependencyDegraded),
-      Are(EventName::kDependencyDegraded, EventName::kProcessExited, EventName::kSetUpFailed,
-          EventName::kProcessStarted, EventName::kControllerStarted));
+  const auto chain = Why(t.whole_records, EventName::kDependencyDegraded);
+  ASSERT_THAT(
+      chain, Are(EventName::kDependencyDegraded, EventName::kProcessExited, EventName::kSetUpFailed,
+                 EventName::kProcessStarted, EventName::kControllerStarted));
+  EXPECT_EQ(chain[0].actuator, t.config().IndexOf("b"));
+  EXPECT_EQ(ArgumentOf(chain[0].arguments, "needed"), "a");
+  for (const std::size_t i : {1U, 2U, 3U}) EXPECT_EQ(chain[i].actuator, t.config().IndexOf("a"));
 }
 
 }  // namespace musher::testing::cause_test

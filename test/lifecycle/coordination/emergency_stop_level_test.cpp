@@ -271,7 +271,7 @@ TEST_F(ActuatorsOfAnyProtocol, RecordTheStopAsTheCauseOfTheRollbackThatDrivesNon
   const CommandNumber number = record.switch_number;
   EXPECT_THAT(record, Is(texts::RollbackStarted(number, number + 1, 0)));
   EXPECT_NE(record.cause, RecordId(0));
-  EXPECT_EQ(record.cause, machine_.stop_cause);
+  EXPECT_EQ(record.cause, machine_.emergency.cause);
 }
 
 TEST_F(ActuatorsOfAnyProtocol, AreCommandedWhereTheirRos2StateIsTheSame) {

@@ -27,7 +27,7 @@ class EmergencyStopOrigin : public Switching {
 
 TEST_F(EmergencyStopOrigin, IsUnknownWhileOnlyAnActuatorHasReportedIt) {
   ReportThatBHasLatched(7);
-  EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "", "b had latched it"}));
+  EXPECT_EQ(machine_.emergency.stop, (EmergencyStop{7, "", "b had latched it"}));
 }
 
 TEST_F(EmergencyStopOrigin, IsKnownFromAnActuatorThatHasLatchedIt) {
@@ -37,19 +37,19 @@ TEST_F(EmergencyStopOrigin, IsKnownFromAnActuatorThatHasLatchedIt) {
   report.emergency_stop_reason = "smoke";
   report.stamp += Milliseconds(1);
   Feed(event::StatusSeen{1, report});
-  EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "alice", "smoke"}));
+  EXPECT_EQ(machine_.emergency.stop, (EmergencyStop{7, "alice", "smoke"}));
 }
 
 TEST_F(EmergencyStopOrigin, IsTakenFromTheParticipantThatEngagedItOnceReceived) {
   ReportThatBHasLatched(7);
   const EmergencyStop stop{7, "alice", "smoke"};
   const auto actions = Feed(event::EmergencyStopSeen{stop});
-  EXPECT_EQ(machine_.emergency_stop, stop);
+  EXPECT_EQ(machine_.emergency.stop, stop);
   EXPECT_TRUE(std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
     const auto* save = std::get_if<action::SaveEmergencyStops>(&action);
     return save != nullptr && save->stops.engaged == std::vector{stop};
   }));
-  EXPECT_TRUE(machine_.other_stops.empty());
+  EXPECT_TRUE(machine_.emergency.others.empty());
 }
 
 TEST_F(EmergencyStopOrigin, StaysThatOfTheFirstWhenAnotherIsEngaged) {
@@ -57,8 +57,8 @@ TEST_F(EmergencyStopOrigin, StaysThatOfTheFirstWhenAnotherIsEngaged) {
   Feed(event::EmergencyStopSeen{{7, "alice", "smoke"}});
   Feed(event::EmergencyStopSeen{{8, "bob", "fire"}});
   Feed(event::EmergencyStopSeen{{7, "carol", ""}});
-  EXPECT_EQ(machine_.emergency_stop->by, "alice");
-  EXPECT_EQ(machine_.other_stops, (std::vector<EmergencyStop>{{8, "bob", "fire"}}));
+  EXPECT_EQ(machine_.emergency.stop->by, "alice");
+  EXPECT_EQ(machine_.emergency.others, (std::vector<EmergencyStop>{{8, "bob", "fire"}}));
 }
 
 }  // namespace musher::testing::emergency_stop_origin_test

@@ -256,7 +256,7 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   EXPECT_TRUE(t.calls.at(t.Release()));
   t.Rest();
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
-  EXPECT_FALSE(t.machine().emergency_stop);
+  EXPECT_FALSE(t.machine().emergency.stop);
   EXPECT_TRUE(t.stops_on_disk.engaged.empty());
 }
 
@@ -266,10 +266,10 @@ TEST_F(EmergencyStopped, AReleasedStopDoesNotComeBackByALateSample) {
   t.Release();
   t.Rest();
   Stop(t);  // the same, delayed
-  EXPECT_FALSE(t.machine().emergency_stop);
+  EXPECT_FALSE(t.machine().emergency.stop);
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
   Stop(t, kStop + 1);
-  EXPECT_TRUE(t.machine().emergency_stop) << "another one is another one";
+  EXPECT_TRUE(t.machine().emergency.stop) << "another one is another one";
 }
 
 TEST_F(EmergencyStopped, ReleasingWhereNoneIsEngagedIsRefused) {
@@ -287,7 +287,7 @@ TEST_F(EmergencyStopped, TheReleaseIsPublishedAgainToAnActuatorThatMissedIt) {
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop);
   t.Rest();
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kNone);
-  EXPECT_FALSE(t.machine().emergency_stop);
+  EXPECT_FALSE(t.machine().emergency.stop);
 }
 
 // The second was engaged while the first was being released: the actuators have it, the controller
@@ -299,8 +299,8 @@ TEST_F(EmergencyStopped, AStopEngagedDuringAReleaseStaysEngaged) {
   t.Release();
   t.Rest();
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kStop + 1);
-  ASSERT_TRUE(t.machine().emergency_stop) << "the controller gets it from the actuator's status";
-  EXPECT_EQ(t.machine().emergency_stop->id, kStop + 1);
+  ASSERT_TRUE(t.machine().emergency.stop) << "the controller gets it from the actuator's status";
+  EXPECT_EQ(t.machine().emergency.stop->id, kStop + 1);
 }
 
 // A callback that switches on at its end, and a stop that comes while it runs.
@@ -327,7 +327,7 @@ TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController)
   t.RestartController();
   Stop(t);
   t.Rest();
-  EXPECT_FALSE(t.machine().emergency_stop);
+  EXPECT_FALSE(t.machine().emergency.stop);
   for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kNone);
 }
 
@@ -358,8 +358,8 @@ TEST(EmergencyStopBeforeBegin, IsKeptAndPublishedOnceTheControllerLeads) {
                             return std::holds_alternative<action::PublishEmergencyStop>(action);
                           }),
             2);
-  EXPECT_EQ(machine.emergency_stop, (EmergencyStop{7, "a panel", ""}));
-  EXPECT_TRUE(machine.other_stops.empty()) << "8 is over";
+  EXPECT_EQ(machine.emergency.stop, (EmergencyStop{7, "a panel", ""}));
+  EXPECT_TRUE(machine.emergency.others.empty()) << "8 is over";
 }
 
 TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
@@ -367,9 +367,9 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
   Stop(t);
   t.RestartController();
   t.Rest();
-  ASSERT_TRUE(t.machine().emergency_stop);
-  EXPECT_EQ(t.machine().emergency_stop->id, kStop);
-  EXPECT_EQ(t.machine().emergency_stop->by, "the test");
+  ASSERT_TRUE(t.machine().emergency.stop);
+  EXPECT_EQ(t.machine().emergency.stop->id, kStop);
+  EXPECT_EQ(t.machine().emergency.stop->by, "the test");
   EXPECT_EQ(t.machine().state, "Active") << "adopted as it was";
   EXPECT_TRUE(t.calls.at(t.Release()));
   t.Rest();
@@ -382,8 +382,8 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
   t.stops_on_disk = {};
   t.RestartController(/*lost_disk=*/true);
   t.Rest();
-  ASSERT_TRUE(t.machine().emergency_stop);
-  EXPECT_EQ(t.machine().emergency_stop->id, kStop);
+  ASSERT_TRUE(t.machine().emergency.stop);
+  EXPECT_EQ(t.machine().emergency.stop->id, kStop);
   EXPECT_FALSE(t.stops_on_disk.engaged.empty());
 }
 
@@ -394,7 +394,7 @@ TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {
   }
   t.RestartController();
   t.Rest();
-  EXPECT_TRUE(t.machine().emergency_stop);
+  EXPECT_TRUE(t.machine().emergency.stop);
 }
 
 }  // namespace musher::testing::emergency_stop_test

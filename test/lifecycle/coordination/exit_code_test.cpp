@@ -57,7 +57,7 @@ TEST_F(ExitCode, TwoIsNotRestartedAndRecordedWithTheLastLinesOfItsOutput) {
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_EQ(StartsOf(t, "b"), 1);
-  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_TRUE(t.RecordOf("b").restart.given_up);
   EXPECT_EQ(t.RecordOf("b").fault->code, kCodeFailed);
   EXPECT_THAT(t.RecordOf("b").fault, Is(Prevented()));
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
@@ -97,15 +97,15 @@ TEST_F(ExitCode, ZeroIsNotRecordedAsAFailureAndAnyOtherIs) {
   t.Exit("b", 1, "the port is gone");
   t.Rest();
   EXPECT_EQ(code_of_end(), kCodeFailed);
-  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process, true, "exit code 0"});
+  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process.pid, true, "exit code 0"});
   EXPECT_EQ(code_of_end(), kCodeOk);
 }
 
 // So that a recording from before the field exit_code existed is replayed unchanged.
 TEST_F(ExitCode, ThatIsUnknownIsNotReadFromTheText) {
   Harness& t = In("Active", Ours(2));
-  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
-  EXPECT_TRUE(t.RecordOf("b").restart_at);
+  t.Feed(event::ProcessEnded{1, t.RecordOf("b").process.pid, false, "exit code 2: no such map"});
+  EXPECT_TRUE(t.RecordOf("b").restart.at);
 }
 
 TEST_F(ExitCode, ThatTheConfigNamesCountsInsteadOfTwo) {
@@ -150,7 +150,7 @@ TEST_F(ExitCode, OfACriticalActuatorTakesTheMachineToItsOnLostAtOnce) {
 
 TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
   Harness& t = In("Active", OursWithCriticalB());
-  const std::int32_t pid = t.RecordOf("b").process;
+  const std::int32_t pid = t.RecordOf("b").process.pid;
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_THAT(Why(t.whole_records, EventName::kFallbackStarted),
@@ -200,7 +200,7 @@ TEST_F(ExitCode, IsClearedByARestartRequest) {
   EXPECT_EQ(StartsOf(t, "b"), 2) << "once for each request";
   Fix(t);
   EXPECT_TRUE(RestartByHand(t, "b"));
-  EXPECT_FALSE(t.RecordOf("b").given_up);
+  EXPECT_FALSE(t.RecordOf("b").restart.given_up);
   EXPECT_EQ(t.StateOf("b"), "Protected") << "where the machine is";
   EXPECT_TRUE(t.Set("Active").done());
 }
@@ -222,7 +222,7 @@ TEST_F(ExitCode, OfAProcessTerminatedForARestartIsNotRecordedAsFinal) {
   t.On("b", "TearDown").hangs = true;
   t.Restart("b");
   t.RunFor(Milliseconds(20));
-  const std::int32_t pid = t.RecordOf("b").process;
+  const std::int32_t pid = t.RecordOf("b").process.pid;
   t.Exit("b", 2, "interrupted");
   t.Rest();
   EXPECT_THAT(t.records, Contains(Is(texts::ProcessExited("b", pid, "exit code 2: interrupted"))));

@@ -191,7 +191,7 @@ TEST_F(FoundBySimulation, AControllerThatLeadsIgnoresReleasesOfOtherParticipants
   t.StopAll(7);
   t.Rest();
   t.Feed(event::EmergencyStopSeen{{7, "", ""}, false});
-  EXPECT_TRUE(t.machine().emergency_stop);
+  EXPECT_TRUE(t.machine().emergency.stop);
 }
 
 // b and another actuator are one process, which is never ended.
@@ -287,9 +287,9 @@ TEST_F(FoundBySimulation, ATearDownIsNotDoneWhenATakeoverComesBeforeAProcessHasE
   t.RunFor(std::chrono::seconds(1));
   ASSERT_EQ(t.machine().state, "Active");
   const RequestId request = t.RequestSwitch("TearDown");
-  t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process == 0; });
+  t.RunUntil([&] { return !t.machine().current && t.RecordOf("a").process.pid == 0; });
   ASSERT_EQ(t.machine().phase, Phase::kStopping) << "a is torn down, b does not end";
-  const std::int32_t pid = t.RecordOf("b").process;
+  const std::int32_t pid = t.RecordOf("b").process.pid;
   t.ReceiveRivalHeartbeat(99);
   ASSERT_TRUE(t.answers.contains(request));
   const SwitchResult& result = t.answers.at(request);

@@ -45,7 +45,7 @@ TEST_F(Hang, ThatEndsBeforeTheKillIsCancelled) {
   EXPECT_THAT(t.signals, ElementsAre());
   EXPECT_THAT(t.log(), ElementsAre()) << "it is where it was";
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
-  EXPECT_EQ(t.RecordOf("b").restarts, 0);
+  EXPECT_EQ(t.RecordOf("b").restart.count, 0);
 }
 
 // The exit of a process can be seen after the first status of its successor.
@@ -71,7 +71,7 @@ TEST_F(Hang, CountsAsARestartAndEndsAtTheLimit) {
     t.RunFor(std::chrono::seconds(1));
   }
   t.Rest();
-  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_TRUE(t.RecordOf("b").restart.given_up);
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
@@ -101,12 +101,12 @@ TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
   Harness& t = In("Active", Ours(2));
   t.RestartController();
   t.Rest();
-  ASSERT_EQ(t.RecordOf("b").process, 0) << "adopted";
+  ASSERT_EQ(t.RecordOf("b").process.pid, 0) << "adopted";
   t.Find("b", Health::kHung, true);
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
   EXPECT_EQ(t.StateOf("b"), "Active");
-  EXPECT_NE(t.RecordOf("b").process, 0);
+  EXPECT_NE(t.RecordOf("b").process.pid, 0);
 }
 
 TEST_F(Hang, OfAProcessThatSigkillDoesNotEndIsAssumedToHaveExitedAfterAWhile) {
@@ -116,7 +116,7 @@ TEST_F(Hang, OfAProcessThatSigkillDoesNotEndIsAssumedToHaveExitedAfterAWhile) {
   t.Find("b", Health::kHung, true);
   t.Rest();
   EXPECT_THAT(t.records, Contains(Is(EventName::kProcessExitAssumed)));
-  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_TRUE(t.RecordOf("b").restart.given_up);
   EXPECT_EQ(t.machine().state, "Protected") << "and not: waited for in Active for ever";
 }
 
@@ -215,12 +215,12 @@ TEST_F(Hang, WhoseBacktraceComesAfterTheKillIsNotKilledAgain) {
   t.On("b", "KILL").hangs = true;
   t.Find("b", Health::kHung, true);
   ASSERT_TRUE(t.RunUntil([&] { return !t.signals.empty(); }));
-  const std::int32_t pid = t.RecordOf("b").termination.value().pid;
-  const auto kill_at = t.RecordOf("b").termination->kill_at;
+  const std::int32_t pid = t.RecordOf("b").process.termination.value().pid;
+  const auto kill_at = t.RecordOf("b").process.termination->kill_at;
   const std::size_t records = t.records.size();
   t.Feed(event::BacktraceTaken{1, pid, "late"});
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
-  EXPECT_EQ(t.RecordOf("b").termination.value().kill_at, kill_at);
+  EXPECT_EQ(t.RecordOf("b").process.termination.value().kill_at, kill_at);
   EXPECT_EQ(t.records.size(), records);
 }
 

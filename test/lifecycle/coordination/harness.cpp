@@ -169,7 +169,7 @@ void Harness::EndProcess(ActuatorIndex i, bool clean, const std::string& how, in
   if (!fake.alive) return;
   fake.alive = false;
   After(kWire, [=, this, pid = fake.pid] {
-    const bool ours = machine_.actuators[i].process == pid;
+    const bool ours = machine_.actuators[i].process.pid == pid;
     if (ours) return Feed(event::ProcessEnded{i, pid, clean, how, exit_code});
     Feed(event::Vanished{i, Incarnation(static_cast<std::uint64_t>(pid)), true,
                          "its process ended"});

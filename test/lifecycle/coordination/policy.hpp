@@ -65,12 +65,6 @@ class Rules : public Switching {
     if (answer.ok()) return "ok";
     return std::to_string(answer.error().code) + ": " + answer.error().message;
   }
-  // The words of a record for this level.
-  static std::string BatteryAt(int percent) {
-    PolicyState policy;
-    policy.battery = percent;
-    return BatteryText(policy);
-  }
   // `what`: an EventName or a RecordText.
   template <class What>
   action::Record RecordWith(const What& what) {

@@ -42,7 +42,7 @@ TEST_F(Processes, ThatFailToExecuteTheirProgramLateAreLost) {
   Begin();
   Do(event::ProcessStarted{0, 700});
   Do(event::ProcessNotStarted{0, "can't run a: No such file or directory"});
-  EXPECT_EQ(Of(0).process, 0);
+  EXPECT_EQ(Of(0).process.pid, 0);
   EXPECT_EQ(Of(0).presence, Presence::kAbsent);
   ASSERT_TRUE(Of(0).fault);
   EXPECT_THAT(Of(0).fault, Is(texts::ProcessNotStarted("can't run a: No such file or directory")));
@@ -76,7 +76,7 @@ TEST_F(Processes, OfAnotherHostAreNotSignalledHoweverTheyHang) {
 
 TEST_F(Processes, WithoutAHostAreNotSignalledEither) {
   StartUpOurs();
-  Of(0).process = 0;
+  Of(0).process.pid = 0;
   Of(0).report.host = machine_.host = "";
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
@@ -140,7 +140,7 @@ TEST_F(Processes, ThatHungStayCalledSoWhenTheyEnd) {
 TEST_F(Processes, WhoseActuatorEndedHaveTwoSecondsToExit) {
   StartUpOurs();
   Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
-  EXPECT_EQ(Of(0).termination.value().kill_at, now_ + std::chrono::seconds(2));
+  EXPECT_EQ(Of(0).process.termination.value().kill_at, now_ + std::chrono::seconds(2));
   Pass(std::chrono::seconds(2));
   ASSERT_THAT(Did<action::SignalProcess>(), SizeIs(1));
   EXPECT_TRUE(Did<action::SignalProcess>()[0].kill);
@@ -161,7 +161,7 @@ TEST_F(Processes, VerdictsOfAnotherProcessOrAnExitedProcessChangeNothing) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst - 1, Health::kHung, true, "it is silent"});
   EXPECT_EQ(Of(0).health, Health::kWell);
-  Of(0).dead = kFirst;
+  Of(0).process.dead = kFirst;
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   EXPECT_EQ(Of(0).health, Health::kWell);
 }
@@ -176,7 +176,7 @@ TEST_F(Processes, OfACriticalActuatorWithoutConnectionTakeTheMachineDownThoughIt
   config_.actuators[0].critical = true;
   config_.actuators[0].on_lost = "LowPower";
   StartUpOurs();
-  Of(0).process = 0;
+  Of(0).process.pid = 0;
   Of(0).report.host = "there";
   Do(event::Vanished{0, kFirst, false, "connection lost"});
   ASSERT_TRUE(machine_.current);
@@ -205,7 +205,7 @@ TEST_F(Processes, ThatAreBeingStartedAtATakeoverAreNotReportedAsTornDown) {
   StartUpOurs();
   Do(event::ProcessEnded{0, 700, false, "exit code 1"});
   Pass(Milliseconds(100));
-  ASSERT_TRUE(Of(0).launching);
+  ASSERT_EQ(Of(0).process.launch, Launch::kUnderWay);
   Do(event::SetStateRequested{1, "TearDown", {}});
   Obey(1);
   Do(event::ProcessEnded{1, 701, true, "exit code 0"});
@@ -240,7 +240,7 @@ TEST_F(Processes, ThatDoNotAnnounceTheirActuatorAfterARestartAreReportedSo) {
 // The one before ran on another host and has exited there.
 TEST_F(Processes, ThatAreAboutToBeStartedHereMayBeRestarted) {
   StartUpOurs();
-  Of(0).process = 0;
+  Of(0).process.pid = 0;
   Of(0).report.host = "there";
   Do(event::Vanished{0, kFirst, true, "its process ended"});
   Pass(Milliseconds(100));
@@ -259,7 +259,7 @@ TEST_F(Processes, ThatAreBeingStartedAreNotStartedOnceMoreByARestart) {
   EXPECT_THAT(Did<action::StartProcess>(), SizeIs(1));
   EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty());
   Do(event::ProcessStarted{0, 800});
-  EXPECT_EQ(Of(0).process, 800);
+  EXPECT_EQ(Of(0).process.pid, 800);
 }
 
 // The wait took longer than the time of SetUp; the request gets all of that again.
@@ -335,9 +335,9 @@ TEST_F(ForeignProcesses, ARivalOfALowerEpochHasNoPrecedence) {
 TEST_F(ForeignProcesses, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
   StartUp();
   Do(event::EmergencyStopSeen{{0, "operator", ""}});
-  EXPECT_FALSE(machine_.emergency_stop);
+  EXPECT_FALSE(machine_.emergency.stop);
   Do(event::EmergencyStopSeen{{1, "operator", ""}});
-  EXPECT_TRUE(machine_.emergency_stop);
+  EXPECT_TRUE(machine_.emergency.stop);
   EXPECT_EQ(RecordWith(texts::EmergencyStopEngaged("operator", "")).code, kCodeProtectedError);
 }
 
@@ -381,7 +381,7 @@ TEST_F(Processes, ThatVanishInTheirSetUpAreGivenUpAfterTheirTerminationAndKill) 
   Do(event::ProcessStarted{0, 700});
   Say(0, Report(0));
   Do(event::Vanished{0, kFirst, true, "its writer was lost"});
-  EXPECT_EQ(Of(0).termination.value().kill_at, now_ + Milliseconds(2000));
+  EXPECT_EQ(Of(0).process.termination.value().kill_at, now_ + Milliseconds(2000));
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(4000));
 }
 

@@ -157,7 +157,7 @@ class Walk {
         return t_.Feed(event::StatusSeen{*t_.config().IndexOf(name), report});
       }
       case 18:
-        if (Below(4) != 0 || !t_.machine().set_up) return;
+        if (Below(4) != 0 || !t_.machine().start_up.set_up) return;
         Note("set TearDown");
         requests_.push_back(t_.RequestSwitch("TearDown"));
         return;
@@ -187,10 +187,10 @@ class Walk {
     const auto deadline = NextDeadline(t_.config(), machine);
     ASSERT_TRUE(!deadline || *deadline > t_.now()) << "the loop would spin";
     const auto rank = t_.config().RankOf(machine.state);
-    if (stopped_ && machine.emergency_stop && rank_ && rank) {
+    if (stopped_ && machine.emergency.stop && rank_ && rank) {
       ASSERT_LE(*rank, *rank_) << "the machine went up to " << machine.state << " while stopped";
     }
-    stopped_ = machine.emergency_stop.has_value();
+    stopped_ = machine.emergency.stop.has_value();
     rank_ = rank;
   }
 
@@ -201,15 +201,15 @@ class Walk {
       const ActuatorRecord& record = machine.actuators[i];
       const std::string& name = t_.config().actuators[i].name;
       EXPECT_FALSE(record.command) << name;
-      EXPECT_FALSE(record.restart_requested) << name;
-      EXPECT_FALSE(record.termination) << name;
+      EXPECT_FALSE(record.restart.requested) << name;
+      EXPECT_FALSE(record.process.termination) << name;
       const auto own = t_.config().RankOf(record.state());
       const auto machines = t_.config().RankOf(machine.state);
-      const bool waits = machine.emergency_stop && (!own || (machines && *own < *machines));
+      const bool waits = machine.emergency.stop && (!own || (machines && *own < *machines));
       const bool in_place =
           record.presence == Presence::kPresent
               ? record.state() == machine.state || !machines || waits
-              : record.presence == Presence::kAbsent && machine.emergency_stop;  // a later stage
+              : record.presence == Presence::kAbsent && machine.emergency.stop;  // a later stage
       EXPECT_TRUE(in_place || record.held || record.fault)
           << name << " is " << PresenceName(record.presence) << " in " << record.state()
           << " while the machine is in " << machine.state;

@@ -25,7 +25,7 @@ TEST_F(ReceivedStops, AReleaseByThePreviousControllerIsStored) {
 TEST_F(ReceivedStops, AReleaseByAPanelEngagesNoStop) {
   StartUp();
   Do(event::EmergencyStopSeen{{7, "a panel", ""}, false});
-  EXPECT_FALSE(machine_.emergency_stop);
+  EXPECT_FALSE(machine_.emergency.stop);
   EXPECT_THAT(Did<action::PublishEmergencyStop>(), IsEmpty());
 }
 
@@ -40,12 +40,12 @@ TEST_F(ReceivedStops, OfAFloodAsManyAreMergedAsAMachineKeeps) {
 TEST_F(ReceivedStops, AreSavedOnceTheLastSaveHasEndedAndNotAnEarlierOne) {
   StartUp();
   Do(event::EmergencyStopSeen{{7, "a panel", ""}});
-  const SaveNumber first = machine_.last_save;
+  const SaveNumber first = machine_.saves.last;
   Do(event::EmergencyStopSeen{{8, "another panel", ""}});
-  const SaveNumber second = machine_.last_save;
+  const SaveNumber second = machine_.saves.last;
   ASSERT_NE(first, second);
   const auto unsaved = [this] {
-    return std::ranges::count(machine_.unsaved, Stored::kEmergencyStops, &Unsaved::what);
+    return std::ranges::count(machine_.saves.unsaved, Stored::kEmergencyStops, &Unsaved::what);
   };
   Do(event::SaveEnded{Stored::kEmergencyStops, first, true, {}});
   EXPECT_EQ(unsaved(), 1);

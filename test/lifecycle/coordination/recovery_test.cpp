@@ -34,7 +34,9 @@ TEST_F(Recovery, DrivesACrashedActuatorThroughSetUpAndSelfCheckWhileTheOthersSta
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Protected"));
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
   EXPECT_EQ(t.machine().state, "Protected");
-  EXPECT_THAT(t.records, Contains(Is(EventName::kActuatorCrashed)));
+  const action::Record crashed = RecordWith(t.records, EventName::kActuatorCrashed);
+  EXPECT_EQ(crashed.actuator, t.config().IndexOf("b"));
+  EXPECT_NE(crashed.code, kCodeOk);
 }
 
 TEST_F(Recovery, DrivesItToTheStateThatTheMachineHasReachedMeanwhile) {
@@ -90,7 +92,7 @@ TEST_F(Recovery, TimeWithoutConnectionIsNotHealthyTime) {
   DelayOfCrash(t, "b");
   t.Find("b", Health::kPartitioned, true);
   t.Rest();
-  EXPECT_EQ(t.RecordOf("b").restarts, 1);
+  EXPECT_EQ(t.RecordOf("b").restart.count, 1);
 }
 
 TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
@@ -99,7 +101,7 @@ TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
   t.On("b", "SetUp").message = "no sound card";
   t.Crash("b");
   t.Rest();
-  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_TRUE(t.RecordOf("b").restart.given_up);
   const RecordText failed = texts::SetUpFailed(5012, "no sound card");
   EXPECT_THAT(t.RecordOf("b").fault, Is(texts::GivenUp(3, failed.message)));
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SetUp", "b:SetUp"));
@@ -185,13 +187,13 @@ TEST_F(Recovery, OnFailureDoesNotRestartAfterExitCodeZeroButAlwaysDoes) {
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
   Harness& t = In("Active", config);
   for (const char* name : {"a", "b"}) {
-    t.Feed(
-        event::ProcessEnded{*config.IndexOf(name), t.RecordOf(name).process, true, "exit code 0"});
+    t.Feed(event::ProcessEnded{*config.IndexOf(name), t.RecordOf(name).process.pid, true,
+                               "exit code 0"});
   }
   t.RunFor(Milliseconds(50));
-  EXPECT_FALSE(t.RecordOf("a").restart_at);
+  EXPECT_FALSE(t.RecordOf("a").restart.at);
   EXPECT_THAT(t.RecordOf("a").fault, Is(EventName::kActuatorExited));
-  EXPECT_TRUE(t.RecordOf("b").restart_at);
+  EXPECT_TRUE(t.RecordOf("b").restart.at);
 }
 
 TEST_F(Recovery, NoMeansNo) {
@@ -223,7 +225,7 @@ TEST_F(Recovery, AProcessThatCannotBeStartedIsRetriedByTheSamePolicy) {
   t.On("b", "exec").message = "no such file";
   t.Crash("b");
   t.RunFor(Milliseconds(350));
-  EXPECT_EQ(t.RecordOf("b").restarts, 3);
+  EXPECT_EQ(t.RecordOf("b").restart.count, 3);
   t.On("b", "exec").code = kCodeOk;
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -262,7 +264,7 @@ TEST_F(Recovery, AReconnectionIsNotCountedAsARestart) {
     t.Find("b", Health::kWell);
     t.RunFor(Milliseconds(50));
   }
-  EXPECT_FALSE(t.RecordOf("b").given_up);
+  EXPECT_FALSE(t.RecordOf("b").restart.given_up);
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
@@ -273,7 +275,7 @@ TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
   const Incarnation dead = t.RecordOf("b").report.incarnation;
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] {
-    return t.RecordOf("b").process != 0 && t.IsAlive("b") &&
+    return t.RecordOf("b").process.pid != 0 && t.IsAlive("b") &&
            t.RecordOf("b").presence == Presence::kStarting;
   }));
   t.Feed(event::Vanished{1, dead, false, "connection lost"});
@@ -298,11 +300,11 @@ TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
   report.pid += 1'000'000;
   report.stamp = t.now();
   t.Feed(event::StatusSeen{1, report});
-  const std::int32_t wrapper = t.RecordOf("b").process;
+  const std::int32_t wrapper = t.RecordOf("b").process.pid;
   ASSERT_NE(wrapper, 0);
   t.Feed(event::Vanished{1, report.incarnation, true, "its process ended"});
   t.Feed(event::ProcessEnded{1, wrapper, false, "exit code 1"});
-  EXPECT_EQ(t.RecordOf("b").restarts, 1);
+  EXPECT_EQ(t.RecordOf("b").restart.count, 1);
 }
 
 TEST_F(Recovery, AMachineThatLeavesErrorDoesNotFallBackFromItsSelfCheck) {
@@ -332,6 +334,7 @@ TEST_F(Recovery, AFallbackToAStateThatTheMachineDoesNotHaveIsRefusedAndRecorded)
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   const Plan refused = MakePlan(t.config(), t.machine(), State("Protected"));
+  EXPECT_EQ(refused.refusal.value().code, kCodeParametersInvalid) << "unknown";
   EXPECT_THAT(t.records,
               Contains(Is(texts::FallbackRefused("Protected", refused.refusal.value().message))));
 }

@@ -99,7 +99,7 @@ TEST_F(RemoteActuators, WithoutAHostAreStoredWhereThereMayBeOtherHosts) {
 TEST_F(RemoteActuators, ThatAreTornDownAreStoredNoMore) {
   StartUpWithBOn("there");
   Do(event::SetStateRequested{kRequest, "TearDown", {}});
-  Do(event::SaveEnded{Stored::kStopIntent, machine_.last_save, true, {}});
+  Do(event::SaveEnded{Stored::kStopIntent, machine_.saves.last, true, {}});
   ObeyBoth("there");
   EXPECT_THAT(Saved(), IsEmpty());
   BeginNext();

@@ -22,7 +22,7 @@ TEST(RestartWhileStarting, TheStageWaitsForARestart) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_EQ(t.StateOf("b"), "Active");
-  EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has run for long enough since";
+  EXPECT_EQ(t.RecordOf("b").restart.count, 0) << "it has run for long enough since";
 }
 
 TEST(RestartWhileStarting, TheActuatorsAfterItWaitToo) {
@@ -220,10 +220,10 @@ TEST_F(RestartByHand, BringsBackAnActuatorThatWasGivenUp) {
   t.On("b", "SetUp").code = 5012;
   t.Crash("b");
   t.Rest();
-  ASSERT_TRUE(t.RecordOf("b").given_up);
+  ASSERT_TRUE(t.RecordOf("b").restart.given_up);
   t.On("b", "SetUp").code = kCodeOk;
   EXPECT_TRUE(Do(t, "b"));
-  EXPECT_FALSE(t.RecordOf("b").given_up);
+  EXPECT_FALSE(t.RecordOf("b").restart.given_up);
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 

@@ -30,7 +30,7 @@ TEST_F(Stages, AnActuatorWhoseEarlierProcessWasTornDownIsWaitedForAllTheSame) {
   Say(1, Report(1, "TearDown"));
   Come(0);
   EXPECT_FALSE(Of(1).fault);
-  EXPECT_FALSE(machine_.set_up);
+  EXPECT_FALSE(machine_.start_up.set_up);
   Come(1);
   ObeyAll();
   EXPECT_EQ(machine_.state, kActive);

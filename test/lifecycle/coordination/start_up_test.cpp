@@ -62,7 +62,7 @@ TEST(StartUp, TakesTheCriticalPathAndNotTheSum) {
   t.On("b", "SetUp").takes = Milliseconds(30);
   const Time begun = t.now();
   t.Begin();
-  t.RunUntil([&] { return t.machine().set_up; });
+  t.RunUntil([&] { return t.machine().start_up.set_up; });
   EXPECT_LT(t.now() - begun, Milliseconds(65));
 }
 

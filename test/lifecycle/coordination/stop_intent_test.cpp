@@ -19,8 +19,8 @@ TEST_F(StopIntent, IsAwaitedThoughAnotherSaveEnds) {
   t.disk_takes.reset();
   t.StopAll(7);
   t.RunFor(Milliseconds(1));
-  ASSERT_EQ(t.machine().unsaved.size(), 1U);
-  const Unsaved stop = t.machine().unsaved[0];
+  ASSERT_EQ(t.machine().saves.unsaved.size(), 1U);
+  const Unsaved stop = t.machine().saves.unsaved[0];
   t.RequestSwitch("TearDown");
   t.Feed(event::SaveEnded{stop.what, stop.save, true, ""});
   t.RunFor(Milliseconds(20));

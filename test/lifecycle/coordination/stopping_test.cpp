@@ -52,8 +52,8 @@ TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
 
 TEST_F(Stopping, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
   t.Crash("c");
-  t.RunUntil([&] { return t.RecordOf("c").restart_at.has_value(); });
-  t.RunUntil([&] { return t.RecordOf("c").process != 0; });
+  t.RunUntil([&] { return t.RecordOf("c").restart.at.has_value(); });
+  t.RunUntil([&] { return t.RecordOf("c").process.pid != 0; });
   t.Set("TearDown");
   EXPECT_TRUE(t.stopped());
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
@@ -252,7 +252,15 @@ TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, ElementsAre("b"));
   EXPECT_THAT(t.RecordOf("b").fault,
-              Is(texts::ProcessLeftBehind(t.RecordOf("b").process, std::nullopt)));
+              Is(texts::ProcessLeftBehind(t.RecordOf("b").process.pid, std::nullopt)));
+}
+
+// With a short budget the queries for the outcome of TearDown end after SIGKILL.
+TEST_F(Stopping, NoSigtermFollowsSigkill) {
+  t.On("b", "TearDown").hangs = true;
+  t.On("b", "KILL").hangs = true;
+  t.Set("TearDown");
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
 }
 
 TEST(StoppingWithAFault, AnOldFaultOfATornDownActuatorDoesNotMakeTheTearDownDegraded) {

@@ -51,14 +51,14 @@ TEST_F(TakeControl, ThatIsDeniedIsRetriedSoonAndIsNotAnAnswer) {
 TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotRetriedSoonerAndRaisesNoEpoch) {
   Begin();
   Say(0, Report(0));
-  const auto again = Of(0).take_control_again;
+  const auto again = Of(0).control.again;
   now_ += Milliseconds(1);
   ActuatorReport report = Report(0);
   report.epoch = machine_.epoch + 5;
   Do(event::Replied{0, 0, true, Verdict::kRefused, kCodeParametersInvalid, "", report});
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
-  EXPECT_EQ(Of(0).take_control_again, again);
-  EXPECT_FALSE(Of(0).outbid_at);
+  EXPECT_EQ(Of(0).control.again, again);
+  EXPECT_FALSE(Of(0).control.outbid_at);
 }
 
 TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndRecordsItsProcessIfAny) {
@@ -330,7 +330,7 @@ TEST_F(Reports, OfAStartingSuccessorKeepTheExitOfItsPredecessorFromARestart) {
   Say(0, Report(0));  // of process 700, which another party has started
   ASSERT_EQ(Of(0).presence, Presence::kStarting);
   Do(event::ProcessEnded{0, 690, false, "exit code 1"});
-  EXPECT_FALSE(Of(0).restart_at);
+  EXPECT_FALSE(Of(0).restart.at);
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
 }
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/controller/shell/switch_log.hpp"
+#include "musher/controller/journal/record_data.hpp"
 #include "musher/controller/shell/wire.hpp"
 #include "musher/lifecycle/event_name.hpp"
 #include "musher/simulation/robot.hpp"
@@ -47,7 +47,7 @@ class SimulatedRobot : public ::testing::Test {
     entry.kind = record.kind;
     entry.switch_number = record.switch_number;
     if (record.actuator) entry.actuator = robot_.config().actuators[*record.actuator].name;
-    if (record.of_switch) entry.data = EncodeSwitchNote(*record.of_switch);
+    entry.data = DataOf(record);
     metrics_.On(ToMessage(entry), NameOf(record.event));
   }
 

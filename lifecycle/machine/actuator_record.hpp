@@ -1,0 +1,140 @@
+#pragma once
+// What the controller knows about one actuator. Plain values; only the parts of a step change them.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/result.hpp"
+#include "musher/lifecycle/event_name.hpp"
+#include "musher/lifecycle/health/health.hpp"
+#include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/report.hpp"
+
+namespace musher {
+
+enum class Presence {
+  kAbsent,    // not available, and not expected yet
+  kStarting,  // its process runs, or its status was received, but it has not answered yet
+  kPresent,   // controlled by this controller
+  kLost,      // it was present
+};
+std::string_view PresenceName(Presence presence);
+
+// One command under way to one actuator. It ends with a definite outcome: a reply, or, past the
+// deadline, the answer to the query for its outcome, or no answer at all (lost).
+struct PendingCommand {
+  CommandNumber number = 0;
+  State target;
+  Time sent{};
+  Time deadline{};  // of the reply; once queried, of the answer
+  int queries = 0;  // how often the outcome was queried
+
+  friend bool operator==(const PendingCommand&, const PendingCommand&) = default;
+};
+
+// A process that is to end: decided, and not reported as exited yet.
+struct Termination {
+  std::int32_t pid = 0;
+  std::optional<Time> terminate_at;  // SIGTERM; none: not, or sent already
+  Time kill_at{};                    // SIGKILL; once sent, its exit is due by then
+  bool killed = false;               // SIGKILL was sent
+
+  friend bool operator==(const Termination&, const Termination&) = default;
+};
+
+// Why an actuator is degraded. For people it is the error; decisions compare the event.
+struct ActuatorFault {
+  std::int32_t code = kCodeFailed;
+  std::string message;
+  EventName event = EventName::kNone;
+
+  operator Error() const { return {code, message}; }  // NOLINT(google-explicit-constructor)
+  friend bool operator==(const ActuatorFault&, const ActuatorFault&) = default;
+};
+
+// The start of the process of an actuator.
+enum class Launch {
+  kNone,
+  kBlocked,       // not started, since an actuator that it needs is degraded
+  kUnderWay,      // it is being started, the pid is not known yet
+  kFoundRunning,  // a process of this name runs already: wait for it, do not start one
+};
+
+// What is known about the process of an actuator.
+struct ActuatorProcess {
+  std::int32_t pid = 0;  // of the process that we started, while it runs; 0: none
+  Launch launch = Launch::kNone;
+  Incarnation dead = 0;                    // the incarnation whose process is known to have exited
+  std::optional<Termination> termination;  // none: it may run
+
+  friend bool operator==(const ActuatorProcess&, const ActuatorProcess&) = default;
+};
+
+// The restarts of the process of an actuator.
+struct Restarts {
+  int count = 0;                    // in a row
+  std::optional<Time> at;           // the next one
+  std::optional<Time> reset_at;     // present until then: the count is reset
+  bool given_up = false;            // restarted too often, or not to be restarted
+  bool requested = false;           // by a person: its process has to exit, then it is restarted
+  std::vector<RequestId> requests;  // answered when it is back
+
+  friend bool operator==(const Restarts&, const Restarts&) = default;
+};
+
+// Whether this controller controls an actuator.
+struct ControlRecord {
+  Incarnation incarnation = 0;  // that TakeControl() was sent to
+  std::optional<Time> again;    // it has not answered yet; retry at this time
+  // It has a higher epoch: take control at this time, if no controller leads with that epoch.
+  std::optional<Time> outbid_at;
+
+  friend bool operator==(const ControlRecord&, const ControlRecord&) = default;
+};
+
+struct ActuatorRecord {
+  Presence presence = Presence::kAbsent;
+  ActuatorReport report;  // the last one
+  // The last report of a process on another host that publishes as this actuator while the known
+  // process is present. Its status is latched and may not come again: it counts once the known
+  // process is lost.
+  std::optional<ActuatorReport> other;
+  // The same instant by the actuator's clock and by ours, from the report with the least latency:
+  // the actuator computes the age of a command from it.
+  Time clock_theirs{};
+  Time clock_ours{};
+  ActuatorProcess process;
+  Restarts restart;
+  ControlRecord control;
+  std::optional<Time> set_up_by;  // not present by then: given up for now
+  std::optional<Time> free_by;    // it is busy with a command that no switch waits for
+
+  // How it follows the machine.
+  bool checked = false;     // passed its self-check since its process started
+  bool join_tried = false;  // the self-check of a late actuator was commanded
+  bool held = false;        // detached by SetState(actuator, state)
+  bool due = false;         // to be driven to the state of the machine, as soon as it is free
+  bool suspended = false;   // an actuator that it is bound to is not up
+  // Since the release of the last emergency stop a switch has been requested that leads it up or to
+  // a state of the same rank: it may switch on again.
+  bool set_again = false;
+  std::optional<PendingCommand> command;  // the command under way
+
+  Health health = Health::kWell;
+  std::optional<ActuatorFault> fault;  // why it is degraded
+  std::optional<Error> tolerated;      // a failure of its last self-check that is not critical
+  RecordId cause = 0;  // the record with the reason why it is degraded, lost or back
+  // The other host on which it ran by its last status, also when an earlier controller received
+  // that; "" if its protocol does not name the host. None: it is torn down, has exited, or runs
+  // here. Stored: after a reboot of this host it may still run there and be out of reach.
+  std::optional<std::string> elsewhere;
+
+  const State& state() const { return report.state; }
+
+  friend bool operator==(const ActuatorRecord&, const ActuatorRecord&) = default;
+};
+
+}  // namespace musher

@@ -1,0 +1,54 @@
+#pragma once
+// What a controller stores on disk for the next one. Plain values.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/report.hpp"
+
+namespace musher {
+
+// The emergency stops that are stored for the next controller.
+struct StoredStops {
+  std::vector<EmergencyStop> engaged;  // oldest first
+  std::vector<StopId> released;        // ids, the last one at the end
+
+  friend bool operator==(const StoredStops&, const StoredStops&) = default;
+};
+
+// Merges what is on disk with what was received from other controllers and panels since. A stop
+// that is released in either of them is over.
+StoredStops Merge(const StoredStops& stored, const StoredStops& received);
+
+// An actuator that runs on another host, as it is stored for the next controller.
+struct RemoteActuator {
+  std::string name;
+  std::string host;  // "": not known
+
+  friend bool operator==(const RemoteActuator&, const RemoteActuator&) = default;
+};
+
+// What a controller stores on disk for the next one.
+enum class Stored {
+  kEpoch,
+  kEmergencyStops,
+  kPolicy,
+  kStopIntent,  // the machine is to be torn down and to stay down
+  kRemoteActuators,
+};
+std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
+
+// Data that was handed to the disk thread and is not known to be saved.
+struct Unsaved {
+  Stored what = Stored::kEpoch;
+  SaveNumber save = 0;  // the last save of it
+  Time since{};         // of the first save that is not on disk
+  std::string why;      // of a failure; empty: not ended yet
+
+  friend bool operator==(const Unsaved&, const Unsaved&) = default;
+};
+
+}  // namespace musher

@@ -1,0 +1,105 @@
+#pragma once
+// The switch under way, the one that waits, and TearDown. Plain values.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/base/time.hpp"
+#include "musher/lifecycle/event_name.hpp"
+#include "musher/lifecycle/ids.hpp"
+#include "musher/lifecycle/machine/switch_result.hpp"
+
+namespace musher {
+
+// One actuator's part in the switch under way.
+struct Leg {
+  enum class Progress { kWaiting, kUnderWay, kEnded };
+
+  ActuatorIndex actuator = 0;
+  State from;
+  State target;
+  std::vector<ActuatorIndex> needs;  // actuators whose legs must have ended before
+  Progress progress = Progress::kWaiting;
+  ActuatorOutcome outcome = ActuatorOutcome::kSkipped;
+  bool ran = false;       // its callback may have run, so that it has to be rolled back
+  bool may_fail = false;  // was degraded before, or is skipped: does not undo the others
+  std::int32_t code = kCodeOk;
+  std::string message;
+  EventName event = EventName::kNone;  // of the message
+  Time started{};
+  Duration duration{};
+
+  bool failed() const { return progress == Progress::kEnded && outcome != ActuatorOutcome::kDone; }
+
+  friend bool operator==(const Leg&, const Leg&) = default;
+};
+
+enum class Purpose {
+  kRequested,        // by a person or an application
+  kStartUpCheck,     // the self-check of the first stage
+  kStartUpActivate,  // the first stage to Active
+  kFallback,         // to on_lost of a critical actuator
+  kStop,             // TearDown
+  kPolicy,           // by a rule: the battery, or lying still
+};
+
+struct Switch {
+  CommandNumber number = 0;
+  State from;
+  State target;
+  std::optional<ActuatorIndex> only;  // one actuator instead of the machine
+  Direction direction = Direction::kLevel;
+  Purpose purpose = Purpose::kRequested;
+  std::vector<RequestId> requests;  // answered at its end
+  std::vector<Leg> legs;
+  std::vector<ActuatorResult> others;  // the actuators not driven, and why
+  bool stopped = false;                // by an emergency stop
+  bool rolling_back = false;
+  CommandNumber back_number = 0;  // of the commands of the rollback
+  std::vector<Leg> back;          // the legs of the rollback
+  RecordId cause = 0;             // the record with the reason for this switch
+
+  friend bool operator==(const Switch&, const Switch&) = default;
+};
+
+// What follows a TearDown of the machine.
+enum class AfterTearDown {
+  kStaysDown,    // until a person starts it
+  kMayStart,     // a supervisor ends it, and may start it at any time once it is down
+  kStartsAgain,  // the same controller starts it again, from another slot
+};
+
+// A switch that was requested while an actuator was being driven to the state of the machine on its
+// own. Nothing has been sent for it; no other actuator is driven on its own before it.
+struct WaitingSwitch {
+  State target;
+  std::optional<ActuatorIndex> only;
+  Time until{};                     // then it begins or is refused
+  std::vector<RequestId> requests;  // answered at its end
+  RecordId cause = 0;               // the record of the request
+
+  friend bool operator==(const WaitingSwitch&, const WaitingSwitch&) = default;
+};
+
+// The end of the machine: when to escalate.
+struct Stopping {
+  Time begun{};
+  Time tear_down_by{};               // the deadline of TearDown
+  std::optional<Time> terminate_at;  // SIGTERM to what is left
+  Time kill_at{};                    // SIGKILL
+  Time give_up_at{};                 // the end of the budget
+  enum class Signal { kNone, kTerminate, kKill };
+  Signal sent = Signal::kNone;  // to what is left
+  enum class Look { kNotYet, kUnderWay, kDone };
+  Look look = Look::kNotYet;  // for unknown processes, at the end
+  AfterTearDown after = AfterTearDown::kStaysDown;
+  std::optional<Time> intent_by;  // TearDown waits until its intent is on disk, at most until then
+  std::optional<SwitchResult> result;  // of TearDown, answered when the processes have exited
+  std::vector<RequestId> requests;
+
+  friend bool operator==(const Stopping&, const Stopping&) = default;
+};
+
+}  // namespace musher
