@@ -196,6 +196,7 @@ void ActuatorShell::ChangeManagedNode(const Ros2Transition& transition,
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
+  node_.loop().CheckThread();
   if (closed_) return;
   const std::vector<ActuatorAction> actions =
       Step(config_, index_, core_, event, node_.loop().Now());

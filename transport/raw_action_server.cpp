@@ -204,12 +204,14 @@ void RawActionServer::OnCancelGoal(const msg::GoalInfo& request,
 }
 
 bool RawActionServer::Execute(const GoalId& id) {
+  loop_.CheckThread();
   if (!goals_.Change(id, GoalState::kExecuting, loop_.Now())) return false;
   PublishStatuses();
   return true;
 }
 
 bool RawActionServer::End(const GoalId& id, GoalState state, msg::Bytes reply) {
+  loop_.CheckThread();
   if (!IsTerminal(state)) return false;
   if (goals_.StateOf(id) == GoalState::kAccepted && state != GoalState::kCanceled) Execute(id);
   if (!goals_.Change(id, state, loop_.Now())) return false;

@@ -41,6 +41,7 @@ Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string
 }
 
 void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
+  loop_.CheckThread();
   if (ReachesClientsOf(participant)) {
     Send(reply);
     return;
@@ -56,6 +57,7 @@ void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
 }
 
 void RawServer::AfterReplies(PeerId participant, std::function<void()> work) {
+  loop_.CheckThread();
   const auto last = std::find_if(held_.rbegin(), held_.rend(),
                                  [&](const Held& held) { return held.participant == participant; });
   if (last == held_.rend()) return replies_->AfterWrites(std::move(work));

@@ -27,6 +27,8 @@
 //   - What a stop has switched off stays off after the release, until a callback that does not
 //     lead down succeeds without a stop: until then the actuator is held by the stop, and a
 //     command to its present state runs the callback.
+//   - TearDown is the last state: after it, another TearDown is done at once, also one that has
+//     waited for it, and any other command is refused.
 //   - A manager without epochs may command until a controller has sent a command or query, and its
 //     command never waits.
 

@@ -159,7 +159,7 @@ RecordText GivenUp(int restarts, const std::optional<std::string>& why);
 RecordText RestartedTooOften(int starts, Duration reset_after);
 
 // The policy: policy_texts.cpp.
-// "the battery is at 18 %, being charged": the beginning of sentences.
+// "the battery is at 18 %, being charged": the beginning of sentences; it has no braces.
 std::string BatteryText(int percent, bool charging);
 // `target`: of a request for a switch; "": another request.
 RecordText PolicyRequested(const std::string& what, const State& target);

@@ -247,7 +247,7 @@ TEST(RecordTexts, AreThoseOfTheGoldenFile) {
   for (const auto& [function, example] : All()) {
     text +=
         function + "\n  " + std::string(NameOf(example.event)) + "\n  " + example.message + "\n";
-    if (!example.arguments.empty()) text += "  " + ArgumentsOf(example) + "\n";
+    if (!example.arguments.empty()) text += "    " + ArgumentsOf(example) + "\n";
   }
   const std::string file = "test/golden/record_texts.expected";
   if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {

@@ -50,6 +50,42 @@ const std::map<std::string, Folders>& MayInclude() {
   return table;
 }
 
+// The rooms of a folder in layers, the lowest first; "" are the files at its top. A room may
+// include itself and the rooms of lower layers, not one beside it. A folder inside a room belongs
+// to it.
+using Layers = std::vector<Folders>;
+const std::map<std::string, Layers>& Rooms() {
+  static const std::map<std::string, Layers> table = {
+      {"lifecycle",
+       {{""},
+        {"config"},
+        {"health", "ros2"},
+        {"machine"},
+        {"actuator", "record"},
+        {"step"},
+        {"process", "policy"},
+        {"command", "plan", "config/toml"},
+        {"switch"},
+        {"startup", "recovery", "rules"},
+        {"coordinator"}}},
+      {"transport", {{"", "security"}, {"dds", "sim"}}},
+      {"controller",
+       {{"client", "journal", "link", "ota", "process"},
+        {"shell", "storage"},
+        {"ros2"},
+        {""},
+        {"cli"}}},
+      {"behavior", {{""}, {"fsm", "tree"}, {"skill"}}},
+      {"view",
+       {{"http", "json", "mcap", "metrics"},
+        {"", "page", "record"},
+        {"topics"},
+        {"foxglove"},
+        {"live"}}},
+  };
+  return table;
+}
+
 // Headers of base/ that query the kernel. Folders without IO may not include them.
 bool IsOfTheKernel(const std::string& header) {
   static const std::set<std::string> kernel = {"base/files.hpp", "base/host.hpp",
@@ -116,6 +152,39 @@ const Folders* RowOf(const SourceFile& file) {
   return folder == MayInclude().end() ? nullptr : &folder->second;
 }
 
+Layers::const_iterator LayerOf(const std::string& room, const Layers& layers) {
+  return std::find_if(layers.begin(), layers.end(),
+                      [&](const Folders& layer) { return layer.contains(room); });
+}
+
+// "config/toml" of "lifecycle/config/toml/order.hpp"; the longest one of the folder's rooms.
+std::string RoomOf(const std::string& path, const Layers& layers) {
+  const std::size_t begin = path.find('/') + 1;
+  const std::size_t end = path.rfind('/');
+  std::string room = end < begin ? "" : path.substr(begin, end - begin);
+  while (LayerOf(room, layers) == layers.end()) {
+    const std::size_t slash = room.rfind('/');
+    if (slash == std::string::npos) break;
+    room.resize(slash);
+  }
+  return room;
+}
+
+std::string EvaluateRoom(const SourceFile& file, const std::string& header) {
+  const auto row = Rooms().find(file.Folder());
+  const bool program = file.path.ends_with("/main.cpp");  // above its folder
+  if (row == Rooms().end() || program || !header.starts_with(file.Folder() + "/")) return {};
+  const std::string from = RoomOf(file.path, row->second);
+  const std::string to = RoomOf(header, row->second);
+  for (const std::string& room : {from, to}) {
+    if (LayerOf(room, row->second) == row->second.end()) {
+      return "room '" + room + "' of " + file.Folder() + " has no layer";
+    }
+  }
+  if (from == to || LayerOf(to, row->second) < LayerOf(from, row->second)) return {};
+  return "room '" + from + "' may not include room '" + to + "'";
+}
+
 std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   if (file.In("test/")) return {};
   const Folders* allowed = RowOf(file);
@@ -129,7 +198,7 @@ std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   if (module_to_module) {
     return "module " + ModuleOf(file.path) + " may not include module " + ModuleOf(header);
   }
-  return {};
+  return EvaluateRoom(file, header);
 }
 
 std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {

@@ -47,6 +47,25 @@ TEST(IncludeRules, LetOnlyTheCommandLineOfTheControllerIncludeTheSimulation) {
   EXPECT_THAT(ForbiddenIncludes(Including("controller/process/a.cpp", simulation)), SizeIs(1));
 }
 
+TEST(IncludeRules, KeepTheRoomsOfAFolderInTheirLayers) {
+  const std::string switching = "\"musher/lifecycle/switch/switching.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/coordinator/a.cpp", switching)), IsEmpty());
+  EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/switch/a.cpp", switching)), IsEmpty());
+  EXPECT_THAT(
+      ForbiddenIncludes(Including("lifecycle/command/a.cpp", switching)),
+      ElementsAre("lifecycle/command/a.cpp:2: room 'command' may not include room 'switch'"));
+  EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/per_actuator.hpp", switching)), SizeIs(1));
+  EXPECT_THAT(
+      ForbiddenIncludes(Including("lifecycle/new/a.cpp", switching)),
+      ElementsAre("lifecycle/new/a.cpp:2: room 'new' of lifecycle has no layer"));
+  const std::string dds = "\"musher/transport/dds/dds_node.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("transport/sim/a.cpp", dds)), SizeIs(1))
+      << "one beside it";
+  EXPECT_THAT(ForbiddenIncludes(Including("view/main.cpp", "\"musher/view/live/page.hpp\"")),
+              IsEmpty())
+      << "a program is above its folder";
+}
+
 TEST(IncludeRules, ReportAFolderThatHasNoRow) {
   EXPECT_THAT(ForbiddenIncludes(Including("tools/a.cpp", "\"musher/base/result.hpp\"")),
               ElementsAre("tools/a.cpp:2: tools has no row in the table of what it may include"));

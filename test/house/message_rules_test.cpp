@@ -26,7 +26,8 @@ TEST(MessageRules, APatternFitsWithAnyTextInItsPlaces) {
 
 const std::vector<SourceFile> kRecords = {
     {"lifecycle/event_name.hpp", "{\n    \"\",\n    \"lost\",\n    \"found\",\n});"},
-    {"test/golden/record_texts.expected", "Lost\n  lost\n  legs are lost\n"}};
+    {"test/golden/record_texts.expected",
+     "Lost\n  lost\n  legs are lost\n    actuator = \"legs\"\n"}};
 
 TEST(MessageRules, AcceptAPageWithEverySentence) {
   const SourceFile page = PageWith("Records and faults",

@@ -11,15 +11,11 @@ using actuator_event::ManagerCommand;
 using actuator_event::QueryArrived;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
-using ::testing::_;
 using testing::Actions;
 using ::testing::Contains;
-using ::testing::Each;
 using ::testing::ElementsAre;
-using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using ::testing::SizeIs;
 using ::testing::VariantWith;
 
 class Actuator : public testing::OneActuator {};
@@ -195,68 +191,6 @@ TEST_F(Actuator, AWaitingCommandThatIsQueriedNeverBegins) {
   EXPECT_EQ(AnswerIn(queried).verdict, Verdict::kRefused);  // of the waiting one
   EXPECT_THAT(Do(CallbackEnded{}),
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
-}
-
-// The machine is torn down while the actuator is in the TearDown of its own restart.
-TEST_F(Actuator, ATearDownThatWaitsForAnotherOneIsDoneWithIt) {
-  SetUpIt();
-  Do(Command(1, "TearDown"));
-  Do(Command(2, "TearDown"));
-  const Actions ended = Do(CallbackEnded{});
-  EXPECT_THAT(ended, Not(Contains(VariantWith<RunCallback>(_))));
-  EXPECT_THAT(AnswersIn(ended), Each(Field(&Answer::verdict, Verdict::kDone)));
-  EXPECT_THAT(AnswersIn(ended), SizeIs(2));
-  EXPECT_EQ(core_.report.outcome_number, CommandNumber(2));
-  EXPECT_EQ(core_.report.outcome_code, kCodeOk);
-}
-
-TEST_F(Actuator, ATearDownOfAnActuatorThatIsTornDownIsDone) {
-  SetUpIt();
-  Switch(1, "TearDown");
-  const Actions actions = Do(Command(2, "TearDown"));
-  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kDone);
-  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
-  EXPECT_EQ(AnswerIn(Do(Command(3, "Active"))).code, kCodeStateInvalid);
-}
-
-TEST_F(Actuator, NorDoesItRunAgainAfterAnEmergencyStop) {
-  SetUpIt();
-  Switch(1, "Active");
-  Do(EmergencyStopReceived{9, 4, true});
-  Switch(2, "TearDown");
-  ASSERT_TRUE(core_.report.held_by_stop);
-  const Actions actions = Do(Command(3, "TearDown"));
-  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kDone);
-  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
-}
-
-// What it did by itself before is not the outcome of the command.
-TEST_F(Actuator, ATearDownThatWaitsForOneOfTheActuatorItselfIsDone) {
-  config_.actuators[0].on_controller_lost = "TearDown";
-  config_.actuators[0].controller_lost = Milliseconds(100);
-  SetUpIt();
-  Switch(1, "Active");
-  Do(Command(2, "LowPower"));
-  Do(CallbackEnded{5001, "joint 7 is hot"});
-  now_ += std::chrono::seconds(1);
-  ASSERT_THAT(Do(actuator_event::TimePassed{}),
-              Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
-  Do(Command(3, "TearDown"));
-  EXPECT_THAT(AnswersIn(Do(CallbackEnded{})), Each(Field(&Answer::verdict, Verdict::kDone)));
-  EXPECT_EQ(core_.report.outcome_number, CommandNumber(3));
-  EXPECT_EQ(core_.report.outcome_code, kCodeOk);
-  EXPECT_FALSE(core_.report.detached);
-}
-
-TEST_F(Actuator, AnotherCommandThatWaitsForATearDownIsRefused) {
-  SetUpIt();
-  Do(Command(1, "TearDown"));
-  Do(Command(2, "LowPower"));
-  const std::vector<Answer> answers = AnswersIn(Do(CallbackEnded{}));
-  ASSERT_THAT(answers, SizeIs(2));
-  EXPECT_EQ(answers[0].verdict, Verdict::kDone);
-  EXPECT_EQ(answers[1].verdict, Verdict::kRefused);
-  EXPECT_EQ(core_.report.outcome_number, CommandNumber(1));
 }
 
 // It waits behind a callback while the process is silent for a moment; the probe only checks that

@@ -11,6 +11,10 @@
 #include <vector>
 
 #include "musher/base/unique_fd.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/test/support/domain.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/service.hpp"
 
 namespace musher::transport::linux_event_loop_test {
 
@@ -74,6 +78,25 @@ TEST_F(LinuxLoopDeathTest, EndsTheProgramWhenAnotherThreadUsesItWhileItRuns) {
       {
         std::thread other;
         loop_.Post([&] { other = std::thread([&] { (void)loop_.At(Time::max(), [] {}); }); });
+        RunUntil([] { return false; });
+      },
+      "called on another thread than the loop's");
+}
+
+// A service's reply may be kept and given later, but on the loop only.
+TEST_F(LinuxLoopDeathTest, EndsTheProgramWhenAnotherThreadReplies) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        DdsOptions options;
+        options.domain_id = TestDomain();
+        const auto node = MakeDdsNode(loop_, options).value();
+        std::thread other;
+        const auto server = MakeServer<msg::Trigger>(*node, "reset", [&](const auto&, auto reply) {
+                              other = std::thread([reply] { reply({true, "done"}); });
+                            }).value();
+        const auto client = MakeClient<msg::Trigger>(*node, "reset").value();
+        client->Call({}, std::chrono::seconds(10), [](const auto&) {});
         RunUntil([] { return false; });
       },
       "called on another thread than the loop's");

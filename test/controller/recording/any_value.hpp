@@ -66,9 +66,17 @@ template <class T>
 void MakeAny(std::optional<T>& value) {
   if (*rc::gen::arbitrary<bool>()) MakeAny(value.emplace());
 }
+template <class T, class AnyField>
+void MakeAnyOf(T& value, const AnyField& field) {
+  MakeAny(value.*field.member);
+}
+template <class T, class M, std::size_t kFlags>
+void MakeAnyOf(T& value, const Flags<T, M, kFlags>& flags) {
+  value.*flags.member = static_cast<M>(*rc::gen::inRange<std::size_t>(0, kFlags + 1));
+}
 template <Struct T>
 void MakeAny(T& value) {
-  std::apply([&](const auto&... fields) { (MakeAny(value.*fields.member), ...); }, kFields<T>);
+  std::apply([&](const auto&... fields) { (MakeAnyOf(value, fields), ...); }, kFields<T>);
 }
 
 // An event of any kind.

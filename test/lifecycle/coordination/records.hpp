@@ -40,6 +40,9 @@ template <class Said, class What>
 bool Says(const Said& said, const What& what) {
   if constexpr (std::is_same_v<What, EventName>) {
     return said.event == what;
+  } else if constexpr (requires { said.arguments; }) {
+    return said.event == what.event && said.message == what.message &&
+           said.arguments == what.arguments;
   } else {
     return said.event == what.event && said.message == what.message;
   }
