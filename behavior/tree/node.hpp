@@ -108,7 +108,7 @@ class Node {
   [[noreturn]] void FailIdle() const;
   [[noreturn]] void Fail(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
-  std::optional<Status> AskHook(Tick& tick);
+  std::optional<Status> CallHook(Tick& tick);
   Status End(Status status, Tick& tick);
   void Halt(Tick& tick);
   void NoteFault(const char* what, Tick& tick) const;

@@ -42,7 +42,7 @@ class ControllerPresence {
   Time MayStartProcessesAt();
   // Another controller whose heartbeat was received, if any.
   struct Rival {
-    std::string who;  // "process 4711 of this host"
+    std::string process;  // "process 4711 of this host"
     Epoch epoch = 0;
     std::string machine;  // its name
   };
