@@ -144,7 +144,7 @@ class Skill {
   // Saves and restores members that another process needs to continue. See fsm/archive.hpp.
   virtual void Persist(fsm::Archive& archive);
 
-  // Of a skill that runs skills: their runs, and their charts in the picture of its own.
+  // Runs of the skills that this skill runs, and their charts in the picture of its own.
   virtual std::vector<Run*> inside();
   virtual void Draw(fsm::Chart& chart) const;
 };

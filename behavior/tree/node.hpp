@@ -174,7 +174,7 @@ class Decorator : public Node {
 class Control : public Node {
  public:
   const std::vector<Node*>& children() const { return children_; }
-  // Of each child, in their order: its attribute `name`, or else the name of its class.
+  // Names of the children, in their order: the attribute `name`, or else the name of the class.
   const std::vector<std::string>& child_names() const { return child_names_; }
 
  protected:

@@ -82,7 +82,7 @@ class OutPort {
   Entry* entry_ = nullptr;
 };
 
-// Of the same entry: read, then written.
+// A port that reads an entry, then writes it.
 template <class T>
 class InOutPort : public InPort<T> {
  public:

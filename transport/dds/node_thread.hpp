@@ -27,7 +27,7 @@ class NodeThread {
   // actuator that shares this thread. From any thread but the loop's; it goes on the loop.
   Result<std::unique_ptr<Node>> MakeNode(const std::string& name_space, const std::string& name);
 
-  // To be used on the loop only, except for Post().
+  // Accessors for the loop only, except for EventLoop::Post().
   Node& node() { return *node_; }
   EventLoop& loop() { return loop_; }
   const std::optional<Credentials>& credentials() const { return options_.credentials; }
