@@ -20,6 +20,8 @@
 //
 // A derived class that overrides Decide() decides more; its function has to call this class's
 // function.
+//
+// Threads: those of the outer machine, one at a time.
 
 #include <exception>
 #include <memory>

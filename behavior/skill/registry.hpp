@@ -8,6 +8,8 @@
 //
 // A config file (toml/skills_toml.hpp): registry.Configure(config), and registry.Of(config,
 // "cf2x") for its skills.
+//
+// Threads: one at a time.
 
 #include <cstdint>
 #include <functional>

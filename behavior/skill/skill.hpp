@@ -28,6 +28,8 @@
 //
 // An exception fails the skill. A cancellation is seen in every state: in the next step Cancel() is
 // called instead of Step(). From then on the run cannot succeed any more.
+//
+// Threads: those of its run, one at a time.
 
 #include <functional>
 #include <string>

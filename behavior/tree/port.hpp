@@ -5,6 +5,8 @@
 //
 // A read or a write through a port that can not be done throws PortError; the tree reports it with
 // the path of the node.
+//
+// Threads: one at a time, like the tree.
 
 #include <optional>
 #include <stdexcept>

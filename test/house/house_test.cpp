@@ -188,6 +188,10 @@ TEST(House, TheReferenceOfPythonHasEveryPublicName) {
   EXPECT_THAT(PythonNamesOutsideTheReference(File("docs/api/python.md"), Tree()), IsEmpty());
 }
 
+TEST(House, EveryHeaderOfTheReferenceStatesItsThreads) {
+  EXPECT_THAT(HeadersWithoutThreads(Tree()), IsEmpty());
+}
+
 TEST(House, EveryPageIsInTheContentsOfTheSite) {
   EXPECT_THAT(PagesOutsideTheContents(Tree()), IsEmpty());
 }
