@@ -20,7 +20,7 @@ namespace musher {
 
 class FsMachine {
  public:
-  // To be called once, now or later, with the actuator's state then and the command's code.
+  // OnCommand calls it once, now or later, with the actuator's state then and the command's code.
   using Reply = std::function<void(const State& state, std::int32_t code)>;
   using OnCommand = std::function<void(const State& target, Reply reply)>;
 

@@ -123,7 +123,7 @@ class MachineActuator {
   //   - In each thread of your own, for example the robot's control cycle: watched from its first
   //     checkpoint until the next state callback begins, or Checkpoint(kNoMore), needed before the
   //     thread ends. Its first one after that callback watches it again: callbacks may stop it.
-  // From any thread; costs less than a microsecond.
+  // Callable from any thread; costs less than a microsecond.
   static constexpr std::chrono::nanoseconds kNoMore = std::chrono::nanoseconds::max();
   void Checkpoint(std::chrono::nanoseconds allowance = std::chrono::nanoseconds(0));
 

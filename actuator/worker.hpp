@@ -19,7 +19,7 @@ class Worker {
   virtual ~Worker() = default;
 
   // Runs `work`, then `done` with its result. One at a time: call Run() again only after `done`.
-  // From the loop thread; `done` runs on any thread.
+  // Loop thread only; `done` runs on any thread.
   virtual void Run(Work work, Done done) = 0;
 };
 

@@ -107,7 +107,7 @@ class FsmActuator : public MachineActuator {
   // the switch to Active with its text, after OnPause().
   virtual void OnResume() {}
 
-  // From SetUp on. On the loop only.
+  // The state machine; available from SetUp on. On the loop only.
   fsm::Machine& machine();
   // Sends a command to the machine: called by <actuator>/send_command, and by handlers of topics.
   // Fails when the machine is paused, so that no command is executed hours later, and when

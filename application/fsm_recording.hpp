@@ -23,7 +23,7 @@ class FsmRecording {
  public:
   using Log = std::function<void(const std::string&)>;
 
-  // From the start of `machine` on, which is built, is not started, and outlives it. `key`: that of
+  // Records `machine`, built, not started and outliving it, from its start on. `key`: that of
   // the file in the application's config, for the Error when it cannot be written to.
   static Result<std::unique_ptr<FsmRecording>> Open(fsm::Machine& machine, const std::string& file,
                                                     std::string_view key, Log log);

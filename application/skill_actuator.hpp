@@ -84,7 +84,7 @@ class SkillActuator : public MachineActuator {
   // be idempotent. An exception is logged.
   virtual void OnPause() {}
 
-  // From SetUp on. On the loop only. Skills may also be started here; those have no goal.
+  // The skills; available from SetUp on. On the loop only. Skills started here have no goal.
   skill::Manager& manager();
   // Whether skills are stepped now. On the loop only.
   bool stepping() const;

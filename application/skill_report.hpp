@@ -1,5 +1,5 @@
 #pragma once
-// The skills of an actuator as messages: what it offers, and how a run is getting on. Plain
+// The skills of an actuator as messages: what it offers, and the progress of a run. Plain
 // functions, no IO; stamps are added by the caller.
 
 #include <string>

@@ -17,7 +17,7 @@ class TreeTime {
   void Continue(Time now);
   void Pause() { counts_ = false; }
 
-  // Of a time of the clock. One that is longer ago than kMostSpans pauses is that pause's.
+  // Tree time of a time of the clock. One before the last kMostSpans pauses is that of the oldest.
   Duration At(Time when) const;
   Duration Now() const { return At(last_); }
   Time last() const { return last_; }  // of the last tick

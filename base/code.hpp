@@ -1,6 +1,8 @@
 #pragma once
 // CyberDog's error codes: success is 0, every other code is a module's base plus a key of 1 to 99.
 // Keys 0 to 20 mean the same for every module, 21 to 99 belong to the module.
+//
+// Threads: any.
 
 #include <cstdint>
 #include <string>

@@ -10,6 +10,8 @@
 // it for the processes that it starts.
 //
 //   2026-03-01 13:00:05.250 gripper: warning: the jaw is at 71 °C
+//
+// Threads: any.
 
 #include <optional>
 #include <string>
@@ -35,8 +37,7 @@ std::string LogLine(LogLevel level, std::string_view name, std::string_view text
 // is reported and counts as info.
 LogLevel LowestLogLevel();
 
-// Writes the line of the program or actuator `name` in one piece, if its level is written. From any
-// thread.
+// Writes the line of the program or actuator `name` in one piece, if its level is written.
 void WriteLog(LogLevel level, std::string_view name, std::string_view text);
 
 }  // namespace musher

@@ -3,6 +3,8 @@
 //   MUSHER_CHECK a bug in Musher itself; the program stops where it happened (check.hpp).
 //   Result       an expected failure (a refusal, a missing file, a lost peer).
 //   Diagnostic   an error in a file that a person wrote, with line and column (diagnostic.hpp).
+//
+// Threads: any; one Result is for one thread at a time.
 
 #include <cstdint>
 #include <string>

@@ -318,11 +318,11 @@ void Controller::Begin() {
   if (const auto& rival = shell_->rival()) {
     if (!options_.takeover) {
       return shell_->Refuse({kCodeTargetBusy, "another controller already leads this machine: " +
-                                                  rival->who + "; --takeover replaces it"});
+                                                  rival->process + "; --takeover replaces it"});
     }
     if (rival->machine != config_.name) {
       return shell_->Refuse(
-          {kCodePermissionDenied, rival->who + " leads another machine, " + rival->machine +
+          {kCodePermissionDenied, rival->process + " leads another machine, " + rival->machine +
                                       ", in the namespace and domain of this one, " + config_.name +
                                       "; --takeover does not replace it"});
     }

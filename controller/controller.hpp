@@ -44,7 +44,7 @@ struct ControllerOptions {
 
 // With this signal a controller that takes over a machine makes the previous one release control.
 // A process that does not exit within a second (it hangs or ignores the signal) is killed.
-inline constexpr int kLetGoSignal = SIGUSR1;
+inline constexpr int kReleaseControlSignal = SIGUSR1;
 
 class Controller {
  public:

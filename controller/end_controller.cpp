@@ -19,7 +19,7 @@
 namespace musher {
 namespace {
 
-constexpr int kLetGoTimeoutMs = 1000;
+constexpr int kReleaseTimeoutMs = 1000;
 constexpr int kEndTimeoutMs = 5000;
 
 // SIGKILL is pending, or the process has begun to exit.
@@ -56,7 +56,7 @@ bool AwaitKilled(pid_t pid) {
 }
 
 Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
-  const std::string who = "the previous controller (pid " + std::to_string(pid) + ")";
+  const std::string previous = "the previous controller (pid " + std::to_string(pid) + ")";
   auto process = OpenPidfd(pid);
   if (!process) return Ok();  // it has exited meanwhile
   if (auto proven = is_it(); !proven) return proven;
@@ -64,11 +64,11 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
   const auto send = [&](int signal) {
     return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
   };
-  if (!send(kLetGoSignal)) return SystemError("can't end " + who);
-  if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
-  if (!send(SIGKILL)) return SystemError("can't end " + who);
+  if (!send(kReleaseControlSignal)) return SystemError("can't end " + previous);
+  if (poll(&ended, 1, kReleaseTimeoutMs) == 1) return Ok();
+  if (!send(SIGKILL)) return SystemError("can't end " + previous);
   if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
-  return Error{kCodeTimeout, who + " does not exit, not even after SIGKILL"};
+  return Error{kCodeTimeout, previous + " does not exit, not even after SIGKILL"};
 }
 
 Result<> EndOwnerOf(const std::string& state_dir) {

@@ -13,8 +13,8 @@
 
 namespace musher {
 
-// Sends the previous controller kLetGoSignal, so that it can report why it exits; kills it if it
-// hangs. `is_it` is called once the pidfd is open, to check that `pid` is that controller.
+// Sends the previous controller kReleaseControlSignal, so that it can report why it exits; kills it
+// if it hangs. `is_it` is called once the pidfd is open, to check that `pid` is that controller.
 Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it);
 
 // Ends the controller that holds the folder's lock. The pid in the lock file is not trusted: others

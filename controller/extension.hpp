@@ -2,6 +2,8 @@
 // What another library adds to a controller: links to actuators of a protocol that the controller
 // does not have itself, and services beside Musher's own. The controller knows no such library: a
 // program passes the extensions that it wants (ControllerOptions::extensions).
+//
+// Threads: loop thread only.
 
 #include <functional>
 #include <memory>
@@ -16,7 +18,7 @@ namespace musher {
 
 class ControllerShell;
 
-// The open services of an extension. Threads: loop thread only.
+// The open services of an extension.
 class ExtensionServices {
  public:
   virtual ~ExtensionServices() = default;

@@ -22,7 +22,7 @@ class Announcements {
   Announcements(transport::Endpoints& endpoints, const MachineConfig& config,
                 const Machine& machine);
 
-  // To be called for every record: each change of the machine leaves one.
+  // Call for every record: each change of the machine leaves one.
   void OnRecord(const action::Record& record);
 
  private:

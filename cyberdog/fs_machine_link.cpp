@@ -66,7 +66,7 @@ void FsMachineLink::Inquire(const QueryCommand& query) {
 
 void FsMachineLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
   const bool was_lost = silent_;
-  SignOfLife();
+  NoteContact();
   if (!reply) {
     End(Verdict::kFailed, reply.error().code, reply.error().message);
   } else if (reply.value().code == kCodeOk) {
@@ -82,14 +82,14 @@ void FsMachineLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
 void FsMachineLink::OnHeartbeat() {
   if (!available()) return;
   const bool was_lost = silent_;
-  SignOfLife();
-  if (!watch_) Watch(last_sign_ + kSilence);
+  NoteContact();
+  if (!watch_) Watch(last_contact_ + kSilence);
   if (was_lost) ReportStatus();
 }
 
-void FsMachineLink::SignOfLife() {
-  last_sign_ = Now();
-  if (std::exchange(silent_, false)) Watch(last_sign_ + kSilence);
+void FsMachineLink::NoteContact() {
+  last_contact_ = Now();
+  if (std::exchange(silent_, false)) Watch(last_contact_ + kSilence);
 }
 
 void FsMachineLink::Watch(Time until) {
@@ -98,7 +98,7 @@ void FsMachineLink::Watch(Time until) {
 
 // By the clock, not by counting: a heartbeat only stores the time, and the watch checks it once.
 void FsMachineLink::OnSilence() {
-  Time until = last_sign_ + kSilence;
+  Time until = last_contact_ + kSilence;
   if (pending()) until = std::max(until, pending()->deadline);
   if (Now() < until) return Watch(until);
   watch_ = nullptr;

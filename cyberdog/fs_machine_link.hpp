@@ -41,12 +41,12 @@ class FsMachineLink : public ForeignLink {
 
   void OnReply(const Result<msg::FsMachine::Response>& reply);
   void OnHeartbeat();
-  void SignOfLife();
+  void NoteContact();
   void Watch(Time until);
   void OnSilence();
 
   std::uint64_t call_ = 0;  // the one whose reply counts
-  Time last_sign_{};
+  Time last_contact_{};
   bool silent_ = false;             // lost, because its heartbeats have stopped
   transport::LoopHandlePtr watch_;  // none: no heartbeat yet, or lost
   std::unique_ptr<transport::Client<msg::FsMachine>> client_;

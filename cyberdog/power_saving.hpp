@@ -31,7 +31,7 @@ class PowerSaving {
   // Both must outlive it.
   PowerSaving(transport::Endpoints& endpoints, ControllerShell& shell);
 
-  // To be called for every record: each change of the machine leaves one.
+  // Call for every record: each change of the machine leaves one.
   void OnRecord() { Look(); }
 
   // Runs `then` once the board has left low power, at once if it is not on; with an Error if it

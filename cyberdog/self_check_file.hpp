@@ -26,7 +26,7 @@ class SelfCheckFile {
                 SaveText save)
       : loop_(loop), config_(config), machine_(machine), save_(std::move(save)) {}
 
-  // To be called for every record. Saves once, when the start has ended; not for a controller that
+  // Call for every record. Saves once, when start-up is complete; not for a controller that
   // adopts a running machine, since it has checked nothing.
   void OnRecord();
 

@@ -26,7 +26,7 @@ class Speaker {
   static Result<std::unique_ptr<Speaker>> Make(transport::Endpoints& endpoints,
                                                ControllerShell& shell);
 
-  // To be called for every record of the shell.
+  // Call for every record of the shell.
   void OnRecord(const action::Record& record);
 
  private:

@@ -123,7 +123,7 @@ enum class EventName {
   kPowerTearDownRefused,
 };
 
-// By value.
+// Names by value of EventName.
 inline constexpr auto kEventNames = std::to_array<std::string_view>({
     "",
     "controller_started",

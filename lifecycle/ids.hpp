@@ -58,24 +58,24 @@ std::string ToString(StrongNumber<Kind> number) {
   return std::to_string(number.value());
 }
 
-// Of a controller that leads: the next one has a higher epoch.
+// Number of a leading controller: the next one has a higher epoch.
 using Epoch = StrongNumber<struct EpochKind>;
-// Of a switch, and of a command to an actuator: they grow together in an epoch. 0: none.
+// Number of a switch or of a command to an actuator: both grow together in an epoch. 0: none.
 using CommandNumber = StrongNumber<struct CommandKind>;
-// Of an actuator's process: grows with every start on a host. 0: not known.
+// Number of an actuator's process: grows with every start on a host. 0: not known.
 using Incarnation = StrongNumber<struct IncarnationKind>;
-// Of a record, grows from 1 in a controller; as a cause, the record that another follows from. 0:
+// Number of a record, from 1 in a controller; as a cause, the record that another follows from. 0:
 // none.
 using RecordId = StrongNumber<struct RecordKind>;
-// Of a request to the controller, which gets exactly one reply; its shell has the client.
+// Id of a request to the controller, which gets exactly one reply; its shell has the client.
 using RequestId = StrongNumber<struct RequestKind>;
-// Of a request to an actuator, which gets exactly one reply; its shell has the client.
+// Id of a request to an actuator, which gets exactly one reply; its shell has the client.
 using RequestToken = StrongNumber<struct TokenKind>;
 // The participant that sent a sample, as the transport reports it. 0: unknown.
 using Sender = StrongNumber<struct SenderKind>;
-// Of an emergency stop: random, from the participant that engaged it. 0: none.
+// Id of an emergency stop: random, from the participant that engaged it. 0: none.
 using StopId = StrongNumber<struct StopKind>;
-// Of a save on disk, grows from 1 in a controller.
+// Number of a save on disk, grows from 1 in a controller.
 using SaveNumber = StrongNumber<struct SaveKind>;
 // Which actuator, in the order of the config; indexes a PerActuator.
 using ActuatorIndex = StrongNumber<struct ActuatorKind>;

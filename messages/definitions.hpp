@@ -22,10 +22,10 @@ struct MessageDefinition {
   std::size_t appended = 0;  // so many of its last fields an older peer does not send
 };
 
-// Of every type in the IDL, sorted by dds_type.
+// Definitions of every type in the IDL, sorted by dds_type.
 std::span<const MessageDefinition> Definitions();
 
-// By the name on DDS; null for a type that the IDL does not define.
+// The definition with this name on DDS; null for a type that the IDL does not define.
 const MessageDefinition* FindDefinition(std::string_view dds_type);
 
 }  // namespace musher::msg

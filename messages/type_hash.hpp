@@ -15,7 +15,7 @@ struct TypeHash {
   std::string_view hash;  // "RIHS01_" and 64 hexadecimal digits
 };
 
-// Of every type in the IDL, sorted by type. A service has none of its own on the wire: its
+// Hashes of every type in the IDL, sorted by type. A service has none of its own on the wire: its
 // request and its response are types.
 std::span<const TypeHash> TypeHashes();
 

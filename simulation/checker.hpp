@@ -31,12 +31,12 @@ class Checker {
   // How many checks were made.
   std::uint64_t checks() const { return checks_; }
 
-  // To be called after every event of the network; cheap when no controller took a decision.
+  // Call after every event of the network; cheap when no controller took a decision.
   void AfterEvent();
   // An operator requests a switch from a controller; OnReply() takes the number that it returns.
   std::uint64_t OnRequest(const ControllerProcess& controller, const State& target);
   void OnReply(std::uint64_t request, const SwitchResult& result);
-  // To be called with every record of a controller.
+  // Call with every record of a controller.
   void OnRecord(const action::Record& record);
   // The same as OnRequest() and OnReply(), for requests to the policy.
   std::uint64_t OnPolicyRequest(const ControllerProcess& controller,

@@ -29,7 +29,7 @@ struct Disk {
   std::vector<RemoteActuator> remote;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
-  // By actuator; also the processes that could not be saved, which are found by their mark.
+  // Processes by actuator; also those that could not be saved, which are found by their mark.
   std::map<std::string, ChildProcess> children;
   std::map<std::string, std::string> files;  // small text files, by name
   bool full = false;                         // every write fails

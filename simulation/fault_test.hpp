@@ -34,7 +34,7 @@ class FaultTest {
   std::optional<FaultTestFailure> Find(std::uint64_t first, std::uint64_t count);
   // Runs one scenario; nothing: it passed. Fails when it has no injected event of that number.
   Result<std::optional<FaultTestFailure>> Run(const ScenarioId& id);
-  // Of the last scenario, as text.
+  // Timeline of the last scenario, as text.
   const std::string& timeline() const { return timeline_; }
   const FaultTestCounts& counts() const { return counts_; }
 

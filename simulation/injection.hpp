@@ -50,7 +50,7 @@ enum class InjectionKind : std::uint8_t {
   kOta,             // an application enters OTA, or leaves it
   kLowPowerSwitch,  // an operator switches automatic LowPower on or off
   kPowerOff,        // an operator presses the power button
-  // Of hosts.
+  // Faults of hosts.
   kReboot,         // a host reboots: its processes end, its clock is reset
   kHostPartition,  // the link between two hosts is cut; lasts
   kHostOneWay,     // the link from one host to another is cut; lasts
@@ -91,7 +91,7 @@ Injections SampleInjections(const MachineConfig& config, std::uint64_t seed);
 // "the process of audio is killed"
 std::string Describe(const MachineConfig& config, const Injection& injection);
 
-// Of kBattery: the percentage, and whether the battery is charging.
+// Percentage of kBattery, and whether the battery is charging.
 int BatteryOf(const Injection& injection);
 bool ChargesIn(const Injection& injection);
 

@@ -11,7 +11,7 @@
 namespace musher::simulation {
 
 enum class Invariant : std::uint8_t {
-  // Of the middleware.
+  // Invariants of the middleware.
   kNoUnrequestedActivation,    // no fault makes an actuator or the machine more active
   kDoneIsComplete,             // "done": each actuator reached the target or is listed as degraded
   kNoStaleCommand,             // no command is executed late, twice, or of a superseded controller
@@ -33,7 +33,7 @@ enum class Invariant : std::uint8_t {
   kOnlyLeaderReplies,          // only the leading controller replies to clients
   kClientGetsOutcome,          // a client gets an outcome, or that there is none, within a bound
   kOnlyOwnProcessesSignalled,  // a signalled process is a child, or holds the actuator's name
-  // Of the policy.
+  // Invariants of the policy.
   kWithinBattery,          // no actuator is more active than the battery permits
   kNoFlapping,             // the battery raises only what it lowered, beyond its hysteresis
   kPolicyNeverSupersedes,  // the policy supersedes no switch

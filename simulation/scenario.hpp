@@ -61,7 +61,7 @@ class Scenario {
   // Ends the scenario after the current event.
   void EndNow() { end_now_ = true; }
 
-  // To be called once.
+  // Call once.
   Ending Run();
 
   // Observes the run. Set before Run().

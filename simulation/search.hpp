@@ -36,7 +36,7 @@ struct Summary {
 
   bool good() const;
   void Add(std::uint64_t seed, const Ending& ending);
-  // To be called when all are added.
+  // Call when all are added.
   void Sort();
 };
 

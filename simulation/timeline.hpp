@@ -17,7 +17,7 @@ class Timeline {
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  // To be called after the run.
+  // Call after the run.
   void End(const Ending& ending);
 
   enum class Source : std::uint8_t { kInjection, kOperator, kController, kActuator, kChecker };

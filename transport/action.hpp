@@ -172,8 +172,8 @@ class ActionClient {
   std::size_t goals() const { return raw_->goals(); }
 
   // Sends a goal at once if a server is matched, else as soon as one is. Without a reply within
-  // `timeout` the goal is lost; should the server accept it all the same, it is told to cancel it.
-  // Dropping the client drops the callbacks; its goals go on.
+  // `timeout` the goal is lost; should the server accept it all the same, the client cancels it
+  // there. Dropping the client drops the callbacks; its goals go on.
   GoalId SendGoal(const typename A::Goal& goal, Duration timeout, GoalEvents<A> events) {
     const msg::RequestId id = raw_->NextId();
     typename A::SendGoal::Request request;

@@ -99,7 +99,7 @@ class ActionGoals {
   GoalState StateOf(const GoalId& id) const;
   msg::GoalInfo InfoOf(const GoalId& id) const;  // of a known goal
 
-  // By the rules of ROS 2: an id, a stamp, both or neither (action_msgs/cancel_goal.idl). A goal
+  // Choice by ROS 2's rules: an id, a stamp, both or neither (action_msgs/cancel_goal.idl). A goal
   // that is cancelled already is in the reply once more, so that a request may be repeated.
   CancelChoice ChooseCancelled(const msg::GoalInfo& request) const;
 

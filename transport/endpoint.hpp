@@ -1,6 +1,8 @@
 #pragma once
 // The interface of a transport: untyped writers and readers of samples. node.hpp and service.hpp
 // build typed publishers, subscriptions, clients and servers on them, once for every transport.
+//
+// Threads: loop thread only, callbacks too.
 
 #include <cstddef>
 #include <cstdint>

@@ -45,7 +45,7 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
 ActuatorReport FromMessage(const msg::ActuatorStatus& status);
 
 std::uint8_t ToMessage(Verdict verdict);
-// Of a work thread: well, starved or hung.
+// Health of a work thread: well, starved or hung.
 std::uint8_t ToMessage(Health work);
 Health WorkFrom(std::uint8_t work);  // an unknown value counts as kWell
 

@@ -13,7 +13,7 @@ namespace musher::program {
 
 class EndSignals {
  public:
-  // From now on both signals wait for Watch().
+  // Both signals wait for Watch() from now on.
   EndSignals();
   ~EndSignals();  // they end the process again
   EndSignals(const EndSignals&) = delete;

@@ -33,7 +33,7 @@ struct Options {
 // --help.
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run);
 
-// From now on RunToEnd() only checks the state config: 0, or kUsageError.
+// RunToEnd() only checks the state config from now on: 0, or kUsageError.
 void OnlyCheck();
 
 // Starts the actuator and waits for its end; returns the exit code. Prints errors on stderr.

@@ -79,7 +79,7 @@ class Server {
       }
       last_request_ = Clock::now();
       const Parts request = Receive();
-      Send(replies_.get(), AskLoop(request));
+      Send(replies_.get(), ReplyOnLoop(request));
     }
   }
 
@@ -109,7 +109,7 @@ class Server {
     return parts;
   }
 
-  Parts AskLoop(const Parts& request) {
+  Parts ReplyOnLoop(const Parts& request) {
     const auto promise = std::make_shared<std::promise<Parts>>();
     std::future<Parts> reply = promise->get_future();
     loop_.Post([promise, request, weak = std::weak_ptr<Session>(session_)] {

@@ -43,7 +43,7 @@ class Session {
   Session(std::function<TreeView()> view, const tree::Factory& factory, Options options);
 
   Parts Reply(const Parts& request);
-  // The last client is gone: no node stays held, as no client could release it.
+  // The last client is lost: no node stays held, as no client could release it.
   void Forget();
 
  private:

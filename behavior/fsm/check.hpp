@@ -11,6 +11,8 @@
 //   unreachable     only Force() reaches it
 //   a safe state without a transition out: only Force() or Reset() leaves it
 //   a transition that is declared twice, with the same text
+//
+// Threads: any, while no other thread changes the chart.
 
 #include <string>
 #include <vector>

@@ -1,6 +1,8 @@
 #pragma once
 // The callbacks of a machine to its listeners. A listener cannot break the machine: its exceptions
 // are caught and counted, and the only change it can make is to send a command.
+//
+// Threads: the machine calls its listeners on the thread that calls the machine.
 
 #include <cstdint>
 #include <string>

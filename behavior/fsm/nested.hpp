@@ -18,8 +18,10 @@
 // machine is a fault of the outer state, reported with the path ("PHOTO/CONFIRM"). Once the inner
 // machine is in a final state, the outer one goes to `finished` in the next tick.
 //
-// To decide more, derive and override Decide(); an overriding function has to call this class's
+// A derived class that overrides Decide() decides more; its function has to call this class's
 // function.
+//
+// Threads: those of the outer machine, one at a time.
 
 #include <exception>
 #include <memory>

@@ -8,6 +8,8 @@
 //
 // A machine whose states depend only on their tick, their own data and the inputs recorded with
 // Input() makes the same changes again, at any speed.
+//
+// Threads: ReadRecording() any; Replay() one at a time, like the machine and its `apply`.
 
 #include <cstdint>
 #include <functional>

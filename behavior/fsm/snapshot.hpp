@@ -1,6 +1,8 @@
 #pragma once
 // The state of a machine between two ticks, by names: enough for another machine, built alike, to
 // continue identically. A value; toml/snapshot_toml.hpp has it as a text.
+//
+// Threads: any; one snapshot is for one thread at a time.
 
 #include <cstdint>
 #include <optional>

@@ -25,6 +25,8 @@
 //
 // All of them return at once: they do not sleep, wait, read a clock or lock. The tick has the time.
 // An exception leads to the safe state and is reported with the state and the function.
+//
+// Threads: the machine calls its states on the thread that calls the machine.
 
 #include <memory>
 #include <optional>

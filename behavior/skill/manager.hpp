@@ -31,7 +31,7 @@ struct ManagerSnapshot;  // snapshot.hpp
 
 class Manager {
  public:
-  // Of the same name the first entry counts.
+  // The first of several entries with the same name counts.
   explicit Manager(std::vector<Entry> entries);
   ~Manager();  // ends nothing
   Manager(const Manager&) = delete;

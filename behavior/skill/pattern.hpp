@@ -13,6 +13,8 @@
 //
 // A function that is not overridden is done at once, which takes a step. Parameters and limits are
 // declared in Describe(), where the states exist: table.SetLimit("PREPARING", 15 s).
+//
+// Threads: those of its run, one at a time.
 
 #include <string>
 

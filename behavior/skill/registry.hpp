@@ -6,8 +6,10 @@
 //   registry.Add("beep", [] { return std::make_unique<skill::StepFunction>(…); });
 //   skill::Manager manager(registry.All());
 //
-// By a config file (toml/skills_toml.hpp): registry.Configure(config), and registry.Of(config,
+// A config file (toml/skills_toml.hpp): registry.Configure(config), and registry.Of(config,
 // "cf2x") for its skills.
+//
+// Threads: one at a time.
 
 #include <cstdint>
 #include <functional>
@@ -31,7 +33,7 @@ struct Entry {
   Settings settings{};
 };
 
-// Of the skills of a composition; see compose.hpp.
+// Execution order of the skills of a composition; see compose.hpp.
 enum class Order : std::uint8_t { kInOrder, kParallel, kFirstToFinish };
 
 struct Part {

@@ -28,6 +28,8 @@
 //
 // An exception fails the skill. A cancellation is seen in every state: in the next step Cancel() is
 // called instead of Step(). From then on the run cannot succeed any more.
+//
+// Threads: those of its run, one at a time.
 
 #include <functional>
 #include <string>
@@ -144,7 +146,7 @@ class Skill {
   // Saves and restores members that another process needs to continue. See fsm/archive.hpp.
   virtual void Persist(fsm::Archive& archive);
 
-  // Of a skill that runs skills: their runs, and their charts in the picture of its own.
+  // Runs of the skills that this skill runs, and their charts in the picture of its own.
   virtual std::vector<Run*> inside();
   virtual void Draw(fsm::Chart& chart) const;
 };

@@ -128,7 +128,7 @@ class Table {
   Result<Values> Parse(const std::vector<std::pair<std::string, std::string>>& given) const;
 
  private:
-  // By its name or by one that it also has.
+  // The parameter with this name or alias; null: there is none.
   const Parameter* FindParameter(std::string_view name) const;
   std::string UnknownParameter(std::string_view name) const;
   void AddParameter(Parameter parameter);

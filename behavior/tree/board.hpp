@@ -18,7 +18,7 @@ namespace musher::tree {
 
 struct Entry {
   std::string key;
-  // Of the ports that use it. Null: any; also where ports with two types do, one of them a text.
+  // Type of the ports that use it. Null: any, or ports with two types use it, one of them a text.
   const Type* type = nullptr;
   Value value{};
   std::uint64_t sequence = 0;  // how many times it was set
@@ -37,7 +37,7 @@ class Board {
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
 
-  // Of a subtree. With `autoremap`, a key that does not begin with '_' is the parent's.
+  // Board of a subtree. With `autoremap`, a key that does not begin with '_' is the parent's.
   Board(Board& parent, bool autoremap) : parent_(&parent), autoremap_(autoremap) {}
 
   // The entry of a key, which is made where it is missing. "@key" is a key of the main tree.

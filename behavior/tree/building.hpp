@@ -25,13 +25,13 @@ class Building {
     found_.emplace_back(place, severity, std::move(message));
   }
   bool failed() const;
-  // By place, each once.
+  // The diagnostics by place, each once.
   std::vector<Diagnostic> Take() &&;
   const std::vector<std::string>& used() const { return used_; }  // ids of trees
 
   void ReportScript(const Attribute& attribute, const Script::Finding& finding);
 
-  // Of the present node, for Setup.
+  // Connection of a port of the present node, for Setup.
   Setup::Connection Connect(const Element& element, Board& board, const PortModel& model);
   void MarkUsed(const Attribute& attribute) { used_attributes_.push_back(&attribute); }
 

@@ -6,6 +6,8 @@
 //   factory.AddEnum("RED", 1);
 //
 // Arguments that are variables are passed by reference, and must outlive the trees.
+//
+// Threads: one at a time, like the trees that it builds.
 
 #include <functional>
 #include <map>

@@ -39,7 +39,8 @@ class Hooks {
   explicit Hooks(std::function<void(NodeId)> on_reached = {})
       : on_reached_(std::move(on_reached)) {}
 
-  // Adds it, or changes the one of the same node. One that is no breakpoint any more lets go.
+  // Adds it, or changes the one of the same node. One that is no breakpoint any more releases its
+  // node.
   void Set(const Hook& hook);
   // False: there is none.
   bool Remove(NodeId node) { return hooks_.erase(node) > 0; }

@@ -40,7 +40,7 @@ Status Node::ExecuteSpecially(Tick& tick) {
     }
   }
   if (tick.hooks != nullptr) {
-    if (const auto instead = AskHook(tick)) {
+    if (const auto instead = CallHook(tick)) {
       return *instead == Status::kRunning ? *instead : End(*instead, tick);
     }
   }
@@ -60,7 +60,7 @@ Status Node::End(Status status, Tick& tick) {
 }
 
 // RUNNING: it is held, and stays as it is; SUCCESS, FAILURE: instead of its tick.
-std::optional<Status> Node::AskHook(Tick& tick) {
+std::optional<Status> Node::CallHook(Tick& tick) {
   const Status instead = tick.hooks->Before(id_, running());
   if (instead == Status::kSkipped) return std::nullopt;
   if (IsCompleted(instead) && running()) Halt(tick);

@@ -108,7 +108,7 @@ class Node {
   [[noreturn]] void FailIdle() const;
   [[noreturn]] void Fail(const char* what, Tick& tick);
   Status ExecuteSpecially(Tick& tick);
-  std::optional<Status> AskHook(Tick& tick);
+  std::optional<Status> CallHook(Tick& tick);
   Status End(Status status, Tick& tick);
   void Halt(Tick& tick);
   void NoteFault(const char* what, Tick& tick) const;
@@ -174,7 +174,7 @@ class Decorator : public Node {
 class Control : public Node {
  public:
   const std::vector<Node*>& children() const { return children_; }
-  // Of each child, in their order: its attribute `name`, or else the name of its class.
+  // Names of the children, in their order: the attribute `name`, or else the name of the class.
   const std::vector<std::string>& child_names() const { return child_names_; }
 
  protected:

@@ -5,6 +5,8 @@
 //
 // A read or a write through a port that can not be done throws PortError; the tree reports it with
 // the path of the node.
+//
+// Threads: one at a time, like the tree.
 
 #include <optional>
 #include <stdexcept>
@@ -82,7 +84,7 @@ class OutPort {
   Entry* entry_ = nullptr;
 };
 
-// Of the same entry: read, then written.
+// A port that reads an entry, then writes it.
 template <class T>
 class InOutPort : public InPort<T> {
  public:

@@ -30,19 +30,19 @@ struct RecordedEvent {
   Kind kind = Kind::kChange;
   Duration at{};  // tree time
   Change change;  // of kIs and kChange; its time is kRecordedOrigin + at
-  // Of kSet.
+  // Fields of kSet.
   std::string board;
   std::string key;
   std::string type;
   std::string text;  // the value; of kFault the fault
-  // Of kState.
+  // Fields of kState.
   bool ticking = false;
   Status result = Status::kIdle;
   std::uint64_t wall_us = 0;
   std::uint64_t lines = 0;  // of kLost
 };
 
-// From when the tree was loaded, or the file began, to when another one was.
+// The section of a file from the load of a tree, or the file's begin, to the load of another one.
 struct RecordedTree {
   std::uint32_t revision = 0;
   std::string name;

@@ -45,7 +45,7 @@ class Operand {
 
   bool is_number() const { return kind_ == Kind::kNumber; }
   bool is_text() const { return kind_ == Kind::kText; }
-  // Of its kind only.
+  // Value of its kind only.
   double number() const { return number_; }
   std::string_view text() const { return {text_, size_}; }
   const Value& other() const { return *other_; }

@@ -36,7 +36,7 @@ class Building;
 
 class Setup {
  public:
-  // Of a tree; without `building`, only to learn the ports.
+  // Set-up of a tree's node; without `building`, only to learn the ports.
   Setup(Building* building, const Element& element, Board& board, const Enums& enums);
   Setup(const Setup&) = delete;
   Setup& operator=(const Setup&) = delete;

@@ -34,7 +34,7 @@ class ChangeListener {
   virtual void OnChange(const Change& change) = 0;
 };
 
-// Of one node, since the tree was built.
+// Counts of one node, since the tree was built.
 struct NodeRuns {
   std::uint32_t starts = 0;
   Duration spent{};             // in RUNNING, without the present time

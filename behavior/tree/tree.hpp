@@ -85,9 +85,9 @@ class Tree {
   void Listen(const std::shared_ptr<ChangeListener>& listener) { trace_.Listen(listener); }
   void Attach(const std::shared_ptr<Hooks>& hooks);
 
-  // Of the main tree.
+  // Board of the main tree.
   Board& board() { return *boards_.front(); }
-  // Of the subtree that a node belongs to.
+  // Board of the subtree that a node belongs to.
   Board& board(NodeId id) { return *boards_.at(infos_.at(id).board); }
 
  private:

@@ -221,7 +221,7 @@ inline constexpr std::string_view kEventName<event::RivalSeen> = "RivalHeard";
 template <>
 inline constexpr std::tuple kFields<event::RivalSeen> = {
     Field{"epoch", &event::RivalSeen::epoch},
-    Field{"who", &event::RivalSeen::who},
+    Field{"who", &event::RivalSeen::rival},
     Field{"has_precedence", &event::RivalSeen::has_precedence},
 };
 template <>

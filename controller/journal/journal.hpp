@@ -82,7 +82,7 @@ class Journal : public JournalSink {
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  // From any thread.
+  // Callable from any thread.
   void Append(JournalItem item) noexcept override;
   bool WantsSnapshot() noexcept override;
 

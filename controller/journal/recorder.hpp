@@ -17,9 +17,9 @@ class Recorder {
   // The sink must outlive it.
   Recorder(JournalSink& sink, const MachineConfig& config);
 
-  // To be called first, with the text of the machine's config.
+  // Call first, with the text of the machine's config.
   void Begin(std::int64_t wall_ns, std::string config_text);
-  // To be called for each event before its Step(); `before`: the machine before the step.
+  // Call for each event before its Step(); `before`: the machine before the step.
   void Note(std::int64_t wall_ns, const Machine& before, const Event& event, Time now);
 
  private:

@@ -18,8 +18,8 @@
 
 namespace musher {
 
-// Of a call to an actuator. Far longer than every deadline of the decision code, which applies its
-// own timeouts: ends a forgotten call.
+// Timeout of a call to an actuator. Far longer than every deadline of the decision code, which
+// applies its own timeouts: ends a forgotten call.
 inline constexpr Duration kCallTimeout = std::chrono::hours(2);
 
 class ActuatorLink {
@@ -46,7 +46,7 @@ class ActuatorLink {
 using LinkMaker = std::function<Result<std::unique_ptr<ActuatorLink>>(
     transport::Node& node, const MachineConfig& config, ActuatorIndex actuator,
     ActuatorLink::Emit emit)>;
-// Of protocols that the controller does not have itself.
+// Links for protocols that the controller does not have itself.
 using LinkMakers = std::map<Protocol, LinkMaker>;
 
 // The link for `config.actuators[actuator].protocol`. `node` and `config` must outlive it. Fails if

@@ -44,7 +44,7 @@ class Disk {
 
   virtual ~Disk() = default;
 
-  // Of the path itself; does not follow links. A missing path is not an Error.
+  // Kind and size of the path itself; does not follow links. A missing path is not an Error.
   virtual Result<Info> Look(const std::string& path) = 0;
   virtual Result<std::vector<std::string>> List(const std::string& folder) = 0;
   virtual Result<std::string> ReadLink(const std::string& path) = 0;

@@ -42,7 +42,7 @@ struct Flow {
 Flow InstallFlow(bool machine_runs);
 Flow RollbackFlow(bool machine_runs);
 
-// To be called when the first of the steps left has ended.
+// Call when the first of the steps left has ended.
 void Advance(Flow& flow, const Result<>& outcome);
 
 }  // namespace musher::ota

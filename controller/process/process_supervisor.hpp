@@ -52,8 +52,8 @@ class ProcessSupervisor : public ProcessRunner {
   Result<> Adopt(pid_t pid, std::uint64_t start_time, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
 
-  // From now on the orphans of a child, such as a daemon that it started, become children of this
-  // process, and are killed when that child has exited. From then on ReapOrphans() is to be called
+  // Makes this process the parent of the orphans of a child, such as a daemon that it started. They
+  // are killed when that child has exited. From then on ReapOrphans() is to be called
   // on each SIGCHLD.
   void AdoptOrphans();
   void ReapOrphans();

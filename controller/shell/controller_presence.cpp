@@ -119,7 +119,7 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
                                                   : " of host " + heartbeat.host.substr(0, 64)),
             epoch, heartbeat.machine};
   // Only a heartbeat that may change something is an event: others would fill the journal.
-  if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->who, theirs < ours});
+  if (epoch >= epoch_) emit_(event::RivalSeen{epoch, rival_->process, theirs < ours});
 }
 
 void ControllerPresence::Publish(const EmergencyStop& stop, bool engaged) {

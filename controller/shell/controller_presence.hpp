@@ -36,13 +36,13 @@ class ControllerPresence {
   void Announce(Epoch epoch);
   // Publishes the heartbeat once more, for an actuator that may not have received it.
   void Repeat();
-  // From when on this controller may start processes. One that was silent for some time, because
+  // Time from which this controller may start processes. One that was silent for some time, because
   // its process was stopped, must listen first: a controller of another host may have taken over
   // and started them.
   Time MayStartProcessesAt();
   // Another controller whose heartbeat was received, if any.
   struct Rival {
-    std::string who;  // "process 4711 of this host"
+    std::string process;  // "process 4711 of this host"
     Epoch epoch = 0;
     std::string machine;  // its name
   };

@@ -127,12 +127,12 @@ void ControllerShell::Refuse(const Error& why) {
   if (hooks_.on_fenced) hooks_.on_fenced(why.message);
 }
 
-void ControllerShell::ReleaseControl(const std::string& who) {
+void ControllerShell::ReleaseControl(const std::string& rival) {
   if (machine_.phase == Phase::kIdle) {
     return Refuse(
-        {kCodePermissionDenied, "another controller, " + who + ", takes the machine over"});
+        {kCodePermissionDenied, "another controller, " + rival + ", takes the machine over"});
   }
-  Handle(event::RivalSeen{machine_.epoch + 1, who, true});
+  Handle(event::RivalSeen{machine_.epoch + 1, rival, true});
 }
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,

@@ -100,12 +100,12 @@ class ControllerShell {
   // a different config than this controller and than the config with the given hash; empty if
   // there are none.
   std::string RunningWithAnotherConfig(const std::string& hash) const;
-  // To be called instead of Begin(): refuses every caller in this process with `why` and calls
+  // Call instead of Begin(): refuses every caller in this process with `why` and calls
   // on_fenced.
   void Refuse(const Error& why);
-  // Releases control, as if a heartbeat of the leader `who` ("process 4711 of this host") had been
-  // received: this controller is fenced, and on_fenced is called.
-  void ReleaseControl(const std::string& who);
+  // Releases control, as if a heartbeat of the leader `rival` ("process 4711 of this host") had
+  // been received: this controller is fenced, and on_fenced is called.
+  void ReleaseControl(const std::string& rival);
 
   using OnResult = std::function<void(const SwitchResult&)>;
   using OnAnswer = std::function<void(const Result<>&)>;

@@ -15,7 +15,7 @@
 
 namespace musher {
 
-// From its end towards its begin: first the live file, then its compressed parts.
+// Reads a log from its end towards its begin: first the live file, then its compressed parts.
 class LogReader {
  public:
   // Fails if the live file cannot be read.

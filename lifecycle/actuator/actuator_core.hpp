@@ -64,7 +64,7 @@ struct ManagerCommand {
 struct CallbackEnded {
   std::int32_t code = 0;
   std::string message;
-  // Of a self-check that passed although part of the actuator does not work.
+  // Result of a self-check that passed although part of the actuator does not work.
   std::int32_t degraded_code = 0;
   std::string degraded_reason = {};
 };

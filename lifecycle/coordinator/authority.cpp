@@ -13,8 +13,8 @@ void Authority::On(const event::RivalSeen& rival) {
   const bool at_work = machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped &&
                        machine_.phase != Phase::kFenced;
   if (!leads || !at_work) return;
-  const std::string why = "another controller, " + rival.who + ", leads this machine with epoch " +
-                          ToString(rival.epoch);
+  const std::string why = "another controller, " + rival.rival +
+                          ", leads this machine with epoch " + ToString(rival.epoch);
   const Error fenced{kCodePermissionDenied, why};
   const RecordId recorded =
       RecordMachine(fenced.code, texts::ControllerFenced(machine_.epoch, why));
@@ -30,7 +30,7 @@ void Authority::On(const event::RivalSeen& rival) {
     machine_.current.reset();
   }
   if (machine_.stopping) {
-    const SwitchResult result = tear_down_.Conclude(fenced.code, rival.who);
+    const SwitchResult result = tear_down_.Conclude(fenced.code, rival.rival);
     switching_.Answer(machine_.stopping->requests, result);
   }
   for (const RequestId request : std::exchange(machine_.start_up.requests, {})) {

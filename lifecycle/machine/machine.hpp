@@ -7,7 +7,7 @@
 //                         ▼  └ by hand ┘            │
 //                       failed ─────────────────────┘
 //
-// From each of them to fenced, when another controller has taken the machine over.
+// Each of them leads to fenced, when another controller has taken the machine over.
 
 #include <optional>
 #include <string>

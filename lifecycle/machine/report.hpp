@@ -53,7 +53,7 @@ struct ActuatorReport {
   // all works.
   std::int32_t degraded_code = 0;
   std::string degraded_reason;
-  // Of `emergency_stop`, as it was engaged; empty where unknown.
+  // Participant and reason of `emergency_stop`, as it was engaged; empty where unknown.
   std::string emergency_stop_by;
   std::string emergency_stop_reason;
   Time stamp{};  // by the actuator's own clock

@@ -13,7 +13,7 @@
 
 namespace musher {
 
-// Of a switch.
+// Direction of a switch.
 enum class Direction {
   kUp,     // more active: all actuators or none
   kDown,   // less active: as many as can

@@ -1,6 +1,6 @@
 #pragma once
 // Power-off and reboot: TearDown, then the command; when the time expires, the command regardless.
-// By the steady clock, whatever clock the rest of the policy uses.
+// Times are of the steady clock, whatever clock the rest of the policy uses.
 
 #include "musher/lifecycle/step/step_part.hpp"
 

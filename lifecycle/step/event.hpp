@@ -108,7 +108,7 @@ struct RestartRequested {
 // A heartbeat of another controller of this machine was received.
 struct RivalSeen {
   Epoch epoch = 0;
-  std::string who;              // "process 4711 on this host"
+  std::string rival;            // "process 4711 on this host"
   bool has_precedence = false;  // where both have the same epoch
   friend bool operator==(const RivalSeen&, const RivalSeen&) = default;
 };

@@ -4,7 +4,7 @@
 //
 // Where a lane is open at its end, the ends of its two lines show it: see FindSideEnd().
 //
-// A line of the lane's side also crosses the picture where the lane curves. It is told from an end
+// A line of the lane's side also crosses the picture where the lane curves. It differs from an end
 // line by its direction alone: an arc with an outer radius of 2 m turns by 37 degrees within the
 // 1.2 m that are looked at.
 

@@ -23,7 +23,7 @@ class Clearance {
 
   const CellMap& map() const { return map_; }
 
-  // From the centre of a cell of the map to that of the nearest blocked one; infinite if none is.
+  // Distance from a cell's centre to that of the nearest blocked cell; infinite if none is.
   double OfCell(std::size_t index) const { return distance_m_[index]; }
 
   // A disc (a ball) with this radius around `centre` touches no blocked cell, and its centre is on
@@ -34,7 +34,7 @@ class Clearance {
   // near a blocked one: a corner may reach in by a hundredth of a cell (a tenth for radius 0).
   bool FitsAlong(const Point& from, const Point& to, double radius_m) const;
 
-  // From a place to the nearest blocked cell, at most `limit_m`. Exact.
+  // Distance from a place to the nearest blocked cell, at most `limit_m`. Exact.
   double At(const Point& place, double limit_m) const;
 
  private:

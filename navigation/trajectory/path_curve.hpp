@@ -17,7 +17,7 @@ inline constexpr double kLongestPathM = 10'000;  // turns count 1.5 m a radian
 
 using Axes = std::array<double, 4>;  // x, y, z in m, yaw in rad without jumps
 
-// From u = begin on: at + by * s + half * bend * s², with s = u - begin.
+// The curve from u = begin on: at + by * s + half * bend * s², with s = u - begin.
 struct CurvePiece {
   double begin = 0;
   double length = 0;

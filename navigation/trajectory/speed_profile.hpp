@@ -13,7 +13,7 @@
 
 namespace musher::navigation {
 
-// Of the speed in space and of the turn about the vertical.
+// Limits of the speed in space and of the turn about the vertical.
 struct MotionLimits {
   double speed_m_s = 1.5;
   double acceleration_m_s2 = 0.8;

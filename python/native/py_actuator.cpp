@@ -97,7 +97,8 @@ std::string PyActuator::CallStop() {
 Result<> PyActuator::RunCallback(const std::string& method, const State& state) {
   const TakenGil gil;
   const py::object self = Self();
-  if (self.is_none()) return Error{kCodeFailed, "the Python object of " + name() + " is gone"};
+  if (self.is_none())
+    return Error{kCodeFailed, "the Python object of " + name() + " was collected"};
   try {
     const py::object failed = Call(self.attr("_run_callback"), py::make_tuple(method, state));
     if (failed.is_none()) return Ok();

@@ -46,7 +46,7 @@ class PyActuator final : public MachineActuator {
 
   // Passes the ownership of this object to the caller.
   std::unique_ptr<PyActuator> Release();
-  // The Python object; none if it is gone. With the GIL.
+  // The Python object; none if it was collected. With the GIL.
   py::object Self() const;
 
  protected:

@@ -249,7 +249,7 @@ TEST_F(AGroot2Client, IsRefusedWhatIsNoRequest) {
   EXPECT_EQ(Ask({Header('S')}).size(), 2U) << "and it is still served";
 }
 
-TEST_F(AGroot2Debugger, HoldsANodeAndIsToldWithoutDelayingTheLoop) {
+TEST_F(AGroot2Debugger, HoldsANodeAndReceivesItWithoutDelayingTheLoop) {
   EXPECT_EQ(Ask({Header('I'), HookJson(kFirstUid, 0, "SKIPPED")}).size(), 1U);
   EXPECT_THAT(nlohmann::json::parse(Hooks()),
               nlohmann::json::parse("[" + HookJson(kFirstUid, 0, "SKIPPED") + "]"));
@@ -267,26 +267,26 @@ TEST_F(AGroot2Debugger, HoldsANodeAndIsToldWithoutDelayingTheLoop) {
   EXPECT_EQ(Ask({Header('U'), ReleaseJson(kFirstUid, "SKIPPED", true)}).at(1), "Node ID not found");
 }
 
-TEST_F(AGroot2Debugger, IsToldOfABreakpoint) {
+TEST_F(AGroot2Debugger, ReceivesABreakpoint) {
   Ask({Header('I'), HookJson(kFirstUid, 1, "FAILURE")});
   Activate();
   // A subscription takes a moment: the node is replaced again and again.
-  Parts told;
+  Parts breakpoint;
   const int soon_ms = 20;
   zmq_setsockopt(breakpoints_, ZMQ_RCVTIMEO, &soon_ms, sizeof soon_ms);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (told.size() != 2 && std::chrono::steady_clock::now() < deadline) {
+  while (breakpoint.size() != 2 && std::chrono::steady_clock::now() < deadline) {
     watched_.Of([](Watched& self) {
       self.Restart();
       return 0;
     });
     harness_.Tick(watched_, 1);
-    told = Receive(breakpoints_);
+    breakpoint = Receive(breakpoints_);
   }
-  ASSERT_EQ(told.size(), 2U);
-  EXPECT_EQ(told[0].size(), 6U);
-  EXPECT_EQ(told[0].substr(0, 2), (std::string{2, 'N'}));
-  EXPECT_EQ(told[1], "2");
+  ASSERT_EQ(breakpoint.size(), 2U);
+  EXPECT_EQ(breakpoint[0].size(), 6U);
+  EXPECT_EQ(breakpoint[0].substr(0, 2), (std::string{2, 'N'}));
+  EXPECT_EQ(breakpoint[1], "2");
   EXPECT_THAT(watched_.TakeLog(), ElementsAre()) << "it failed in place of its tick";
 }
 

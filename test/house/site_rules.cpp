@@ -31,6 +31,17 @@ std::vector<std::string> BlocksOf(const std::string& text) {
   return blocks;
 }
 
+// The comment below "#pragma once", which the site shows.
+std::string TopComment(const std::string& header) {
+  std::string comment;
+  for (const Line& line : Lines(header)) {
+    if (line.number == 1) continue;
+    if (!line.text.starts_with("//")) break;
+    comment += line.text + "\n";
+  }
+  return comment;
+}
+
 std::string FirstLines(const std::string& block) {
   return block.substr(0, 60);
 }
@@ -87,6 +98,29 @@ std::vector<std::string> DifferingBlocks(const SourceFile& original, const std::
       wrong.push_back(number + "differs from " + original.path + ", which has:\n" + expected[i]);
     }
   }
+  return wrong;
+}
+
+std::vector<std::string> HeadersWithoutThreads(const std::vector<SourceFile>& tree) {
+  static const std::regex shown(R"(```\{header\} (\S+))");
+  std::vector<std::string> wrong;
+  bool any = false;
+  for (const SourceFile& page : tree) {
+    if (!page.In("docs/api/")) continue;
+    for (std::sregex_iterator i(page.text.begin(), page.text.end(), shown), end; i != end; ++i) {
+      any = true;
+      const std::string path = (*i)[1];
+      const auto header = std::find_if(tree.begin(), tree.end(),
+                                       [&](const SourceFile& file) { return file.path == path; });
+      if (header == tree.end()) {
+        wrong.push_back(page.path + ": there is no " + path);
+      } else if (TopComment(header->text).find("Threads: ") == std::string::npos) {
+        wrong.push_back(path + ": its comment has no line \"Threads: ...\", which " + page.path +
+                        " shows");
+      }
+    }
+  }
+  if (!any) wrong.emplace_back("no page of docs/api shows a header");
   return wrong;
 }
 

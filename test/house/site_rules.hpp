@@ -14,4 +14,8 @@ std::vector<std::string> PagesOutsideTheContents(const std::vector<SourceFile>& 
 std::vector<std::string> DifferingBlocks(const SourceFile& original, const std::string& section,
                                          const SourceFile& translated);
 
+// Headers that a page of docs/api shows ("```{header} base/log.hpp") and that do not exist, or
+// whose comment at the top has no "Threads:".
+std::vector<std::string> HeadersWithoutThreads(const std::vector<SourceFile>& tree);
+
 }  // namespace musher::house

@@ -46,4 +46,15 @@ TEST(SiteRules, ReportCodeThatDiffersOrIsMissingInATranslation) {
                           HasSubstr("block 2: not in a.md")));
 }
 
+TEST(SiteRules, ReportAHeaderWithoutThreads) {
+  const std::vector<SourceFile> tree = {
+      {"a.hpp", "#pragma once\n// A.\n//\n// Threads: any.\n\nint a;\n"},
+      {"b.hpp", "#pragma once\n// B.\n\n// Threads: any.\nint b;\n"},
+      {"docs/api/page.md",
+       "```{header} a.hpp\n```\n\n```{header} b.hpp\n```\n```{header} c.hpp\n"}};
+  EXPECT_THAT(HeadersWithoutThreads(tree), ElementsAre(HasSubstr("b.hpp: its comment has no line"),
+                                                       "docs/api/page.md: there is no c.hpp"));
+  EXPECT_THAT(HeadersWithoutThreads({}), ElementsAre("no page of docs/api shows a header"));
+}
+
 }  // namespace musher::house::site_rules_test

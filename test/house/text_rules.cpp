@@ -7,6 +7,8 @@ namespace musher::house {
 namespace {
 
 constexpr std::size_t kMostLines = 400;
+constexpr std::size_t kLongestPhrase = 3;  // words
+constexpr const char* kKept = "a name that stays";
 
 std::vector<std::string> Find(const SourceFile& file, const std::string& text,
                               const std::regex& pattern, const std::string& violation) {
@@ -18,6 +20,52 @@ std::vector<std::string> Find(const SourceFile& file, const std::string& text,
     }
   }
   return violations;
+}
+
+// The words of `text` in lower case, as the parts of snake_case and CamelCase; an empty one where
+// other signs than spaces separate two of them.
+std::vector<std::string> Words(const std::string& text) {
+  std::vector<std::string> words = {""};
+  bool continues = false;
+  for (const char c : text) {
+    const auto sign = static_cast<unsigned char>(c);
+    if (std::isalpha(sign) == 0) {
+      continues = false;
+      const bool joins = c == '_' || std::isspace(sign) != 0;
+      if (!joins && !words.back().empty()) words.emplace_back();
+      continue;
+    }
+    if (!continues || std::isupper(sign) != 0) words.emplace_back();
+    words.back() += static_cast<char>(std::tolower(sign));
+    continues = true;
+  }
+  return words;
+}
+
+// Each word of `text`, and each sequence of words: "take", "take off", "off".
+std::vector<std::string> Phrases(const std::string& text) {
+  std::vector<std::string> phrases;
+  const std::vector<std::string> words = Words(text);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    std::string phrase;
+    for (std::size_t n = 0; n < kLongestPhrase && i + n < words.size(); ++n) {
+      if (words[i + n].empty()) break;
+      phrase += (n == 0 ? "" : " ") + words[i + n];
+      phrases.push_back(phrase);
+    }
+  }
+  return phrases;
+}
+
+// Without the names of file formats and foreign interfaces that stay as they are.
+std::string WithoutKeptNames(std::string text, const std::map<std::string, std::string>& words) {
+  for (const auto& [name, replacement] : words) {
+    if (replacement != kKept) continue;
+    for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at)) {
+      text.replace(at, name.size(), "|");
+    }
+  }
+  return text;
 }
 
 }  // namespace
@@ -63,22 +111,16 @@ std::map<std::string, std::string> ReadPrivateWords(const std::string& text) {
 std::vector<std::string> PrivateWords(const SourceFile& file,
                                       const std::map<std::string, std::string>& words) {
   std::vector<std::string> violations;
-  for (const Line& line : Lines(file.text)) {
-    std::string word;
-    const auto end_word = [&] {
-      const auto found = words.find(word);
-      if (found != words.end()) {
-        violations.push_back(At(file, line.number, "'" + word + "'; say: " + found->second));
-      }
-      word.clear();
-    };
-    for (const char c : line.text) {
-      if (std::islower(static_cast<unsigned char>(c)) == 0) end_word();
-      if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
-        word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      }
+  const auto check = [&](const std::string& text, const std::string& place) {
+    for (const std::string& phrase : Phrases(WithoutKeptNames(text, words))) {
+      const auto found = words.find(phrase);
+      if (found == words.end() || found->second == kKept) continue;
+      violations.push_back(place + ": '" + phrase + "'; say: " + found->second);
     }
-    end_word();
+  };
+  check(file.path, file.path);
+  for (const Line& line : Lines(file.text)) {
+    check(line.text, file.path + ":" + std::to_string(line.number));
   }
   return violations;
 }

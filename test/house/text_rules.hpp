@@ -17,9 +17,10 @@ std::vector<std::string> Sleeps(const SourceFile& file);
 std::vector<std::string> ThrowingIterators(const SourceFile& file);
 // Notes that something is not done.
 std::vector<std::string> Leftovers(const SourceFile& file);
-// "word: what to say instead" on each line, '#' begins a comment.
+// "word or phrase: what to say instead" on each line, '#' begins a comment.
 std::map<std::string, std::string> ReadPrivateWords(const std::string& text);
-// Words, also as parts of snake_case and CamelCase, for which the field has another word.
+// Words and phrases for which the field has another word: in each line and in the path, also as
+// parts of snake_case and CamelCase. A name with "a name that stays" is permitted as it is spelled.
 std::vector<std::string> PrivateWords(const SourceFile& file,
                                       const std::map<std::string, std::string>& words);
 // A file that should be split.

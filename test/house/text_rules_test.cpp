@@ -54,6 +54,21 @@ TEST(TextRules, FindWordsThatTheFieldDoesNotSearchFor) {
   EXPECT_THAT(PrivateWords(Cpp("void FeedTheZebraNow();"), words), SizeIs(1));
   EXPECT_THAT(PrivateWords({"docs/guide.md", "Zebra"}, words), SizeIs(1));
   EXPECT_THAT(PrivateWords(Cpp("// Zebras have no zebrafish."), words), IsEmpty());
+  EXPECT_THAT(PrivateWords({"docs/zebra_guide.md", ""}, words), SizeIs(1));
+}
+
+TEST(TextRules, FindPhrasesThatTheFieldDoesNotSearchFor) {
+  const auto words = ReadPrivateWords("fly off: take off\n");
+  for (const char* text : {"// It may fly off.", "kFlyOffSignal", "fly_off", "// Fly\toff"}) {
+    EXPECT_THAT(PrivateWords(Cpp(text), words), SizeIs(1)) << text;
+  }
+  EXPECT_THAT(PrivateWords(Cpp("// It may fly; its light is off."), words), IsEmpty());
+}
+
+TEST(TextRules, KeepTheNamesOfFileFormats) {
+  const auto words = ReadPrivateWords("zebra: horse\n\"zebra\": a name that stays\n");
+  EXPECT_THAT(PrivateWords(Cpp("Field{\"zebra\", &Horse::name}"), words), IsEmpty());
+  EXPECT_THAT(PrivateWords(Cpp("Field{\"zebra\", &zebra}"), words), SizeIs(1));
 }
 
 TEST(TextRules, FindFilesOfMoreThanFourHundredLines) {

@@ -269,8 +269,8 @@ class Arguments(unittest.TestCase):
             Twice("a")
 
     def test_without_a_controller_a_client_says_so(self):
-        with musher.Machine(namespace="nobody") as machine:
-            with self.assertRaisesRegex(musher.Failure, "no controller in namespace 'nobody'"):
+        with musher.Machine(namespace="absent") as machine:
+            with self.assertRaisesRegex(musher.Failure, "no controller in namespace 'absent'"):
                 machine.status()
             with self.assertRaisesRegex(musher.Failure, "no controller"):
                 machine.set("Active")

@@ -16,7 +16,7 @@ class Nodes(unittest.TestCase):
         self.addCleanup(self.here.close)
         self.addCleanup(self.there.close)
 
-    def test_a_client_waits_for_its_server_as_long_as_it_is_told(self):
+    def test_a_client_waits_for_its_server_until_its_timeout(self):
         client = self.here.client("begin", Trigger)
         self.assertFalse(client.wait_until_ready(0.05))
         waited = []

@@ -98,20 +98,20 @@ class WrongKeys : public SecuredMachine {
   }
 };
 
-TEST_F(WrongKeys, ThatOthersCanRead) {
+TEST_F(WrongKeys, ThatOthersCanReadAreRefused) {
   ASSERT_EQ(chmod((keys_ + "/voice.key").c_str(), 0640), 0);
   ExpectRefusal(keys_ + "/voice.key is readable by others; run `chmod 600 " + keys_ +
                 "/voice.key`");
 }
 
-TEST_F(WrongKeys, ThatAreMissing) {
+TEST_F(WrongKeys, ThatAreMissingAreReported) {
   fs::remove(keys_ + "/legs.cert");
   ExpectRefusal("legs.cert: No such file or directory; `musher keys add legs` creates an identity");
   fs::remove_all(keys_);
   ExpectRefusal("identity_ca.cert: No such file or directory; `musher keys init` creates");
 }
 
-TEST_F(WrongKeys, OfAnotherRobot) {
+TEST_F(WrongKeys, OfAnotherRobotAreRefused) {
   const std::string foreign = folder_ / "foreign";
   ASSERT_EQ(Musher({"keys", "init", foreign}).exit, 0);
   for (const char* kind : {".cert", ".key", ".permissions"}) {
@@ -121,18 +121,18 @@ TEST_F(WrongKeys, OfAnotherRobot) {
   ExpectRefusal("controller.cert was not issued by the CA of " + keys_ + "/identity_ca.cert");
 }
 
-TEST_F(WrongKeys, ThatDoNotBelongToTheirCertificate) {
+TEST_F(WrongKeys, ThatDoNotBelongToTheirCertificateAreRefused) {
   fs::copy_file(keys_ + "/legs.key", keys_ + "/voice.key", fs::copy_options::overwrite_existing);
   ExpectRefusal("voice.key is not the key of " + keys_ + "/voice.cert");
 }
 
-TEST_F(WrongKeys, WithThePermissionsOfAnotherIdentity) {
+TEST_F(WrongKeys, WithThePermissionsOfAnotherIdentityAreRefused) {
   fs::copy_file(keys_ + "/controller.permissions", keys_ + "/voice.permissions",
                 fs::copy_options::overwrite_existing);
   ExpectRefusal("voice.permissions is for serialNumber=");
 }
 
-TEST_F(WrongKeys, WithPermissionsThatWereChanged) {
+TEST_F(WrongKeys, WithPermissionsThatWereChangedAreRefused) {
   std::ifstream in(keys_ + "/voice.permissions");
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t at = text.find("DENY");
@@ -142,12 +142,12 @@ TEST_F(WrongKeys, WithPermissionsThatWereChanged) {
                 "/permissions_ca.cert, or was changed");
 }
 
-TEST_F(WrongKeys, InADomainThatSecurityDoesNotKnow) {
+TEST_F(WrongKeys, InADomainThatSecurityDoesNotKnowAreRefused) {
   setenv("ROS_DOMAIN_ID", "231", 1);
   ExpectRefusal("DDS Security supports the domains 0 to 230");
 }
 
-TEST_F(WrongKeys, WhereAPluginIsNotWhatItShouldBe) {
+TEST_F(WrongKeys, WhereAPluginIsNotWhatItShouldBeAreRefused) {
   const std::string plugins = folder_ / "plugins";
   fs::create_directory(plugins);
   fs::copy_file(PLUGIN_DIR "/libdds_security_crypto.so", plugins + "/libdds_security_auth.so");

@@ -3,6 +3,8 @@
 //
 // All nodes of a process in one domain share one participant, with the configuration of the first
 // node.
+//
+// Threads: MakeDdsNode() and the node on the loop thread, or before the loop runs; the rest any.
 
 #include <memory>
 #include <optional>

@@ -1,6 +1,8 @@
 #pragma once
 // A DDS node with its loop on a thread of its own, for programs that use their main thread
 // otherwise. All actuators of a process may share one.
+//
+// Threads: any except the loop's; node() and its endpoints on the loop only, so use RunOnLoop().
 
 #include <functional>
 #include <memory>
@@ -27,7 +29,7 @@ class NodeThread {
   // actuator that shares this thread. From any thread but the loop's; it goes on the loop.
   Result<std::unique_ptr<Node>> MakeNode(const std::string& name_space, const std::string& name);
 
-  // To be used on the loop only, except for Post().
+  // The node and its loop: on the loop only, except for EventLoop::Post().
   Node& node() { return *node_; }
   EventLoop& loop() { return loop_; }
   const std::optional<Credentials>& credentials() const { return options_.credentials; }

@@ -18,7 +18,7 @@ class Delivery {
   Delivery(Scheduler& scheduler, const Links& links, Random& random)
       : scheduler_(scheduler), links_(links), random_(random) {}
 
-  // From a writer to its discovered readers.
+  // Sends a sample from a writer to its discovered readers.
   void Write(WriterEnd& writer, const Payload& payload);
 
   void SendHistory(const std::shared_ptr<Channel>& channel);  // to a late joiner

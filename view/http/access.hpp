@@ -22,7 +22,7 @@ struct Connection {
   std::string local_address;  // of this host, that the client has connected to: "192.168.1.5"
 };
 
-// Of the value of Host. The error is a sentence for the client.
+// Checks the value of Host. The error is a sentence for the client.
 Result<> CheckHost(std::string_view host, const Connection& connection, const HostNames& names);
 
 enum class OriginRule {

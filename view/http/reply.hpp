@@ -15,7 +15,7 @@ struct ReplyContext {
   std::int64_t unix_s = 0;
 };
 
-// From "HTTP/1.1 200 OK" to the empty line. A response with a line break in a header becomes 500.
+// Text from "HTTP/1.1 200 OK" to the empty line. A line break in a header makes the response 500.
 std::string ReplyHead(const Response& response, const ReplyContext& context);
 
 // Whether a response of this status has a body.

@@ -20,7 +20,7 @@ namespace {
 namespace net = boost::asio;
 using ErrorCode = boost::system::error_code;
 
-// Connections beyond the limit that may be told so at a time.
+// Connections beyond the limit that may receive a refusal at a time.
 constexpr std::size_t kMaxRefusals = 32;
 
 std::string HostName() {

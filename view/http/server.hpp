@@ -104,7 +104,7 @@ struct Options {
   std::size_t max_message = 4 << 20;  // bytes of a WebSocket message from a client
   std::size_t max_queue = 8 << 20;    // bytes; a client with more is closed
   Duration header_timeout = std::chrono::seconds(5);  // from its first byte to its last
-  // Of a connection between requests, of a body, of a write, and of a WebSocket that answers no
+  // Limit for a connection between requests, a body, a write, and a WebSocket that answers no
   // ping.
   Duration idle_timeout = std::chrono::seconds(60);
   std::vector<std::string> subprotocols;  // by preference

@@ -34,10 +34,10 @@ class Dispatch {
   const OnRequest on_request;      // loop
   const OnWebSocket on_websocket;  // loop
 
-  // From the network thread. `work` is dropped, on the loop, once the server is destroyed.
+  // Network thread only. `work` is dropped, on the loop, once the server is destroyed.
   static void Post(const std::shared_ptr<Dispatch>& self, std::function<void()> work);
 
-  // Of the loop: the functions of `endpoint` are kept until it is removed or all is stopped.
+  // Loop thread only: the functions of `endpoint` are kept until it is removed or all is stopped.
   void Add(std::shared_ptr<Endpoint> endpoint) { endpoints_.insert(std::move(endpoint)); }
   void Remove(const std::shared_ptr<Endpoint>& endpoint) { endpoints_.erase(endpoint); }
   void Stop();

@@ -39,7 +39,7 @@ void CameraView::Get(const std::string& topic, std::int64_t after_ms, int width,
   camera.requested_at = now;
   if (!timer_) timer_ = node_.loop().Every(kLookPeriod, [this] { Look(); });
   if (camera.stamp_ms > after_ms) return Answer(camera, width, respond);
-  camera.waiting.push_back({after_ms, width, respond, now + kPatience});
+  camera.waiting.push_back({after_ms, width, respond, now + kTimeout});
 }
 
 void CameraView::OnPicture(Camera& camera, std::span<const std::byte> bytes) {

@@ -20,7 +20,7 @@ namespace musher::view {
 
 class CameraView {
  public:
-  static constexpr Duration kPatience = std::chrono::seconds(2);
+  static constexpr Duration kTimeout = std::chrono::seconds(2);
   static constexpr Duration kKept = std::chrono::seconds(5);  // after the last request
 
   // The node and the table must outlive it.
@@ -28,7 +28,7 @@ class CameraView {
 
   // The newest picture of the topic that came later than `after_ms` (X-Stamp-Ms of the one before;
   // 0: any), not wider than `width` pixels (0: as it is): a JPEG with X-Stamp-Ms, the time of its
-  // receipt since 1970. Waits kPatience for one, then 204. 404: no camera publishes the topic.
+  // receipt since 1970. Waits kTimeout for one, then 204. 404: no camera publishes the topic.
   void Get(const std::string& topic, std::int64_t after_ms, int width,
            const http::Respond& respond);
 

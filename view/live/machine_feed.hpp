@@ -53,7 +53,7 @@ class MachineFeed {
   SharedText History() const;
 
   const std::optional<msg::MachineStatus>& status() const { return leader_->leader(); }
-  // Of the last controller, also of one that has ended.
+  // Status of the last controller, also of one that has ended.
   const std::optional<msg::MachineStatus>& last_status() const { return last_; }
 
  private:

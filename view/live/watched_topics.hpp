@@ -60,7 +60,7 @@ class WatchedTopics {
 SharedText LatestMessage(const std::string& topic, const std::string& dds_type,
                          std::int64_t received_ms, const std::string& message_json);
 
-// Of the system's clock, since 1970.
+// Time of the system's clock, since 1970.
 std::int64_t WallMilliseconds();
 
 }  // namespace musher::view

@@ -46,7 +46,7 @@ class Scan {
   // Fails if the file cannot be read or is no MCAP file; not for damage further on.
   static Result<std::unique_ptr<Scan>> Open(const std::string& path);
 
-  // By time; of the same time as they are in the file.
+  // Messages by time; with equal times in the order of the file.
   const std::vector<ScannedMessage>& messages() const { return messages_; }
   const std::map<std::uint16_t, ScannedChannel>& channels() const { return channels_; }
   const std::map<std::uint16_t, ScannedSchema>& schemas() const { return schemas_; }

@@ -56,7 +56,7 @@ class DurationHistogram {
 
   double sum() const { return sum_; }
   std::uint64_t count() const { return count_; }
-  // By bound, each without the one before; the last is for everything above.
+  // Counts by bound, each without the one before; the last is for everything above.
   const std::array<std::uint64_t, kBounds.size() + 1>& counts() const { return counts_; }
 
  private:

@@ -24,10 +24,10 @@ void MetricsWatch::Scrape(MetricsFormat format, Respond respond) {
   const bool first = !statuses_;
   if (auto subscribed = Subscribe(); !subscribed) return respond(subscribed.error());
   waiting_.push_back({format, std::move(respond)});
-  if (patience_) return;  // answered with the scrapes that wait already
+  if (timeout_) return;  // answered with the scrapes that wait already
   if (!first && leader_ == 0) return Answer(true);
-  answer_by_ = node_.loop().Now() + kPatience;
-  patience_ = node_.loop().At(answer_by_, [this] { Answer(leader_ == 0); });
+  answer_by_ = node_.loop().Now() + kTimeout;
+  timeout_ = node_.loop().At(answer_by_, [this] { Answer(leader_ == 0); });
   if (leader_ != 0) ReadHistory(kFewEntries);
 }
 
@@ -66,7 +66,7 @@ void MetricsWatch::OnStatus(const msg::MachineStatus& status, transport::PeerId 
   leader_ = writer;
   status_ = status;
   metrics_.On(status, node_.loop().Now());
-  const bool scrape_waits = patience_ && !reading_;
+  const bool scrape_waits = timeout_ && !reading_;
   if (scrape_waits) ReadHistory(kFewEntries);
 }
 
@@ -100,7 +100,7 @@ void MetricsWatch::OnHistory(std::uint32_t limit,
                          : entry.wall_ns < options_.began_wall_ns;
   });
   const bool all = reaches_back || entries.size() < limit || limit == kManyEntries;
-  if (!all && patience_) return ReadHistory(kManyEntries);
+  if (!all && timeout_) return ReadHistory(kManyEntries);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const bool counts = entries[i].id != 0 && entries[i].wall_ns >= options_.began_wall_ns;
     if (counts) metrics_.On(entries[i], i < events.size() ? events[i] : "");
@@ -113,7 +113,7 @@ void MetricsWatch::OnHistory(std::uint32_t limit,
 }
 
 void MetricsWatch::Answer(bool complete) {
-  patience_ = nullptr;
+  timeout_ = nullptr;
   reading_.reset();
   ExamineProcesses();
   metrics_.OnLostSamples(transport::LostSamples());

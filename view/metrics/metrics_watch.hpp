@@ -3,7 +3,7 @@
 // reads the controller's history at each scrape, so that an answer has everything that happened.
 //
 // It costs nothing until the first scrape. Each scrape waits for the history, and the first one for
-// the status of the controller, for kPatience together at most; then it is answered with what is
+// the status of the controller, for kTimeout together at most; then it is answered with what is
 // known, and the history is read by the next one.
 //
 // Threads: loop thread only, callbacks too.
@@ -24,7 +24,7 @@ namespace musher::view {
 
 class MetricsWatch {
  public:
-  static constexpr Duration kPatience = std::chrono::seconds(1);
+  static constexpr Duration kTimeout = std::chrono::seconds(1);
 
   struct Options {
     std::string name_space;
@@ -71,7 +71,7 @@ class MetricsWatch {
   std::optional<std::uint64_t> reading_;  // the request that the scrape waits for
   Time answer_by_;
   std::vector<Waiting> waiting_;
-  transport::LoopHandlePtr patience_;
+  transport::LoopHandlePtr timeout_;
   std::unique_ptr<transport::Client<msg::GetHistory>> get_history_;
   std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> statuses_;  // last: null until the first scrape

@@ -55,7 +55,7 @@ export const TEXTS = {
   'stop.by': ['By {by}: {reason}', '由 {by} 触发：{reason}'],
   'stop.reason': ['button of the page', '网页按钮'],
   'stop.confirm.title': ['Release the emergency stop?', '要解除急停吗？'],
-  'stop.confirm.text': ['Make sure that its cause is removed and nobody is near the robot. The robot does not move by the release: afterwards a switch brings it back to a state.',
+  'stop.confirm.text': ['Make sure that its cause is removed and no person is near the robot. The robot does not move by the release: afterwards a switch brings it back to a state.',
     '请确认急停原因已排除，且机器人周围无人。解除本身不会让机器人运动：之后需切换状态才会恢复。'],
   'stop.confirm.yes': ['Release', '解除'],
   'stop.confirm.no': ['Stay stopped', '保持急停'],

@@ -64,7 +64,7 @@ export const VIEW_TEXTS = {
   'restarts': ['Restarts', '重启次数'],
   'critical': ['critical', '关键'],
   'critical.text': ['Without it the robot does not become Active.', '缺少它机器人不能进入 Active。'],
-  'held': ['set apart', '单独设置'],
+  'held': ['detached', '单独设置'],
   'details': ['Details', '详情'],
   'reason': ['Reason', '原因'],
   'protocol': ['Protocol', '协议'],

@@ -36,7 +36,7 @@ class PlaySource {
   virtual const std::vector<PlayedChannel>& channels() const = 0;
   // nullopt: the end.
   virtual Result<std::optional<PlayedMessage>> Next() = 0;
-  // From the beginning again.
+  // Restarts at the beginning.
   virtual Result<> Rewind() = 0;
 };
 

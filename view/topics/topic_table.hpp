@@ -27,7 +27,7 @@ class TopicTable {
   bool OnFound(const transport::DiscoveredEndpoint& endpoint);
   bool OnLost(transport::PeerId id);
 
-  // By name, then type. Requests and replies of services are no topics.
+  // Topics by name, then type. Requests and replies of services are no topics.
   std::vector<ListedTopic> List() const;
 
   // The type of its writers on DDS, and a QoS that matches all of them; nullopt: it has no writer.

@@ -13,7 +13,7 @@ class Places {
  public:
   void Note(const std::string& key, config_toml::Position at) { places_[key] = at; }
 
-  // Of a missing part, the position of the table around it.
+  // The position of a key; of a missing part, the position of the table around it.
   config_toml::Position Where(std::string key) const {
     for (;;) {
       if (const auto found = places_.find(key); found != places_.end()) return found->second;

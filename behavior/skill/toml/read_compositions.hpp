@@ -23,7 +23,7 @@ class CompositionReader {
   // the keys.
   void Note(const config_toml::Member& member);
   bool Has(const std::string& name) const { return drafts_.contains(name); }
-  // Of all skills: the registered ones and the compositions.
+  // Names of all skills: the registered ones and the compositions.
   std::vector<std::string> Names() const;
   // With the compositions that have been read.
   const Registry& known() const { return known_; }

@@ -24,7 +24,7 @@ struct ProjectName {
   std::string snake;  // "left_arm": actuator, files, targets
   std::string camel;  // "LeftArm": class
 
-  // From either spelling. The error says which part of `name` is not permitted.
+  // Parses either spelling. The error says which part of `name` is not permitted.
   static Result<ProjectName> From(std::string_view name, const Project& project);
 };
 

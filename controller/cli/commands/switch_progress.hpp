@@ -30,7 +30,7 @@ class SwitchProgress {
 
   // Whether anything is ever shown.
   bool on() const { return console_.mode().terminal && !console_.mode().json; }
-  // To be called at each change of the machine; none: its controller is lost.
+  // Call at each change of the machine; none: its controller is lost.
   void Show(const std::optional<msg::MachineStatus>& machine);
   void Hide();
 

@@ -15,7 +15,7 @@ class ConfigPlaces {
     for (std::string line; std::getline(in, line);) lines_.push_back(line);
   }
 
-  // From 1; the line of the table itself where it has no such key; 0 where there is no such table.
+  // Line from 1; that of the table where it has no such key; 0 where there is no such table.
   int LineOf(const std::string& table, std::string_view key) const {
     int found = 0;
     for (std::size_t i = 0; i < lines_.size(); ++i) {

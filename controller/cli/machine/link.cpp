@@ -166,13 +166,14 @@ std::string Link::UnreachableController() const {
 }
 
 Failure Link::NoAnswer(Duration timeout) const {
-  std::string who = "the controller";
+  std::string controller = "the controller";
   for (const auto& [writer, machine] : machines_) {
     if (machine.name_space != global_.name_space) continue;
-    who = fmt::format("the controller of {} (pid {})", machine.machine, machine.pid);
+    controller = fmt::format("the controller of {} (pid {})", machine.machine, machine.pid);
   }
   return {ExitCode::kNoAnswer,
-          {kCodeTimeout, fmt::format("{} did not answer within {:g} s", who, ToSeconds(timeout))}};
+          {kCodeTimeout,
+           fmt::format("{} did not answer within {:g} s", controller, ToSeconds(timeout))}};
 }
 
 }  // namespace musher::cli

@@ -31,7 +31,7 @@ class SkillOffers {
   // The same without an explanation, for at most that time.
   void AwaitAny(Duration timeout);
 
-  // By the names of the actuators.
+  // Offers sorted by the names of the actuators.
   std::vector<msg::SkillOffers> all() const;
 
  private:

@@ -34,7 +34,7 @@ class PlanReport {
   std::size_t steps() const { return steps_; }
   int step() const { return step_; }  // 0: none has begun
   const std::vector<PlanMember>& members() const { return members_; }
-  // Of the present step: "jetbot_0 nav_2d 45 %, cf2x_0 take_off 30 %", and the progress of the
+  // Present step: "jetbot_0 nav_2d 45 %, cf2x_0 take_off 30 %", and the progress of the
   // whole plan.
   SkillReport Summary() const;
 

@@ -45,7 +45,7 @@ ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<
       launcher_(launcher),
       start_(start),
       signals_(TakeEndSignals()),
-      release_(TakeSignals({kLetGoSignal})),
+      release_(TakeSignals({kReleaseControlSignal})),
       again_(run_ ? TakeSignals({kStartAgainSignal}) : UniqueFd()),
       children_(TakeSignals({SIGCHLD})),
       progress_(loop_, std::move(progress)),

@@ -46,7 +46,7 @@ class ControllerProcess {
   ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run, UniqueFd progress,
                     pid_t launcher, Start start);
 
-  // To be called in a new process, before it has threads. Returns its exit code.
+  // Call in a new process, before it has threads. Returns its exit code.
   int Run();
   bool StartsAgain() const { return start_again_; }
   pid_t launcher() const { return launcher_; }  // 0: none, or detached

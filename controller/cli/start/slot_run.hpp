@@ -48,7 +48,7 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Con
 // Saves the outcome of the trial boot: the version is kept, or why not.
 Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
 
-// From now on this process and the processes that it starts find the slot's programs first.
+// Makes this process and the processes that it starts find the slot's programs first.
 void PutSlotFirstInPath(const SlotRun& run);
 
 // Stops the processes that a crashed controller left running from the other slot: otherwise two

@@ -18,8 +18,8 @@ namespace {
 
 constexpr Duration kFirstPause = std::chrono::seconds(1);
 constexpr Duration kLongestPause = std::chrono::seconds(60);
-constexpr int kPatienceMs = 1000;  // for its end
-constexpr int kUsage = 2;          // its exit code for a wrong option
+constexpr int kEndTimeoutMs = 1000;
+constexpr int kUsage = 2;  // its exit code for a wrong option
 
 // Its exit status; nullopt: it runs, or another part of this process has reaped it.
 std::optional<ExitStatus> Reap(pid_t pid, int options) {
@@ -61,7 +61,7 @@ ViewProcess::~ViewProcess() {
   kill(pid, SIGTERM);
   if (const auto process = OpenPidfd(pid)) {
     pollfd end{process.value().get(), POLLIN, 0};
-    poll(&end, 1, kPatienceMs);
+    poll(&end, 1, kEndTimeoutMs);
   }
   kill(pid, SIGKILL);
   Reap(pid, 0);

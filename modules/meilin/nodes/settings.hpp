@@ -1,5 +1,5 @@
 #pragma once
-// What the nodes are told by the mission's config (mission/mission_config.hpp explains each key).
+// What the nodes receive from the mission's config (mission/mission_config.hpp explains each key).
 // Metres, radians, millimetres, seconds. Pure values; the defaults are those of the competition.
 
 #include "musher/modules/meilin/field/grid.hpp"

@@ -12,7 +12,7 @@
 // it is the distance below, in 20. A wheel has reached its height within `tolerance_mm`.
 //
 // Each run ends: done, at its time limit, without feedback of the hardware, or by Stop(). At every
-// end but done the wheels are told to stay where they are.
+// end but done the wheels are commanded to hold their heights.
 //
 // Millimetres, seconds. One thread. The numbers are those of the robot's own software.
 
@@ -137,7 +137,7 @@ class Suspension {
   Duration limit_{};
   double step_mm_ = 0;   // 0: not known
   double high_mm_ = 0;   // of the wheels during the climb
-  bool moving_ = false;  // the wheels of this state have been told to move
+  bool moving_ = false;  // the wheels of this state have been commanded to move
   int ticks_ = 0;        // in a row with the condition that this state waits for
   int other_ticks_ = 0;  // of the second condition of UP_2_LIFT
   std::optional<WheelHeights> targets_;

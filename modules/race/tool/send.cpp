@@ -66,7 +66,7 @@ int PublishCommand(int argc, const char* const* argv) {
   const auto link = ToolLink::Open(options);
   if (!link) return Fail(ExitCode::kUsage, link.error().message);
   const int exit = Publish(*link.value(), text);
-  if (options.json) std::cout << (exit == 0 ? "{\"told\": true}" : "{\"told\": false}") << "\n";
+  if (options.json) std::cout << (exit == 0 ? "{\"sent\": true}" : "{\"sent\": false}") << "\n";
   return exit;
 }
 

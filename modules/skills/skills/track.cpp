@@ -16,7 +16,7 @@ using Kind = TravelStep::Kind;
 constexpr double kToleranceM = 0.3;
 constexpr Duration kUnseen = std::chrono::seconds(1);
 // New paths replace a drive that waits at an obstacle before it says so.
-constexpr const char* kStands = "the robot does not get on along its path, as at an obstacle";
+constexpr const char* kStands = "the robot makes no progress along its path, as at an obstacle";
 constexpr Duration kStandsLong = std::chrono::seconds(3);
 
 }  // namespace

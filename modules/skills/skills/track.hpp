@@ -15,8 +15,8 @@
 //   STOPPING       at the end: until the robot stands
 //
 // A target that is lost: it says so after 1 s, and goes to where the target was. A lost server, a
-// goal without a path and an obstacle end it only once the robot has not got on for `lost_limit`.
-// Details: those of navigate_to and target_distance (m).
+// goal without a path and an obstacle end it only once the robot makes no progress for
+// `lost_limit`. Details: those of navigate_to and target_distance (m).
 
 #include <optional>
 #include <string>

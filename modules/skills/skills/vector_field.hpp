@@ -1,8 +1,8 @@
 #pragma once
-// The direction in which a round robot gets on between obstacles: a vector field histogram (VFH+).
-// The directions around the robot are sectors of 5 degrees; an obstacle blocks those in which the
-// robot, with a margin, would touch it. Of the free ones it takes the one that costs least by its
-// angle to the wanted direction, to the present one and to the one chosen before.
+// The direction in which a round robot can drive between obstacles: a vector field histogram
+// (VFH+). The directions around the robot are sectors of 5 degrees; an obstacle blocks those in
+// which the robot, with a margin, would touch it. Of the free ones it takes the one that costs
+// least by its angle to the wanted direction, to the present one and to the one chosen before.
 //
 // Metres and radians in the frame of the body: x forward, y to the left. Pure; any thread.
 

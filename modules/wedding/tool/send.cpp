@@ -106,7 +106,7 @@ class Grammar {
     const int exit = std::visit(
         [&](const auto& message) { return Publish(*link.value(), input_.topic, message, time); },
         input_.message);
-    if (options_.json) std::cout << (exit == 0 ? "{\"told\": true}" : "{\"told\": false}") << "\n";
+    if (options_.json) std::cout << (exit == 0 ? "{\"sent\": true}" : "{\"sent\": false}") << "\n";
     return exit;
   }
 

@@ -115,7 +115,7 @@ Body::Body(const Scene& scene)
 
 std::optional<std::string> Body::Take(const Scene& scene, const BoardCommand& command,
                                       Duration now) {
-  last_sign_ = now;
+  last_heartbeat_ = now;
   if (seen_life_count_ == command.life_count) return std::nullopt;
   seen_life_count_ = command.life_count;
   const Motion* motion = FindMotion(command.mode, command.gait);
@@ -215,7 +215,7 @@ double Body::Share() const {
 Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, NormalRandom& random) {
   const BodySpec& spec = scene.body;
   const bool timed = command_.duration > Duration::zero();
-  const bool wanted = timed ? elapsed_ < time_ : now - last_sign_ <= spec.command_timeout;
+  const bool wanted = timed ? elapsed_ < time_ : now - last_heartbeat_ <= spec.command_timeout;
   Vector3d target = Vector3d::Zero();
   if (motion_->kind == Kind::kWalk && wanted && !Stalled()) {
     target = command_.speed.cwiseMin(motion_->limit).cwiseMax(-motion_->limit);

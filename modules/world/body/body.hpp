@@ -130,7 +130,7 @@ class Body {
   Duration time_{};     // that the motion takes
   Duration elapsed_{};  // of it
   Attitude began_at_;
-  Duration last_sign_{};  // last heartbeat of the commander
+  Duration last_heartbeat_{};  // last heartbeat of the commander
   std::optional<std::int8_t> seen_life_count_;
   std::int8_t taken_life_count_ = 0;
   bool refused_ = false;

@@ -13,7 +13,7 @@ class DiskTrouble : public ::testing::Test {
   // Every operation from this one on fails, as on a disk that is full.
   void FailFrom(int operation) {
     count_ = 0;
-    disk_->hinder = [this, operation](const std::string& what) -> Result<> {
+    disk_->fail = [this, operation](const std::string& what) -> Result<> {
       if (++count_ < operation || what.starts_with("remove")) return Ok();
       return Refusal(Fault::kNoSpace, what + ": No space left on device");
     };
@@ -30,7 +30,7 @@ TEST_F(DiskTrouble, FullAtAnyOperationEndsTheInstallationAndHarmsNothing) {
     disk_ = DiskWith({"1.0.0", "1.1.0", "1.2.0"});
     FailFrom(operation);
     const auto installed = Install(*disk_, BundleOf("1.1.0"));
-    disk_->hinder = nullptr;
+    disk_->fail = nullptr;
     if (installed) break;
     ++failures;
     ASSERT_TRUE(Is(installed.error(), Fault::kNoSpace)) << installed.error().message;
@@ -56,7 +56,7 @@ TEST_F(DiskTrouble, ATrialBootThatCannotBeSavedIsNotBegun) {
   EXPECT_FALSE(boot.value().on_trial_boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
   EXPECT_THAT(boot.value().reason, HasSubstr("but not now"));
-  disk_->hinder = nullptr;
+  disk_->fail = nullptr;
   EXPECT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
 }
 

@@ -86,7 +86,7 @@ Result<SimDisk::NodePtr> SimDisk::Folder(const std::string& path) const {
 
 Result<> SimDisk::Step(const std::string& what) {
   if (on_step) on_step(what);
-  return hinder ? hinder(what) : Ok();
+  return fail ? fail(what) : Ok();
 }
 
 void SimDisk::Apply(std::map<std::string, NodePtr>& names, const Change& change) {

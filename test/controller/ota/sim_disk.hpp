@@ -28,7 +28,7 @@ class SimDisk : public Disk {
   // Called before each operation that changes something, and in the middle of a write.
   std::function<void(const std::string& what)> on_step;
   // Called with each such operation: an Error is its result, and it has not happened.
-  std::function<Result<>(const std::string& what)> hinder;
+  std::function<Result<>(const std::string& what)> fail;
   // A planted flaw: a Sync() for which this holds does nothing.
   std::function<bool(const std::string& path)> forgets_to_sync;
   // Called with each file that is opened, to change it under the reader's feet.

@@ -310,7 +310,7 @@ TEST_F(OutbidController, TakesARefusalOfItsCommandForTheEndOfTheCommand) {
   EXPECT_FALSE(Of(0).command);
 }
 
-TEST_F(Reports, OfAStateThatNobodyCommandedAreRecordedAsAnError) {
+TEST_F(Reports, OfAnUncommandedStateAreRecordedAsAnError) {
   StartUp();
   now_ += Milliseconds(1);
   ActuatorReport report = Report(0, "LowPower");

@@ -1,4 +1,4 @@
-// The line across the lane's end, told from the lines of the lane's sides.
+// The line across the lane's end, distinguished from the lines of the lane's sides.
 
 #include "musher/modules/line_walker/end_line.hpp"
 

@@ -20,7 +20,7 @@ void ExpectError(Rig& rig, Duration within, const std::string& reason) {
   EXPECT_EQ(rig.field.motions.back(), 101);
 }
 
-TEST(RaceFault, OfAMotionLeadsToTheError) {
+TEST(RaceFault, OfAFailedMotionLeadsToTheError) {
   Rig rig;
   rig.script.motion = [](std::int32_t) { return Error{3028, "it did not end"}; };
   rig.Command("START");

@@ -308,7 +308,7 @@ TEST_F(RaceProcess, TakesCommandsOfItsTool) {
   StartActive();
   EXPECT_EQ(Run({"send", "SET_QR_A:A-1"}), 0) << output_;
   EXPECT_EQ(Run({"send", "command", "START:BOARD", "--json"}), 0) << output_;
-  EXPECT_EQ(output_, "{\"told\": true}\n");
+  EXPECT_EQ(output_, "{\"sent\": true}\n");
   ASSERT_TRUE(AwaitState("State:3")) << peer_.Output();
   EXPECT_THAT(infos_, Contains(HasSubstr("QRResult:A-1")));
   EXPECT_EQ(Run({"send"}), 2);

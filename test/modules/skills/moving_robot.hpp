@@ -250,8 +250,8 @@ class MovingRobot : public Robot {
     }
     velocity_ = {};
     drive_->waited_s += step_s;
-    constexpr double kPatienceS = 2;
-    if (drive_->waited_s >= kPatienceS) {
+    constexpr double kFailureToleranceS = 2;
+    if (drive_->waited_s >= kFailureToleranceS) {
       FailDrive(MakeError(navigation::Fault::kObstacle, "an obstacle stays in the way"));
     }
     return true;

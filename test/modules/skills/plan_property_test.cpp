@@ -46,13 +46,13 @@ class Execution {
     for (const std::size_t robot : actions.cancel) {
       RC_ASSERT(failed_ || cancelled_);
       RC_ASSERT(open_.contains(robot));
-      RC_ASSERT(told_.insert(robot).second);
+      RC_ASSERT(cancelled_robots_.insert(robot).second);
     }
     if (!actions.end) return;
     end_ = actions.end;
     const bool late = end_->message.find("not ended") != std::string::npos;
     RC_ASSERT(open_.empty() || late);
-    if (late) RC_ASSERT(told_ == open_);
+    if (late) RC_ASSERT(cancelled_robots_ == open_);
     const bool succeeded = end_->outcome == PlanOutcome::kSucceeded;
     const bool missing = end_->message.find("no action server") != std::string::npos;
     RC_ASSERT(!missing || missing_);
@@ -104,7 +104,7 @@ class Execution {
     if (open_.empty()) return;
     const std::size_t robot = *open_.begin();
     open_.erase(open_.begin());
-    told_.erase(robot);
+    cancelled_robots_.erase(robot);
     failed_ = failed_ || !success;
     run_.OnEnd(robot, success, "its end");
   }
@@ -117,7 +117,7 @@ class Execution {
   bool cancelled_ = false;
   bool missing_ = false;  // perhaps: its servers were waited for
   std::set<std::size_t> open_;
-  std::set<std::size_t> told_;  // those of them that are cancelled
+  std::set<std::size_t> cancelled_robots_;  // those of them that are cancelled
   std::optional<PlanEnd> end_;
 };
 

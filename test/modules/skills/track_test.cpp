@@ -153,12 +153,13 @@ TEST_F(Track, FailsAtAnObstacleThatStays) {
   Go();
   RunFor(8);
   EXPECT_THAT(feedback().message,
-              HasSubstr("s): the robot does not get on along its path, as at an obstacle"));
+              HasSubstr("s): the robot makes no progress along its path, as at an obstacle"));
   EXPECT_TRUE(RunToItsEnd(8));
   EXPECT_EQ(feedback().status, Status::kFailed);
-  EXPECT_EQ(feedback().message,
-            "No path to the target for 10.0 s: the robot does not get on along its path, as at an "
-            "obstacle");
+  EXPECT_EQ(
+      feedback().message,
+      "No path to the target for 10.0 s: the robot makes no progress along its path, as at an "
+      "obstacle");
   RunFor(1);
   EXPECT_TRUE(robot.Rests());
   robot.at = {};

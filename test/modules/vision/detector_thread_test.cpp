@@ -83,12 +83,12 @@ TEST_F(DetectorThreadTest, GivesWhatTheDetectorFinds) {
 
 TEST_F(DetectorThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
   std::promise<void> begun;
-  std::promise<void> let_go;
+  std::promise<void> release;
   bool first = true;
   script_ = [&](const msg::Image&) {
     if (std::exchange(first, false)) {
       begun.set_value();
-      let_go.get_future().wait();
+      release.get_future().wait();
     }
     return std::vector<FaceBox>();
   };
@@ -98,7 +98,7 @@ TEST_F(DetectorThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
   EXPECT_GT(thread_->Busy(), Duration::zero());
   for (const std::int64_t stamp_ns : {2, 3, 4}) thread_->Submit({stamp_ns, Picture()});
   EXPECT_EQ(left_out_, 2);
-  let_go.set_value();
+  release.set_value();
   ASSERT_TRUE(AwaitResults(2));
   EXPECT_THAT(Stamps(), ElementsAre(1, 4));
 }
@@ -150,10 +150,10 @@ TEST_F(DetectorThreadTest, LoadsTheModelAheadOrReportsWhyNot) {
 // A caller that waits to load, while another loads for long, does not wait for the picture either.
 TEST_F(DetectorThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   std::promise<void> making;
-  std::promise<void> let_go;
+  std::promise<void> release;
   on_make_ = [&] {
     making.set_value();
-    let_go.get_future().wait();
+    release.get_future().wait();
   };
   Start();
   auto first = std::async(std::launch::async, [&] { return thread_->Load().ok(); });
@@ -166,7 +166,7 @@ TEST_F(DetectorThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   begun.get_future().wait();
   thread_->Submit({1, Picture()});
   EXPECT_EQ(second.wait_for(std::chrono::seconds(10)), std::future_status::ready);
-  let_go.set_value();
+  release.set_value();
   EXPECT_TRUE(first.get());
   EXPECT_TRUE(second.get());
   EXPECT_TRUE(AwaitResults(1));

@@ -162,7 +162,7 @@ TEST(Line, AcrossIsFrontOrBackOfItsTarget) {
   EXPECT_EQ(Across(360, nearer).dy, "center");
 }
 
-TEST(Line, AcrossIsToldFromOneBesideItByItsLength) {
+TEST(Line, AcrossIsDistinguishedFromOneBesideItByItsLength) {
   cv::Mat bgr = GreyPicture();
   bgr(cv::Rect(180, 140, 200, 20)).setTo(kYellow);
   bgr(cv::Rect(310, 300, 30, 100)).setTo(kYellow);  // ahead, and nearer to the centre line

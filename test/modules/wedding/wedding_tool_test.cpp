@@ -17,7 +17,7 @@ TEST_F(WeddingTool, PublishesInputsWithoutRos) {
   EXPECT_EQ(Run({"send", "command", "photo"}), 0) << output_;
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
   EXPECT_EQ(Run({"send", "too-close", "true", "--json"}), 0) << output_;
-  EXPECT_EQ(output_, "{\"told\": true}\n");
+  EXPECT_EQ(output_, "{\"sent\": true}\n");
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
   EXPECT_EQ(Run({"send", "gesture"}), 2);
   EXPECT_EQ(Run({"send", "target", "left", "0.4"}), 2);

@@ -57,7 +57,7 @@ class Climber {
     velocity_ = velocity;
     driven_ = true;
   }
-  void LetGo() { driven_ = false; }
+  void ReleaseControl() { driven_ = false; }
   void Lift(double all_mm) { static_cast<void>(field_.Lift({all_mm, all_mm, all_mm, all_mm})); }
   // Steps until it holds; false after 10 s.
   bool Until(const std::function<bool()>& holds) {

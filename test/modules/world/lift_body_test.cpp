@@ -23,7 +23,7 @@ TEST(LiftBody, ReachesItsSpeedWithinItsAccelerationAndStopsWithoutCommands) {
   EXPECT_NEAR(climber.robot().velocity().x(), 0.5, 0.03);
   climber.For(1);
   EXPECT_NEAR(climber.robot().velocity().x(), 1.5, 1e-9) << "its highest speed";
-  climber.LetGo();
+  climber.ReleaseControl();
   climber.For(0.14);
   EXPECT_NEAR(climber.robot().velocity().x(), 1.5, 1e-9) << "a command is valid for 0.2 s";
   climber.For(1);

@@ -110,7 +110,7 @@ class MetricsWatchTest : public ::testing::Test {
       text = answer.value();
     });
     const Time begin = network_.now();
-    network_.RunUntil([&] { return text.has_value(); }, begin + 2 * MetricsWatch::kPatience);
+    network_.RunUntil([&] { return text.has_value(); }, begin + 2 * MetricsWatch::kTimeout);
     took_ = network_.now() - begin;
     EXPECT_TRUE(text.has_value());
     ParsedMetrics parsed = ParseOpenMetrics(text.value_or(""));
@@ -135,7 +135,7 @@ TEST_F(MetricsWatchTest, TheFirstScrapeHasTheStatusAndWhatHappenedSinceTheViewBe
   controller.Add(3, kBegan - 1);
   controller.Add(2, kBegan);
   EXPECT_EQ(Crashes(), 2);
-  EXPECT_LT(took_, MetricsWatch::kPatience);
+  EXPECT_LT(took_, MetricsWatch::kTimeout);
   EXPECT_EQ(Scrape().Value("musher_controller_up"), 1);
 }
 
@@ -178,7 +178,7 @@ TEST_F(MetricsWatchTest, ALongOldHistoryIsNotReadAtTheFirstScrape) {
 
 TEST_F(MetricsWatchTest, AnswersWithoutAController) {
   EXPECT_EQ(Scrape().Value("musher_controller_up"), 0);
-  EXPECT_EQ(took_, MetricsWatch::kPatience);  // it may be found meanwhile
+  EXPECT_EQ(took_, MetricsWatch::kTimeout);  // it may be found meanwhile
   const ParsedMetrics second = Scrape();
   EXPECT_EQ(took_, Duration::zero());
   EXPECT_EQ(second.Value("musher_scrapes_incomplete_total"), 0);
@@ -189,7 +189,7 @@ TEST_F(MetricsWatchTest, AControllerThatDoesNotAnswerDelaysAScrapeByOneSecond) {
   controller.Add(1, kBegan + 1);
   controller.answers = false;
   const ParsedMetrics parsed = Scrape();
-  EXPECT_EQ(took_, MetricsWatch::kPatience);
+  EXPECT_EQ(took_, MetricsWatch::kTimeout);
   EXPECT_EQ(parsed.Value("musher_controller_up"), 1);
   EXPECT_EQ(parsed.Value("musher_scrapes_incomplete_total"), 1);
   controller.answers = true;

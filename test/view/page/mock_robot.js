@@ -187,7 +187,7 @@ export class MockRobot {
     const arrows = [['WAIT', 'WATCH', 'the guests are seen'], ['WATCH', 'PHOTO', 'they stand still'],
       ['PHOTO', 'SPEAK', 'the picture is stored'],
       ['SPEAK', 'WATCH', 'more guests'], ['SPEAK', 'DONE', 'all are photographed'],
-        ['WATCH', 'WAIT', 'nobody is seen for 10 s'], ['PHOTO', 'WATCH', 'blurred']];
+        ['WATCH', 'WAIT', 'no person is seen for 10 s'], ['PHOTO', 'WATCH', 'blurred']];
     const id = name => `s${states.indexOf(name)}`;
     const graph = ['stateDiagram-v2', ...states.map(s => `  state "${s}" as ${id(s)}`), '  [*] --> s0',
       ...arrows.map(([a, b, why]) => `  ${id(a)} --> ${id(b)} : ${why}`), '  s4 --> [*]', '  class s5 safe',

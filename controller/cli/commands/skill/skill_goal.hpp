@@ -22,7 +22,7 @@ std::optional<transport::GoalId> ReadGoalId(std::string_view text);
 void FillSkillEnd(const transport::GoalOutcome<msg::SkillExecution>& of, bool accepted,
                   SkillEnd& end);
 
-// Of a goal without a result of its server: it was rejected, or the server is lost. Else nullopt.
+// Outcome of a goal that was rejected, or whose server is lost; nullopt: its server has a result.
 std::optional<SkillOutcome> UnansweredOutcome(transport::GoalEnd end, bool accepted);
 
 // The end of a goal that --timeout has cancelled: "cancelled after 3.2 s", "failed after 3.2 s: the

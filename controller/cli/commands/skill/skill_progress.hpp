@@ -21,7 +21,7 @@ class SkillProgress {
   SkillProgress& operator=(const SkillProgress&) = delete;
 
   void Show(const SkillReport& report);
-  // To be called before anything else is printed.
+  // Call before anything else is printed.
   void Clear();
   // Since the construction.
   Duration elapsed() const { return loop_.Now() - begin_; }
