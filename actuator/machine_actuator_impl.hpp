@@ -48,10 +48,8 @@ class MachineActuator::Impl {
     if (!index_) {
       std::vector<std::string> names;
       for (const ActuatorConfig& actuator : config_->actuators) names.push_back(actuator.name);
-      const std::string near = Nearest(name_, names);
       return Error{kCodeParametersInvalid,
-                   config_->file + " has no actuator '" + name_ + "'" +
-                       (near.empty() ? "" : "; did you mean '" + near + "'?")};
+                   config_->file + " has no actuator '" + name_ + "'" + DidYouMean(name_, names)};
     }
     return Ok();
   }

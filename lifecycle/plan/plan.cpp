@@ -61,11 +61,10 @@ class Planning {
   std::optional<Error> CheckTarget() const {
     const State& target = plan_.target;
     if (!config_.HasState(target)) {
-      const std::string near = Nearest(target, config_.states);
-      return Error{kCodeParametersInvalid,
-                   "unknown state '" + target.Shortened() + "'; " +
-                       (near.empty() ? "" : "did you mean '" + near + "'? ") + "the states are " +
-                       List(config_.states)};
+      const std::string hint = DidYouMean(target, config_.states);
+      return Error{kCodeParametersInvalid, "unknown state '" + target.Shortened() + "'" +
+                                               (hint.empty() ? ";" : hint) + " the states are " +
+                                               List(config_.states)};
     }
     const std::string subject = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
     if (machine_.phase == Phase::kIdle ||

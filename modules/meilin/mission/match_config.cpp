@@ -141,9 +141,8 @@ class MatchReader {
     const std::vector<std::string> words(known.begin(), known.end());
     for (const auto& item : object.items()) {
       if (std::ranges::find(words, item.key()) != words.end()) continue;
-      const std::string nearest = Nearest(item.key(), words);
       Fault(path.empty() ? item.key() : path + "." + item.key(),
-            "unknown key" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+            "unknown key" + DidYouMean(item.key(), words));
     }
   }
 
