@@ -5,7 +5,6 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -244,13 +243,6 @@ Result<ForkedProgram> ForkProgram(const ProgramSpec& spec) {
   return ForkedProgram(spec, pid, std::move(report));
 }
 
-std::string ExitStatus::Text() const {
-  if (!killed) return "exit code " + std::to_string(number);
-  const char* name = sigabbrev_np(number);
-  return "killed by " +
-         (name != nullptr ? "SIG" + std::string(name) : "signal " + std::to_string(number));
-}
-
 Result<ProgramEnd> RunProgram(const ProgramSpec& spec, const std::string& input,
                               std::optional<Duration> timeout) {
   auto given = MemoryFile(input);
@@ -270,12 +262,9 @@ Result<ProgramEnd> RunProgram(const ProgramSpec& spec, const std::string& input,
   ProgramEnd end;
   end.timed_out = exited && !Await(exited.value().get(), timeout);
   if (!exited || end.timed_out) kill(pid, SIGKILL);
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
+  end.status = ReapChild(pid).value_or(ExitStatus{});
   if (!exited) return exited.error();
   end.failure = program.value().Failure(Duration::zero());
-  end.status = {WIFSIGNALED(status), WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status)};
   end.output = ContentOf(output.value());
   end.errors = ContentOf(errors.value());
   return end;
