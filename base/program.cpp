@@ -18,6 +18,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/program_path.hpp"
 
 namespace musher {
 namespace {
@@ -71,18 +72,7 @@ std::vector<std::string> Candidates(const ProgramSpec& spec) {
   const std::string& program = spec.argv.front();
   if (program.find('/') != std::string::npos) return {program};
   const auto own = spec.env.find("PATH");
-  const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  std::string_view path = own != spec.env.end()  ? std::string_view(own->second)
-                          : inherited != nullptr ? std::string_view(inherited)
-                                                 : "/usr/local/bin:/usr/bin:/bin";
-  std::vector<std::string> candidates;
-  while (true) {
-    const std::size_t end = path.find(':');
-    const std::string_view folder = path.substr(0, end);
-    candidates.push_back((folder.empty() ? "." : std::string(folder)) + "/" + program);
-    if (end == std::string_view::npos) return candidates;
-    path.remove_prefix(end + 1);
-  }
+  return CandidatesInPath(program, own != spec.env.end() ? own->second : SearchPath());
 }
 
 Result<ExecPlan> Prepare(const ProgramSpec& spec) {

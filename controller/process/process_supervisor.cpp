@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -82,7 +81,7 @@ std::string MarkOf(std::uint64_t number) {
 // Kills the rest of the group of an adopted process that has exited. Another process is its parent
 // and may have reaped it; but the kernel does not reuse the number of a group that has members.
 void KillRest(pid_t pid, int pidfd) {
-  const bool reaped = syscall(SYS_pidfd_send_signal, pidfd, 0, nullptr, 0) != 0;
+  const bool reaped = !SendSignal(pidfd, 0);
   const bool reused = reaped && (kill(pid, 0) == 0 || errno != ESRCH);
   if (!reused) kill(-pid, SIGKILL);
 }
@@ -180,9 +179,7 @@ Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
   }
   // The pidfd identifies the process even when the pid has been reused; a group has only its
   // number.
-  const auto send = [&](int which) {
-    return syscall(SYS_pidfd_send_signal, found->second.pidfd.get(), which, nullptr, 0) == 0;
-  };
+  const auto send = [&](int which) { return SendSignal(found->second.pidfd.get(), which); };
   const bool leads_group = send(0) && getpgid(pid) == pid && pid != getpgrp();
   if (leads_group ? kill(-pid, signal) == 0 : send(signal)) return Ok();
   return SystemError("can't send signal " + std::to_string(signal) + " to process " +

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "musher/base/code.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
@@ -13,9 +14,7 @@ namespace musher {
 namespace {
 
 std::string List(const std::vector<State>& names) {
-  std::string text;
-  for (const State& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+  return Joined(names, "none");
 }
 
 // SetUp, SelfCheck and Uninitialized count as less active than any state with a rank, except Error

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/base/toml/file.hpp"
 
@@ -40,12 +41,6 @@ const std::array<Section, 9>& Sections() {
                                                    {"final", "place_high", kLimitKeys},
                                                    {"final", "finish", kFinishKeys}}};
   return sections;
-}
-
-std::string Joined(std::span<const std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
-  return text;
 }
 
 class MatchReader {

@@ -22,10 +22,4 @@ std::string CodeMeaning(std::int32_t code) {
   return meaning.empty() ? CodeText(code) : meaning;
 }
 
-std::string Decimal(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
-
 }  // namespace musher::motion::tool
