@@ -19,6 +19,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/actuator/state_callbacks.hpp"
 #include "musher/base/check.hpp"
+#include "musher/base/config_path.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -36,7 +37,7 @@ class MachineActuator::Impl {
   const std::string& name() const { return name_; }
 
   Result<> Init(const std::string& file, std::shared_ptr<transport::NodeThread> node) {
-    auto config = ReadValidConfig(file);
+    auto config = ReadValidConfig(ConfigPath(file));
     if (!config) return config.error();
     node_ = std::move(node);
     return Adopt(std::move(config).value());

@@ -60,9 +60,7 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
   if (!process) return Ok();  // it has exited meanwhile
   if (auto proven = is_it(); !proven) return proven;
   pollfd ended{process.value().get(), POLLIN, 0};
-  const auto send = [&](int signal) {
-    return SendSignal(ended.fd, signal) || errno == ESRCH;
-  };
+  const auto send = [&](int signal) { return SendSignal(ended.fd, signal) || errno == ESRCH; };
   if (!send(kLetGoSignal)) return SystemError("can't end " + who);
   if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
   if (!send(SIGKILL)) return SystemError("can't end " + who);

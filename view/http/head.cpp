@@ -73,7 +73,8 @@ std::variant<CheckedHead, Refusal> CheckUpgrade(CheckedHead checked,
   const std::string_view offered = ValueOf(request, "sec-websocket-protocol");
   checked.subprotocol = ChooseSubprotocol(offered, subprotocols);
   if (!offered.empty() && checked.subprotocol.empty()) {
-    return InvalidHead("the server has none of the offered subprotocols; it has: " + Joined(subprotocols));
+    return InvalidHead("the server has none of the offered subprotocols; it has: " +
+                       Joined(subprotocols));
   }
   checked.websocket = true;
   return checked;

@@ -7,7 +7,6 @@
 
 #include "musher/base/joined.hpp"
 
-
 namespace musher::cli {
 namespace {
 

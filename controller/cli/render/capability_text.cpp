@@ -41,7 +41,8 @@ std::string CapabilityText(const msg::Capability& one, bool colour) {
   if (const std::string why = WhyNot(shown); !why.empty()) text += ": " + why;
   text += '\n';
   if (!shown.description.empty()) text += "  " + shown.description + '\n';
-  return text + "  actuators: " + Joined(shown.actuators) + "; runs in: " + Joined(shown.states) + '\n';
+  return text + "  actuators: " + Joined(shown.actuators) + "; runs in: " + Joined(shown.states) +
+         '\n';
 }
 
 }  // namespace musher::cli

@@ -68,7 +68,8 @@ std::string EffectText(const ConfigDiff& diff) {
       keys.push_back(TableName(Printable(change.table)) +
                      (change.key.empty() ? "" : " " + Printable(change.key)));
     }
-    return "needs a new start (" + Joined(keys) + "): `musher down`, then `musher up " + file + "`\n";
+    return "needs a new start (" + Joined(keys) + "): `musher down`, then `musher up " + file +
+           "`\n";
   }
   std::string text = "while the robot runs: `musher up --detach --takeover " + file + "`";
   for (const std::string& name : diff.restarts) text += ", `musher restart " + name + "`";

@@ -77,8 +77,8 @@ std::string ProgressText(const Progress& progress, bool colour) {
 std::string ConfigSummary(const MachineConfig& config) {
   int stages = 1;
   for (const ActuatorConfig& a : config.actuators) stages = std::max(stages, a.stage);
-  return Counted(config.actuators.size(), "actuator") + ", " + Counted(config.states.size(), "state") +
-         ", " + Counted(stages, "stage");
+  return Counted(config.actuators.size(), "actuator") + ", " +
+         Counted(config.states.size(), "state") + ", " + Counted(stages, "stage");
 }
 
 }  // namespace musher::cli

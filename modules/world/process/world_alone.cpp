@@ -110,8 +110,7 @@ int ShootScene(const Scene& scene, Duration time, const std::string& camera,
   }
   const auto named = std::find(names.begin(), names.end(), camera);
   if (named == names.end()) {
-    Say("there is no camera \"" + camera + "\"; the cameras are " +
-        Joined(names, "none"));
+    Say("there is no camera \"" + camera + "\"; the cameras are " + Joined(names, "none"));
     return 2;
   }
   const auto index = static_cast<std::size_t>(named - names.begin());
