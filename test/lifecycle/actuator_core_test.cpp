@@ -222,7 +222,7 @@ TEST_F(Actuator, ATearDownOfAnActuatorThatIsTornDownIsDone) {
 TEST_F(Actuator, NorDoesItRunAgainAfterAnEmergencyStop) {
   SetUpIt();
   Switch(1, "Active");
-  Do(EmergencyStopReceived{9, 4, true});
+  Do(EmergencyStopReceived{9, true, 4});
   Switch(2, "TearDown");
   ASSERT_TRUE(core_.report.held_by_stop);
   const Actions actions = Do(Command(3, "TearDown"));
