@@ -6,7 +6,6 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
 
 #include "musher/base/program_path.hpp"
 #include "musher/controller/cli/console/signals.hpp"

@@ -2,9 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
-#include <iomanip>
 #include <iostream>
-#include <sstream>
 #include <utility>
 
 #include "musher/base/decimal.hpp"

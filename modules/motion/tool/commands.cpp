@@ -1,8 +1,6 @@
 #include "musher/modules/motion/tool/commands.hpp"
 
-#include <iomanip>
 #include <iostream>
-#include <sstream>
 
 #include "musher/modules/motion/motion_code.hpp"
 
