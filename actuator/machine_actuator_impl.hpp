@@ -19,6 +19,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/actuator/state_callbacks.hpp"
 #include "musher/base/check.hpp"
+#include "musher/base/config_path.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
@@ -36,7 +37,7 @@ class MachineActuator::Impl {
   const std::string& name() const { return name_; }
 
   Result<> Init(const std::string& file, std::shared_ptr<transport::NodeThread> node) {
-    auto config = ReadValidConfig(file);
+    auto config = ReadValidConfig(ConfigPath(file));
     if (!config) return config.error();
     node_ = std::move(node);
     return Adopt(std::move(config).value());
@@ -48,10 +49,8 @@ class MachineActuator::Impl {
     if (!index_) {
       std::vector<std::string> names;
       for (const ActuatorConfig& actuator : config_->actuators) names.push_back(actuator.name);
-      const std::string near = Nearest(name_, names);
       return Error{kCodeParametersInvalid,
-                   config_->file + " has no actuator '" + name_ + "'" +
-                       (near.empty() ? "" : "; did you mean '" + near + "'?")};
+                   config_->file + " has no actuator '" + name_ + "'" + DidYouMean(name_, names)};
     }
     return Ok();
   }

@@ -9,16 +9,6 @@
 
 namespace musher {
 
-namespace {
-
-std::string DidYouMean(const State& state, const ActuatorConfig& actuator) {
-  const std::string near =
-      Nearest(state, std::vector<std::string>(actuator.states.begin(), actuator.states.end()));
-  return near.empty() ? "" : "; did you mean '" + near + "'?";
-}
-
-}  // namespace
-
 Result<> RunGuarded(const std::function<Result<>()>& callback) {
   try {
     return callback();
@@ -58,7 +48,7 @@ Result<> StateCallbacks::Check(const MachineConfig& config, const ActuatorConfig
     if (actuator.Lists(state)) continue;
     return Error{kCodeParametersInvalid, "there is a callback for state '" + state + "', but " +
                                              config.file + " does not list it for " +
-                                             actuator.name + DidYouMean(state, actuator)};
+                                             actuator.name + DidYouMean(state, actuator.states)};
   }
   return Ok();
 }

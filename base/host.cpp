@@ -120,6 +120,10 @@ Result<UniqueFd> OpenPidfd(pid_t pid) {
   return fd;
 }
 
+bool SendSignal(int pidfd, int signal) {
+  return syscall(SYS_pidfd_send_signal, pidfd, signal, nullptr, 0) == 0;
+}
+
 std::string NameLock::NameOf(int domain_id, std::string_view name_space,
                              std::string_view actuator) {
   return std::to_string(domain_id) + "/" + std::string(name_space) + "/" + std::string(actuator);

@@ -35,6 +35,10 @@ std::uint64_t NewIncarnation();
 // process that reuses the pid. Fails if no such process is alive.
 Result<UniqueFd> OpenPidfd(pid_t pid);
 
+// Sends a signal to the process of a pidfd, never to another one that reuses its pid; 0 only checks
+// that it exists. False: `errno` has the reason; ESRCH: it has exited and been reaped.
+bool SendSignal(int pidfd, int signal);
+
 // Whether process `pid` has the file at `path` open and holds a lock on it. The file's text about
 // its owner proves nothing if others may write to its folder. False also if we may not inspect the
 // process.

@@ -5,7 +5,6 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +18,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/program_path.hpp"
 
 namespace musher {
 namespace {
@@ -72,18 +72,7 @@ std::vector<std::string> Candidates(const ProgramSpec& spec) {
   const std::string& program = spec.argv.front();
   if (program.find('/') != std::string::npos) return {program};
   const auto own = spec.env.find("PATH");
-  const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  std::string_view path = own != spec.env.end()  ? std::string_view(own->second)
-                          : inherited != nullptr ? std::string_view(inherited)
-                                                 : "/usr/local/bin:/usr/bin:/bin";
-  std::vector<std::string> candidates;
-  while (true) {
-    const std::size_t end = path.find(':');
-    const std::string_view folder = path.substr(0, end);
-    candidates.push_back((folder.empty() ? "." : std::string(folder)) + "/" + program);
-    if (end == std::string_view::npos) return candidates;
-    path.remove_prefix(end + 1);
-  }
+  return CandidatesInPath(program, own != spec.env.end() ? own->second : SearchPath());
 }
 
 Result<ExecPlan> Prepare(const ProgramSpec& spec) {
@@ -244,13 +233,6 @@ Result<ForkedProgram> ForkProgram(const ProgramSpec& spec) {
   return ForkedProgram(spec, pid, std::move(report));
 }
 
-std::string ExitStatus::Text() const {
-  if (!killed) return "exit code " + std::to_string(number);
-  const char* name = sigabbrev_np(number);
-  return "killed by " +
-         (name != nullptr ? "SIG" + std::string(name) : "signal " + std::to_string(number));
-}
-
 Result<ProgramEnd> RunProgram(const ProgramSpec& spec, const std::string& input,
                               std::optional<Duration> timeout) {
   auto given = MemoryFile(input);
@@ -270,12 +252,9 @@ Result<ProgramEnd> RunProgram(const ProgramSpec& spec, const std::string& input,
   ProgramEnd end;
   end.timed_out = exited && !Await(exited.value().get(), timeout);
   if (!exited || end.timed_out) kill(pid, SIGKILL);
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
+  end.status = ReapChild(pid).value_or(ExitStatus{});
   if (!exited) return exited.error();
   end.failure = program.value().Failure(Duration::zero());
-  end.status = {WIFSIGNALED(status), WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status)};
   end.output = ContentOf(output.value());
   end.errors = ContentOf(errors.value());
   return end;

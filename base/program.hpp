@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/result.hpp"
 #include "musher/base/time.hpp"
 #include "musher/base/unique_fd.hpp"
@@ -64,17 +65,6 @@ class ForkedProgram {
 
 // Forks. The caller watches and reaps the child.
 Result<ForkedProgram> ForkProgram(const ProgramSpec& spec);
-
-// How a process has ended.
-struct ExitStatus {
-  bool killed = false;
-  int number = 0;  // the exit code, or the signal that killed it
-
-  bool ok() const { return !killed && number == 0; }
-  std::string Text() const;  // "exit code 3", "killed by SIGKILL"
-
-  friend bool operator==(const ExitStatus&, const ExitStatus&) = default;
-};
 
 struct ProgramEnd {
   ExitStatus status;

@@ -61,13 +61,23 @@ std::string Nearest(std::string_view word, const std::vector<std::string_view>& 
   return std::string(nearest);
 }
 
+std::string DidYouMean(const std::string& quoted_name) {
+  return "; did you mean " + quoted_name + "?";
+}
+
+std::string DidYouMean(std::string_view word, const std::vector<std::string_view>& names,
+                       std::string_view quotes) {
+  const std::string nearest = Nearest(word, names);
+  return nearest.empty() ? "" : DidYouMean(quotes.front() + nearest + quotes.back());
+}
+
 std::string NoSuch(std::string_view what, std::string_view name,
                    const std::vector<std::string>& names) {
   std::string text =
       "there is no " + std::string(what) + " '" + std::string(name.substr(0, kLongestWord)) + "'";
   if (names.empty()) return text;
-  const std::string near = Nearest(name, names);
-  text += near.empty() ? "; there " : "; did you mean '" + near + "'? There ";
+  const std::string hint = DidYouMean(name, names);
+  text += hint.empty() ? "; there " : hint + " There ";
   text += names.size() == 1 ? "is only " : "are ";
   const std::size_t shown = std::min(names.size(), kMostNames);
   for (std::size_t i = 0; i < shown; ++i) {

@@ -17,6 +17,17 @@ std::string Nearest(std::string_view word, const std::vector<Name>& candidates) 
   return Nearest(word, std::vector<std::string_view>(candidates.begin(), candidates.end()));
 }
 
+// "; did you mean 'legs'?": the end of a message that refuses `word`. Empty where no name is near.
+// `quotes`, the opening and the closing one, are those of the message.
+std::string DidYouMean(std::string_view word, const std::vector<std::string_view>& names,
+                       std::string_view quotes = "''");
+template <typename Names>  // a container of what converts to std::string_view
+std::string DidYouMean(std::string_view word, const Names& names, std::string_view quotes = "''") {
+  return DidYouMean(word, std::vector<std::string_view>(names.begin(), names.end()), quotes);
+}
+// The same for a name that the caller has found and quoted.
+std::string DidYouMean(const std::string& quoted_name);
+
 // "there is no actuator 'lags'; did you mean 'legs'? There are arm, head and legs": `what` is its
 // kind, `names` the known names, of which the first are listed. Safe with any `name`: it is
 // shortened.

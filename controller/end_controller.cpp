@@ -1,7 +1,6 @@
 #include "musher/controller/end_controller.hpp"
 
 #include <poll.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -61,9 +60,7 @@ Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
   if (!process) return Ok();  // it has exited meanwhile
   if (auto proven = is_it(); !proven) return proven;
   pollfd ended{process.value().get(), POLLIN, 0};
-  const auto send = [&](int signal) {
-    return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
-  };
+  const auto send = [&](int signal) { return SendSignal(ended.fd, signal) || errno == ESRCH; };
   if (!send(kReleaseControlSignal)) return SystemError("can't end " + previous);
   if (poll(&ended, 1, kReleaseTimeoutMs) == 1) return Ok();
   if (!send(SIGKILL)) return SystemError("can't end " + previous);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/config_path.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/wire/dds_options.hpp"
@@ -26,7 +27,7 @@ class MachineController::Impl {
 
   Result<> Init(const std::string& config_file, std::shared_ptr<transport::NodeThread> node) {
     if (controller_) return Error{kCodeStateInvalid, "the controller is already initialised"};
-    auto config = ReadValidConfig(config_file);
+    auto config = ReadValidConfig(ConfigPath(config_file));
     if (!config) return config.error();
     config_ = std::move(config).value();
     transport::DdsOptions options =

@@ -125,7 +125,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   event::Begin begin;
   begin.epoch = disk_.epoch;
   if (const auto& rival = shell_->rival()) {
-    if (!takeover) return shell_->Refuse({kCodeTargetBusy, "led by " + rival->who});
+    if (!takeover) return shell_->Refuse({kCodeTargetBusy, "led by " + rival->process});
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
   std::vector<ChildProcess> children;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <filesystem>
 #include <sstream>
 #include <utility>
 
+#include "musher/base/program_path.hpp"
 #include "musher/lifecycle/config/config_toml.hpp"
 #include "musher/simulation/timeline.hpp"
 #include "musher/wire/dds_options.hpp"
@@ -230,9 +230,7 @@ std::string ReplayCommand(const ScenarioId& id, const std::string& test) {
     only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
   }
   if (id.only && id.only->empty()) only = " MUSHER_ONLY=none";
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return "MUSHER_SEED=" + std::to_string(id.seed) + only + " " + program.string() +
+  return "MUSHER_SEED=" + std::to_string(id.seed) + only + " " + OwnProgram().string() +
          " --gtest_filter='" + test + "'";
 }
 

@@ -18,9 +18,8 @@ inline Result<> CheckStates(const MachineConfig& machine, std::string_view key,
                             const std::vector<State>& states, std::int32_t code) {
   for (const State& state : states) {
     if (machine.HasState(state) || IsBuiltInState(state)) continue;
-    const std::string nearest = Nearest(state, machine.states);
     return Error{code, std::string(key) + ": the machine has no state \"" + state + "\"" +
-                           (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?")};
+                           DidYouMean(state, machine.states, "\"\"")};
   }
   return Ok();
 }

@@ -74,7 +74,7 @@ std::string Findings::Guess(std::string_view word,
   guesses_ += candidates.size();
   if (guesses_ > kMostGuesses) return {};
   const std::string nearest = Nearest(word, candidates);
-  return nearest.empty() ? std::string() : "; did you mean " + Quote(nearest) + "?";
+  return nearest.empty() ? std::string() : DidYouMean(Quote(nearest));
 }
 
 std::vector<Diagnostic> Findings::Take(const std::string& file, std::string_view text) && {

@@ -26,9 +26,7 @@ std::string Unknown(std::string_view kind, std::string_view name, const Things& 
   std::vector<std::string_view> names;
   names.reserve(things.size());
   for (const auto& thing : things) names.push_back(thing.name);
-  const std::string near = Nearest(name, names);
-  return "there is no " + std::string(kind) + " " + std::string(name) +
-         (near.empty() ? "" : "; did you mean " + near + "?");
+  return "there is no " + std::string(kind) + " " + std::string(name) + DidYouMean(name, names);
 }
 
 // Names are used in paths ("SHOW/PHOTO") and in lines of text.

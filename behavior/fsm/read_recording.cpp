@@ -56,9 +56,7 @@ Line ReadLine(RecordingLine& reader, int number) {
   if (verb == std::end(kVerbs)) {
     std::vector<std::string_view> words{"changed"};
     for (const Verb& known : kVerbs) words.push_back(known.word);
-    const std::string near = Nearest(word, words);
-    reader.Fail(word + " is not a kind of line" +
-                (near.empty() ? "" : "; did you mean " + near + "?"));
+    reader.Fail(word + " is not a kind of line" + DidYouMean(word, words));
   }
   line.kind = verb->kind;
   if (verb->has_time) line.time = reader.Seconds();

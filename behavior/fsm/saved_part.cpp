@@ -99,8 +99,7 @@ std::string SnapshotKey(const std::string& prefix, const std::string& name) {
 
 std::string UnknownName(const std::string& kind, const std::string& name,
                         const std::vector<std::string>& known) {
-  const std::string near = Nearest(name, known);
-  return "there is no " + kind + " " + name + (near.empty() ? "" : "; did you mean " + near + "?");
+  return "there is no " + kind + " " + name + DidYouMean(name, known);
 }
 
 std::vector<SavedField> SaveFields(const std::function<void(Archive&)>& persist) {

@@ -37,7 +37,7 @@ struct SnapshotFault {
 // "states" and "TRACKING" make "states.TRACKING".
 std::string SnapshotKey(const std::string& prefix, const std::string& name);
 
-// "there is no state TRAKCING; did you mean TRACKING?"
+// "there is no state TRAKCING; did you mean 'TRACKING'?"
 std::string UnknownName(const std::string& kind, const std::string& name,
                         const std::vector<std::string>& known);
 

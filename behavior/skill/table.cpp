@@ -8,10 +8,6 @@
 namespace musher::skill {
 namespace {
 
-std::string DidYouMean(const std::string& near) {
-  return near.empty() ? "" : "; did you mean " + near + "?";
-}
-
 // Names are used in paths ("RUNNING/take_off") and as TOML keys.
 std::optional<std::string> NameFault(const std::string& kind, const std::string& name) {
   if (name.empty()) return "a " + kind + " has no name";
@@ -124,7 +120,7 @@ Result<> Table::SetLimit(std::string_view state, Duration limit) {
       names.push_back(chart_.states[i].name);
     }
     return Error{kCodeParametersInvalid, "there is no state " + std::string(state) +
-                                             " with a time" + DidYouMean(Nearest(state, names))};
+                                             " with a time" + DidYouMean(state, names)};
   }
   state_limits_[fsm::Index(*found)] = limit;
   return Ok();
@@ -181,7 +177,7 @@ std::string Table::UnknownParameter(std::string_view name) const {
   std::vector<std::string_view> names;
   names.reserve(parameters_.size());
   for (const Parameter& parameter : parameters_) names.push_back(parameter.name);
-  return "there is no parameter " + std::string(name) + DidYouMean(Nearest(name, names));
+  return "there is no parameter " + std::string(name) + DidYouMean(name, names);
 }
 
 Result<Values> Table::Complete(const Values& given) const {

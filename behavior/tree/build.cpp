@@ -26,11 +26,6 @@ std::string Quoted(std::string_view text) {
   return "'" + std::string(text) + "'";
 }
 
-std::string Guess(std::string_view word, const std::vector<std::string>& candidates) {
-  const std::string nearest = Nearest(word, candidates);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
-}
-
 std::vector<std::string> TreeNames(const Document& document) {
   std::vector<std::string> names;
   for (const Document::Tree& tree : document.trees) names.push_back(tree.id);
@@ -147,7 +142,7 @@ void Building::UnknownNode(Place place, std::string_view id) {
   std::vector<std::string> names = factory_.Names();
   names.emplace_back("SubTree");
   Report(place, Severity::kError,
-         "there is no node " + Quoted(id) + Guess(id, names) +
+         "there is no node " + Quoted(id) + DidYouMean(id, names) +
              (modelled ? "; <TreeNodesModel> describes it, but the program does not register it"
                        : ""));
 }
@@ -251,7 +246,7 @@ Node* Building::MakeSubtree(const Element& element, const Around& around) {
   const Document::Tree* tree = document_.Find(id);
   if (tree == nullptr) {
     Report(attribute->value_at, Severity::kError,
-           "there is no tree " + Quoted(id) + Guess(id, TreeNames(document_)));
+           "there is no tree " + Quoted(id) + DidYouMean(id, TreeNames(document_)));
     return nullptr;
   }
   if (std::ranges::find(inside_, id) != inside_.end()) {
@@ -285,7 +280,7 @@ Built Build(const Document& document, const Factory& factory, const BuildOptions
   const Document::Tree* main = name.empty() ? &document.trees.front() : document.Find(name);
   if (main == nullptr) {
     return fail(options.tree.empty() && document.main ? document.main->value_at : Place{},
-                "there is no tree " + Quoted(name) + Guess(name, TreeNames(document)));
+                "there is no tree " + Quoted(name) + DidYouMean(name, TreeNames(document)));
   }
   std::unique_ptr<Tree> tree = building.Make(*main, options.history);
   // Trees that nothing uses are checked, too.

@@ -95,11 +95,10 @@ void Building::CheckAttributes(const Element& element, const Setup& setup) {
     for (const PortModel& port : setup.ports()) known.push_back(port.name);
     const bool special = attribute.name.starts_with('_');
     if (special) known.assign(kConditionNames.begin(), kConditionNames.end());
-    const std::string nearest = Nearest(attribute.name, known);
     Report(attribute.at, special ? Severity::kWarning : Severity::kError,
            (special ? "attribute '" + attribute.name + "' has no meaning"
                     : "<" + element.name + "> has no port '" + attribute.name + "'") +
-               (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+               DidYouMean(attribute.name, known));
   }
 }
 

@@ -115,8 +115,7 @@ class Models {
     found_.push_back(document_.At(place, Severity::kError, std::move(message)));
   }
   static std::string Guess(std::string_view word, const std::vector<std::string>& known) {
-    const std::string nearest = Nearest(word, known);
-    return nearest.empty() ? "" : "; did you mean <" + nearest + ">?";
+    return DidYouMean(word, known, "<>");
   }
 
   void AddNode(const Element& model) {

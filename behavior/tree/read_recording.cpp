@@ -77,10 +77,7 @@ class TreeReading {
     if (word == "tree") {
       BeginTree(line);
     } else if (std::ranges::find(kLines, word) == kLines.end()) {
-      const std::string near =
-          Nearest(word, std::vector<std::string_view>(kLines.begin(), kLines.end()));
-      line.Fail(word + " is not a kind of line" +
-                (near.empty() ? "" : "; did you mean " + near + "?"));
+      line.Fail(word + " is not a kind of line" + DidYouMean(word, kLines));
     } else if (recording_.trees.empty()) {
       line.Fail("a tree is missing before this line");
     } else if (word == "node") {

@@ -103,10 +103,9 @@ void Building::WarnOfUnset() {
   for (const auto& [entry, place] : reads_) {
     if (entry->key.size() < kShortest) continue;
     if (writes_.contains(entry) || !entry->value.empty()) continue;
-    const std::string nearest = Nearest(entry->key, written);
-    if (nearest.empty()) continue;
-    Report(place, Severity::kWarning,
-           "nothing in the tree sets '" + entry->key + "'; did you mean '" + nearest + "'?");
+    const std::string hint = DidYouMean(entry->key, written);
+    if (hint.empty()) continue;
+    Report(place, Severity::kWarning, "nothing in the tree sets '" + entry->key + "'" + hint);
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -35,7 +34,7 @@ struct Target {
   bool was_stopped = false;
 
   void Continue() const {
-    if (!was_stopped) syscall(SYS_pidfd_send_signal, pidfd.get(), SIGCONT, nullptr, 0);
+    if (!was_stopped) SendSignal(pidfd.get(), SIGCONT);
   }
 };
 

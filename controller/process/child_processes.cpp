@@ -1,7 +1,6 @@
 #include "musher/controller/process/child_processes.hpp"
 
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -84,7 +83,7 @@ std::set<pid_t> OwnLineage() {
 void Kill(const MarkedProcess& process) {
   const auto pidfd = OpenPidfd(process.pid);
   if (!pidfd || StartTimeOf(process.pid) != process.start_time) return;
-  syscall(SYS_pidfd_send_signal, pidfd.value().get(), SIGKILL, nullptr, 0);
+  SendSignal(pidfd.value().get(), SIGKILL);
 }
 
 // How long the end of an exec is waited for: some microseconds, longer on a host that lacks CPU.

@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include <sstream>
 #include <utility>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 #include "musher/controller/process/child_processes.hpp"
@@ -27,14 +26,9 @@ namespace {
 // Reaps a child that has exited. Until then the kernel does not reuse its pid, so the pid
 // identifies it as surely as the pidfd.
 ProcessExit Reap(pid_t pid) {
-  siginfo_t info{};
-  int result = 0;
-  do {
-    result = waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED);
-  } while (result != 0 && errno == EINTR);
-  if (result != 0) return {};
-  const bool exited = info.si_code == CLD_EXITED;
-  return {exited ? ProcessExit::Kind::kExited : ProcessExit::Kind::kKilled, info.si_status};
+  const auto status = ReapChild(pid);
+  if (!status) return {};
+  return {status->killed ? ProcessExit::Kind::kKilled : ProcessExit::Kind::kExited, status->number};
 }
 
 constexpr std::int64_t kMaxTailBytes = 2048;  // bytes of a log's end that are looked at
@@ -87,7 +81,7 @@ std::string MarkOf(std::uint64_t number) {
 // Kills the rest of the group of an adopted process that has exited. Another process is its parent
 // and may have reaped it; but the kernel does not reuse the number of a group that has members.
 void KillRest(pid_t pid, int pidfd) {
-  const bool reaped = syscall(SYS_pidfd_send_signal, pidfd, 0, nullptr, 0) != 0;
+  const bool reaped = !SendSignal(pidfd, 0);
   const bool reused = reaped && (kill(pid, 0) == 0 || errno != ESRCH);
   if (!reused) kill(-pid, SIGKILL);
 }
@@ -112,10 +106,8 @@ void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit
 std::string ProcessExit::Text() const {
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
   if (kind == Kind::kNotRun) return last_output;
-  if (kind == Kind::kExited) {
-    return "exit code " + std::to_string(number) + (last_output.empty() ? "" : ": " + last_output);
-  }
-  return ExitStatus{true, number}.Text();
+  const std::string text = ExitStatus{kind == Kind::kKilled, number}.Text();
+  return kind == Kind::kKilled || last_output.empty() ? text : text + ": " + last_output;
 }
 
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
@@ -187,9 +179,7 @@ Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
   }
   // The pidfd identifies the process even when the pid has been reused; a group has only its
   // number.
-  const auto send = [&](int which) {
-    return syscall(SYS_pidfd_send_signal, found->second.pidfd.get(), which, nullptr, 0) == 0;
-  };
+  const auto send = [&](int which) { return SendSignal(found->second.pidfd.get(), which); };
   const bool leads_group = send(0) && getpgid(pid) == pid && pid != getpgrp();
   if (leads_group ? kill(-pid, signal) == 0 : send(signal)) return Ok();
   return SystemError("can't send signal " + std::to_string(signal) + " to process " +
@@ -233,7 +223,7 @@ void ProcessSupervisor::AdoptOrphans() {
 void ProcessSupervisor::ReapOrphans() {
   if (!adopts_) return;
   for (const pid_t child : Children()) {
-    if (!processes_.contains(child)) waitpid(child, nullptr, WNOHANG);
+    if (!processes_.contains(child)) ReapEndedChild(child);
   }
   EndOrphans();  // the orphans of an orphan that has exited
 }

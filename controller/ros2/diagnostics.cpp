@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/base/joined.hpp"
 #include "musher/messages/builtin_interfaces/time.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/transport/lost_samples.hpp"
@@ -26,12 +27,6 @@ std::string Describe(const std::string& state, const std::string& target) {
   return target.empty() || target == state ? state : state + ", switching to " + target;
 }
 
-std::string List(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return list;
-}
-
 Status OfMachine(const msg::MachineStatus& machine) {
   Status status;
   status.name = machine.machine + ": machine";
@@ -40,7 +35,7 @@ Status OfMachine(const msg::MachineStatus& machine) {
   if (machine.phase != "running") status.message = machine.phase + ", " + status.message;
   if (!machine.degraded.empty()) {
     status.level = Status::kWarn;
-    status.message += ", degraded: " + List(machine.degraded);
+    status.message += ", degraded: " + Joined(machine.degraded);
   }
   if (machine.phase == "failed") status.level = Status::kError;
   if (machine.emergency_stop) {

@@ -31,8 +31,8 @@ ConfigReading ReadConfigText(std::string_view text, const std::string& path);
 // MachineConfig::hash of a text: 16 hex digits.
 std::string ConfigHash(std::string_view text);
 
-// For programs: the config at `path` (empty: the one that MUSHER_CONFIG names), or all its errors
-// as one message of several lines. Warnings are not reported.
-Result<MachineConfig> ReadValidConfig(std::string path);
+// For programs: the config at `path` (see base/config_path.hpp), or all its errors as one message
+// of several lines. Warnings are not reported.
+Result<MachineConfig> ReadValidConfig(const std::string& path);
 
 }  // namespace musher

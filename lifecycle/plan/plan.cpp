@@ -5,6 +5,7 @@
 #include <map>
 
 #include "musher/base/code.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/lifecycle/config/flow.hpp"
 #include "musher/lifecycle/policy/policy.hpp"
@@ -13,9 +14,7 @@ namespace musher {
 namespace {
 
 std::string List(const std::vector<State>& names) {
-  std::string text;
-  for (const State& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+  return Joined(names, "none");
 }
 
 // SetUp, SelfCheck and Uninitialized count as less active than any state with a rank, except Error
@@ -61,11 +60,10 @@ class Planning {
   std::optional<Error> CheckTarget() const {
     const State& target = plan_.target;
     if (!config_.HasState(target)) {
-      const std::string near = Nearest(target, config_.states);
-      return Error{kCodeParametersInvalid,
-                   "unknown state '" + target.Shortened() + "'; " +
-                       (near.empty() ? "" : "did you mean '" + near + "'? ") + "the states are " +
-                       List(config_.states)};
+      const std::string hint = DidYouMean(target, config_.states);
+      return Error{kCodeParametersInvalid, "unknown state '" + target.Shortened() + "'" +
+                                               (hint.empty() ? ";" : hint) + " the states are " +
+                                               List(config_.states)};
     }
     const std::string subject = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
     if (machine_.phase == Phase::kIdle ||

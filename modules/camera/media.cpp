@@ -5,15 +5,17 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "musher/base/program_path.hpp"
+
 namespace musher::camera {
 namespace {
 
 // Next to the program in the build tree; in the folder of libraries once installed.
 std::string PathOfLibrary() {
   constexpr const char* kName = "libmusher_camera_media.so";
-  std::error_code failed;
-  const auto folder = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+  const auto folder = OwnProgram().parent_path();
   const auto beside = folder / kName;
+  std::error_code failed;
   if (std::filesystem::exists(beside, failed)) return beside;
   return folder / ".." / MUSHER_LIBRARY_FOLDER / kName;
 }

@@ -78,10 +78,8 @@ ExitStatus Child::Reap() {
   }
   kill(-pid_, SIGKILL);  // before the leader is reaped, while the group's number cannot be reused
   reaper_->Remove(pid_);
-  while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED) != 0 && errno == EINTR) {
-  }
+  status_ = ReapChild(pid_).value_or(ExitStatus{});
   reaped_ = true;
-  status_ = {info.si_code != CLD_EXITED, info.si_status};
   return status_;
 }
 

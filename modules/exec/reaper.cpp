@@ -2,13 +2,13 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
 #include <set>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/host.hpp"
 
 namespace musher::exec {
@@ -59,8 +59,7 @@ Result<Reaper> Reaper::Start() {
 Reaper::~Reaper() {
   if (pid_ == 0) return;
   pipe_ = UniqueFd();
-  while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  ReapChild(pid_);
 }
 
 void Reaper::Add(pid_t group) const {

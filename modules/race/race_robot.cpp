@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/actuator/program/await.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/race/topic_names.hpp"
 
@@ -21,12 +22,6 @@ FsmActuator::Options OptionsOf(const Course& course) {
   options.resume =
       course.robot.from_start ? FsmActuator::Resume::kFromStart : FsmActuator::Resume::kWhereItWas;
   return options;
-}
-
-std::string Joined(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  return all;
 }
 
 }  // namespace

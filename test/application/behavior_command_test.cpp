@@ -106,7 +106,7 @@ TEST_F(BehaviorCommand, PrintsWhyACommandIsRefused) {
   Begin(show);
   const Ran unknown = RunProgram({"behavior", "show", "--send", "agian"});
   EXPECT_EQ(unknown.exit, 1);
-  EXPECT_EQ(unknown.err, "musher: show: there is no event agian; did you mean again?\n");
+  EXPECT_EQ(unknown.err, "musher: show: there is no event agian; did you mean 'again'?\n");
   ASSERT_TRUE(harness_.controller().Switch("Protected").done());
   const Ran paused = RunProgram({"behavior", "show", "--send", "again"});
   EXPECT_EQ(paused.exit, 1);

@@ -146,7 +146,7 @@ TEST_F(APlainSkillClient, GetsTheReasonOfARefusal) {
   Begin(tasks);
   EXPECT_THAT(Run(tasks, {"wait", "duration", "1"}),
               HasSubstr("result of status 6: false wait: there is no parameter duration; did you "
-                        "mean duration_s?"));
+                        "mean 'duration_s'?"));
 }
 
 TEST_F(ASkillActuator, ReportsAFailureAsAFailure) {
@@ -163,7 +163,7 @@ TEST_F(ASkillActuator, RefusesWhatItCannotStartWithTheReason) {
   Begin(tasks);
   EXPECT_EQ(EndOf(Send("wiat")),
             "aborted false there is no skill 'wiat'; did you mean 'wait'? There are fail and wait");
-  EXPECT_THAT(EndOf(Send("wait", {{"duration", "1"}})), HasSubstr("did you mean duration_s?"));
+  EXPECT_THAT(EndOf(Send("wait", {{"duration", "1"}})), HasSubstr("did you mean 'duration_s'?"));
   EXPECT_THAT(EndOf(SendGoal({})), HasSubstr("expected one skill in skill_list, found 0"));
   const auto first = Send("wait", {{"duration_s", "9"}});
   AwaitAccepted(first);

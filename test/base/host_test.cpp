@@ -251,4 +251,16 @@ TEST(NameLock, RefusesANameThatIsTooLong) {
   EXPECT_EQ(lock.error().code, kCodeParametersInvalid);
 }
 
+TEST(SendSignal, ReachesTheProcessOfThePidfdOnly) {
+  Child child([] { return 0; });
+  ASSERT_TRUE(child.ready());
+  const auto process = OpenPidfd(child.pid());
+  ASSERT_TRUE(process.ok());
+  EXPECT_TRUE(SendSignal(process.value().get(), 0));
+  EXPECT_TRUE(SendSignal(process.value().get(), SIGKILL));
+  child.Kill();
+  EXPECT_FALSE(SendSignal(process.value().get(), 0));
+  EXPECT_EQ(errno, ESRCH);
+}
+
 }  // namespace musher::transport::host_test

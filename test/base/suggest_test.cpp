@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+#include <vector>
+
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::suggest_test {
@@ -51,6 +55,23 @@ TEST(Nearest, NeverGivesTheWordItself) {
 TEST(Nearest, LeavesVeryLongWordsAlone) {
   const std::string word(65, 'a');
   EXPECT_EQ(Nearest(word, std::vector<std::string>{word + "b"}), "");
+}
+
+TEST(DidYouMean, EndsAMessageWithTheNearestName) {
+  EXPECT_EQ(DidYouMean("lags", {"arm", "legs"}), "; did you mean 'legs'?");
+  EXPECT_EQ(DidYouMean("lags", std::vector<std::string>{"arm", "legs"}), "; did you mean 'legs'?");
+  EXPECT_EQ(DidYouMean("lags", std::set<std::string>{"arm", "legs"}), "; did you mean 'legs'?");
+}
+
+TEST(DidYouMean, IsEmptyWhereNoNameIsNear) {
+  EXPECT_EQ(DidYouMean("zzz", {"arm", "legs"}), "");
+  EXPECT_EQ(DidYouMean("zzz", std::vector<std::string>{}), "");
+}
+
+TEST(DidYouMean, TakesTheQuotesOfTheMessage) {
+  EXPECT_EQ(DidYouMean("lags", {"arm", "legs"}, "\"\""), "; did you mean \"legs\"?");
+  EXPECT_EQ(DidYouMean("lags", {"arm", "legs"}, "<>"), "; did you mean <legs>?");
+  EXPECT_EQ(DidYouMean("[legs]"), "; did you mean [legs]?");
 }
 
 TEST(NoSuch, NamesTheNearestOneAndTheKnownOnes) {

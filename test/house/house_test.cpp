@@ -93,7 +93,7 @@ TEST(House, NoFoldersIncludeEachOther) {
   EXPECT_THAT(IncludeCycles(Tree()), IsEmpty());
 }
 
-TEST(House, PureFoldersUseNoClockNoThreadAndNoSocket) {
+TEST(House, PureFoldersUseNoClockNoThreadNoSocketAndNoEnvironment) {
   EXPECT_THAT(ViolationsOf(IsPure, Impurities), IsEmpty());
 }
 

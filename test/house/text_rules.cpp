@@ -73,6 +73,7 @@ std::string WithoutKeptNames(std::string text, const std::map<std::string, std::
 std::vector<std::string> Impurities(const SourceFile& file) {
   static const std::regex impure(
       R"(::now\(|std::(jthread|thread|async|mutex|condition_variable|atomic)\b|\bsocket\()"
+      R"(|\b(secure_)?getenv\()"
       R"(|#\s*include\s*<(thread|mutex|condition_variable|atomic|future|sys/socket\.h|dds/.*)>)");
   return Find(file, WithoutComments(file.text), impure, "has no place in pure code");
 }

@@ -15,9 +15,10 @@ SourceFile Cpp(const std::string& text) {
   return {"a.cpp", text};
 }
 
-TEST(TextRules, FindClocksThreadsAndSockets) {
-  for (const char* text : {"auto t = std::chrono::steady_clock::now();", "std::thread t;",
-                           "#include <mutex>", "int fd = socket(AF_UNIX, 0, 0);"}) {
+TEST(TextRules, FindClocksThreadsSocketsAndTheEnvironment) {
+  for (const char* text :
+       {"auto t = std::chrono::steady_clock::now();", "std::thread t;", "#include <mutex>",
+        "int fd = socket(AF_UNIX, 0, 0);", "auto* home = std::getenv(\"HOME\");"}) {
     EXPECT_THAT(Impurities(Cpp(text)), SizeIs(1)) << text;
   }
 }

@@ -291,11 +291,10 @@ TEST(ConfigToml, ReadsFromAFileWhatItReadsFromItsText) {
   EXPECT_EQ(*reading.config, Read(kController + kVoice + kWheels, path));
 }
 
-TEST(ReadValidConfig, TakesTheFileThatTheEnvironmentNamesWhereNoneIsGiven) {
+TEST(ReadValidConfig, GivesTheConfigOfAValidFile) {
   const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "valid.toml";
   std::ofstream(path) << kController + kVoice + kWheels;
-  const ScopedEnvironment environment("MUSHER_CONFIG", path.c_str());
-  const Result<MachineConfig> config = ReadValidConfig("");
+  const Result<MachineConfig> config = ReadValidConfig(path);
   std::filesystem::remove(path);
   ASSERT_TRUE(config.ok()) << config.error().message;
   EXPECT_EQ(config.value().name, "valid");
@@ -310,7 +309,6 @@ TEST(ConfigToml, ReportsABrokenWordOnOneLine) {
 }
 
 TEST(ReadValidConfig, IsAnErrorWhereNoFileIsNamedAtAll) {
-  const ScopedEnvironment environment("MUSHER_CONFIG", nullptr);
   EXPECT_EQ(ReadValidConfig("").error().code, kCodeParametersInvalid);
 }
 

@@ -104,7 +104,7 @@ class Door(WithRobot):
                          [("", "CLOSED", "started", ""), ("CLOSED", "OPEN", "decided", "open")])
         refused = self.robot.run("behavior", "door", "--send", "opne")
         self.assertNotEqual(refused.returncode, 0)
-        self.assertIn("did you mean open", refused.stderr)
+        self.assertIn("did you mean 'open'", refused.stderr)
         picture = self.robot.run("graph", "--behavior", "door")
         self.assertIn("digraph", picture.stdout)
         self.assertIn("BLOCKED", picture.stdout)

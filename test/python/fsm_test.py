@@ -136,7 +136,7 @@ class Machines(WithMachine):
             machine.send("go")
         machine.send("stop")
         self.assertEqual(machine.waiting_commands, 1)
-        with self.assertRaisesRegex(musher.Failure, "did you mean stop"):
+        with self.assertRaisesRegex(musher.Failure, "did you mean 'stop'"):
             machine.send("stopp")
 
     def test_what_a_state_raises_leads_to_the_safe_state_with_its_type_text_and_line(self):
@@ -208,8 +208,8 @@ class Machines(WithMachine):
         with self.assertRaises(musher.Failure) as raised:
             machine.build("AA")
         self.assertEqual(raised.exception.reason.splitlines(),
-                         ["show: A: there is no state B; did you mean A?",
-                          "show: the start state: there is no state AA; did you mean A?",
+                         ["show: A: there is no state B; did you mean 'A'?",
+                          "show: the start state: there is no state AA; did you mean 'A'?",
                           "show: the safety check too close has no safe state to go to"])
         self.assertFalse(machine.built)
 

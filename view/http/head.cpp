@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "musher/base/joined.hpp"
 #include "musher/view/http/target.hpp"
 
 namespace musher::http {
@@ -72,9 +73,8 @@ std::variant<CheckedHead, Refusal> CheckUpgrade(CheckedHead checked,
   const std::string_view offered = ValueOf(request, "sec-websocket-protocol");
   checked.subprotocol = ChooseSubprotocol(offered, subprotocols);
   if (!offered.empty() && checked.subprotocol.empty()) {
-    std::string known;
-    for (const std::string& name : subprotocols) known += (known.empty() ? "" : ", ") + name;
-    return InvalidHead("the server has none of the offered subprotocols; it has: " + known);
+    return InvalidHead("the server has none of the offered subprotocols; it has: " +
+                       Joined(subprotocols));
   }
   checked.websocket = true;
   return checked;

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "musher/base/program_path.hpp"
+
 namespace musher::view {
 namespace {
 
@@ -40,11 +42,11 @@ std::optional<http::Response> Docs::Respond(const http::Request& request) {
 }
 
 std::string FindDocs() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return "";
+  const fs::path program = OwnProgram();
+  if (program.empty()) return "";
   const fs::path above = program.parent_path().parent_path();
   for (const fs::path& folder : {above / MUSHER_DOC_FOLDER / "html", above / "docs" / "html"}) {
+    std::error_code error;
     if (fs::is_regular_file(folder / "index.html", error)) return folder.string();
   }
   return "";

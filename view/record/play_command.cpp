@@ -1,5 +1,6 @@
 // musher-record play: publishes what a file has.
 
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/view/record/commands.hpp"
@@ -8,12 +9,6 @@
 
 namespace musher::view {
 namespace {
-
-std::string Listed(const std::set<std::string>& topics) {
-  std::string text;
-  for (const std::string& topic : topics) text += (text.empty() ? "" : ", ") + topic;
-  return text;
-}
 
 Result<std::unique_ptr<McapSource>> OpenSource(const PlayCommandOptions& options) {
   auto choice = TopicChoice::Of(options.topics, options.exclude, options.where.name_space);
@@ -30,11 +25,11 @@ Result<std::unique_ptr<McapSource>> OpenSource(const PlayCommandOptions& options
     Say("no topic matched " + pattern);
   }
   if (!source.value()->of_machine().empty()) {
-    Say("not played, because a robot would obey: " + Listed(source.value()->of_machine()) +
+    Say("not played, because a robot would obey: " + Joined(source.value()->of_machine()) +
         "; --machine-topics plays them");
   }
   if (!source.value()->untyped().empty()) {
-    Say("not played, because their type is not in the file: " + Listed(source.value()->untyped()));
+    Say("not played, because their type is not in the file: " + Joined(source.value()->untyped()));
   }
   if (!source.value()->damage().empty()) Say(source.value()->damage());
   if (source.value()->channels().empty()) {

@@ -115,11 +115,11 @@ class Reader {
         for (Element& model : child.children) document_.models.push_back(std::move(model));
       } else {
         static const std::vector<std::string> known = {"BehaviorTree", "include", "TreeNodesModel"};
-        const std::string nearest = Nearest(child.name, known);
+        const std::string hint = DidYouMean(child.name, known, "<>");
         Error(child.at, "<" + child.name + "> has no place in <root>" +
-                            (nearest.empty() ? "; expected <BehaviorTree>, <include> or "
-                                               "<TreeNodesModel>"
-                                             : "; did you mean <" + nearest + ">?"));
+                            (hint.empty() ? "; expected <BehaviorTree>, <include> or "
+                                            "<TreeNodesModel>"
+                                          : hint));
       }
     }
     for (const Element& include : includes) Include(include, file);

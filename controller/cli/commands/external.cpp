@@ -9,16 +9,13 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <sstream>
 
+#include "musher/base/program_path.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct ExternalOptions {
   std::vector<std::string> arguments;
@@ -69,24 +66,15 @@ void AddProgram(Grammar& grammar, const std::string& name, const std::string& wh
 }  // namespace
 
 Result<std::string> FindExternal(const std::string& folder, const std::string& program) {
-  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  std::istringstream folders(folder + ":" + (path != nullptr ? path : ""));
-  for (std::string each; std::getline(folders, each, ':');) {
-    if (each.empty()) continue;
-    const std::string candidate = (fs::path(each) / program).string();
-    std::error_code ignored;
-    if (fs::is_regular_file(candidate, ignored) && access(candidate.c_str(), X_OK) == 0) {
-      return candidate;
-    }
-  }
+  const std::string found =
+      FindInPath(program, folder.empty() ? SearchPath() : folder + ":" + SearchPath());
+  if (!found.empty()) return found;
   return Error{kCodeParametersInvalid, "the program " + program + " is neither in " + folder +
                                            " nor in PATH; install the package musher-view"};
 }
 
 Error RunExternal(const std::string& program, const std::vector<std::string>& arguments) {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  const auto found = FindExternal(error ? "" : self.parent_path().string(), program);
+  const auto found = FindExternal(OwnProgram().parent_path().string(), program);
   if (!found) return found.error();
   std::vector<std::string> words = {found.value()};
   words.insert(words.end(), arguments.begin(), arguments.end());

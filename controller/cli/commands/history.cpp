@@ -201,9 +201,9 @@ std::vector<std::string> Events() {
 std::string EventError(const std::string& name) {
   const auto events = Events();
   if (std::find(events.begin(), events.end(), name) != events.end()) return "";
-  const std::string near = Nearest(name, events);
+  const std::string hint = DidYouMean(name, events);
   return "unknown event '" + name.substr(0, 64) + "'" +
-         (near.empty() ? "; docs/reference.md lists them" : "; did you mean '" + near + "'?");
+         (hint.empty() ? "; docs/reference.md lists them" : hint);
 }
 
 }  // namespace

@@ -13,13 +13,14 @@
 #include <vector>
 
 #include "musher/base/files.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/log_files_of.hpp"
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/machine/machine_files.hpp"
 #include "musher/controller/cli/render/log_lines.hpp"
@@ -148,13 +149,13 @@ void ReportFiles(const MachineFiles& files, const std::vector<ShownLog>& logs,
   if (logs.size() == 1) {
     const std::size_t parts = LogPartsOf(logs.front().path).size();
     console.Note("reading " + logs.front().path +
-                 (parts == 0 ? "" : " and " + Count(parts, "older part")));
+                 (parts == 0 ? "" : " and " + Counted(parts, "older part")));
   } else if (!logs.empty()) {
-    console.Note("reading " + Count(logs.size(), "log") + " of " + files.name + " in " +
+    console.Note("reading " + Counted(logs.size(), "log") + " of " + files.name + " in " +
                  files.state_dir + (files.led ? "" : "; no controller of this host leads it now"));
   }
   if (requested || missing.empty()) return;
-  console.Note("no log here of " + Join(missing) + ": `musher logs " + missing.front() +
+  console.Note("no log here of " + Joined(missing) + ": `musher logs " + missing.front() +
                "` gives the reason");
 }
 

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "musher/base/program_path.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/new_project.hpp"
 #include "musher/controller/cli/commands/new_project_text.hpp"
@@ -22,8 +23,7 @@ ExitCode Make(const std::string& kind, const NewOptions& options, Console& conso
   const Project project{kind, kind == "robot" ? "" : options.language};
   const auto name = ProjectName::From(options.name, project);
   if (!name) return console.Fail(name.error());
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto program = OwnProgram();
   const auto templates = TemplatesFolder(program);
   if (templates.empty()) {
     return console.Fail(Error{kCodeFailed,

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "musher/base/files.hpp"
+#include "musher/base/suggest.hpp"
 
 namespace musher::cli {
 namespace {
@@ -187,7 +188,7 @@ Result<ProjectName> ProjectName::From(std::string_view name, const Project& proj
     std::replace(near.begin(), near.end(), '-', '_');
     const bool hyphens = near != name && From(near, project).ok();
     return invalid("it may have letters, digits and '_' only" +
-                   (hyphens ? "; did you mean '" + near + "'?" : std::string()));
+                   (hyphens ? DidYouMean("'" + near + "'") : std::string()));
   }
   if (std::isdigit(static_cast<unsigned char>(name.front())) != 0) {
     return invalid("it begins with a digit");

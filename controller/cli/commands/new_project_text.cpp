@@ -4,17 +4,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/console/printable.hpp"
-#include "musher/controller/cli/console/words.hpp"
 
 namespace musher::cli {
 
 std::string NewProjectText(const Project& project, const ProjectName& name,
                            const std::string& folder, const std::vector<std::string>& files) {
   std::string text = fmt::format("{} {} in {}: {}\n\nnext:\n  cd {}\n", project.kind, name.snake,
-                                 Printable(folder), Join(files), Printable(ShellWord(folder)));
+                                 Printable(folder), Joined(files), Printable(ShellWord(folder)));
   if (project.python()) {
     text += "  python3 " + name.snake + "_test.py\n";
   } else if (project.kind != "robot") {

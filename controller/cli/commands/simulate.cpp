@@ -60,10 +60,9 @@ Result<ScenarioOptions> OptionsFor(const SimulateOptions& options, const Machine
   }
   if (options.home.empty()) return scenario;
   if (!config.RankOf(options.home) || !config.HasState(options.home)) {
-    const std::string near = Nearest(options.home, config.states);
-    return Error{kCodeParametersInvalid,
-                 "--home: " + config.name + " has no stable state '" + options.home + "'" +
-                     (near.empty() ? "" : "; did you mean '" + near + "'?")};
+    return Error{kCodeParametersInvalid, "--home: " + config.name + " has no stable state '" +
+                                             options.home + "'" +
+                                             DidYouMean(options.home, config.states)};
   }
   scenario.home = State(options.home);
   return scenario;

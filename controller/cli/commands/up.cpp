@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "musher/base/host.hpp"
+#include "musher/base/program_path.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/up_launcher.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
@@ -93,10 +94,10 @@ struct Reexec {
   }
   void Prepare(pid_t launcher) {
     words.back() += "," + std::to_string(launcher);
-    std::error_code error;
-    the_end.program = std::filesystem::read_symlink("/proc/self/exe", error);
+    the_end.program = OwnProgram();
     // A package manager may have replaced the file, or may be about to.
-    if (error || !std::filesystem::exists(the_end.program, error)) {
+    std::error_code error;
+    if (!std::filesystem::exists(the_end.program, error)) {
       the_end.program = "/proc/self/exe";
     }
     for (std::string& word : words) the_end.argv.push_back(word.data());

@@ -1,33 +1,17 @@
 #include "musher/controller/cli/commands/up_launcher.hpp"
 
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
-namespace {
-
-// "killed by signal 9 (Killed)" or "exit code 1"
-std::string HowItEnded(pid_t pid) {
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!WIFSIGNALED(status)) return "exit code " + std::to_string(WEXITSTATUS(status));
-  return "killed by signal " + std::to_string(WTERMSIG(status)) + " (" +
-         strsignal(WTERMSIG(status)) + ")";  // NOLINT(concurrency-mt-unsafe)
-}
-
-}  // namespace
-
 UpLauncher::UpLauncher(Console& console, const MachineConfig& config, pid_t controller,
                        UniqueFd progress, UniqueFd signals, bool detach, bool restarted)
     : console_(console),
@@ -122,13 +106,14 @@ void UpLauncher::OnStartUp(const Progress& progress) {
 }
 
 void UpLauncher::OnEnd() {
-  const std::string how = HowItEnded(controller_);
+  const auto status = ReapChild(controller_);
   if (stopped_) {
     if (!came_up_) console_.PrintError(machine_ + " was stopped before it was up");
     return Leave(came_up_ || restarted_ ? ExitCode::kDone : ExitCode::kNotDone);
   }
   if (failed_to_start_) return Leave(exit_);
   if (fenced_) return Leave(ExitCode::kNotDone);
+  const std::string how = status ? status->Text() : "exit code unknown";
   Leave(console_.Fail({ExitCode::kNotDone,
                        {kCodeFailed, "the controller of " + machine_ + " has crashed (" + how +
                                          "); actuators keep running, and `musher up` takes control "
@@ -158,7 +143,7 @@ void UpLauncher::OnTerminalClosed() {
 void UpLauncher::ReapOrphans() {
   std::ifstream file("/proc/self/task/1/children");
   for (pid_t pid = 0; file >> pid;) {
-    if (pid != controller_) waitpid(pid, nullptr, WNOHANG);
+    if (pid != controller_) ReapEndedChild(pid);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "musher/controller/cli/console/words.hpp"
+#include "musher/base/joined.hpp"
 
 namespace musher::cli {
 namespace {
@@ -25,8 +25,8 @@ std::vector<std::string> Missing(const std::vector<std::string>& from,
 ConfigChange Changed(const ConfigWord& before, const ConfigWord& after) {
   ConfigChange change{Kind::kChanged, after.table, after.key, "", "", false, after.effect};
   change.is_set = before.is_set && after.is_set;
-  change.before = Join(change.is_set ? Missing(before.values, after.values) : before.values);
-  change.after = Join(change.is_set ? Missing(after.values, before.values) : after.values);
+  change.before = Joined(change.is_set ? Missing(before.values, after.values) : before.values);
+  change.after = Joined(change.is_set ? Missing(after.values, before.values) : after.values);
   return change;
 }
 
@@ -73,7 +73,7 @@ class Comparison {
     table_ = next;
   }
   void Add(Kind kind, const ConfigWord& word) {
-    const std::string value = Join(word.values);
+    const std::string value = Joined(word.values);
     changes_.push_back({kind, word.table, word.key, kind == Kind::kRemoved ? value : "",
                         kind == Kind::kAdded ? value : "", word.is_set, word.effect});
   }

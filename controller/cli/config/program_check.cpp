@@ -9,6 +9,7 @@
 #include <string>
 
 #include "musher/base/program.hpp"
+#include "musher/base/program_path.hpp"
 #include "musher/controller/cli/config/config_places.hpp"
 #include "musher/transport/ros_environment.hpp"
 
@@ -19,11 +20,9 @@ namespace fs = std::filesystem;
 
 std::string SearchPathOf(const ActuatorConfig& actuator) {
   const auto own = actuator.env.find("PATH");
-  const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
   if (own != actuator.env.end()) return own->second;
-  std::error_code error;
-  const auto self = fs::read_symlink("/proc/self/exe", error);  // as the controller does
-  return (error ? "" : self.parent_path().string() + ":") + (inherited != nullptr ? inherited : "");
+  const std::string folder = OwnProgram().parent_path().string();  // as the controller does
+  return folder.empty() ? SearchPath() : folder + ":" + SearchPath();
 }
 
 // The path of the program that a command would run; empty: `why` has the error.
@@ -44,10 +43,8 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
     return is_program(path) ? path.string() : "";
   }
   why = "program '" + program + "' not found in PATH" + transport::MissingProgramHint(program);
-  std::istringstream folders(SearchPathOf(actuator));
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const fs::path path = fs::path(folder.empty() ? "." : folder) / program;
-    if (is_program(path)) return path.string();
+  for (const std::string& path : CandidatesInPath(program, SearchPathOf(actuator))) {
+    if (is_program(path)) return path;
   }
   return "";
 }

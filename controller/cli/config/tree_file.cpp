@@ -152,10 +152,7 @@ Result<std::vector<FileNode>> NodesOf(const tree::Document& document, const std:
     if (found == nullptr) {
       std::vector<std::string> names;
       for (const tree::Document::Tree& each : document.trees) names.push_back(each.id);
-      const std::string near = Nearest(id, names);
-      return Error{
-          kCodeParametersInvalid,
-          "there is no tree '" + id + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?")};
+      return Error{kCodeParametersInvalid, "there is no tree '" + id + "'" + DidYouMean(id, names)};
     }
     if (auto added = rows.Add(*found, -1); !added) return added.error();
   }

@@ -23,6 +23,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/program_path.hpp"
 #include "musher/base/scheduling.hpp"
 #include "musher/controller/cli/doctor/in_child.hpp"
 
@@ -44,12 +45,7 @@ std::string FirstWord(const std::string& file) {
 }
 
 bool IsInstalled(const std::string& program) {
-  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (access((folder + "/" + program).c_str(), X_OK) == 0) return true;
-  }
-  return false;
+  return !FindInPath(program).empty();
 }
 
 // The effective capabilities of this process.

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <csignal>
 #include <utility>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
 
@@ -39,7 +39,7 @@ InChild::~InChild() {
   if (pid_ == 0) return;
   kill(pid_, SIGKILL);
   // A child that a disk holds is left to the init process.
-  waitpid(pid_, nullptr, WNOHANG);
+  ReapEndedChild(pid_);
 }
 
 Result<std::string> InChild::Await(Time deadline) {
@@ -57,10 +57,8 @@ Result<std::string> InChild::Await(Time deadline) {
     if (count <= 0) break;
     text.append(part.data(), static_cast<std::size_t>(count));
   }
-  int status = 0;
-  const bool ended = waitpid(std::exchange(pid_, 0), &status, 0) > 0;
-  if (!ended || !WIFEXITED(status))
-    return Error{kCodeFailed, "the process that checked it crashed"};
+  const auto status = ReapChild(std::exchange(pid_, 0));
+  if (!status || status->killed) return Error{kCodeFailed, "the process that checked it crashed"};
   return text;
 }
 

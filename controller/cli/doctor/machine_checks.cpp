@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 #include "musher/transport/security/key_folder.hpp"
 
@@ -45,7 +45,7 @@ DoctorCheck CheckKeyFiles(const DoctorFacts& facts) {
       std::min_element(facts.keys.begin(), facts.keys.end(),
                        [](const auto& a, const auto& b) { return a.until < b.until; });
   check.reason =
-      fmt::format("{}, the first expires on {} ({})", Count(facts.keys.size(), "certificate"),
+      fmt::format("{}, the first expires on {} ({})", Counted(facts.keys.size(), "certificate"),
                   transport::keys::IsoTime(first->until), first->identity);
   if (first->until < facts.now + kExpiresSoon) {
     check.health = kWarning;
@@ -62,7 +62,7 @@ DoctorCheck CheckCommands(const DoctorFacts& facts) {
     const auto started =
         std::count_if(facts.config->actuators.begin(), facts.config->actuators.end(),
                       [](const auto& a) { return !a.command.empty(); });
-    check.reason = fmt::format("{} found and accepted", Count(started, "command"));
+    check.reason = fmt::format("{} found and accepted", Counted(started, "command"));
     return check;
   }
   // On the robot a missing program is an error, unlike in `musher check` on another computer.
@@ -97,7 +97,7 @@ DoctorCheck CheckOtherMachines(const DoctorFacts& facts) {
     running.push_back(fmt::format("{} (pid {}{})", one.machine, one.pid,
                                   one.host.empty() ? "" : " on another host"));
   }
-  check.reason = fmt::format("{} {} already in {} of domain {}", Join(running),
+  check.reason = fmt::format("{} {} already in {} of domain {}", Joined(running),
                              running.size() == 1 ? "runs" : "run", NamespaceText(facts.name_space),
                              facts.domain);
   const bool other = facts.config && facts.controllers.front().machine != facts.config->name;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <regex>
 
-#include "musher/controller/cli/console/words.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/controller/cli/doctor/checks.hpp"
 #include "musher/transport/dds/settings.hpp"
 
@@ -36,7 +36,7 @@ std::string NamesOf(const std::vector<NetworkInterface>& interfaces) {
   for (const NetworkInterface& one : interfaces) {
     names.push_back(one.name + (one.up ? "" : " (down)"));
   }
-  return names.empty() ? "none" : Join(names);
+  return Joined(names, "none");
 }
 
 // The interfaces and addresses that Cyclone's settings name.
@@ -104,7 +104,7 @@ DoctorCheck CheckCycloneUri(const DoctorFacts& facts) {
   }
   check.health = kOk;
   check.fix.clear();
-  check.reason = names.empty() ? "it names no interface: Cyclone chooses" : "on " + Join(names);
+  check.reason = names.empty() ? "it names no interface: Cyclone chooses" : "on " + Joined(names);
   return check;
 }
 
@@ -130,7 +130,7 @@ DoctorCheck CheckInterfaces(const DoctorFacts& facts) {
                                   : "sudo ip link set lo up";
     return check;
   }
-  check.reason = up->name + " with " + Join(up->addresses);
+  check.reason = up->name + " with " + Joined(up->addresses);
   // On the loopback Cyclone uses multicast whatever the flag says.
   if (lan && !up->multicast) {
     check.health = kError;

@@ -193,9 +193,8 @@ std::string Grammar::ErrorText(const CLI::ParseError& e) const {
     const bool missing = dynamic_cast<const CLI::RequiredError*>(&e) != nullptr;
     return (missing ? "missing command" : std::string(e.what())) + "; " + help;
   }
-  const std::string near = Nearest(unknown.front(), commands);
-  return "unknown command '" + unknown.front() + "'; " +
-         (near.empty() ? "" : "did you mean '" + near + "'? ") + help;
+  const std::string hint = DidYouMean(unknown.front(), commands);
+  return "unknown command '" + unknown.front() + "'" + (hint.empty() ? ";" : hint) + " " + help;
 }
 
 void Grammar::TakeGlobalOptions() {

@@ -19,12 +19,12 @@ Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std:
                                         NamespaceText(global.name_space))}};
   }
   const std::vector<std::string> names(present.begin(), present.end());
-  const std::string near = Nearest(name, names);
-  return {ExitCode::kNoController,
-          {kCodeNetError,
-           fmt::format("no actuator '{}' in {}; {}", name, NamespaceText(global.name_space),
-                       near.empty() ? fmt::format("running: {}", fmt::join(names, ", "))
-                                    : fmt::format("did you mean '{}'?", near))}};
+  const std::string hint = DidYouMean(name, names);
+  return {
+      ExitCode::kNoController,
+      {kCodeNetError,
+       fmt::format("no actuator '{}' in {}{}", name, NamespaceText(global.name_space),
+                   hint.empty() ? fmt::format("; running: {}", fmt::join(names, ", ")) : hint)}};
 }
 
 namespace internal {

@@ -1,7 +1,6 @@
 #include "musher/controller/cli/machine/ending.hpp"
 
 #include <poll.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -29,7 +28,7 @@ bool HasEnded(const UniqueFd& process) {
 
 // Signals its whole process group if it leads one other than that of this process.
 void Send(const UniqueFd& process, pid_t pid, int signal) {
-  if (syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0) != 0) return;
+  if (!SendSignal(process.get(), signal)) return;
   if (getpgid(pid) == pid && pid != getpgrp()) kill(-pid, signal);
 }
 

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include "musher/base/code.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/controller/cli/console/printable.hpp"
 #include "musher/controller/cli/console/table.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
@@ -27,7 +27,7 @@ std::string CapabilitiesText(const msg::Capabilities& all, bool colour) {
   for (const msg::Capability& capability : shown.capabilities) {
     table.Add({{capability.name},
                Verdict(capability),
-               {Join(capability.states)},
+               {Joined(capability.states)},
                {WhyNot(capability), capability.allowed ? Style::kBusy : Style::kDim}});
   }
   return table.Text(colour);
@@ -41,7 +41,8 @@ std::string CapabilityText(const msg::Capability& one, bool colour) {
   if (const std::string why = WhyNot(shown); !why.empty()) text += ": " + why;
   text += '\n';
   if (!shown.description.empty()) text += "  " + shown.description + '\n';
-  return text + "  actuators: " + Join(shown.actuators) + "; runs in: " + Join(shown.states) + '\n';
+  return text + "  actuators: " + Joined(shown.actuators) + "; runs in: " + Joined(shown.states) +
+         '\n';
 }
 
 }  // namespace musher::cli

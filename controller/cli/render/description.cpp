@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "musher/base/code.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/printable.hpp"
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/event_name.hpp"
 #include "musher/lifecycle/health/health.hpp"
@@ -143,7 +143,7 @@ void AddProcess(Sheet& sheet, const Description& d) {
                fmt::format("pid {}, up {} (since {}), CPU {:.1f} % on average, {}, {}{}",
                            p.usage.pid, AgeText(p.age_s), LocalText(p.started_wall_ns),
                            100 * p.usage.cpu_seconds / std::max(p.age_s, 0.01),
-                           BytesText(p.usage.resident_bytes), Count(p.usage.threads, "thread"),
+                           BytesText(p.usage.resident_bytes), Counted(p.usage.threads, "thread"),
                            p.stopped ? "; STOPPED by a signal or a debugger" : ""),
                p.stopped ? Style::kBad : Style::kPlain);
     sheet.Line("", p.command + (p.cwd.empty() ? "" : "  in " + p.cwd));
@@ -163,7 +163,7 @@ void AddProcess(Sheet& sheet, const Description& d) {
   if (!d.config || d.config->command.empty()) return;
   std::string restarts;
   if (d.info)
-    restarts = Count(static_cast<std::size_t>(d.info->restarts), "restart") + " in a row; ";
+    restarts = Counted(static_cast<std::size_t>(d.info->restarts), "restart") + " in a row; ";
   sheet.Line("restarts", restarts + RestartRuleText(d.config->restart));
 }
 
@@ -174,15 +174,15 @@ void AddConfig(Sheet& sheet, const Description& d) {
   std::string text =
       fmt::format("{}:{}  stage {}, {}, protocol {}", d.config_file, d.config_line, c.stage,
                   c.critical ? "critical" : "not critical", ProtocolName(c.protocol));
-  if (!c.after.empty()) text += ", after " + Join(c.after);
-  if (!c.binds_to.empty()) text += ", binds to " + Join(c.binds_to);
+  if (!c.after.empty()) text += ", after " + Joined(c.after);
+  if (!c.binds_to.empty()) text += ", binds to " + Joined(c.binds_to);
   if (!c.on_lost.empty()) text += ", on_lost " + c.on_lost;
   sheet.Line("config", text);
   std::vector<std::string> states;
   for (std::size_t i = 0; i < c.states.size() && i < c.times.size(); ++i) {
     states.push_back(c.states[i] + " " + SecondsText(c.times[i]));
   }
-  sheet.Line("time limits", Join(states));
+  sheet.Line("time limits", Joined(states));
   if (c.command.empty()) {
     sheet.Line("command", "none: it is started by hand or on another host");
   } else if (!d.process) {
@@ -197,11 +197,11 @@ void AddReach(Sheet& sheet, const Description& d) {
     if (reach.allowed) allowed.push_back(reach.state);
   }
   if (!d.reach.empty()) {
-    sheet.Line("can go to", allowed.empty() ? "no state now" : Join(allowed));
+    sheet.Line("can go to", allowed.empty() ? "no state now" : Joined(allowed));
     std::string reason;  // many states share one
     std::vector<std::string> states;
     const auto flush = [&] {
-      if (!states.empty()) sheet.Line("", "not " + Join(states) + ": " + reason, Style::kDim);
+      if (!states.empty()) sheet.Line("", "not " + Joined(states) + ": " + reason, Style::kDim);
       states.clear();
     };
     for (const Description::Reach& reach : d.reach) {
@@ -218,7 +218,7 @@ void AddReach(Sheet& sheet, const Description& d) {
                c.name + (c.allowed ? ": allowed now" : ": " + WithCode(c.reason, c.code)),
                c.allowed ? Style::kGood : Style::kBusy);
   }
-  if (!d.offers.empty()) sheet.Line("offers", Join(d.offers));
+  if (!d.offers.empty()) sheet.Line("offers", Joined(d.offers));
 }
 
 void AddPast(Sheet& sheet, const Description& d) {

@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "musher/base/joined.hpp"
 #include "musher/base/words.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/json_line.hpp"
-#include "musher/controller/cli/console/words.hpp"
 
 namespace musher::cli {
 namespace {
@@ -68,14 +68,15 @@ std::string EffectText(const ConfigDiff& diff) {
       keys.push_back(TableName(Printable(change.table)) +
                      (change.key.empty() ? "" : " " + Printable(change.key)));
     }
-    return "needs a new start (" + Join(keys) + "): `musher down`, then `musher up " + file + "`\n";
+    return "needs a new start (" + Joined(keys) + "): `musher down`, then `musher up " + file +
+           "`\n";
   }
   std::string text = "while the robot runs: `musher up --detach --takeover " + file + "`";
   for (const std::string& name : diff.restarts) text += ", `musher restart " + name + "`";
   text += '\n';
   if (!diff.left_behind.empty()) {
     const std::vector<std::string> names(diff.left_behind.begin(), diff.left_behind.end());
-    text += Join(names) + (names.size() == 1 ? " keeps" : " keep") +
+    text += Joined(names) + (names.size() == 1 ? " keeps" : " keep") +
             " running after that, without a controller, until the process is ended\n";
   }
   return text;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/json_line.hpp"
 #include "musher/controller/cli/console/table.hpp"
-#include "musher/controller/cli/console/words.hpp"
 
 namespace musher::cli {
 namespace {
@@ -45,8 +45,8 @@ std::string DoctorText(const std::vector<DoctorCheck>& checks, bool colour) {
     table.Add({{check.name}, {shown.text, shown.style}, {Printable(check.reason)}});
     if (!check.fix.empty()) table.Add({{""}, {"fix:", Style::kDim}, {Printable(check.fix)}});
   }
-  return table.Text(colour) + Count(CountOf(checks, CheckStatus::kError), "error") + ", " +
-         Count(CountOf(checks, CheckStatus::kWarning), "warning") + "\n";
+  return table.Text(colour) + Counted(CountOf(checks, CheckStatus::kError), "error") + ", " +
+         Counted(CountOf(checks, CheckStatus::kWarning), "warning") + "\n";
 }
 
 std::string DoctorJson(const std::vector<DoctorCheck>& checks) {

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "musher/base/code.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
@@ -77,8 +77,8 @@ std::string ProgressText(const Progress& progress, bool colour) {
 std::string ConfigSummary(const MachineConfig& config) {
   int stages = 1;
   for (const ActuatorConfig& a : config.actuators) stages = std::max(stages, a.stage);
-  return Count(config.actuators.size(), "actuator") + ", " + Count(config.states.size(), "state") +
-         ", " + Count(stages, "stage");
+  return Counted(config.actuators.size(), "actuator") + ", " +
+         Counted(config.states.size(), "state") + ", " + Counted(stages, "stage");
 }
 
 }  // namespace musher::cli

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "musher/base/code.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
 
 namespace musher::cli {
@@ -42,10 +42,10 @@ std::string ReplayText(const recording::ReplayReport& report, bool colour) {
             ", with the other config in " + Printable(report.replayed_state) + '\n';
   }
   if (report.not_replayed > 0) {
-    text += Count(report.not_replayed, "input") + " before the first snapshot left out\n";
+    text += Counted(report.not_replayed, "input") + " before the first snapshot left out\n";
   }
-  text += Count(report.inputs, "input") + ", " + Count(report.decisions, "decision") + ": ";
-  text += report.equal() ? "all as recorded\n" : Count(report.differences, "difference") + "\n";
+  text += Counted(report.inputs, "input") + ", " + Counted(report.decisions, "decision") + ": ";
+  text += report.equal() ? "all as recorded\n" : Counted(report.differences, "difference") + "\n";
   return text;
 }
 

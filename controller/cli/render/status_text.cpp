@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "musher/base/code.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/controller/cli/console/printable.hpp"
 #include "musher/controller/cli/console/table.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/health/health.hpp"
 #include "musher/lifecycle/state.hpp"
@@ -135,10 +135,10 @@ std::string StatusText(const msg::MachineStatus& shown, bool colour) {
     text += Paint(held, Style::kBad, colour) + '\n';
   }
   if (!status.not_on_disk.empty()) {
-    text += Paint("not on disk yet: " + Join(status.not_on_disk), Style::kBad, colour) + '\n';
+    text += Paint("not on disk yet: " + Joined(status.not_on_disk), Style::kBad, colour) + '\n';
   }
   if (!status.degraded.empty()) {
-    text += Paint("degraded: " + Join(status.degraded), Style::kBad, colour) + '\n';
+    text += Paint("degraded: " + Joined(status.degraded), Style::kBad, colour) + '\n';
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) {
     const bool limited = !status.policy.ceiling.empty() || status.policy.battery_silent;
@@ -164,14 +164,14 @@ std::string StatusLine(const msg::MachineStatus& shown, std::int64_t wall_ns) {
   for (const msg::ActuatorInfo& a : status.actuators) {
     if (!a.target.empty()) busy.push_back(a.name + ": " + a.target);
   }
-  if (!busy.empty()) line += "  busy: " + Join(busy);
+  if (!busy.empty()) line += "  busy: " + Joined(busy);
   if (const auto degraded = DegradedOf(status); !degraded.empty()) {
-    line += "  degraded: " + Join(degraded);
+    line += "  degraded: " + Joined(degraded);
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) line += "  " + policy;
   if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
   if (const std::string held = HeldByStopOf(status); !held.empty()) line += "  " + held;
-  if (!status.not_on_disk.empty()) line += "  not on disk yet: " + Join(status.not_on_disk);
+  if (!status.not_on_disk.empty()) line += "  not on disk yet: " + Joined(status.not_on_disk);
   return line;
 }
 

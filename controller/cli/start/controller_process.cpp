@@ -6,8 +6,8 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
 
+#include "musher/base/program_path.hpp"
 #include "musher/controller/cli/console/signals.hpp"
 #include "musher/controller/cli/console/wall_time.hpp"
 #include "musher/cyberdog/extension.hpp"
@@ -28,12 +28,8 @@ void LeaveTerminal() {
 
 // So that programs installed beside this one, such as musher-exec, are found.
 void PutOwnFolderFirstInPath() {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return;
-  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  const std::string folder = self.parent_path();
-  setenv("PATH", (path == nullptr ? folder : folder + ":" + path).c_str(), 1);
+  const std::string folder = OwnProgram().parent_path();
+  if (!folder.empty()) PutFirstInPath(folder);
 }
 
 }  // namespace

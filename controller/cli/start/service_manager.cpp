@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 
+#include "musher/base/joined.hpp"
 #include "musher/controller/cli/console/console.hpp"
 
 namespace musher::cli {
@@ -82,10 +83,7 @@ std::string StatusWords(const MachineConfig& config, const Machine& machine) {
   std::string words;
   if (machine.phase != Phase::kRunning) words = std::string(PhaseName(machine.phase)) + ", ";
   words += machine.state;
-  std::string degraded;
-  for (const std::string& name : Degraded(config, machine)) {
-    degraded += (degraded.empty() ? "" : ", ") + name;
-  }
+  const std::string degraded = Joined(Degraded(config, machine));
   if (!degraded.empty()) return words + ", degraded: " + degraded;
   const std::size_t count = config.actuators.size();
   const std::size_t present =

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <charconv>
@@ -13,6 +12,7 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/host.hpp"
+#include "musher/base/program_path.hpp"
 #include "musher/controller/cli/config/config_file.hpp"
 #include "musher/controller/ota/files.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
@@ -54,9 +54,7 @@ std::vector<pid_t> ProcessesOf(const std::string& folder) {
 
 // Sends the signal to all and waits until they exit.
 void SignalAll(std::vector<UniqueFd>& processes, int signal, Duration timeout) {
-  for (const auto& process : processes) {
-    syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0);
-  }
+  for (const auto& process : processes) SendSignal(process.get(), signal);
   const Time deadline = std::chrono::steady_clock::now() + timeout;
   while (!processes.empty()) {
     const auto left =
@@ -113,9 +111,7 @@ Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome) {
 }
 
 void PutSlotFirstInPath(const SlotRun& run) {
-  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  const std::string programs = run.Folder() + "/" + ota::kProgramFolder;
-  setenv("PATH", (path == nullptr ? programs : programs + ":" + path).c_str(), 1);
+  PutFirstInPath(run.Folder() + "/" + ota::kProgramFolder);
 }
 
 void EndOtherSlot(const SlotRun& run) {

@@ -3,12 +3,12 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <csignal>
 #include <utility>
 
+#include "musher/base/exit_status.hpp"
 #include "musher/base/host.hpp"
 #include "musher/base/unique_fd.hpp"
 #include "musher/controller/client/leader_watch.hpp"
@@ -20,14 +20,6 @@ constexpr Duration kFirstPause = std::chrono::seconds(1);
 constexpr Duration kLongestPause = std::chrono::seconds(60);
 constexpr int kEndTimeoutMs = 1000;
 constexpr int kUsage = 2;  // its exit code for a wrong option
-
-// Its exit status; nullopt: it runs, or another part of this process has reaped it.
-std::optional<ExitStatus> Reap(pid_t pid, int options) {
-  int status = 0;
-  if (waitpid(pid, &status, options) != pid) return std::nullopt;
-  if (WIFSIGNALED(status)) return ExitStatus{true, WTERMSIG(status)};
-  return ExitStatus{false, WEXITSTATUS(status)};
-}
 
 }  // namespace
 
@@ -64,7 +56,7 @@ ViewProcess::~ViewProcess() {
     poll(&end, 1, kEndTimeoutMs);
   }
   kill(pid, SIGKILL);
-  Reap(pid, 0);
+  ReapChild(pid);
 }
 
 void ViewProcess::Start() {
@@ -86,7 +78,7 @@ void ViewProcess::Start() {
 void ViewProcess::OnEnd() {
   const ForkedProgram program = *std::exchange(program_, std::nullopt);
   end_watch_.reset();
-  const auto status = Reap(program.pid(), WNOHANG);
+  const auto status = ReapEndedChild(program.pid());
   if (const auto failure = program.Failure(Duration{})) {
     return StartLater(failure->missing ? "is not installed; it is in the package musher-view"
                                        : failure->error.message);

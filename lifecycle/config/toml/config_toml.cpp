@@ -57,8 +57,8 @@ void PutSectionNamesRight(Table& table, Draft& draft) {
     const std::string meant = Nearest(member.key, sections);
     if (meant.empty() || Find(table, meant) != nullptr || !IsSection(member.value)) continue;
     if (meant != "controller") {  // NotAStateConfig() has reported that
-      draft.findings.Error(
-          member.at, "unknown key " + Quote(member.key) + "; did you mean " + Quote(meant) + "?");
+      draft.findings.Error(member.at,
+                           "unknown key " + Quote(member.key) + DidYouMean(Quote(meant)));
     }
     member.key = meant;
   }
@@ -73,7 +73,7 @@ SyntaxFault NotAStateConfig(const Table& root) {
     const bool is_slip = !Nearest(member.key, std::vector<std::string_view>{"controller"}).empty();
     const bool is_table = member.value.As<Table>() != nullptr;
     if (is_slip && is_table) {
-      return {member.at, message + "[" + member.key + "]; did you mean \"controller\"?"};
+      return {member.at, message + "[" + member.key + "]" + DidYouMean("\"controller\"")};
     }
     if (is_table && shown == nullptr) shown = &member;
   }

@@ -76,7 +76,7 @@ void ReadDefaultState(TableReader& controller, Draft& draft) {
   if (!state || state->text == kUninitialized) return;
   if (!Nearest(state->text, std::vector<std::string_view>{kUninitialized}).empty()) {
     controller.Fault(state->at, "default_state",
-                     "unknown state " + Quote(state->text) + "; did you mean \"Uninitialized\"?");
+                     "unknown state " + Quote(state->text) + DidYouMean(Quote(kUninitialized)));
     return;
   }
   if (CheckState(*state, "default_state", controller, draft)) {

@@ -1,17 +1,12 @@
-#include <cstdlib>
 #include <utility>
 
 #include "musher/lifecycle/config/config_toml.hpp"
 
 namespace musher {
 
-Result<MachineConfig> ReadValidConfig(std::string path) {
+Result<MachineConfig> ReadValidConfig(const std::string& path) {
   if (path.empty()) {
-    const char* from_environment = std::getenv("MUSHER_CONFIG");
-    if (from_environment == nullptr) {
-      return Error{kCodeParametersInvalid, "no state config is named and MUSHER_CONFIG is not set"};
-    }
-    path = from_environment;
+    return Error{kCodeParametersInvalid, "no state config is named and MUSHER_CONFIG is not set"};
   }
   ConfigReading reading = ReadConfigFile(path);
   if (reading.config) return *std::move(reading.config);

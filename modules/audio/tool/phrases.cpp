@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "musher/base/program_path.hpp"
 #include "musher/modules/audio/phrases.hpp"
 #include "musher/modules/audio/tool/commands.hpp"
 
@@ -15,9 +16,9 @@ namespace fs = std::filesystem;
 
 // Next to an installed program, or in the tree that it was built in.
 std::string PhrasesFile() {
-  std::error_code error;
-  const fs::path bin = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path bin = OwnProgram().parent_path();
   const fs::path installed = bin / "../share/musher/config/audio/phrases.toml";
+  std::error_code error;
   if (fs::exists(installed, error)) return installed.lexically_normal();
   return (bin / "../../../config/audio/phrases.toml").lexically_normal();
 }

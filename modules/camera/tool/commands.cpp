@@ -2,11 +2,10 @@
 
 #include <chrono>
 #include <cstdint>
-#include <iomanip>
 #include <iostream>
-#include <sstream>
 #include <utility>
 
+#include "musher/base/decimal.hpp"
 #include "musher/base/words.hpp"
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/camera/fit.hpp"
@@ -50,12 +49,6 @@ Result<> Save(msg::Image picture, const std::string& file) {
   const Result<Media*> media = LoadMedia();
   if (!media) return media.error();
   return media.value()->Save(ready.value(), file);
-}
-
-std::string Decimal(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
 }
 
 Duration Seconds(double seconds) {

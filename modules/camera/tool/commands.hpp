@@ -34,7 +34,6 @@ Duration AgeOf(const msg::Image& picture, program::ToolLink& link, const ToolOpt
 // In the format of the ending of `file`; a picture that cannot be converted is refused.
 Result<> Save(msg::Image picture, const std::string& file);
 
-std::string Decimal(double value, int digits);
 Duration Seconds(double seconds);
 
 }  // namespace musher::camera::tool

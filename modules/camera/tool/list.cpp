@@ -6,6 +6,7 @@
 #include <list>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/decimal.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 #include "musher/modules/camera/tool/picture_count.hpp"
 

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/decimal.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/camera/tool/collector.hpp"
 #include "musher/modules/camera/tool/commands.hpp"

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "musher/base/decimal.hpp"
 #include "musher/modules/camera/fit.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 

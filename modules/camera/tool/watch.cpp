@@ -4,6 +4,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/decimal.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 #include "musher/modules/camera/tool/picture_count.hpp"
 

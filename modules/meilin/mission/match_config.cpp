@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/joined.hpp"
 #include "musher/base/suggest.hpp"
 #include "musher/base/toml/file.hpp"
 
@@ -40,12 +41,6 @@ const std::array<Section, 9>& Sections() {
                                                    {"final", "place_high", kLimitKeys},
                                                    {"final", "finish", kFinishKeys}}};
   return sections;
-}
-
-std::string Joined(std::span<const std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
-  return text;
 }
 
 class MatchReader {
@@ -141,9 +136,8 @@ class MatchReader {
     const std::vector<std::string> words(known.begin(), known.end());
     for (const auto& item : object.items()) {
       if (std::ranges::find(words, item.key()) != words.end()) continue;
-      const std::string nearest = Nearest(item.key(), words);
       Fault(path.empty() ? item.key() : path + "." + item.key(),
-            "unknown key" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+            "unknown key" + DidYouMean(item.key(), words));
     }
   }
 

@@ -152,10 +152,8 @@ std::optional<std::size_t> JsonObject::Choice(std::string_view key,
   if (!text) return std::nullopt;
   const auto found = std::find(words.begin(), words.end(), *text);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-  const std::string nearest = Nearest(*text, words);
   Fault(key, fmt::format("unknown value '{}'{}, expected {}", Short(*text),
-                         nearest.empty() ? "" : "; did you mean '" + nearest + "'?",
-                         fmt::join(words, ", ")));
+                         DidYouMean(*text, words), fmt::join(words, ", ")));
   return std::nullopt;
 }
 
@@ -163,9 +161,7 @@ void JsonObject::RefuseOthers() {
   if (object_ == nullptr) return;
   for (const auto& item : object_->items()) {
     if (std::find(read_.begin(), read_.end(), item.key()) != read_.end()) continue;
-    const std::string nearest = Nearest(item.key(), read_);
-    faults_.Add(PathOf(Short(item.key())),
-                "unknown key" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+    faults_.Add(PathOf(Short(item.key())), "unknown key" + DidYouMean(item.key(), read_));
   }
 }
 

@@ -1,8 +1,6 @@
 #include "musher/modules/motion/tool/commands.hpp"
 
-#include <iomanip>
 #include <iostream>
-#include <sstream>
 
 #include "musher/modules/motion/motion_code.hpp"
 
@@ -20,12 +18,6 @@ ExitCode Fail(ExitCode exit, const Error& error) {
 std::string CodeMeaning(std::int32_t code) {
   const std::string meaning = MotionCodeText(code);
   return meaning.empty() ? CodeText(code) : meaning;
-}
-
-std::string Decimal(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
 }
 
 }  // namespace musher::motion::tool

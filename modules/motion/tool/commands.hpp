@@ -19,7 +19,6 @@ ExitCode Fail(ExitCode exit, const Error& error);
 
 // "the emergency stop is set; ...".
 std::string CodeMeaning(std::int32_t code);
-std::string Decimal(double value, int digits);
 
 // The table installed with this program, or the one of the options.
 TableReading ReadTable(const GlobalOptions& global);

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/decimal.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
 #include "musher/modules/motion/tool/streaming.hpp"
 

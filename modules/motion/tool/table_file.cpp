@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "musher/base/program_path.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
 
 namespace musher::motion::tool {
@@ -12,9 +13,9 @@ namespace fs = std::filesystem;
 
 // Next to an installed program, or in the tree that it was built in.
 std::string TableFile() {
-  std::error_code error;
-  const fs::path bin = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path bin = OwnProgram().parent_path();
   const fs::path installed = bin / "../share/musher/config/motion/motions.toml";
+  std::error_code error;
   if (fs::exists(installed, error)) return installed.lexically_normal();
   return (bin / "../../../config/motion/motions.toml").lexically_normal();
 }

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/base/decimal.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/motion/tool/commands.hpp"

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "musher/actuator/worker.hpp"
+#include "musher/base/joined.hpp"
 #include "musher/modules/world/picture/picture.hpp"
 #include "musher/modules/world/process/world_host.hpp"
 #include "musher/modules/world/render/shot.hpp"
@@ -109,10 +110,7 @@ int ShootScene(const Scene& scene, Duration time, const std::string& camera,
   }
   const auto named = std::find(names.begin(), names.end(), camera);
   if (named == names.end()) {
-    std::string known;
-    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-    Say("there is no camera \"" + camera + "\"; the cameras are " +
-        (known.empty() ? "none" : known));
+    Say("there is no camera \"" + camera + "\"; the cameras are " + Joined(names, "none"));
     return 2;
   }
   const auto index = static_cast<std::size_t>(named - names.begin());

@@ -27,9 +27,7 @@ std::string UnknownObject(const Scene& scene, const std::string& name) {
   std::vector<std::string> names;
   for (const ObjectSpec& spec : scene.objects) names.push_back(spec.name);
   if (names.empty()) return "the scene has no objects";
-  const std::string nearest = Nearest(name.substr(0, 60), names);
-  return "there is no object " + Quoted(name) +
-         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
+  return "there is no object " + Quoted(name) + DidYouMean(name.substr(0, 60), names, "\"\"");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "musher/base/joined.hpp"
 #include "musher/modules/world/scene/variation.hpp"
 
 namespace musher::world {
@@ -26,12 +27,6 @@ const LineTouch* Deepest(const Referee& referee) {
       touches.begin(), touches.end(),
       [](const LineTouch& a, const LineTouch& b) { return a.depth_m < b.depth_m; });
   return deepest == touches.end() ? nullptr : &*deepest;
-}
-
-std::string Joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text.empty() ? "none" : text;
 }
 
 std::string JsonText(const std::string& text) {
@@ -107,10 +102,10 @@ std::string RefereeText(const Scene& scene, const Referee& referee, Duration now
     if (!zones.in_order[i]) continue;
     reached.push_back(scene.zones[visit.zone].name + Format(" (%.1f s)", ToSeconds(visit.at)));
   }
-  text += "reached in order: " + Joined(reached) + "\n";
-  text += "missing: " + Joined(zones.missing) + "\n";
-  if (!zones.ahead.empty()) text += "still ahead: " + Joined(zones.ahead) + "\n";
-  text += "lay down out of turn in: " + Joined(zones.out_of_turn) + "\n";
+  text += "reached in order: " + Joined(reached, "none") + "\n";
+  text += "missing: " + Joined(zones.missing, "none") + "\n";
+  if (!zones.ahead.empty()) text += "still ahead: " + Joined(zones.ahead, "none") + "\n";
+  text += "lay down out of turn in: " + Joined(zones.out_of_turn, "none") + "\n";
   text += Format("feet on lines: %zu, with the whole foot: %zu\n", referee.touch_count(),
                  referee.whole_foot_count());
   if (const LineTouch* deepest = Deepest(referee)) {

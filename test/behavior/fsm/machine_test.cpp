@@ -249,7 +249,7 @@ TEST_F(MachineTest, RefusesAForceToAnUnknownStateAndKeepsItsState) {
   Start("IDLE");
   const Result<> forced = machine_.Force("IDEL");
   ASSERT_FALSE(forced);
-  EXPECT_EQ(forced.error().message, "show: there is no state IDEL; did you mean IDLE?");
+  EXPECT_EQ(forced.error().message, "show: there is no state IDEL; did you mean 'IDLE'?");
   EXPECT_EQ(Current(), "IDLE");
 }
 
@@ -274,8 +274,8 @@ TEST_F(MachineTest, IsNotBuiltWithErrorsAndReportsAllOfThem) {
   ASSERT_FALSE(built);
   EXPECT_EQ(built.error().message,
             "show: IDLE: registered twice\n"
-            "show: IDLE: there is no state TRAKCING; did you mean TRACKING?\n"
-            "show: the start state: there is no state IDLLE; did you mean IDLE?\n"
+            "show: IDLE: there is no state TRAKCING; did you mean 'TRACKING'?\n"
+            "show: the start state: there is no state IDLLE; did you mean 'IDLE'?\n"
             "show: the safety check distance has no safe state to go to");
   EXPECT_FALSE(machine_.Start(now_));
 }

@@ -325,8 +325,8 @@ TEST(NestedBuild, ReportsAllErrorsOfTheInnerMachine) {
   const Result<> built = machine->Build("SHOW");
   ASSERT_FALSE(built);
   EXPECT_EQ(built.error().message,
-            "show: SHOW: photo: A: there is no state X; did you mean A?\n"
-            "show: SHOW: photo: B: there is no state Y; did you mean A?");
+            "show: SHOW: photo: A: there is no state X; did you mean 'A'?\n"
+            "show: SHOW: photo: B: there is no state Y; did you mean 'A'?");
 }
 
 TEST(NestedBuild, BuildsAnInnerMachineOnceHoweverOftenTheOuterOneIsBuilt) {

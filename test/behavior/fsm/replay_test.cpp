@@ -180,11 +180,11 @@ TEST(Replay, ReportsTheFirstChangeThatDiffers) {
 
 TEST(Replay, FailsWhereTheMachineLacksARecordedStateOrCommand) {
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "stop now", "stop mow")),
-            "show.record:9: error: show: there is no event stop mow; did you mean stop now?");
+            "show.record:9: error: show: there is no event stop mow; did you mean 'stop now'?");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "force TRACKING", "force TRAKCING")),
-            "show.record:13: error: show: there is no state TRAKCING; did you mean TRACKING?");
+            "show.record:13: error: show: there is no state TRAKCING; did you mean 'TRACKING'?");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "start 0 IDLE", "start 0 IDEL")),
-            "show.record:2: error: show: there is no state IDEL; did you mean IDLE?");
+            "show.record:2: error: show: there is no state IDEL; did you mean 'IDLE'?");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "tick 0.02", "start 0.02 IDLE")),
             "show.record:4: error: show: runs already");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "input target", "input traget")),
@@ -216,7 +216,7 @@ TEST(Recording, ReportsWhereALineIsInvalid) {
   EXPECT_EQ(FaultOf("musher-fsm-recording 1"), FaultOf(""));
   EXPECT_EQ(FaultOf("musher-fsm-recording 12 show\n"), FaultOf(""));
   EXPECT_EQ(FaultOf(head + "tikc 1\n"),
-            "show.record:2:1: error: tikc is not a kind of line; did you mean tick?");
+            "show.record:2:1: error: tikc is not a kind of line; did you mean 'tick'?");
   EXPECT_EQ(FaultOf(head + "tick\n"), "show.record:2:5: error: a word is missing");
   EXPECT_EQ(FaultOf(head + "tick 1s\n"),
             "show.record:2:6: error: invalid time 1s; expected seconds");

@@ -188,7 +188,7 @@ TEST(Snapshot, IsRefusedWithAllItsErrors) {
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.machine = "race"; }),
               ElementsAre("machine: it was saved from race, not from show"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.state = "TRAKCING"; }),
-              ElementsAre("state: there is no state TRAKCING; did you mean TRACKING?"));
+              ElementsAre("state: there is no state TRAKCING; did you mean 'TRACKING'?"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.state = ""; }), ElementsAre("state: is missing"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.running = false; }),
               ElementsAre("state: is set, although the machine does not run"));
@@ -202,8 +202,8 @@ TEST(Snapshot, IsRefusedWithAllItsErrors) {
                 s.mode = Mode::kTransitioning;
                 s.transition = {"IDEL", "phot", Milliseconds(30), Duration{}};
               }),
-              ElementsAre("transition.to: there is no state IDEL; did you mean IDLE?",
-                          "transition.command: there is no event phot; did you mean photo?",
+              ElementsAre("transition.to: there is no state IDEL; did you mean 'IDLE'?",
+                          "transition.command: there is no event phot; did you mean 'photo'?",
                           "transition.elapsed: has to be between 0 and 20000000 ns"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.elapsed = s.time + Duration(1); }),
               ElementsAre("elapsed: has to be between 0 and 40000000 ns"));
@@ -214,15 +214,15 @@ TEST(Snapshot, IsRefusedWithAllItsErrors) {
               }),
               ElementsAre("commands: more than 2 cannot wait"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.commands = {"phot"}; }),
-              ElementsAre("commands: there is no event phot; did you mean photo?"));
+              ElementsAre("commands: there is no event phot; did you mean 'photo'?"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.unsafe = "heat"; }),
               ElementsAre("unsafe: there is no safety check heat"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.history[0].to = "IDEL"; }),
-              ElementsAre("history[0].to: there is no state IDEL; did you mean IDLE?"));
+              ElementsAre("history[0].to: there is no state IDEL; did you mean 'IDLE'?"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) {
                 s.fault = {"IDEL", Phase::kRun, {}, "", ""};
               }),
-              ElementsAre("fault.state: there is no state IDEL; did you mean IDLE?"));
+              ElementsAre("fault.state: there is no state IDEL; did you mean 'IDLE'?"));
 }
 
 // It was restored, and the first tick that used the missing name crashed.
@@ -249,8 +249,9 @@ TEST(Snapshot, IsRefusedWithTheErrorsOfItsParts) {
                 s.data.push_back({"robot", {}});
               }),
               ElementsAre("data.robot: there is no data robot"));
-  EXPECT_THAT(FaultsOf([](Snapshot& s) { s.states[0].fields[1].name = "guest"; }),
-              ElementsAre("states.TRACKING.guest: there is no field guest; did you mean guests?"));
+  EXPECT_THAT(
+      FaultsOf([](Snapshot& s) { s.states[0].fields[1].name = "guest"; }),
+      ElementsAre("states.TRACKING.guest: there is no field guest; did you mean 'guests'?"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.states[0].fields[0].value = std::string("yes"); }),
               ElementsAre("states.TRACKING.greeted: has to be true or false, not a text"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.states[0].fields[1].value = 0.5; }),

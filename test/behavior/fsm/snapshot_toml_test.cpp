@@ -179,13 +179,14 @@ TEST(SnapshotToml, ReportsWhereItNamesAnotherMachine) {
   EXPECT_EQ(FaultOf("\"show\"", "\"race\""),
             "show.toml:2:11: error: machine: it was saved from race, not from show");
   EXPECT_EQ(FaultOf("state = \"SHOW\"", "state = \"SHOV\""),
-            "show.toml:6:9: error: state: there is no state SHOV; did you mean SHOW?");
+            "show.toml:6:9: error: state: there is no state SHOV; did you mean 'SHOW'?");
   EXPECT_EQ(FaultOf("[data.robot]", "[data.robto]"),
-            "show.toml:26:7: error: data.robto: there is no data robto; did you mean robot?");
+            "show.toml:26:7: error: data.robto: there is no data robto; did you mean 'robot'?");
   EXPECT_EQ(FaultOf("[states.SHOW]\nleft_in = \"\"\n", ""),
             "show.toml:1:1: error: states.SHOW: is missing");
-  EXPECT_EQ(FaultOf("from = \"IDLE\"", "from = \"IDEL\""),
-            "show.toml:15:40: error: history[1].from: there is no state IDEL; did you mean IDLE?");
+  EXPECT_EQ(
+      FaultOf("from = \"IDLE\"", "from = \"IDEL\""),
+      "show.toml:15:40: error: history[1].from: there is no state IDEL; did you mean 'IDLE'?");
 }
 
 TEST(SnapshotToml, ReportsWhereTheMachineInsideIsInvalid) {
@@ -195,7 +196,7 @@ TEST(SnapshotToml, ReportsWhereTheMachineInsideIsInvalid) {
   EXPECT_EQ(
       FaultOf("to = \"DONE\"", "to = \"DOEN\""),
       "show.toml:57:6: error: inside.SHOW.transition.to: there is no state DOEN; did you mean "
-      "DONE?");
+      "'DONE'?");
 }
 
 TEST(SnapshotToml, ReportsAllErrorsOfATextThatIsNotASnapshotAtOnce) {

@@ -207,7 +207,7 @@ TEST_F(AComposition, IsRefusedWithWhatIsWrongWithIt) {
   EXPECT_EQ(ErrorOf(Order::kInOrder, {{"a"}, {"walk"}}),
             "all: there is no skill 'walk'; there are a, b and c");
   EXPECT_EQ(ErrorOf(Order::kInOrder, {{"a", {{"sped", 1.0}}}}),
-            "all: a: there is no parameter sped; did you mean speed?");
+            "all: a: there is no parameter sped; did you mean 'speed'?");
 }
 
 // One of its skills in turn with another one, and the other way round.

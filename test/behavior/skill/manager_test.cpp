@@ -241,7 +241,7 @@ TEST(ARegistry, TakesSettingsOverOrRefusesAllOfThem) {
   Settings wrong{.retries = 1};
   wrong.parameters.Set("sped", 1.0);
   EXPECT_EQ(registry.Configure({{}, {{"walk", wrong}, {"wlk", slow}}}).error().message,
-            "walk: there is no parameter sped; did you mean speed?\n"
+            "walk: there is no parameter sped; did you mean 'speed'?\n"
             "there is no skill 'wlk'; did you mean 'walk'? There is only walk");
   EXPECT_EQ(registry.Find("walk")->settings, slow);
 }

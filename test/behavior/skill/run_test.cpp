@@ -343,7 +343,7 @@ TEST_F(ARun, RefusesInvalidParametersBeforeItBegins) {
   skill::Run run("walk", std::make_unique<Scripted>(script_));
   const Result<> begun = run.Begin({{"sped", 1.0}, {"goal", 3.0}});
   EXPECT_EQ(begun.error().message,
-            "walk: there is no parameter sped; did you mean speed?\n"
+            "walk: there is no parameter sped; did you mean 'speed'?\n"
             "parameter goal: expected a list of numbers, found 3");
   EXPECT_EQ(run.state(), kIdle);
   EXPECT_EQ(run.feedback().state, "IDLE");

@@ -120,13 +120,13 @@ TEST_F(Saved, AreRefusedWithPlaceAndNearestNameAndChangeNothing) {
       "skills.toml:4:9: error: run[0].skill: there is no skill 'cuont'; did you mean 'count'? "
       "There are count, wait and all");
   EXPECT_THAT(ErrorOf(Changed("state = \"COUNTING\"", "state = \"COUNTIN\"")),
-              HasSubstr("run[0].state: there is no state COUNTIN; did you mean COUNTING?"));
+              HasSubstr("run[0].state: there is no state COUNTIN; did you mean 'COUNTING'?"));
   EXPECT_THAT(ErrorOf(Changed("progress = 40", "progress = 100")),
               HasSubstr("run[0].progress: has to be between 0 and 99"));
   EXPECT_THAT(ErrorOf(Changed("elapsed_ns = 1", "elapsed_ns = 9")), HasSubstr("run[0].elapsed"));
   EXPECT_THAT(ErrorOf(Changed("cancel_passed = false", "cancel_passed = true")),
               HasSubstr("without a request"));
-  EXPECT_THAT(ErrorOf(Changed("goal = ", "gaol = ")), HasSubstr("did you mean goal?"));
+  EXPECT_THAT(ErrorOf(Changed("goal = ", "gaol = ")), HasSubstr("did you mean 'goal'?"));
   EXPECT_THAT(ErrorOf(Changed("count = 2", "count = \"two\"")),
               HasSubstr("run[0].fields.count: has to be an integer, not a text"));
   EXPECT_THAT(ErrorOf(Changed("retries", "retry")), HasSubstr("unknown key \"retry\""));

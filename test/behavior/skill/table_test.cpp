@@ -126,7 +126,7 @@ TEST_F(AParameter, IsReadFromTextByItsKindAndHasItsDefault) {
 TEST_F(AParameter, IsRefusedWithEveryError) {
   EXPECT_EQ(ErrorOf({{"goal_pos", "[1, two]"}, {"altitud", "2"}, {"tries", "1.5"}}),
             "parameter goal_pos: expected a list of numbers, found [1, two]\n"
-            "there is no parameter altitud; did you mean altitude?\n"
+            "there is no parameter altitud; did you mean 'altitude'?\n"
             "parameter tries: expected an integer, found 1.5");
   EXPECT_EQ(ErrorOf({}), "the parameter goal_pos is missing: a list of numbers, m, in the map");
   EXPECT_THAT(ErrorOf({{"goal_pos", "[]"}, {"goal_pos", "[]"}}), HasSubstr("is given twice"));
@@ -199,7 +199,7 @@ TEST(Settings, ReplaceLimitsAndDefaultsAndAreRefusedWithTheNearestName) {
   settings.states = {{"MOVNG", std::chrono::seconds(4)}, {"FAILED", std::chrono::seconds(4)}};
   settings.parameters.Set("hight", 1.0);
   EXPECT_EQ(table.Apply(settings).error().message,
-            "there is no state MOVNG with a time; did you mean MOVING?\n"
+            "there is no state MOVNG with a time; did you mean 'MOVING'?\n"
             "there is no state FAILED with a time\n"
             "there is no parameter hight");
 }

@@ -202,7 +202,7 @@ TEST_F(Recorded, ThatIsDamagedOrForeignIsRefusedWithThePlace) {
   EXPECT_THAT(Refused(With(change, "change -1 1 RUNNING SUCCESS")),
               HasSubstr(":8: error: the time is before that of the line above"));
   EXPECT_THAT(Refused(With(change, "chance 0.1 1 RUNNING SUCCESS")),
-              HasSubstr("error: chance is not a kind of line; did you mean change?"));
+              HasSubstr("error: chance is not a kind of line; did you mean 'change'?"));
 }
 
 TEST_F(Recorded, ValuesAreCutAtTheEndOfACharacter) {

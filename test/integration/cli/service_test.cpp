@@ -108,7 +108,7 @@ TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNe
     up.Signal(SIGABRT);
     const Ended ended = up.Wait();
     EXPECT_EQ(ended.exit, 1);
-    EXPECT_THAT(ended.err, HasSubstr("the controller of robot has crashed (killed by signal 6"));
+    EXPECT_THAT(ended.err, HasSubstr("the controller of robot has crashed (killed by SIGABRT)"));
   }
   Process again(Unit());
   EXPECT_TRUE(systemd_.WaitFor("READY=1"));

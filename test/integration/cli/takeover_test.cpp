@@ -123,7 +123,7 @@ TEST_F(Takeover, EndsAStoppedController) {
   EXPECT_EQ(second.exit, 0) << second.err;
   const Ended first = first_->Wait();
   EXPECT_EQ(first.exit, 1);
-  EXPECT_THAT(first.err, HasSubstr("the controller of robot has crashed (killed by signal 9"));
+  EXPECT_THAT(first.err, HasSubstr("the controller of robot has crashed (killed by SIGKILL)"));
   ExpectAdopted();
 }
 

@@ -257,7 +257,7 @@ TEST_F(Up, ReportsThatItsControllerHasCrashed) {
   kill(Status()["pid"].get<pid_t>(), SIGKILL);
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_THAT(ended.err, HasSubstr("the controller of robot has crashed (killed by signal 9"));
+  EXPECT_THAT(ended.err, HasSubstr("the controller of robot has crashed (killed by SIGKILL)"));
 }
 
 TEST_F(Up, CompletesATearDownInWhichItsPredecessorCrashed) {

@@ -217,7 +217,7 @@ TEST_F(ASkillsActuator, RefusesAGoalWithTheReason) {
   EXPECT_EQ(ReasonOf({}), "expected one skill in skill_list, found 0");
   EXPECT_EQ(ReasonOf({"go", "run"}), "expected one skill in skill_list, found 2");
   EXPECT_EQ(ReasonOf({"og"}), "there is no skill 'og'; did you mean 'go'? There are go and run");
-  EXPECT_EQ(ReasonOf({"go"}, "sped", "1"), "go: there is no parameter sped; did you mean speed?");
+  EXPECT_EQ(ReasonOf({"go"}, "sped", "1"), "go: there is no parameter sped; did you mean 'speed'?");
   for (const std::string value : {"nan", "inf", "1e999", "", "fast", "{\"speed\": 1"}) {
     EXPECT_THAT(ReasonOf({"go"}, "speed", value), HasSubstr("go: parameter speed: ")) << value;
   }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sys/inotify.h>
-#include <sys/syscall.h>
 
 #include <array>
 #include <cstdlib>
@@ -172,9 +171,7 @@ Result<> RootMachine::StartAgain() {
                      ", which does not hold its lock or cannot be inspected; no process is "
                      "signalled"};
   }
-  const long sent =
-      syscall(SYS_pidfd_send_signal, process.value().get(), kStartAgainSignal, nullptr, 0);
-  if (sent == 0) return Ok();
+  if (SendSignal(process.value().get(), kStartAgainSignal)) return Ok();
   return SystemError("can't signal the controller (pid " + std::to_string(pid_) + ")");
 }
 

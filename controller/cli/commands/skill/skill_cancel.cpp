@@ -5,10 +5,10 @@
 #include <list>
 #include <optional>
 
+#include "musher/base/joined.hpp"
 #include "musher/controller/cli/commands/commands.hpp"
 #include "musher/controller/cli/commands/skill/skill_commands.hpp"
 #include "musher/controller/cli/commands/skill/skill_goal.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/machine/skill_offers.hpp"
 #include "musher/controller/cli/machine/skill_request.hpp"
 #include "musher/controller/cli/render/skill.hpp"
@@ -120,7 +120,7 @@ ExitCode CancelSkill(const SkillCancelOptions& options, const GlobalOptions& glo
   if (all.empty()) {
     return console.Fail(Failure{
         ExitCode::kNotDone,
-        {kCodeStateInvalid, options.name + " is not running; offered by " + Join(actuators)}});
+        {kCodeStateInvalid, options.name + " is not running; offered by " + Joined(actuators)}});
   }
   link.RunUntil(
       [&all] {

@@ -2,11 +2,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "musher/base/joined.hpp"
+#include "musher/base/words.hpp"
 #include "musher/controller/cli/commands/tree/tree_commands.hpp"
 #include "musher/controller/cli/config/tree_file.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/error_json.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/json.hpp"
 
@@ -20,9 +21,9 @@ struct TreeCheckOptions {
 
 // "tree Patrol, 12 nodes in 2 trees; from models: BatteryOk, Move"
 std::string Summary(const TreeFile& file) {
-  std::string text = "tree " + file.tree->name() + ", " + Count(file.tree->size(), "node") +
-                     " in " + Count(file.document.trees.size(), "tree");
-  if (!file.placeholders.empty()) text += "; from models: " + Join(file.placeholders);
+  std::string text = "tree " + file.tree->name() + ", " + Counted(file.tree->size(), "node") +
+                     " in " + Counted(file.document.trees.size(), "tree");
+  if (!file.placeholders.empty()) text += "; from models: " + Joined(file.placeholders);
   return text;
 }
 

@@ -13,11 +13,11 @@
 
 #include "musher/base/files.hpp"
 #include "musher/base/toml/file.hpp"
+#include "musher/base/words.hpp"
 #include "musher/behavior/tree/recording.hpp"
 #include "musher/controller/cli/commands/tree/tree_commands.hpp"
 #include "musher/controller/cli/console/console.hpp"
 #include "musher/controller/cli/console/signals.hpp"
-#include "musher/controller/cli/console/words.hpp"
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/controller/cli/render/tree.hpp"
 
@@ -62,7 +62,7 @@ class TreeReplay {
     const std::size_t count = recording_.trees.size();
     if (options_.number > count) {
       return console_.Fail(Error{kCodeParametersInvalid, recording_.file + " has " +
-                                                             Count(count, "tree") + ", no tree " +
+                                                             Counted(count, "tree") + ", no tree " +
                                                              std::to_string(options_.number)});
     }
     if (count == 0) {
@@ -168,7 +168,7 @@ class TreeReplay {
       ticking_ = event.ticking;
       console_.Print(time + (ticking_ ? "  ticking" : "  paused"));
     } else if (event.kind == Kind::kLost) {
-      console_.Print(time + "  " + Count(event.lines, "line") + " lost: the disk was too slow");
+      console_.Print(time + "  " + Counted(event.lines, "line") + " lost: the disk was too slow");
     }
   }
 
