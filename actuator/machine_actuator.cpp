@@ -122,6 +122,9 @@ Result<> CallbackHarness::Adopt(const MachineConfig& config) {
   if (auto adopted = actuator_.impl_->Adopt(config); !adopted) return adopted;
   return actuator_.impl_->CheckCallbacks();
 }
+void CallbackHarness::SetNode(std::shared_ptr<transport::NodeThread> node) {
+  actuator_.impl_->SetNode(std::move(node));
+}
 Result<> CallbackHarness::Run(const State& state) {
   return actuator_.impl_->callbacks().Run(state);
 }

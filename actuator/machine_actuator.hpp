@@ -163,7 +163,7 @@ class MachineActuator {
   // For topics and services of your own, in the SetUp callback: `open` runs on the loop and creates
   // them. They are kept until Shutdown(), or until the next call of this function. Their handlers
   // run on the loop and must return at once. Fails if one of them could not be opened. In a
-  // fault-injection test there is no transport: `open` does not run.
+  // fault-injection test without `make_node` there is no transport: `open` does not run.
   Result<> OpenEndpoints(const std::function<void(transport::Endpoints&)>& open);
   // Runs `work` on the loop, between two handlers, and waits for it, so that a callback can share
   // data with handlers. From any thread except the loop's. In a fault-injection test it runs at
@@ -171,10 +171,10 @@ class MachineActuator {
   void RunOnLoop(const std::function<void()>& work);
 
   // The participant and its loop, which both functions above use. Available from Start() on, so in
-  // every state callback; null before, after Shutdown(), and in a fault-injection test. Objects
-  // made from it must be created, used and dropped on its loop. A class that keeps such objects
-  // must keep the pointer too, and drop them on the loop in its destructor; by then it is shut
-  // down.
+  // every state callback; null before, after Shutdown(), and in a fault-injection test without
+  // `make_node`. Objects made from it must be created, used and dropped on its loop. A class that
+  // keeps such objects must keep the pointer too, and drop them on the loop in its destructor; by
+  // then it is shut down.
   std::shared_ptr<transport::NodeThread> node() const;
 
  protected:

@@ -217,12 +217,12 @@ class MachineActuator::Impl {
   CapabilityGate& gate() { return gate_; }
   void set_on_poll(std::function<void()> on_poll) { on_poll_ = std::move(on_poll); }
 
- private:
   void SetNode(std::shared_ptr<transport::NodeThread> node) {
     const std::lock_guard lock(mutex_);
     node_.swap(node);  // the old one is destroyed here, or later by its other owners
   }
 
+ private:
   transport::Node& OwnNode(transport::NodeThread& thread) const {
     return own_node_ ? *own_node_ : thread.node();
   }

@@ -25,8 +25,9 @@
 // leaves the callback, and the object is destroyed without TearDown. Static objects of your code
 // outlive it, as hardware does: make a fake of the hardware static or a member of the test, and
 // nothing else. Callbacks run on a thread, in turn with the simulation; virtual time passes only in
-// StopRequested() and at their end. Threads and clocks of your own are real, so a seed does not
-// reproduce what they do. Checkpoint() does nothing.
+// StopRequested() and at their end. The network of `make_node` has a time of its own, which passes
+// in NodeThread::WaitFor() and where the test runs it. Threads and clocks of your own are real, so
+// a seed does not reproduce what they do. Checkpoint() does nothing.
 //
 // Threads: `make`, `always` and the other functions of this class run on the thread of the test.
 
@@ -66,6 +67,10 @@ class ActuatorFaultTest {
   // The same for an actuator whose fake hardware fails when Faults::ShouldFail() says so. Without
   // it, an injected callback failure happens before the first step of the callback.
   std::function<std::unique_ptr<T>(Faults& faults)> make_with_faults;
+  // Makes the node of a process, usually a SimulatedNodeThread: node() returns it, and topics and
+  // services are opened on its network, where the test has their peers (make the network anew in
+  // `before_scenario`). Default: there is no transport, and node() is null.
+  std::function<std::shared_ptr<transport::NodeThread>()> make_node;
   // Runs before each scenario; resets what outlives a process.
   std::function<void()> before_scenario;
   // Must hold whenever a callback has succeeded, and when an emergency stop is engaged while no
@@ -163,6 +168,7 @@ class ActuatorFaultTest {
   ModuleUnderTest::Setup MakeSetup() {
     ModuleUnderTest::Setup setup;
     setup.make = [this](Faults& faults) { return Make(faults); };
+    setup.make_node = make_node;
     setup.fails_by_itself = make_with_faults != nullptr;
     setup.real_time_limit = real_time_limit;
     setup.battery = battery;

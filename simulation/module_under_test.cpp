@@ -32,6 +32,11 @@ thread_local const void* current_callback = nullptr;  // whose callback runs on 
 
 struct ModuleUnderTest::CallbackThread {
   explicit CallbackThread(std::uint64_t seed) : faults(seed) {}
+  ~CallbackThread() {
+    if (actuator) actuator->Shutdown();  // its endpoints use members of its class
+  }
+  CallbackThread(const CallbackThread&) = delete;
+  CallbackThread& operator=(const CallbackThread&) = delete;
 
   enum class Turn : std::uint8_t { kPolled, kEnded, kStuck };
 
@@ -204,6 +209,7 @@ ModuleUnderTest::ModuleUnderTest(const Setup& setup, Scenario::ActSampler sample
   if (setup_.config != nullptr) {
     static_cast<void>(callback_->harness->Adopt(*setup_.config));
   }
+  if (setup_.make_node) callback_->harness->SetNode(setup_.make_node());
   callback_->harness->SetBattery(setup_.battery);
   callback_->harness->OnPoll([callback = callback_.get()] { callback->Poll(); });
 }

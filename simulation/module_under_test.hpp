@@ -15,6 +15,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/simulation/scenario.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/sim/random.hpp"
 
 namespace musher::simulation {
@@ -55,6 +56,8 @@ class ModuleUnderTest : public Module {
  public:
   struct Setup {
     std::function<std::unique_ptr<MachineActuator>(Faults&)> make;
+    // Makes the node of a process; empty: node() is null.
+    std::function<std::shared_ptr<transport::NodeThread>()> make_node;
     // The fakes fail (Faults), so that callbacks need not be failed from outside.
     bool fails_by_itself = false;
     std::chrono::milliseconds real_time_limit{10'000};

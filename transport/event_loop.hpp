@@ -43,7 +43,8 @@ class EventLoop {
   virtual LoopHandlePtr Every(Duration period, std::function<void()> callback) = 0;
 
   // Runs `callback` while `fd` is readable (a pidfd, a pipe, a signalfd). The caller keeps the fd,
-  // which must outlive the handle. Real loops only; a simulated one has no file descriptors.
+  // which must outlive the handle. On a simulated loop, which has no file descriptors, it never
+  // runs.
   virtual LoopHandlePtr WhenReadable(int fd, std::function<void()> callback) = 0;
 
   // Runs the loop on the calling thread until Stop().

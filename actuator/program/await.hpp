@@ -3,8 +3,7 @@
 // moment after a start.
 
 #include <functional>
-#include <future>
-#include <utility>
+#include <optional>
 
 #include "musher/base/result.hpp"
 #include "musher/transport/dds/node_thread.hpp"
@@ -12,30 +11,25 @@
 namespace musher::program {
 
 // Calls `check` on the node's loop, at once and every 20 ms, until it succeeds, `time` of the
-// steady clock is over, or `stop` holds. Returns the last result of `check`. Called on the
-// actuator's worker, which blocks.
+// loop is over, or `stop` holds, which is called on the calling thread. Returns the last result of
+// `check`. Called on the actuator's worker, which blocks.
 inline Result<> AwaitOnLoop(transport::NodeThread& node, Duration time,
                             const std::function<Result<>()>& check,
                             const std::function<bool()>& stop) {
   constexpr Duration kPeriod = Milliseconds(20);
-  std::promise<Result<>> verdict;
-  bool given = false;
-  transport::LoopHandlePtr again;
-  node.RunOnLoop([&] {
-    const Time deadline = node.loop().Now() + time;
-    const auto look = [&, deadline] {
-      if (given) return;
-      Result<> result = check();
-      if (!result && !stop() && node.loop().Now() < deadline) return;
-      given = true;
-      verdict.set_value(std::move(result));
-    };
-    again = node.loop().Every(kPeriod, look);
-    look();
-  });
-  Result<> result = verdict.get_future().get();
-  node.RunOnLoop([&] { again.reset(); });
-  return result;
+  std::optional<Time> deadline;
+  for (;;) {
+    Result<> result;
+    bool over = false;
+    node.RunOnLoop([&] {
+      result = check();
+      const Time now = node.loop().Now();
+      if (!deadline) deadline = now + time;
+      over = now >= *deadline;
+    });
+    if (result || over || stop()) return result;
+    node.WaitFor(kPeriod);
+  }
 }
 
 }  // namespace musher::program

@@ -6,8 +6,11 @@
 
 namespace musher::audio {
 
-AudioManager::AudioManager(const std::string& actuator_name, AudioConfig config)
-    : MachineActuator(actuator_name), config_(std::move(config)) {
+AudioManager::AudioManager(const std::string& actuator_name, AudioConfig config,
+                           SoundMakerFactory make_voice)
+    : MachineActuator(actuator_name),
+      config_(std::move(config)),
+      make_voice_(std::move(make_voice)) {
   RegisterStateCallback([this](const State& state) { return Run(state); });
 }
 
@@ -44,7 +47,8 @@ Result<> AudioManager::MakeAll() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  maker_ = std::make_unique<VoiceMaker>(node_->loop(), config_.voice);
+  maker_ = make_voice_ ? make_voice_(node_->loop())
+                       : std::make_unique<VoiceMaker>(node_->loop(), config_.voice);
   output_ = MakeOutput(config_.output, node_->loop(), *clock_, log);
   auto shell = AudioShell::Make({node_->node(), *clock_, machine_config().name_space, log}, config_,
                                 *maker_, *output_);

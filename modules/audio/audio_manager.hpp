@@ -18,7 +18,9 @@ namespace musher::audio {
 
 class AudioManager : public MachineActuator {
  public:
-  AudioManager(const std::string& actuator_name, AudioConfig config);
+  // `make_voice` empty: a VoiceMaker.
+  AudioManager(const std::string& actuator_name, AudioConfig config,
+               SoundMakerFactory make_voice = {});
   ~AudioManager() override;
 
  private:
@@ -28,9 +30,10 @@ class AudioManager : public MachineActuator {
   Result<> MakeAll();
 
   const AudioConfig config_;
+  const SoundMakerFactory make_voice_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
-  std::unique_ptr<VoiceMaker> maker_;
+  std::unique_ptr<SoundMaker> maker_;
   std::unique_ptr<Output> output_;
   std::unique_ptr<AudioShell> shell_;
 };

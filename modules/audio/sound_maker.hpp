@@ -25,7 +25,11 @@ class SoundMaker {
   virtual void Make(const Utterance& what, Done done) = 0;
   // Cancels what is being made: its `done` does not run.
   virtual void Cancel() = 0;
+  // Whether it works. From any thread but the loop's: it may block.
+  virtual Result<> Check() = 0;
 };
+
+using SoundMakerFactory = std::function<std::unique_ptr<SoundMaker>(transport::EventLoop&)>;
 
 class VoiceMaker : public SoundMaker {
  public:
@@ -35,8 +39,7 @@ class VoiceMaker : public SoundMaker {
   void Make(const Utterance& what, Done done) override;
   void Cancel() override { *wanted_ = 0; }
 
-  // Whether the voice works. From any thread but the loop's: it blocks.
-  Result<> Check();
+  Result<> Check() override;
 
  private:
   transport::EventLoop& loop_;

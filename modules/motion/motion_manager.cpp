@@ -1,9 +1,9 @@
 #include "musher/modules/motion/motion_manager.hpp"
 
-#include <chrono>
-#include <future>
+#include <optional>
 #include <utility>
 
+#include "musher/actuator/program/await.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
 
 namespace musher::motion {
@@ -11,11 +11,6 @@ namespace {
 
 constexpr int kLowPowerTries = 3;
 constexpr int kUntilItLies = 0;
-constexpr Duration kPoll = Milliseconds(20);  // for StopRequested()
-
-Time SteadyNow() {
-  return std::chrono::steady_clock::now();
-}
 
 }  // namespace
 
@@ -88,18 +83,14 @@ Result<> MotionManager::OpenShell() {
 
 // The body may be switched on a little later than this module.
 Result<> MotionManager::AwaitBody() {
-  auto reported = std::make_shared<std::promise<void>>();
-  std::future<void> report = reported->get_future();
-  OnLoop([&](MotionShell& shell) { shell.OnNextReport([reported] { reported->set_value(); }); });
-  const Time end = SteadyNow() + config_.board_wait;
-  while (report.wait_for(kPoll) != std::future_status::ready) {
-    if (SteadyNow() >= end || StopRequested()) {
-      return Error{MotionCode(MotionKey::kBoardSilent),
-                   "the motion board is silent: no report on world/body_state within " +
-                       std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
-    }
-  }
-  return Ok();
+  const auto reported = std::make_shared<bool>(false);
+  OnLoop([&](MotionShell& shell) { shell.OnNextReport([reported] { *reported = true; }); });
+  const Error silent{MotionCode(MotionKey::kBoardSilent),
+                     "the motion board is silent: no report on world/body_state within " +
+                         std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
+  return program::AwaitOnLoop(
+      *loop_, config_.board_wait, [&] { return *reported ? Ok() : Result<>(silent); },
+      [this] { return StopRequested(); });
 }
 
 Result<> MotionManager::SelfCheck() {
@@ -120,23 +111,25 @@ Result<> MotionManager::Close(const State& state) {
 
 Result<> MotionManager::CloseLying(const State& state, std::int32_t get_down, int tries) {
   using motion_action::Answer;
-  auto ended = std::make_shared<std::promise<Answer>>();
-  std::future<Answer> answer = ended->get_future();
+  const auto answer = std::make_shared<std::optional<Answer>>();
   RequestToken token = 0;
   OnLoop([&](MotionShell& shell) {
     shell.Do(motion_event::Closed{state});
-    token = shell.LieDown(get_down, tries, [ended](const Answer& a) { ended->set_value(a); });
+    token = shell.LieDown(get_down, tries, [answer](const Answer& a) { *answer = a; });
   });
   if (token == 0) return Ok();  // never set up: the body was not moved
-  const Time end = EndOf(state);
-  while (answer.wait_for(kPoll) != std::future_status::ready) {
-    if (SteadyNow() < end && !StopRequested()) continue;
-    OnLoop([&](MotionShell& shell) { shell.Do(motion_event::Cancelled{token}); });
-    break;
-  }
-  const Answer how = answer.get();
-  if (how.code == kCodeOk) return Ok();
-  return Error{how.code, "the body does not lie: " + how.message};
+  const Error unanswered{MotionCode(KeyCode::kTimeout), "it has not ended yet"};
+  static_cast<void>(program::AwaitOnLoop(
+      *loop_, TimeToLie(state), [&] { return *answer ? Ok() : Result<>(unanswered); },
+      [this] { return StopRequested(); }));
+  OnLoop([&](MotionShell& shell) {
+    if (!*answer) shell.Do(motion_event::Cancelled{token});
+  });
+  const Result<> lies = !*answer                     ? Result<>(unanswered)
+                        : (*answer)->code == kCodeOk ? Ok()
+                                                     : Error{(*answer)->code, (*answer)->message};
+  if (lies) return Ok();
+  return Error{lies.error().code, "the body does not lie: " + lies.error().message};
 }
 
 void MotionManager::OnLoop(const std::function<void(MotionShell&)>& work) {
@@ -146,10 +139,10 @@ void MotionManager::OnLoop(const std::function<void(MotionShell&)>& work) {
   });
 }
 
-// A little before the caller's deadline, so that the caller still gets the reason.
-Time MotionManager::EndOf(const State& state) const {
+// A little less than the caller's time, so that the caller still gets the reason.
+Duration MotionManager::TimeToLie(const State& state) const {
   const MachineConfig& machine = machine_config();
-  return SteadyNow() + machine.TimeFor(*machine.IndexOf(name()), state) * 9 / 10;
+  return machine.TimeFor(*machine.IndexOf(name()), state) * 9 / 10;
 }
 
 }  // namespace musher::motion

@@ -44,7 +44,7 @@ class MotionManager : public MachineActuator {
   Result<> CloseLying(const State& state, std::int32_t get_down, int tries);
 
   void OnLoop(const std::function<void(MotionShell&)>& work);
-  Time EndOf(const State& state) const;
+  Duration TimeToLie(const State& state) const;
 
   const MotionConfig config_;
   const MotionTable table_;

@@ -15,6 +15,7 @@
 #include "musher/test/contract/world.hpp"
 #include "musher/test/protocols/ros_graph.hpp"
 #include "musher/transport/dds/node_thread.hpp"
+#include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::testing::ros_graph_test {

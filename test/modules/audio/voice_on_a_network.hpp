@@ -29,6 +29,7 @@ class StandInMaker : public SoundMaker {
     });
   }
   void Cancel() override { timer_.reset(); }
+  Result<> Check() override { return Ok(); }
 
  private:
   transport::EventLoop& loop_;
