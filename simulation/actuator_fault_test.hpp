@@ -68,7 +68,7 @@ class ActuatorFaultTest {
   // it, an injected callback failure happens before the first step of the callback.
   std::function<std::unique_ptr<T>(Faults& faults)> make_with_faults;
   // Makes the node of a process, usually a SimulatedNodeThread: node() returns it, and topics and
-  // services are opened on its network, where the test has their peers (make the network anew in
+  // services are opened on its network, where the test has their peers (make a new network in
   // `before_scenario`). Default: there is no transport, and node() is null.
   std::function<std::shared_ptr<transport::NodeThread>()> make_node;
   // Runs before each scenario; resets what outlives a process.

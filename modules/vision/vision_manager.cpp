@@ -10,7 +10,16 @@ namespace musher::vision {
 
 VisionManager::VisionManager(const std::string& actuator_name, VisionConfig config,
                              DetectorMaker maker)
-    : MachineActuator(actuator_name), config_(std::move(config)), maker_(std::move(maker)) {
+    : VisionManager(actuator_name, std::move(config),
+                    FaceWorkerMaker([this, maker = std::move(maker)](OnFaces on_result) {
+                      return MakeThread(maker, std::move(on_result));
+                    })) {}
+
+VisionManager::VisionManager(const std::string& actuator_name, VisionConfig config,
+                             FaceWorkerMaker make_worker)
+    : MachineActuator(actuator_name),
+      config_(std::move(config)),
+      make_worker_(std::move(make_worker)) {
   RegisterStateCallback([this](const State& state) { return Run(state); });
 }
 
@@ -21,7 +30,7 @@ VisionManager::~VisionManager() {
     topics_.reset();
     for (const auto& detection : detections_) detection->CloseTopics();
   });
-  detector_thread_.reset();
+  face_worker_.reset();
   detections_.clear();
   node_->RunOnLoop([this] { clock_.reset(); });
 }
@@ -36,8 +45,8 @@ Result<> VisionManager::Run(const State& state) {
 }
 
 Result<> VisionManager::Load() {
-  if (detector_thread_) {
-    if (Result<> loaded = detector_thread_->Load(); !loaded) return loaded;
+  if (face_worker_) {
+    if (Result<> loaded = face_worker_->Load(); !loaded) return loaded;
   }
   for (const auto& detection : detections_) {
     if (Result<> loaded = detection->Load(); !loaded) return loaded;
@@ -75,18 +84,22 @@ Result<> VisionManager::MakeTopics() {
   return MakeDetections(dependencies);
 }
 
-Result<> VisionManager::MakeFaceTopics(const Dependencies& dependencies) {
-  detector_thread_ = std::make_unique<DetectorThread<Detector>>(
-      node_->loop(), maker_, config_.limits,
+std::unique_ptr<DetectorWorker<Detector>> VisionManager::MakeThread(const DetectorMaker& maker,
+                                                                    OnFaces on_result) {
+  return std::make_unique<DetectorThread<Detector>>(
+      node_->loop(), maker, config_.limits,
       DetectorThreadEvents<Detector>{
-          .on_result =
-              [this](const DetectionResult<Detector>& result) {
-                if (topics_) topics_->OnResult(result);
-              },
+          .on_result = std::move(on_result),
           .on_left_out = [this] { topics_->OnLeftOut(); },
           .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
           .on_detector_lost = [this](const Error& error) { OnLost(error); }});
-  auto topics = FaceTopics::Make(dependencies, *detector_thread_, config_);
+}
+
+Result<> VisionManager::MakeFaceTopics(const Dependencies& dependencies) {
+  face_worker_ = make_worker_([this](const DetectionResult<Detector>& result) {
+    if (topics_) topics_->OnResult(result);
+  });
+  auto topics = FaceTopics::Make(dependencies, *face_worker_, config_);
   if (!topics) return topics.error();
   topics_ = std::move(topics).value();
   return Ok();

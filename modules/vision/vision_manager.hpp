@@ -4,6 +4,7 @@
 // Threads: state callbacks on the actuator's worker, topics on the loop of its node, each detector
 // on a thread of its own, which ends the actuator when it loses its detector.
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,8 +20,14 @@ namespace musher::vision {
 
 class VisionManager : public MachineActuator {
  public:
+  using OnFaces = std::function<void(DetectionResult<Detector>)>;
+  using FaceWorkerMaker =
+      std::function<std::unique_ptr<DetectorWorker<Detector>>(OnFaces on_result)>;
+
   // `maker` makes the detector of faces; called on the detector's thread and in the self-check.
   VisionManager(const std::string& actuator_name, VisionConfig config, DetectorMaker maker);
+  // With another worker than a DetectorThread.
+  VisionManager(const std::string& actuator_name, VisionConfig config, FaceWorkerMaker make_worker);
   ~VisionManager() override;
 
  private:
@@ -36,13 +43,15 @@ class VisionManager : public MachineActuator {
   Result<> SetOn(bool on);
   Result<> SetChecked(bool checked);
   Result<> Check() const;
+  std::unique_ptr<DetectorWorker<Detector>> MakeThread(const DetectorMaker& maker,
+                                                       OnFaces on_result);
 
   const VisionConfig config_;
-  const DetectorMaker maker_;
+  const FaceWorkerMaker make_worker_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
   // Of faces; null: they are not detected.
-  std::unique_ptr<DetectorThread<Detector>> detector_thread_;
+  std::unique_ptr<DetectorWorker<Detector>> face_worker_;
   std::unique_ptr<FaceTopics> topics_;
   std::vector<std::unique_ptr<CourseDetection>> detections_;
 };

@@ -25,7 +25,7 @@ actuators = ["before", ")" +
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA",
           "Error"]
 default_time = 2000
-default_state = "Active"
+default_state = "Uninitialized"
 
 [actuator.before]
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]

@@ -50,8 +50,12 @@ struct SelfCheckResult {
 template <class Server>
 class ServerActuator : public MachineActuator {
  public:
-  ServerActuator(const std::string& actuator_name, typename Server::Config config)
-      : MachineActuator(actuator_name), config_(std::move(config)) {
+  using Make = std::function<Result<std::unique_ptr<Server>>(
+      const Dependencies& dependencies, const typename Server::Config& config)>;
+
+  // `make` empty: Server::Make() with its own threads.
+  ServerActuator(const std::string& actuator_name, typename Server::Config config, Make make = {})
+      : MachineActuator(actuator_name), config_(std::move(config)), make_(std::move(make)) {
     RegisterStateCallback([this](const State& state) { return Run(state); });
   }
   ~ServerActuator() override {
@@ -100,10 +104,10 @@ class ServerActuator : public MachineActuator {
     });
     if (!clock) return clock.error();
     clock_ = std::move(clock).value();
-    auto server =
-        Server::Make({node_->node(), *clock_, machine_config().name_space,
-                      [this](LogLevel level, const std::string& line) { Log(level, line); }},
-                     config_);
+    const Dependencies dependencies{
+        node_->node(), *clock_, machine_config().name_space,
+        [this](LogLevel level, const std::string& line) { Log(level, line); }};
+    auto server = make_ ? make_(dependencies, config_) : Server::Make(dependencies, config_);
     if (!server) return server.error();
     server_ = std::move(server).value();
     signal_watch_ = signals_.Watch(node_->loop(), [this] { server_.reset(); });
@@ -125,6 +129,7 @@ class ServerActuator : public MachineActuator {
 
   const program::EndSignals signals_;  // before any thread
   const typename Server::Config config_;
+  const Make make_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<Server> server_;

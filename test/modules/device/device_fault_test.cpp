@@ -29,7 +29,7 @@ class Desk {
                     .value()),
         client_(transport::MakeClient<msg::BmsCmd>(desk, "bms_cmd").value()) {}
 
-  // The motors are off, and somebody powers them up.
+  // The motors are off, and a client powers them up.
   void PowerMotors() {
     answered = powered = false;
     msg::BmsCmd::Request request;

@@ -1,5 +1,5 @@
 // The line walker under injected faults: it walks in Active only and never during an emergency
-// stop, whoever sends START.
+// stop, even if it gets START.
 
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/line_walker/walker_actuator.hpp"

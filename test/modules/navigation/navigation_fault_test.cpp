@@ -101,7 +101,12 @@ TEST(TheControllerServer, DrivesInActiveOnlyAndNeverInAnEmergencyUnderInjectedFa
     robot.command = "jetbot_0/cmd_vel";
     ControllerConfig config;
     config.robots = {robot};
-    return std::make_unique<ServerActuator<ControllerServer>>("driver", config);
+    return std::make_unique<ServerActuator<ControllerServer>>(
+        "driver", config, [](const Dependencies& dependencies, const ControllerConfig& read) {
+          return ControllerServer::Make(
+              dependencies, read,
+              std::make_unique<testing::LoopBackground>(dependencies.node.loop(), Milliseconds(5)));
+        });
   };
   const auto drives = [&test] {
     test.Pass(Milliseconds(100));  // what is under way

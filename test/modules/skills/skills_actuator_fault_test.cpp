@@ -16,7 +16,7 @@ actuators = ["planner_server", "jetbot_0"]
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA",
           "Error"]
 default_time = 2000
-default_state = "Active"
+default_state = "Uninitialized"
 
 [actuator.planner_server]
 states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]

@@ -1,5 +1,4 @@
-// The vision manager under injected faults: pictures of people are received in Active only. A
-// detector works on a thread of its own, in real time.
+// The vision manager under injected faults: pictures of people are received in Active only.
 
 #include "musher/messages/stamp.hpp"
 #include "musher/modules/vision/vision_manager.hpp"
@@ -31,18 +30,30 @@ class Camera {
   transport::LoopHandlePtr ticker_;
 };
 
-class NoFaces : public Detector {
+// Sees nobody, on the loop.
+class NoFaces : public DetectorWorker<Detector> {
  public:
-  std::vector<FaceBox> Detect(const msg::Image& /*picture*/) override { return {}; }
+  explicit NoFaces(VisionManager::OnFaces on_result) : on_result_(std::move(on_result)) {}
+
+  Result<> Load() override { return Ok(); }
+  void Submit(Shot shot) override {
+    on_result_(
+        {shot.stamp_ns, shot.picture.width, shot.picture.height, std::vector<FaceBox>(), {}});
+  }
+  Duration Busy() const override { return {}; }
+
+ private:
+  const VisionManager::OnFaces on_result_;
 };
 
 TEST(TheVisionManager, LooksInActiveOnlyUnderInjectedFaults) {
   testing::ModuleFaultTest<VisionManager, Camera> test;
   test.make = [] {
-    return std::make_unique<VisionManager>("vision", VisionConfig{},
-                                           []() -> Result<std::unique_ptr<Detector>> {
-                                             return std::unique_ptr<Detector>(new NoFaces);
-                                           });
+    return std::make_unique<VisionManager>(
+        "vision", VisionConfig{},
+        VisionManager::FaceWorkerMaker([](VisionManager::OnFaces on_result) {
+          return std::make_unique<NoFaces>(std::move(on_result));
+        }));
   };
   int looked = 0;
   int blind = 0;
