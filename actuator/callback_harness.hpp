@@ -25,7 +25,7 @@ class CallbackHarness {
   // Fails like Init() and Start() if the config does not fit the callbacks.
   Result<> Adopt(const MachineConfig& config);
 
-  // That node() returns, until Shutdown(). Default: null.
+  // Sets what node() returns until Shutdown(). Default: null.
   void SetNode(std::shared_ptr<transport::NodeThread> node);
 
   // Returns the result of that state's callback, which must exist; an exception is a failure.

@@ -55,9 +55,8 @@ TEST(IncludeRules, KeepTheRoomsOfAFolderInTheirLayers) {
       ForbiddenIncludes(Including("lifecycle/command/a.cpp", switching)),
       ElementsAre("lifecycle/command/a.cpp:2: room 'command' may not include room 'switch'"));
   EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/per_actuator.hpp", switching)), SizeIs(1));
-  EXPECT_THAT(
-      ForbiddenIncludes(Including("lifecycle/new/a.cpp", switching)),
-      ElementsAre("lifecycle/new/a.cpp:2: room 'new' of lifecycle has no layer"));
+  EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/new/a.cpp", switching)),
+              ElementsAre("lifecycle/new/a.cpp:2: room 'new' of lifecycle has no layer"));
   const std::string dds = "\"musher/transport/dds/dds_node.hpp\"";
   EXPECT_THAT(ForbiddenIncludes(Including("transport/sim/a.cpp", dds)), SizeIs(1))
       << "one beside it";

@@ -1,5 +1,5 @@
 // The camera manager under injected faults: cameras are open in Active and Protected only, so that
-// nobody is filmed by a robot that rests.
+// a robot that rests films no person.
 
 #include "musher/modules/camera/camera_manager.hpp"
 #include "musher/test/modules/module_fault_test.hpp"

@@ -34,7 +34,7 @@ number = 2
 number = 3
 )";
 
-// A body that does what it is told, and an operator who starts the race again and again.
+// A body that executes every command, and an operator who starts the race again and again.
 class Body {
  public:
   explicit Body(transport::Node& desk)

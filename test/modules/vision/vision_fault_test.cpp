@@ -30,7 +30,7 @@ class Camera {
   transport::LoopHandlePtr ticker_;
 };
 
-// Sees nobody, on the loop.
+// Sees no person, on the loop.
 class NoFaces : public DetectorWorker<Detector> {
  public:
   explicit NoFaces(VisionManager::OnFaces on_result) : on_result_(std::move(on_result)) {}
