@@ -25,6 +25,7 @@ ExitStatus ExitStatus::FromWait(int status) {
 }
 
 std::string ExitStatus::Text() const {
+  if (*this == Unknown()) return "exit status unknown";
   if (!killed) return "exit code " + std::to_string(number);
   const char* name = sigabbrev_np(number);
   return "killed by " +

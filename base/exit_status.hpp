@@ -14,10 +14,11 @@ struct ExitStatus {
   bool killed = false;
   int number = 0;  // the exit code, or the signal that killed it
 
-  static ExitStatus FromWait(int status);  // as waitpid() gives it
+  static ExitStatus FromWait(int status);            // as waitpid() gives it
+  static ExitStatus Unknown() { return {true, 0}; }  // another process has reaped it: not ok()
 
   bool ok() const { return !killed && number == 0; }
-  std::string Text() const;  // "exit code 3", "killed by SIGKILL"
+  std::string Text() const;  // "exit code 3", "killed by SIGKILL", "exit status unknown"
 
   friend bool operator==(const ExitStatus&, const ExitStatus&) = default;
 };

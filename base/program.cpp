@@ -252,7 +252,7 @@ Result<ProgramEnd> RunProgram(const ProgramSpec& spec, const std::string& input,
   ProgramEnd end;
   end.timed_out = exited && !Await(exited.value().get(), timeout);
   if (!exited || end.timed_out) kill(pid, SIGKILL);
-  end.status = ReapChild(pid).value_or(ExitStatus{});
+  end.status = ReapChild(pid).value_or(ExitStatus::Unknown());
   if (!exited) return exited.error();
   end.failure = program.value().Failure(Duration::zero());
   end.output = ContentOf(output.value());

@@ -21,7 +21,8 @@ void PutFirstInPath(const std::string& folder);
 // `path` is the working directory.
 std::vector<std::string> CandidatesInPath(std::string_view program, std::string_view path);
 
-// The first candidate that is a file and may be executed. Empty: there is none.
+// The first file in a folder of `path` that may be executed. Not one of the working directory: an
+// empty entry is skipped. Empty: there is none.
 std::string FindInPath(std::string_view program, std::string_view path = SearchPath());
 
 }  // namespace musher

@@ -78,7 +78,7 @@ ExitStatus Child::Reap() {
   }
   kill(-pid_, SIGKILL);  // before the leader is reaped, while the group's number cannot be reused
   reaper_->Remove(pid_);
-  status_ = ReapChild(pid_).value_or(ExitStatus{});
+  status_ = ReapChild(pid_).value_or(ExitStatus::Unknown());
   reaped_ = true;
   return status_;
 }

@@ -26,6 +26,12 @@ TEST(ExitStatus, HasOneTextForACodeAndForASignal) {
             "killed by signal " + std::to_string(SIGRTMIN + 3));
 }
 
+// A parent that ignores SIGCHLD, or another thread, may have reaped it.
+TEST(ExitStatus, IsNotOkWhenItIsUnknown) {
+  EXPECT_FALSE(ExitStatus::Unknown().ok());
+  EXPECT_EQ(ExitStatus::Unknown().Text(), "exit status unknown");
+}
+
 TEST(ExitStatus, IsOkForExitCodeZeroOnly) {
   EXPECT_TRUE((ExitStatus{false, 0}.ok()));
   EXPECT_FALSE((ExitStatus{false, 1}.ok()));

@@ -56,6 +56,8 @@ TEST_F(Path, FindsTheFirstProgramThatMayBeExecuted) {
   fs::create_directories(folder_ / "first/bark");  // a folder is no program
   EXPECT_EQ(FindInPath("bark", folder_ / "first" + ":" + folder_.path()), bark);
   EXPECT_EQ(FindInPath("bark", "/nowhere"), "");
+  EXPECT_EQ(FindInPath("bark", ":" + folder_.path() + ":"), bark)
+      << "not one of the working directory, where any user may have put it";
   Program("text", fs::perms::owner_read);
   EXPECT_EQ(FindInPath("text", folder_.path()), "");
 }
