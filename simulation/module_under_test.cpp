@@ -35,8 +35,11 @@ struct ModuleUnderTest::CallbackThread {
   ~CallbackThread() {
     // A callback that was given up ends on its own thread, when the network may be destroyed: the
     // actuator and its node are never destroyed.
-    if (stuck && actuator->node()) return static_cast<void>(actuator.release());
-    if (actuator) actuator->Shutdown();  // its endpoints use members of its class
+    if (stuck && actuator && actuator->node()) {
+      static_cast<void>(actuator.release());
+    } else if (actuator) {
+      actuator->Shutdown();  // its endpoints use members of its class
+    }
   }
   CallbackThread(const CallbackThread&) = delete;
   CallbackThread& operator=(const CallbackThread&) = delete;
