@@ -47,7 +47,7 @@ std::vector<std::string> CandidatesInPath(std::string_view program, std::string_
 std::string FindInPath(std::string_view program, std::string_view path) {
   for (const std::string_view folder : FoldersOf(path)) {
     if (folder.empty()) continue;
-    const std::string candidate = std::string(folder).append("/").append(program);
+    std::string candidate = std::string(folder).append("/").append(program);
     std::error_code error;
     const bool is_file = std::filesystem::is_regular_file(candidate, error);
     if (is_file && access(candidate.c_str(), X_OK) == 0) return candidate;
