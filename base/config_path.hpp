@@ -1,5 +1,7 @@
 #pragma once
 // Which state config a program uses.
+//
+// Threads: any, as long as none changes the environment.
 
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers in a sentence.
+// Numbers in a sentence. Pure; from any thread.
 
 #include <iomanip>
 #include <sstream>

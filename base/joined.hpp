@@ -1,5 +1,5 @@
 #pragma once
-// Names in a sentence: "legs, arm, head".
+// Names in a sentence: "legs, arm, head". Pure; from any thread.
 
 #include <string>
 #include <string_view>
