@@ -10,7 +10,7 @@
 
 namespace musher {
 
-// The file of the running program. Empty if the kernel does not tell.
+// The file of the running program. Empty if /proc cannot be read.
 std::filesystem::path OwnProgram();
 
 // PATH of this process; the usual folders of a host if it has none.

@@ -11,7 +11,7 @@ namespace musher {
 
 // A backtrace as it is. Else a JSON object, or empty if it would have no key:
 // {"target", "state", "outcome"}, of a switch that begins (no outcome) or has ended;
-// {"arguments": {<name>: <number or text>, …}}, of the sentence.
+// {"arguments": {<name>: <number, text, true or false>, …}}, of the sentence.
 std::string DataOf(const action::Record& record);
 
 }  // namespace musher

@@ -43,7 +43,10 @@ RecordText MakeText(EventName event, std::string_view form, std::vector<Argument
     message += TextOf(*argument);
     form.remove_prefix(end + 1);
   }
-  std::erase_if(arguments, [](const Argument& argument) { return TextOf(argument).empty(); });
+  std::erase_if(arguments, [](const Argument& argument) {
+    const auto* text = std::get_if<std::string>(&argument.value);
+    return text != nullptr && text->empty();
+  });
   return {event, std::move(message), std::move(arguments)};
 }
 
