@@ -87,6 +87,7 @@ TEST(Replay, ShowsARecordThatIsMissingAsNew) {
                                  [](const auto& l) { return l.mark == Mark::kNew; });
   ASSERT_NE(line, report.lines.end());
   EXPECT_EQ(line->entry.message, done);
+  EXPECT_THAT(line->entry.data, HasSubstr(R"("arguments":{"number":3,"outcome":"done"})"));
 }
 
 TEST(Replay, TakesTheEndOfARecordingThatWasCutOffForRecorded) {
