@@ -100,6 +100,10 @@ class Writer {
   void Add(Json& json, const T& value, const Part<T, M>& part) const {
     AddFields(json, value.*part.member);
   }
+  template <class T, class B>
+  void Add(Json& json, const T& value, const Base<B>& /*base*/) const {
+    AddFields(json, static_cast<const B&>(value));
+  }
   template <class T, class M, std::size_t kFlags>
   void Add(Json& json, const T& value, const Flags<T, M, kFlags>& flags) const {
     const auto number = static_cast<std::size_t>(value.*flags.member);
@@ -157,6 +161,10 @@ class Reader {
   template <class T, class M>
   void TakeOne(const Json& json, T& value, const Part<T, M>& part) const {
     TakeFields(json, value.*part.member);
+  }
+  template <class T, class B>
+  void TakeOne(const Json& json, T& value, const Base<B>& /*base*/) const {
+    TakeFields(json, static_cast<B&>(value));
   }
   // Of several flags the last one counts.
   template <class T, class M, std::size_t kFlags>

@@ -27,6 +27,10 @@ struct Part {
 template <class T, class M>
 Part(M T::*) -> Part<T, M>;
 
+// A base whose fields are recorded as fields of the struct.
+template <class B>
+struct Base {};
+
 // An enumeration that is recorded as flags: a flag for each value but the first.
 template <class T, class M, std::size_t kFlags>
 struct Flags {
@@ -36,7 +40,7 @@ struct Flags {
 template <class T, class M, std::size_t kFlags>
 Flags(M T::*, std::array<const char*, kFlags>) -> Flags<T, M, kFlags>;
 
-// The fields of a struct, as a tuple of Field, Part and Flags.
+// The fields of a struct, as a tuple of Field, Part, Base and Flags.
 template <class T>
 inline constexpr auto kFields = nullptr;
 template <class T>

@@ -83,13 +83,24 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<ActuatorGoal> = {
+    Field{"actuator", &ActuatorGoal::actuator},
+    Field{"from", &ActuatorGoal::from},
+    Field{"target", &ActuatorGoal::target},
+    Field{"needs", &ActuatorGoal::needs},
+};
+
+template <>
 inline constexpr std::tuple kFields<Leg> = {
-    Field{"actuator", &Leg::actuator}, Field{"from", &Leg::from},
-    Field{"target", &Leg::target},     Field{"needs", &Leg::needs},
-    Field{"progress", &Leg::progress}, Field{"outcome", &Leg::outcome},
-    Field{"ran", &Leg::ran},           Field{"may_fail", &Leg::may_fail},
-    Field{"code", &Leg::code},         Field{"message", &Leg::message},
-    Field{"event", &Leg::event},       Field{"started", &Leg::started},
+    Base<ActuatorGoal>{},
+    Field{"progress", &Leg::progress},
+    Field{"outcome", &Leg::outcome},
+    Field{"ran", &Leg::ran},
+    Field{"may_fail", &Leg::may_fail},
+    Field{"code", &Leg::code},
+    Field{"message", &Leg::message},
+    Field{"event", &Leg::event},
+    Field{"started", &Leg::started},
     Field{"duration", &Leg::duration},
 };
 
@@ -110,12 +121,17 @@ inline constexpr std::tuple kFields<SwitchResult> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<SwitchGoal> = {
+    Field{"from", &SwitchGoal::from},
+    Field{"target", &SwitchGoal::target},
+    Field{"only", &SwitchGoal::only},
+    Field{"direction", &SwitchGoal::direction},
+};
+
+template <>
 inline constexpr std::tuple kFields<Switch> = {
+    Base<SwitchGoal>{},
     Field{"number", &Switch::number},
-    Field{"from", &Switch::from},
-    Field{"target", &Switch::target},
-    Field{"only", &Switch::only},
-    Field{"direction", &Switch::direction},
     Field{"purpose", &Switch::purpose},
     Field{"requests", &Switch::requests},
     Field{"legs", &Switch::legs},

@@ -59,8 +59,8 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
   for (const PlanStep& step : plan.steps) {
     const bool there =
         step.part == PlanStep::Part::kInTarget || step.part == PlanStep::Part::kHeldInTarget;
-    response.steps.push_back({config.actuators[step.actuator].name, step.wave, step.from, step.to,
-                              step.driven() ? ToMilliseconds(step.deadline) : 0,
+    response.steps.push_back({config.actuators[step.actuator].name, step.wave, step.from,
+                              step.target, step.driven() ? ToMilliseconds(step.deadline) : 0,
                               there ? "is already in the target state" : step.note});
   }
   return response;

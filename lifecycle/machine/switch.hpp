@@ -1,5 +1,6 @@
 #pragma once
-// The switch under way, the one that waits, and TearDown. Plain values.
+// The switch under way, the one that waits, and TearDown. Plain values. A switch has the goal of
+// its plan (plan.hpp), and each leg the goal of its step.
 
 #include <cstdint>
 #include <optional>
@@ -13,14 +14,30 @@
 
 namespace musher {
 
-// One actuator's part in the switch under way.
-struct Leg {
-  enum class Progress { kWaiting, kUnderWay, kEnded };
+// Where a switch leads.
+struct SwitchGoal {
+  State from;
+  State target;
+  std::optional<ActuatorIndex> only;  // one actuator instead of the machine
+  Direction direction = Direction::kLevel;
 
+  friend bool operator==(const SwitchGoal&, const SwitchGoal&) = default;
+};
+
+// Where it leads one actuator.
+struct ActuatorGoal {
   ActuatorIndex actuator = 0;
   State from;
   State target;
-  std::vector<ActuatorIndex> needs;  // actuators whose legs must have ended before
+  std::vector<ActuatorIndex> needs;  // actuators whose part must have ended before this one begins
+
+  friend bool operator==(const ActuatorGoal&, const ActuatorGoal&) = default;
+};
+
+// One actuator's part in the switch under way.
+struct Leg : ActuatorGoal {
+  enum class Progress { kWaiting, kUnderWay, kEnded };
+
   Progress progress = Progress::kWaiting;
   ActuatorOutcome outcome = ActuatorOutcome::kSkipped;
   bool ran = false;       // its callback may have run, so that it has to be rolled back
@@ -45,12 +62,8 @@ enum class Purpose {
   kPolicy,           // by a rule: the battery, or lying still
 };
 
-struct Switch {
+struct Switch : SwitchGoal {
   CommandNumber number = 0;
-  State from;
-  State target;
-  std::optional<ActuatorIndex> only;  // one actuator instead of the machine
-  Direction direction = Direction::kLevel;
   Purpose purpose = Purpose::kRequested;
   std::vector<RequestId> requests;  // answered at its end
   std::vector<Leg> legs;

@@ -133,7 +133,7 @@ class Planning {
     PlanStep step;
     step.actuator = i;
     step.from = machine_.actuators[i].state();
-    step.to = plan_.target;
+    step.target = plan_.target;
     step.deadline = config_.TimeFor(i, plan_.target);
     return step;
   }

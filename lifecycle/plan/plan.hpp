@@ -12,7 +12,7 @@
 
 namespace musher {
 
-struct PlanStep {
+struct PlanStep : ActuatorGoal {
   enum class Part {
     kDriven,
     kInTarget,      // is already in the target state
@@ -21,12 +21,8 @@ struct PlanStep {
     kLeftOut,       // not available, not checked, or still starting: `note` says which
   };
 
-  ActuatorIndex actuator = 0;
   Part part = Part::kDriven;
-  State from;
-  State to;
-  int wave = 0;                      // depth in `needs`, from 1; 0 when not driven
-  std::vector<ActuatorIndex> needs;  // actuators whose step must have ended before this one begins
+  int wave = 0;  // depth in `needs`, from 1; 0 when not driven
   Duration deadline{};
   std::string note;
 
@@ -35,11 +31,7 @@ struct PlanStep {
   friend bool operator==(const PlanStep&, const PlanStep&) = default;
 };
 
-struct Plan {
-  State target;
-  std::optional<ActuatorIndex> only;  // one actuator instead of the machine
-  State from;
-  Direction direction = Direction::kLevel;
+struct Plan : SwitchGoal {
   std::optional<Error> refusal;  // set: the switch would be refused, and why
   // Set with a refusal with TargetBusy when only busy actuators block the switch: by then each of
   // them is free or known not to be. A request waits for that.

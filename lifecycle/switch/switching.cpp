@@ -24,11 +24,8 @@ std::string Describe(const MachineConfig& config, const State& target,
 CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
                                RecordId cause) {
   Switch s;
+  static_cast<SwitchGoal&>(s) = plan;
   s.number = machine_.last_switch = ++machine_.number;
-  s.from = plan.from;
-  s.target = plan.target;
-  s.only = plan.only;
-  s.direction = plan.direction;
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
@@ -45,10 +42,7 @@ CommandNumber Switching::Begin(const Plan& plan, Purpose purpose, std::vector<Re
 void Switching::AddLeg(Switch& s, const PlanStep& step) {
   if (step.driven()) {
     Leg leg;
-    leg.actuator = step.actuator;
-    leg.from = step.from;
-    leg.target = s.target;
-    leg.needs = step.needs;
+    static_cast<ActuatorGoal&>(leg) = step;
     leg.may_fail = Of(step.actuator).fault.has_value() && !Critical(step.actuator);
     s.legs.push_back(leg);
     return;

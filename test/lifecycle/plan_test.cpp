@@ -61,7 +61,7 @@ TEST_F(Plans, HaveFromStateToStateAndDeadline) {
   const Plan plan = To(kActive);
   ASSERT_EQ(plan.steps.size(), 4U);
   EXPECT_EQ(plan.steps[2].from, kDeActive);
-  EXPECT_EQ(plan.steps[2].to, kActive);
+  EXPECT_EQ(plan.steps[2].target, kActive);
   EXPECT_EQ(plan.steps[2].deadline, Milliseconds(700));
   EXPECT_EQ(plan.steps[2].wave, 1);
 }

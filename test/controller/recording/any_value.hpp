@@ -70,6 +70,10 @@ template <class T, class AnyField>
 void MakeAnyOf(T& value, const AnyField& field) {
   MakeAny(value.*field.member);
 }
+template <class T, class B>
+void MakeAnyOf(T& value, const Base<B>& /*base*/) {
+  MakeAny(static_cast<B&>(value));
+}
 template <class T, class M, std::size_t kFlags>
 void MakeAnyOf(T& value, const Flags<T, M, kFlags>& flags) {
   value.*flags.member = static_cast<M>(*rc::gen::inRange<std::size_t>(0, kFlags + 1));
