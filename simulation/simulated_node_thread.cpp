@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "musher/base/check.hpp"
+
 namespace musher::simulation {
 namespace {
 
@@ -79,6 +81,21 @@ SimulatedNodeThread::SimulatedNodeThread(transport::sim::Network& network, std::
       node_(std::make_unique<ThreadSafeNode>(network_.MakeNode(host_))) {}
 
 SimulatedNodeThread::~SimulatedNodeThread() = default;
+
+void SimulatedNodeThread::RunOnLoop(const std::function<void()>& work) {
+  CheckCaller();
+  work();
+}
+
+void SimulatedNodeThread::WaitFor(Duration time) {
+  CheckCaller();
+  network_.RunFor(time);
+}
+
+// On a robot such a call would wait for ever.
+void SimulatedNodeThread::CheckCaller() const {
+  MUSHER_CHECK(!network_.running(), "called on the loop itself, by a handler or a timer");
+}
 
 Result<std::unique_ptr<transport::Node>> SimulatedNodeThread::MakeNode(
     const std::string& /*name_space*/, const std::string& /*name*/) {

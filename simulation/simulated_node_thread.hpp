@@ -24,9 +24,9 @@ class SimulatedNodeThread final : public transport::NodeThread {
   SimulatedNodeThread(transport::sim::Network& network, std::string host);
   ~SimulatedNodeThread() override;
 
-  void RunOnLoop(const std::function<void()>& work) override { work(); }
+  void RunOnLoop(const std::function<void()>& work) override;
   // The network's time passes only here, and where the test runs the network.
-  void WaitFor(Duration time) override { network_.RunFor(time); }
+  void WaitFor(Duration time) override;
   // Of the same host, a process of its own.
   Result<std::unique_ptr<transport::Node>> MakeNode(const std::string& name_space,
                                                     const std::string& name) override;
@@ -35,6 +35,8 @@ class SimulatedNodeThread final : public transport::NodeThread {
 
  private:
   class ThreadSafeNode;
+
+  void CheckCaller() const;
 
   transport::sim::Network& network_;
   const std::string host_;

@@ -14,6 +14,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/test/support/domain.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/dds/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::transport::linux_event_loop_test {
@@ -81,6 +82,19 @@ TEST_F(LinuxLoopDeathTest, EndsTheProgramWhenAnotherThreadUsesItWhileItRuns) {
         RunUntil([] { return false; });
       },
       "called on another thread than the loop's");
+}
+
+// It would wait for ever.
+TEST_F(LinuxLoopDeathTest, EndsTheProgramWhenAHandlerWaitsForItsOwnLoop) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        DdsOptions options;
+        options.domain_id = TestDomain();
+        const auto node = NodeThread::Start(options).value();
+        node->RunOnLoop([&] { node->RunOnLoop([] {}); });
+      },
+      "called on the loop itself");
 }
 
 // A service's reply may be kept and given later, but on the loop only.

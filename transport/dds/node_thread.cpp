@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "musher/base/check.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::transport {
@@ -28,6 +29,8 @@ class DdsNodeThread : public NodeThread {
   }
 
   void RunOnLoop(const std::function<void()>& work) override {
+    MUSHER_CHECK(std::this_thread::get_id() != thread_.get_id(),
+                 "called on the loop itself, which would wait for ever");
     std::promise<void> done;
     loop_.Post([&] {
       work();

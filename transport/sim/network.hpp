@@ -71,6 +71,8 @@ class Network {
   Random& random() { return random_; }
 
   // Runs the next event; false when there is none.
+  // Whether a handler of a node runs now.
+  bool running() const { return scheduler_.running(); }
   bool Step() { return scheduler_.Step(Time::max()); }
   void RunFor(Duration duration);
   // Until `done` holds (checked after every event) or the deadline is over; returns whether it

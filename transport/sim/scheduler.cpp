@@ -70,7 +70,9 @@ bool Scheduler::Step(Time limit) {
       const Work work = std::move(slot.work);
       Free(next.event.slot);
       ++steps_;
+      ++running_;
       work();
+      --running_;
       return true;
     }
   }

@@ -38,7 +38,9 @@ class Scheduler {
   // No effect if the event has run.
   void Cancel(EventId event);
 
-  // Runs the next event if it is due by `limit`; returns whether one ran.
+  // Whether an event runs now.
+  bool running() const { return running_ > 0; }
+  // Runs the next event if it is due by `limit`; returns whether one ran. An event may do so.
   bool Step(Time limit);
   // Advances time to `when`; there must be no earlier event.
   void AdvanceTo(Time when);
@@ -66,6 +68,7 @@ class Scheduler {
 
   Time now_;
   std::uint64_t steps_ = 0;
+  int running_ = 0;  // events, one in another
   std::uint64_t next_number_ = 0;
   std::vector<Entry> heap_;  // the earliest in front
   std::vector<Slot> slots_;
