@@ -18,7 +18,7 @@ constexpr auto kStates = R"(["SetUp", "TearDown", "SelfCheck", "Active"])";
 
 std::string Controller(const std::string& actuators) {
   return "[controller]\nactuators = [" + actuators + "]\nstates = " + kStates +
-         "\ndefault_time = 250\ndefault_state = \"Active\"\n";
+         "\ndefault_time = 250\ndefault_state = \"Uninitialized\"\n";
 }
 
 std::string Table(const std::string& name, const std::string& keys = "") {
@@ -105,7 +105,7 @@ TEST(ConfigTomlLimits, RefusesMoreThan4096ActuatorsInOneSentence) {
 TEST(ConfigTomlLimits, RefusesMoreThan64States) {
   const std::string states = Repeat(65, [](auto i) { return "\"s" + i + "\","; });
   const std::string text = "[controller]\nactuators = [\"a\"]\nstates = [" + states +
-                           "]\ndefault_time = 1\ndefault_state = \"Active\"\n" + Table("a");
+                           "]\ndefault_time = 1\ndefault_state = \"Uninitialized\"\n" + Table("a");
   EXPECT_EQ(OnlyFault(text),
             "f:3:10: error: controller.states: expected at most 64 states, found 65");
 }

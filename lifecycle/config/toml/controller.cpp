@@ -79,8 +79,13 @@ void ReadDefaultState(TableReader& controller, Draft& draft) {
                      "unknown state " + Quote(state->text) + DidYouMean(Quote(kUninitialized)));
     return;
   }
-  if (CheckState(*state, "default_state", controller, draft)) {
-    draft.config.default_state = State(state->text);
+  if (!CheckState(*state, "default_state", controller, draft)) return;
+  draft.config.default_state = State(state->text);
+  const auto rank = draft.config.RankOf(state->text);
+  if (rank && *rank > *BuiltInRank(kError)) {
+    controller.Warn(state->at, "default_state",
+                    "an actuator whose SetUp has not ended, or has failed, counts as in " +
+                        Quote(state->text) + "; expected \"Uninitialized\"");
   }
 }
 
