@@ -89,7 +89,7 @@ Result<> ActuatorShell::Open() {
   auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
       [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
-        Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant),
+        Handle(actuator_event::ControllerHeartbeatReceived{Sender(info.participant.value()),
                                                            Epoch(heartbeat.epoch)});
       },
       transport::kLatchedFromManyQos);
@@ -99,7 +99,7 @@ Result<> ActuatorShell::Open() {
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
         Handle(actuator_event::EmergencyStopReceived{
-            StopId(stop.id), stop.engaged, Sender(info.participant), stop.by, stop.reason});
+            StopId(stop.id), stop.engaged, Sender(info.participant.value()), stop.by, stop.reason});
       },
       transport::kLatchedFromManyQos);
   if (!stops) return stops.error();
@@ -126,19 +126,20 @@ void ActuatorShell::Start() {
 }
 
 void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
-                              transport::PeerId sender) {
+                              transport::ParticipantId sender) {
   const RequestToken token = next_token_++;
   replies_[token] = [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
     reply({transport::ToMessage(answer.verdict), answer.code, answer.message, Status()});
   };
   switch (request.kind) {
     case msg::ActuatorCommand::kKindSwitch:
-      return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), Sender(sender)});
+      return Handle(
+          actuator_event::SwitchArrived{token, SwitchFrom(request), Sender(sender.value())});
     case msg::ActuatorCommand::kKindAsk:
       return Handle(actuator_event::QueryArrived{
           token,
           {Epoch(request.epoch), CommandNumber(request.number), request.stop},
-          Sender(sender)});
+          Sender(sender.value())});
     default:
       return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
                                         "unknown kind of command " + std::to_string(request.kind)});
@@ -302,9 +303,8 @@ void ActuatorShell::Publish() {
 void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
   auto server = transport::MakeServer<msg::ActuatorCommand>(
       node_, transport::CommandService(config_.name_space, actuator_.name),
-      [this](const msg::ActuatorCommand::Request& request, Reply reply, transport::PeerId sender) {
-        OnRequest(request, std::move(reply), sender);
-      });
+      [this](const msg::ActuatorCommand::Request& request, Reply reply,
+             transport::ParticipantId sender) { OnRequest(request, std::move(reply), sender); });
   if (!server) return hooks_.on_finished(server.error());
   server_ = std::move(server).value();
   auto fs_machine = FsMachine::Make(

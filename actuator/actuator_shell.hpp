@@ -73,7 +73,7 @@ class ActuatorShell {
   Result<> Open();
   Result<> WatchBattery();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
-                 transport::PeerId sender);
+                 transport::ParticipantId sender);
   using OnManagerAnswered = std::function<void(const actuator_action::Answer&)>;
   void OnManager(const State& target, OnManagerAnswered answered);
   void OfferManagedNodeAt(Time when);

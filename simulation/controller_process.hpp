@@ -84,7 +84,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   // Unique among all processes of the simulation.
   std::uint64_t serial() const { return serial_; }
   const std::string& endpoint() const { return endpoint_; }
-  transport::PeerId participant() const { return network_.ParticipantOf(*node_); }
+  transport::ParticipantId participant() const { return network_.ParticipantOf(*node_); }
   bool frozen = false;
   Duration wall_offset{};  // how far its wall clock is ahead
 

@@ -42,7 +42,7 @@ SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, Layo
   processes_.make_module = [script = std::move(script)](const std::string& name) {
     return std::make_unique<ScriptedModule>(script, name);
   };
-  network_.on_write = [this](transport::PeerId participant, const std::string& topic,
+  network_.on_write = [this](transport::ParticipantId participant, const std::string& topic,
                              const msg::Bytes& bytes) {
     if (!on_write) return;
     for (const auto& controller : controllers_) {

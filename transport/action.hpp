@@ -5,8 +5,8 @@
 //
 //   // The server: `start` gets a copy of the goal's handle, which it keeps until the goal's end.
 //   ActionHandlers<msg::Fibonacci> handlers;
-//   handlers.accept = [](const msg::Fibonacci::Goal& goal, PeerId) { return goal.order < 47; };
-//   handlers.start = [&](ServerGoal<msg::Fibonacci> goal) {
+//   handlers.accept = [](const msg::Fibonacci::Goal& goal, ParticipantId) { return goal.order < 47;
+//   }; handlers.start = [&](ServerGoal<msg::Fibonacci> goal) {
 //     goal.Execute();
 //     computing.push_back(goal);  // later: goal.PublishFeedback({…}), goal.Succeed({…})
 //   };
@@ -111,7 +111,7 @@ template <msg::Action A>
 struct ActionHandlers {
   // Whether a goal is accepted; without it each one is. A rejected goal starts nothing. A goal with
   // an id that is in use is rejected without a call.
-  std::function<bool(const typename A::Goal&, PeerId caller)> accept;
+  std::function<bool(const typename A::Goal&, ParticipantId caller)> accept;
   // Begins with an accepted goal, now or later; required. The client has its reply already.
   std::function<void(ServerGoal<A>)> start;
   // Whether a goal that is accepted or executing may be cancelled; without it each one may. It must
@@ -167,7 +167,7 @@ class ActionClient {
   // Whether a server is matched with all its services and topics.
   bool Ready() const { return raw_->Ready(); }
   // The participants of the servers, see Client::Servers().
-  std::vector<PeerId> Servers() const { return raw_->Servers(); }
+  std::vector<ParticipantId> Servers() const { return raw_->Servers(); }
   // The goals of this client that have not ended.
   std::size_t goals() const { return raw_->goals(); }
 
@@ -247,8 +247,9 @@ Result<std::unique_ptr<ActionServer<A>>> MakeActionServer(
     return ServerGoal<A>(std::static_pointer_cast<Typed>(goal));
   };
   RawActionServer::Handlers raw;
-  raw.accept = [accept = std::move(handlers.accept)](std::span<const std::byte> bytes,
-                                                     PeerId caller) -> std::optional<RawGoalPtr> {
+  raw.accept = [accept = std::move(handlers.accept)](
+                   std::span<const std::byte> bytes,
+                   ParticipantId caller) -> std::optional<RawGoalPtr> {
     typename A::SendGoal::Request request{};
     if (!internal::DecodeEnvelope(bytes, request)) return std::nullopt;
     if (accept && !accept(request.goal, caller)) return RawGoalPtr();

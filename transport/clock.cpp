@@ -87,7 +87,7 @@ class TopicClock : public Clock {
 
   std::function<void()> on_jump_back_;
   Time now_{};
-  std::optional<PeerId> writer_;  // of the last sample
+  std::optional<EndpointId> writer_;  // of the last sample
   TimerQueue timers_;
   std::unique_ptr<Publisher<msg::Clock>> reached_;  // null: not permitted
   std::unique_ptr<Subscription> subscription_;      // last: its callback uses the rest

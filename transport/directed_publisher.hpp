@@ -44,9 +44,9 @@ class DirectedPublisher {
 
   // Whether the program receives what is published now.
   bool Ready() const {
-    const std::vector<PeerId> programs = mark_->WriterParticipants();
+    const std::vector<ParticipantId> programs = mark_->WriterParticipants();
     return std::any_of(programs.begin(), programs.end(),
-                       [this](PeerId program) { return writer_->HasReaderOf(program); });
+                       [this](ParticipantId program) { return writer_->HasReaderOf(program); });
   }
   Result<> Publish(const M& message) { return writer_->Write(msg::Encode(message)); }
   // Blocks until all matched readers have all samples; for a program that then exits.

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/base/result.hpp"
+#include "musher/base/strong_number.hpp"
 #include "musher/base/time.hpp"
 #include "musher/messages/cdr.hpp"
 
@@ -50,13 +51,14 @@ inline constexpr Qos kLatchedFromManyQos{Qos::Reliability::kReliable,
 // Heartbeats of many writers: a lost one needs no retransmission.
 inline constexpr Qos kHeartbeatQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 0};
 
-// Identifies a writer or reader of another participant, or that participant itself, which keeps its
-// id after its connection was lost. 0: none.
-using PeerId = std::uint64_t;
+// A writer or reader of another participant. 0: none.
+using EndpointId = StrongNumber<struct EndpointKind>;
+// Another participant, which keeps its id after its connection was lost. 0: none.
+using ParticipantId = StrongNumber<struct ParticipantKind>;
 
 struct SampleInfo {
-  PeerId writer = 0;       // of the sample
-  PeerId participant = 0;  // of the writer
+  EndpointId writer = 0;          // of the sample
+  ParticipantId participant = 0;  // of the writer
   // The partition of the sample, for readers of partition "*" only. With security on a participant
   // can only write in its own partition.
   std::optional<std::string_view> partition = std::nullopt;
@@ -80,8 +82,8 @@ class RawWriter {
 
   // The number of matched readers, and of those of `participant`.
   virtual int MatchedReaders() const = 0;
-  virtual int ReadersOf(PeerId participant) const = 0;
-  bool HasReaderOf(PeerId participant) const { return ReadersOf(participant) > 0; }
+  virtual int ReadersOf(ParticipantId participant) const = 0;
+  bool HasReaderOf(ParticipantId participant) const { return ReadersOf(participant) > 0; }
 
   // An id of this writer, unique in the domain.
   virtual std::uint64_t UniqueId() const = 0;
@@ -93,18 +95,18 @@ class RawReader {
 
   // The number of matched writers, and of those of `participant`.
   virtual int MatchedWriters() const = 0;
-  virtual int WritersOf(PeerId participant) const = 0;
-  bool HasWriterOf(PeerId participant) const { return WritersOf(participant) > 0; }
+  virtual int WritersOf(ParticipantId participant) const = 0;
+  bool HasWriterOf(ParticipantId participant) const { return WritersOf(participant) > 0; }
 
   // The participants of the matched writers, each once.
-  virtual std::vector<PeerId> WriterParticipants() const = 0;
+  virtual std::vector<ParticipantId> WriterParticipants() const = 0;
 };
 
 // All run on the loop, never after their reader is dropped.
 struct ReaderCallbacks {
   std::function<void(std::span<const std::byte>, const SampleInfo&)> on_sample;
   // A matched writer is lost (deleted, its process crashed, its host is unreachable).
-  std::function<void(PeerId writer)> on_writer_lost;
+  std::function<void(EndpointId writer)> on_writer_lost;
   std::function<void()> on_match_changed;
 };
 

@@ -50,8 +50,8 @@ class Endpoints {
   // Subscribes with the publisher of each sample, and a callback for a lost publisher.
   template <msg::Message M>
   Subscription* SubscribeEach(const std::string& name,
-                              std::function<void(const M&, PeerId publisher)> handler,
-                              std::function<void(PeerId publisher)> on_publisher_lost,
+                              std::function<void(const M&, EndpointId publisher)> handler,
+                              std::function<void(EndpointId publisher)> on_publisher_lost,
                               const Qos& qos = kDefaultQos) {
     if (!opened_) return nullptr;
     SubscriptionEvents events;

@@ -83,7 +83,7 @@ class Subscription {
 
 // Callbacks of a subscription beside its samples; both optional.
 struct SubscriptionEvents {
-  std::function<void(PeerId writer)> on_writer_lost;
+  std::function<void(EndpointId writer)> on_writer_lost;
   std::function<void()> on_match_changed;
 };
 

@@ -4,40 +4,40 @@
 
 namespace musher::transport {
 
-void PeerTable::Add(PeerId endpoint, PeerId participant) {
+void PeerTable::Add(EndpointId endpoint, ParticipantId participant) {
   if (!Contains(endpoint)) peers_.push_back({endpoint, participant});
 }
 
-bool PeerTable::Remove(PeerId endpoint) {
+bool PeerTable::Remove(EndpointId endpoint) {
   return std::erase_if(peers_, [&](const Peer& peer) { return peer.endpoint == endpoint; }) > 0;
 }
 
-bool PeerTable::Contains(PeerId endpoint) const {
+bool PeerTable::Contains(EndpointId endpoint) const {
   return std::any_of(peers_.begin(), peers_.end(),
                      [&](const Peer& peer) { return peer.endpoint == endpoint; });
 }
 
-PeerId PeerTable::ParticipantOf(PeerId endpoint) const {
+ParticipantId PeerTable::ParticipantOf(EndpointId endpoint) const {
   const auto found = std::find_if(peers_.begin(), peers_.end(),
                                   [&](const Peer& peer) { return peer.endpoint == endpoint; });
   return found == peers_.end() ? 0 : found->participant;
 }
 
-int PeerTable::CountOf(PeerId participant) const {
+int PeerTable::CountOf(ParticipantId participant) const {
   return static_cast<int>(std::count_if(peers_.begin(), peers_.end(), [&](const Peer& peer) {
     return peer.participant == participant;
   }));
 }
 
-std::vector<PeerId> PeerTable::Endpoints() const {
-  std::vector<PeerId> endpoints;
+std::vector<EndpointId> PeerTable::Endpoints() const {
+  std::vector<EndpointId> endpoints;
   endpoints.reserve(peers_.size());
   for (const Peer& peer : peers_) endpoints.push_back(peer.endpoint);
   return endpoints;
 }
 
-std::vector<PeerId> PeerTable::Participants() const {
-  std::vector<PeerId> participants;
+std::vector<ParticipantId> PeerTable::Participants() const {
+  std::vector<ParticipantId> participants;
   for (const Peer& peer : peers_) {
     if (std::find(participants.begin(), participants.end(), peer.participant) ==
         participants.end()) {

@@ -10,22 +10,22 @@ namespace musher::transport {
 
 class PeerTable {
  public:
-  void Add(PeerId endpoint, PeerId participant);
+  void Add(EndpointId endpoint, ParticipantId participant);
   // Returns whether the endpoint was in the table.
-  bool Remove(PeerId endpoint);
+  bool Remove(EndpointId endpoint);
 
-  bool Contains(PeerId endpoint) const;
+  bool Contains(EndpointId endpoint) const;
   // 0 for an endpoint that is not matched.
-  PeerId ParticipantOf(PeerId endpoint) const;
+  ParticipantId ParticipantOf(EndpointId endpoint) const;
   int size() const { return static_cast<int>(peers_.size()); }
-  int CountOf(PeerId participant) const;
-  std::vector<PeerId> Endpoints() const;
-  std::vector<PeerId> Participants() const;
+  int CountOf(ParticipantId participant) const;
+  std::vector<EndpointId> Endpoints() const;
+  std::vector<ParticipantId> Participants() const;
 
  private:
   struct Peer {
-    PeerId endpoint;
-    PeerId participant;
+    EndpointId endpoint;
+    ParticipantId participant;
   };
   std::vector<Peer> peers_;
 };

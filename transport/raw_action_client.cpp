@@ -58,7 +58,7 @@ Result<> RawActionClient::Open(Node& node, const ActionTypes& types) {
   SubscriptionEvents events;
   events.on_match_changed = [this] { OnMatchChanged(); };
   // A server may be replaced within its process: the participant remains.
-  events.on_writer_lost = [this](PeerId) {
+  events.on_writer_lost = [this](EndpointId) {
     for (const GoalId& id : ActiveGoals()) RetryResult(id);
   };
   auto status = MakeSubscription<msg::GoalStatusArray>(
@@ -237,8 +237,8 @@ void RawActionClient::OnStatuses(const msg::GoalStatusArray& statuses) {
 
 void RawActionClient::OnMatchChanged() {
   if (!send_goal_) return;  // not open yet
-  std::vector<PeerId> servers = get_result_->Servers();
-  const bool has_new = std::ranges::any_of(servers, [this](PeerId server) {
+  std::vector<ParticipantId> servers = get_result_->Servers();
+  const bool has_new = std::ranges::any_of(servers, [this](ParticipantId server) {
     return std::ranges::find(servers_, server) == servers_.end();
   });
   servers_ = std::move(servers);

@@ -62,7 +62,7 @@ class RawActionClient {
                                                        ActionClientOptions options);
 
   bool Ready() const;
-  std::vector<PeerId> Servers() const { return get_result_->Servers(); }
+  std::vector<ParticipantId> Servers() const { return get_result_->Servers(); }
   std::size_t goals() const { return goals_.size(); }
 
   // The id for encoding the next request of send_goal; it is the goal's id, too, because it is
@@ -110,7 +110,7 @@ class RawActionClient {
   const std::string action_;
   const ActionClientOptions options_;
   std::map<GoalId, Goal> goals_;
-  std::vector<PeerId> servers_;
+  std::vector<ParticipantId> servers_;
   LoopHandlePtr lost_;  // while no server is matched
   std::shared_ptr<RawActionClient*> self_ = std::make_shared<RawActionClient*>(this);
   std::unique_ptr<RawReader> feedback_;

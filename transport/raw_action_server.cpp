@@ -79,7 +79,7 @@ Result<> RawActionServer::Open(Node& node, const std::string& action, const Acti
   auto get_result = RawServer::Make(
       node, GetResultService(action), types.get_result,
       [this](const msg::RequestId& id, std::span<const std::byte> bytes, RawServer::Reply reply,
-             PeerId caller) { return OnGetResult(id, bytes, std::move(reply), caller); });
+             ParticipantId caller) { return OnGetResult(id, bytes, std::move(reply), caller); });
   if (!get_result) return get_result.error();
   get_result_ = std::move(get_result).value();
 
@@ -94,15 +94,16 @@ Result<> RawActionServer::Open(Node& node, const std::string& action, const Acti
   auto send_goal =
       RawServer::Make(node, SendGoalService(action), types.send_goal,
                       [this](const msg::RequestId& id, std::span<const std::byte> bytes,
-                             const RawServer::Reply& reply,
-                             PeerId caller) { return OnSendGoal(id, bytes, reply, caller); });
+                             const RawServer::Reply& reply, ParticipantId caller) {
+                        return OnSendGoal(id, bytes, reply, caller);
+                      });
   if (!send_goal) return send_goal.error();
   send_goal_ = std::move(send_goal).value();
   return {};
 }
 
 bool RawActionServer::OnSendGoal(const msg::RequestId& id, std::span<const std::byte> bytes,
-                                 const RawServer::Reply& reply, PeerId caller) {
+                                 const RawServer::Reply& reply, ParticipantId caller) {
   const auto request = msg::Decode<internal::GoalRequest>(bytes);
   if (!request) return false;
   const GoalId& goal_id = request->goal_id.uuid;
@@ -141,7 +142,7 @@ void RawActionServer::Start(const RawGoalPtr& goal) {
 }
 
 bool RawActionServer::OnGetResult(const msg::RequestId& id, std::span<const std::byte> bytes,
-                                  RawServer::Reply reply, PeerId caller) {
+                                  RawServer::Reply reply, ParticipantId caller) {
   const auto request = msg::Decode<internal::GoalRequest>(bytes);
   if (!request) return false;
   const GoalId& goal_id = request->goal_id.uuid;

@@ -65,7 +65,7 @@ class RawActionServer {
  public:
   struct Handlers {
     // Gets a whole request sample of send_goal. No value: it does not decode; null: rejected.
-    std::function<std::optional<RawGoalPtr>(std::span<const std::byte>, PeerId)> accept;
+    std::function<std::optional<RawGoalPtr>(std::span<const std::byte>, ParticipantId)> accept;
     std::function<void(RawGoalPtr)> start;
     std::function<bool(const RawGoalPtr&)> may_cancel;
     std::function<void(RawGoalPtr)> cancel;
@@ -88,7 +88,7 @@ class RawActionServer {
 
   struct Waiting {
     msg::RequestId id;
-    PeerId caller;
+    ParticipantId caller;
     RawServer::Reply reply;
   };
   struct Record {
@@ -107,9 +107,9 @@ class RawActionServer {
 
   Result<> Open(Node& node, const std::string& action, const ActionTypes& types);
   bool OnSendGoal(const msg::RequestId& id, std::span<const std::byte> bytes,
-                  const RawServer::Reply& reply, PeerId caller);
+                  const RawServer::Reply& reply, ParticipantId caller);
   bool OnGetResult(const msg::RequestId& id, std::span<const std::byte> bytes,
-                   RawServer::Reply reply, PeerId caller);
+                   RawServer::Reply reply, ParticipantId caller);
   void OnCancelGoal(const msg::GoalInfo& request, const Server<msg::CancelGoal>::Reply& reply);
   void Start(const RawGoalPtr& goal);
   bool Execute(const GoalId& id);

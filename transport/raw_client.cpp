@@ -30,10 +30,10 @@ Result<std::unique_ptr<RawClient>> RawClient::Make(Node& node, const std::string
   return client;
 }
 
-std::vector<PeerId> RawClient::Servers() const {
+std::vector<ParticipantId> RawClient::Servers() const {
   if (!requests_) return {};
-  std::vector<PeerId> servers = replies_->WriterParticipants();
-  std::erase_if(servers, [this](PeerId server) { return !requests_->HasReaderOf(server); });
+  std::vector<ParticipantId> servers = replies_->WriterParticipants();
+  std::erase_if(servers, [this](ParticipantId server) { return !requests_->HasReaderOf(server); });
   return servers;
 }
 

@@ -34,7 +34,7 @@ class RawClient {
   bool Ready() const { return !Servers().empty(); }
 
   // The participants whose server is matched in both directions.
-  std::vector<PeerId> Servers() const;
+  std::vector<ParticipantId> Servers() const;
 
   // The id for encoding the next request.
   msg::RequestId NextId();

@@ -40,7 +40,7 @@ Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string
   return server;
 }
 
-void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
+void RawServer::SendOrHold(ParticipantId participant, msg::Bytes reply) {
   loop_.CheckThread();
   if (ReachesClientsOf(participant)) {
     Send(reply);
@@ -56,7 +56,7 @@ void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
   });
 }
 
-void RawServer::AfterReplies(PeerId participant, std::function<void()> work) {
+void RawServer::AfterReplies(ParticipantId participant, std::function<void()> work) {
   loop_.CheckThread();
   const auto last = std::find_if(held_.rbegin(), held_.rend(),
                                  [&](const Held& held) { return held.participant == participant; });
@@ -94,7 +94,8 @@ void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& 
 
 void RawServer::OnMatchChanged() {
   if (!requests_) return;  // no request can have arrived yet
-  for (const PeerId participant : requests_->WriterParticipants()) peers_.try_emplace(participant);
+  for (const ParticipantId participant : requests_->WriterParticipants())
+    peers_.try_emplace(participant);
   for (auto& [participant, peer] : peers_) NoteMatches(participant, peer);
   std::erase_if(peers_, [](const auto& entry) {
     return entry.second.writers == 0 && entry.second.readers == 0;
@@ -102,7 +103,7 @@ void RawServer::OnMatchChanged() {
   SendHeld();
 }
 
-void RawServer::NoteMatches(PeerId participant, Peer& peer) {
+void RawServer::NoteMatches(ParticipantId participant, Peer& peer) {
   const int writers = requests_->WritersOf(participant);
   const int readers = replies_->ReadersOf(participant);
   const int lost_writers = std::max(peer.writers - writers, 0);
@@ -119,7 +120,7 @@ void RawServer::NoteMatches(PeerId participant, Peer& peer) {
   });
 }
 
-bool RawServer::ReachesClientsOf(PeerId participant) const {
+bool RawServer::ReachesClientsOf(ParticipantId participant) const {
   const auto peer = peers_.find(participant);
   const int leaving = peer == peers_.end() ? 0 : std::max(peer->second.leaving, 0);
   const int readers = replies_->ReadersOf(participant) - leaving;

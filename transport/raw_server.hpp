@@ -31,7 +31,7 @@ class RawServer {
   using Reply = std::function<void(msg::Bytes)>;
   // Gets a whole request sample and its participant; returns false if it does not decode.
   using OnRequest =
-      std::function<bool(const msg::RequestId&, std::span<const std::byte>, Reply, PeerId)>;
+      std::function<bool(const msg::RequestId&, std::span<const std::byte>, Reply, ParticipantId)>;
 
   // `type` is the service's, "std_srvs::srv::dds_::Trigger_".
   static Result<std::unique_ptr<RawServer>> Make(Node& node, const std::string& service,
@@ -44,13 +44,13 @@ class RawServer {
   std::uint64_t unknown() const { return unknown_; }
   // Runs `work` when no reply to that participant is held or delayed: at once, or after the last
   // one is sent or dropped. It may drop the server, and does not run after that.
-  void AfterReplies(PeerId participant, std::function<void()> work);
+  void AfterReplies(ParticipantId participant, std::function<void()> work);
   // Whether a client of that participant is matched.
-  bool HasClientOf(PeerId participant) const { return requests_->HasWriterOf(participant); }
+  bool HasClientOf(ParticipantId participant) const { return requests_->HasWriterOf(participant); }
 
  private:
   struct Held {
-    PeerId participant;
+    ParticipantId participant;
     msg::Bytes reply;
     LoopHandlePtr expiry;
     std::vector<std::function<void()>> then;
@@ -68,10 +68,10 @@ class RawServer {
       : loop_(node.loop()), on_request_(std::move(on_request)) {}
 
   void TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info);
-  void SendOrHold(PeerId participant, msg::Bytes reply);
+  void SendOrHold(ParticipantId participant, msg::Bytes reply);
   void OnMatchChanged();
-  void NoteMatches(PeerId participant, Peer& peer);
-  bool ReachesClientsOf(PeerId participant) const;
+  void NoteMatches(ParticipantId participant, Peer& peer);
+  bool ReachesClientsOf(ParticipantId participant) const;
   void SendHeld();
   static void Run(const std::vector<std::function<void()>>& work);
   void Send(msg::Bytes reply);
@@ -84,7 +84,7 @@ class RawServer {
   std::uint64_t dropped_ = 0;
   std::uint64_t unknown_ = 0;
   std::list<Held> held_;
-  std::map<PeerId, Peer> peers_;
+  std::map<ParticipantId, Peer> peers_;
   std::unique_ptr<RawWriter> replies_;
   std::unique_ptr<RawReader> requests_;
 };

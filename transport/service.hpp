@@ -58,7 +58,7 @@ class Client {
 
   // The participants of those servers. A crashed one stays in the list until its lease expires; its
   // successor is another participant.
-  std::vector<PeerId> Servers() const { return raw_->Servers(); }
+  std::vector<ParticipantId> Servers() const { return raw_->Servers(); }
 
   // Sends the request at once if a server is matched, else as soon as one is. `on_reply` runs
   // exactly once on the loop: with the reply, with kCodeTimeout after `timeout`, or with the reason
@@ -91,7 +91,7 @@ class Server {
   using Reply = std::function<void(const Response&)>;
   using Handler = std::function<void(const Request&, Reply)>;
   // The same, with the calling participant.
-  using HandlerOfCaller = std::function<void(const Request&, Reply, PeerId caller)>;
+  using HandlerOfCaller = std::function<void(const Request&, Reply, ParticipantId caller)>;
 
   explicit Server(std::unique_ptr<RawServer> raw) : raw_(std::move(raw)) {}
 
@@ -118,7 +118,7 @@ Result<std::unique_ptr<Server<S>>> MakeServer(Node& node, const std::string& ser
                                               typename Server<S>::HandlerOfCaller handler) {
   auto on_request = [handler = std::move(handler)](const msg::RequestId& id,
                                                    std::span<const std::byte> bytes,
-                                                   RawServer::Reply reply, PeerId caller) {
+                                                   RawServer::Reply reply, ParticipantId caller) {
     typename S::Request request{};
     if (!internal::DecodeEnvelope(bytes, request)) return false;
     handler(
@@ -139,10 +139,9 @@ Result<std::unique_ptr<Server<S>>> MakeServer(Node& node, const std::string& ser
                                               typename Server<S>::Handler handler) {
   return MakeServer<S>(node, service,
                        typename Server<S>::HandlerOfCaller(
-                           [handler = std::move(handler)](const typename S::Request& request,
-                                                          typename Server<S>::Reply reply, PeerId) {
-                             handler(request, std::move(reply));
-                           }));
+                           [handler = std::move(handler)](
+                               const typename S::Request& request, typename Server<S>::Reply reply,
+                               ParticipantId) { handler(request, std::move(reply)); }));
 }
 
 }  // namespace musher::transport

@@ -59,7 +59,7 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
   latching->stops_ = std::move(stops).value();
   if (auto published = latching->stops_->Publish(stop); !published) return published.error();
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [self = latching.get()](transport::PeerId writer) {
+  events.on_writer_lost = [self = latching.get()](transport::EndpointId writer) {
     std::erase_if(self->received_,
                   [writer](const auto& received) { return received.second.writer == writer; });
     if (self->on_change_) self->on_change_();

@@ -74,7 +74,7 @@ class Latching {
 
  private:
   struct Received {
-    transport::PeerId writer = 0;
+    transport::EndpointId writer = 0;
     StopId latched = 0;
     Duration after{};
   };

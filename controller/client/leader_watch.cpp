@@ -67,7 +67,7 @@ Result<> LeaderWatch::Open() {
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [this](transport::PeerId writer) {
+  events.on_writer_lost = [this](transport::EndpointId writer) {
     if (leader_ && writer == from_.writer) End("no longer leads");
   };
   auto statuses = transport::MakeSubscription<msg::MachineStatus>(

@@ -50,7 +50,7 @@ class LeaderWatch {
   const std::optional<msg::MachineStatus>& leader() const { return leader_; }
   // The leader's participant. Services of a crashed controller stay matched until its lease
   // expires.
-  transport::PeerId participant() const { return from_.participant; }
+  transport::ParticipantId participant() const { return from_.participant; }
 
  private:
   LeaderWatch(transport::Node& node, Options options, OnStatus on_status, OnEnd on_end);

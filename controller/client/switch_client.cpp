@@ -102,7 +102,7 @@ void SwitchClient::Call(const msg::MachineStatus& leader) {
 void SwitchClient::Send() {
   if (sent_ || !watch_) return;
   const auto reaches = [this](const auto& client) {
-    const std::vector<transport::PeerId> servers = client.Servers();
+    const std::vector<transport::ParticipantId> servers = client.Servers();
     return std::find(servers.begin(), servers.end(), watch_->participant()) != servers.end();
   };
   if (step_ == Step::kCalled && reaches(*set_state_)) {

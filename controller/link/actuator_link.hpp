@@ -34,7 +34,7 @@ class ActuatorLink {
   // Queries the outcome of a command, and fences it where the protocol can.
   virtual void Query(const QueryCommand& command) = 0;
   // The participant that the actuator's status comes from now.
-  virtual void OnPeer(transport::PeerId /*participant*/) {}
+  virtual void OnPeer(transport::ParticipantId /*participant*/) {}
   // The controller has started this process for the actuator.
   virtual void OnProcess(std::int32_t /*pid*/) {}
   // The controller has found this process running: an earlier controller may have controlled it.

@@ -8,7 +8,8 @@
 namespace musher {
 namespace {
 
-bool Contains(const std::vector<transport::PeerId>& servers, transport::PeerId server) {
+bool Contains(const std::vector<transport::ParticipantId>& servers,
+              transport::ParticipantId server) {
   return std::find(servers.begin(), servers.end(), server) != servers.end();
 }
 
@@ -54,21 +55,22 @@ void ForeignLink::OnProcessEnded(std::int32_t pid) {
   Forget();
 }
 
-void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
-  const std::vector<transport::PeerId> before = std::exchange(servers_, std::move(servers));
-  const auto newcomer = std::find_if(servers_.begin(), servers_.end(),
-                                     [&](transport::PeerId s) { return !Contains(before, s); });
+void ForeignLink::OnServers(std::vector<transport::ParticipantId> servers) {
+  const std::vector<transport::ParticipantId> before = std::exchange(servers_, std::move(servers));
+  const auto newcomer =
+      std::find_if(servers_.begin(), servers_.end(),
+                   [&](transport::ParticipantId s) { return !Contains(before, s); });
   if (newcomer != servers_.end()) return Appear(*newcomer);
-  std::erase_if(ended_, [&](transport::PeerId s) { return !Contains(servers_, s); });
+  std::erase_if(ended_, [&](transport::ParticipantId s) { return !Contains(servers_, s); });
   if (!available() || Contains(servers_, server_)) return;
   const auto other = std::find_if(servers_.rbegin(), servers_.rend(),
-                                  [&](transport::PeerId s) { return !ended_.contains(s); });
+                                  [&](transport::ParticipantId s) { return !ended_.contains(s); });
   if (other != servers_.rend()) return Appear(*other);
   ReportVanished("its services are lost");
   Forget();
 }
 
-void ForeignLink::Appear(transport::PeerId server) {
+void ForeignLink::Appear(transport::ParticipantId server) {
   if (available()) Forget();
   server_ = server;
   const Incarnation now(static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count()));

@@ -59,7 +59,7 @@ class ForeignLink : public ActuatorLink {
 
   // Called by each protocol: the participants that offer the service now, whenever that may have
   // changed.
-  void OnServers(std::vector<transport::PeerId> servers);
+  void OnServers(std::vector<transport::ParticipantId> servers);
   void BeginSetUp(Duration budget);
   // The command has ended. Begins the waiting command.
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
@@ -71,7 +71,7 @@ class ForeignLink : public ActuatorLink {
 
   bool available() const { return server_ != 0; }
   bool ours() const { return process_ != 0 && !found_; }  // this controller has started its process
-  transport::PeerId server() const { return server_; }
+  transport::ParticipantId server() const { return server_; }
   std::optional<PendingCommand>& pending() { return pending_; }
   const std::optional<PendingCommand>& pending() const { return pending_; }
   bool has_waiting() const { return waiting_.has_value(); }
@@ -93,7 +93,7 @@ class ForeignLink : public ActuatorLink {
   void Take(const QueryCommand& command);
   void Begin(const SwitchCommand& command);
   void BeginWaiting();
-  void Appear(transport::PeerId server);
+  void Appear(transport::ParticipantId server);
   void Forget();
   void Arrive(const State& target);
   void Reply(CommandNumber number, bool query, Verdict verdict, std::int32_t code,
@@ -109,10 +109,10 @@ class ForeignLink : public ActuatorLink {
   const Emit emit_;
   ActuatorReport report_;
   std::int32_t process_ = 0;
-  bool found_ = false;                      // it ran when this controller started
-  transport::PeerId server_ = 0;            // the current process; 0: none
-  std::vector<transport::PeerId> servers_;  // all that offer the service
-  std::set<transport::PeerId> ended_;       // the servers whose process has exited
+  bool found_ = false;                             // it ran when this controller started
+  transport::ParticipantId server_ = 0;            // the current process; 0: none
+  std::vector<transport::ParticipantId> servers_;  // all that offer the service
+  std::set<transport::ParticipantId> ended_;       // the servers whose process has exited
   std::optional<PendingCommand> pending_;
   std::optional<Waiting> waiting_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for work that is posted

@@ -43,7 +43,7 @@ void MusherLink::Query(const QueryCommand& command) {
   SendOrHold(request);
 }
 
-void MusherLink::OnPeer(transport::PeerId participant) {
+void MusherLink::OnPeer(transport::ParticipantId participant) {
   if (participant == peer_) return;
   peer_ = participant;
   held_.clear();  // they were for the previous process
@@ -58,7 +58,7 @@ void MusherLink::SendOrHold(const msg::ActuatorCommand::Request& request) {
 
 bool MusherLink::PeerIsMatched() const {
   if (peer_ == 0) return true;
-  const std::vector<transport::PeerId> servers = client_->Servers();
+  const std::vector<transport::ParticipantId> servers = client_->Servers();
   return std::find(servers.begin(), servers.end(), peer_) != servers.end();
 }
 

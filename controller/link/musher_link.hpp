@@ -25,7 +25,7 @@ class MusherLink : public ActuatorLink {
 
   void Switch(const SwitchCommand& command) override;
   void Query(const QueryCommand& command) override;
-  void OnPeer(transport::PeerId participant) override;
+  void OnPeer(transport::ParticipantId participant) override;
 
  private:
   MusherLink(std::string name, ActuatorIndex actuator, Emit emit)
@@ -39,7 +39,7 @@ class MusherLink : public ActuatorLink {
   const std::string name_;
   const ActuatorIndex actuator_;
   const Emit emit_;
-  transport::PeerId peer_ = 0;  // 0: any
+  transport::ParticipantId peer_ = 0;  // 0: any
   std::vector<msg::ActuatorCommand::Request> held_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;  // last: it uses the others
 };

@@ -55,9 +55,9 @@ Result<> Ros2Link::Open() {
 // A node is available when both services are matched.
 void Ros2Link::OnMatchChanged() {
   if (!change_ || !get_) return;
-  std::vector<transport::PeerId> servers = change_->Servers();
-  const std::vector<transport::PeerId> others = get_->Servers();
-  std::erase_if(servers, [&](transport::PeerId server) {
+  std::vector<transport::ParticipantId> servers = change_->Servers();
+  const std::vector<transport::ParticipantId> others = get_->Servers();
+  std::erase_if(servers, [&](transport::ParticipantId server) {
     return std::find(others.begin(), others.end(), server) == others.end();
   });
   OnServers(std::move(servers));

@@ -67,7 +67,7 @@ Result<> ControllerShell::Open() {
   auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(config_.name_space),
       [this](const msg::ActuatorStatus& s, const transport::SampleInfo& i) { OnStatus(s, i); },
-      status_qos, {[this](transport::PeerId writer) { OnWriterLost(writer); }, nullptr});
+      status_qos, {[this](transport::EndpointId writer) { OnWriterLost(writer); }, nullptr});
   if (!subscription) return subscription.error();
   actuator_status_ = std::move(subscription).value();
   return Ok();

@@ -142,9 +142,9 @@ class ControllerShell {
   struct Process {
     std::string host;
     Incarnation incarnation = 0;
-    transport::PeerId participant = 0;  // 0: not known yet
-    std::int32_t pid = 0;               // as in its status
-    bool proven = false;                // this pid is its own
+    transport::ParticipantId participant = 0;  // 0: not known yet
+    std::int32_t pid = 0;                      // as in its status
+    bool proven = false;                       // this pid is its own
 
     bool Is(const ActuatorReport& report) const {
       return host == report.host && incarnation == report.incarnation;
@@ -170,7 +170,7 @@ class ControllerShell {
   ActuatorLink& LinkTo(ActuatorIndex actuator);
   void OnLinkEvent(const Event& event);
   void CountAsHeartbeat(ActuatorIndex actuator, Incarnation incarnation);
-  void OnWriterLost(transport::PeerId writer);
+  void OnWriterLost(transport::EndpointId writer);
   Process& ProcessOf(ActuatorIndex actuator, const ActuatorReport& report);
   ActuatorReport WithProvenPid(ActuatorIndex actuator, ActuatorReport report);
   Result<> ProveAndWatch(ActuatorIndex actuator, const ActuatorReport& report);
@@ -225,7 +225,7 @@ class ControllerShell {
     ActuatorIndex actuator = 0;
     Incarnation incarnation = 0;
   };
-  std::unordered_map<transport::PeerId, StatusWriter> status_writers_;
+  std::unordered_map<transport::EndpointId, StatusWriter> status_writers_;
   PerActuator<Peer> peers_;
   std::map<ActuatorIndex, ChildProcess> children_;  // by actuator; the running ones
   bool children_unsaved_ = false;                   // the last save failed, which was reported

@@ -84,7 +84,7 @@ void ControllerShell::CountAsHeartbeat(ActuatorIndex actuator, Incarnation incar
   health_->OnReport(actuator, report);
 }
 
-void ControllerShell::OnWriterLost(transport::PeerId writer) {
+void ControllerShell::OnWriterLost(transport::EndpointId writer) {
   const auto lost = status_writers_.extract(writer);
   if (lost.empty()) return;
   const auto [actuator, incarnation] = lost.mapped();

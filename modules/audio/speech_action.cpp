@@ -19,7 +19,7 @@ PlayRequest RequestOf(const msg::Speech::Goal& goal) {
 SpeechAction::SpeechAction(transport::Endpoints& endpoints, transport::Clock& clock, Player player)
     : player_(std::move(player)) {
   transport::ActionHandlers<msg::Speech> handlers;
-  handlers.accept = [this](const msg::Speech::Goal& goal, transport::PeerId) {
+  handlers.accept = [this](const msg::Speech::Goal& goal, transport::ParticipantId) {
     return Accept(goal);
   };
   handlers.start = [this](const Goal& goal) { Start(goal); };

@@ -21,7 +21,9 @@ Result<> PowerKeyDevice::Connect() {
   power_off_ = endpoints_.OpenClient<msg::Trigger>("poweroff");
   if (power_off_ == nullptr) return endpoints_.opened();  // disabled: no key is received
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [this](transport::PeerId) { pressed_ = false; };  // the next press counts
+  events.on_writer_lost = [this](transport::EndpointId) {
+    pressed_ = false;
+  };  // the next press counts
   endpoints_.Subscribe<msg::Bool>(
       "world/power_key", [this](const msg::Bool& pressed) { OnKey(pressed.data); },
       transport::kDefaultQos, std::move(events));

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "musher/base/result.hpp"
+#include "musher/base/strong_number.hpp"
 #include "musher/base/time.hpp"
 #include "musher/modules/wedding/data/gaze.hpp"
 #include "musher/modules/wedding/data/show_data.hpp"
@@ -27,7 +28,7 @@ struct PerceptionRules {
 };
 
 // Identifies one publisher of a topic.
-using PublisherId = std::uint64_t;
+using PublisherId = StrongNumber<struct PublisherKind>;
 
 struct Target {
   Gaze point;             // of the picture, 0 to 1

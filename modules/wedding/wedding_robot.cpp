@@ -103,10 +103,12 @@ void WeddingRobot::Subscribe(transport::Endpoints& topics, Wire& wire) {
                                 [this](const auto& word) { show_.OnGesture(word.data, Now()); });
   topics.SubscribeEach<msg::Bool>(
       topic::kTooClose,
-      [this](const auto& close, transport::PeerId publisher) {
-        show_.OnTooClose(close.data, Now(), publisher);
+      [this](const auto& close, transport::EndpointId publisher) {
+        show_.OnTooClose(close.data, Now(), PublisherId(publisher.value()));
       },
-      [this](transport::PeerId publisher) { show_.OnTooClosePublisherLost(publisher, Now()); });
+      [this](transport::EndpointId publisher) {
+        show_.OnTooClosePublisherLost(PublisherId(publisher.value()), Now());
+      });
   topics.Subscribe<msg::String>(topic::kCommand,
                                 [this](const auto& word) { show_.OnCommand(word.data, Now()); });
   topics.Subscribe<msg::String>(

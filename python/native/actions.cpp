@@ -176,7 +176,7 @@ class ActionServer : public OnLoop<RawActionServer> {
     };
     RawActionServer::Handlers handlers;
     handlers.accept = [goals](std::span<const std::byte> bytes,
-                              transport::PeerId) -> std::optional<RawGoalPtr> {
+                              transport::ParticipantId) -> std::optional<RawGoalPtr> {
       auto goal = std::make_shared<ServedGoal>();
       goal->token = goals->next++;
       goal->request.assign(bytes.begin(), bytes.end());

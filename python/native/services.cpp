@@ -82,9 +82,10 @@ class ServiceServer : public OnLoop<transport::RawServer> {
                 const std::string& type, const MailboxPtr& mailbox, std::int64_t key)
       : OnLoop(node,
                [&](transport::Node& on) {
-                 auto on_request = [requests, mailbox, key](
-                                       const msg::RequestId& id, std::span<const std::byte> bytes,
-                                       transport::RawServer::Reply reply, transport::PeerId) {
+                 auto on_request = [requests, mailbox, key](const msg::RequestId& id,
+                                                            std::span<const std::byte> bytes,
+                                                            transport::RawServer::Reply reply,
+                                                            transport::ParticipantId) {
                    if (requests->open.size() >= Requests::kMost)
                      requests->open.erase(requests->open.begin());
                    Item item;

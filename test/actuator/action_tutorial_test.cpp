@@ -24,7 +24,7 @@ class FibonacciServer {
  public:
   void Open(transport::Endpoints& topics) {
     transport::ActionHandlers<msg::Fibonacci> handlers;
-    handlers.accept = [](const msg::Fibonacci::Goal& goal, transport::PeerId) {
+    handlers.accept = [](const msg::Fibonacci::Goal& goal, transport::ParticipantId) {
       return goal.order >= 1 && goal.order <= 46;  // the next number exceeds 32 bits
     };
     handlers.start = [this](Goal goal) {

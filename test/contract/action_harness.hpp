@@ -28,7 +28,7 @@ struct FibonacciServer {
     auto made = std::make_unique<FibonacciServer>();
     FibonacciServer* self = made.get();
     ActionHandlers<Fibonacci> handlers;
-    handlers.accept = [self](const Fibonacci::Goal& goal, PeerId) {
+    handlers.accept = [self](const Fibonacci::Goal& goal, ParticipantId) {
       ++self->offered;
       return goal.order >= 0;
     };

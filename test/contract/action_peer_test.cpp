@@ -54,7 +54,7 @@ class PlainActionClient : public ActionPeer {
   // Computes Fibonacci numbers; an order above 20 waits for a cancellation.
   std::unique_ptr<ActionServer<Fibonacci>> MakeServer() {
     ActionHandlers<Fibonacci> handlers;
-    handlers.accept = [](const Fibonacci::Goal& goal, PeerId) { return goal.order >= 0; };
+    handlers.accept = [](const Fibonacci::Goal& goal, ParticipantId) { return goal.order >= 0; };
     handlers.start = [this](FibonacciGoal goal) {
       goal.Execute();
       Numbers numbers{0};

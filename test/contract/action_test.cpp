@@ -312,7 +312,7 @@ TEST_P(Action, IsOpenedByEndpoints) {
   std::string end;
   // [server]
   ActionHandlers<msg::Fibonacci> handlers;
-  handlers.accept = [](const msg::Fibonacci::Goal& goal, PeerId) { return goal.order >= 0; };
+  handlers.accept = [](const msg::Fibonacci::Goal& goal, ParticipantId) { return goal.order >= 0; };
   handlers.start = [](ServerGoal<msg::Fibonacci> goal) {
     goal.Execute();
     goal.PublishFeedback({{0, 1}});

@@ -204,10 +204,10 @@ TEST_P(Publish, ReportsALostWriterAfterItsLastSample) {
   auto here = MakeNode();
   const auto there = MakeNode();
   const std::string topic = Unique("status");
-  PeerId writer = 0, lost = 0;
+  EndpointId writer = 0, lost = 0;
   Strings received;
   SubscriptionEvents events;
-  events.on_writer_lost = [&](PeerId peer) {
+  events.on_writer_lost = [&](EndpointId peer) {
     EXPECT_EQ(received.size(), 1u);
     lost = peer;
   };

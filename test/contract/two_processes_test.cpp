@@ -104,9 +104,9 @@ TEST_P(TwoProcesses, CarrySamplesOfMoreThanOnePacket) {
 
 TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
   PeerProcess peer(name_);
-  PeerId writer = 0, lost = 0;
+  EndpointId writer = 0, lost = 0;
   SubscriptionEvents events;
-  events.on_writer_lost = [&](PeerId who) { lost = who; };
+  events.on_writer_lost = [&](EndpointId who) { lost = who; };
   const auto status = Must(MakeSubscription<msg::String>(
       node(), name_ + "/status",
       [&](const msg::String&, const SampleInfo& info) { writer = info.writer; }, kLatchedQos,
@@ -123,10 +123,10 @@ TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
 
 TEST_P(TwoProcesses, DiscoverEachOtherAgainAfterAnOutageThatWasLongerThanTheLease) {
   PeerProcess peer(name_);
-  PeerId before = 0, after = 0;
+  ParticipantId before = 0, after = 0;
   bool lost = false;
   SubscriptionEvents events;
-  events.on_writer_lost = [&](PeerId) { lost = true; };
+  events.on_writer_lost = [&](EndpointId) { lost = true; };
   const auto status = Must(MakeSubscription<msg::String>(
       node(), name_ + "/status",
       [&](const msg::String&, const SampleInfo& info) {

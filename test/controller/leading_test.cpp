@@ -26,7 +26,7 @@ class Leading : public TwoControllers {
                       status_of_[info.writer] = Epoch(status.epoch);
                     },
                     transport::kLatchedFromManyQos,
-                    {[this](transport::PeerId writer) { status_of_.erase(writer); }, nullptr})
+                    {[this](transport::EndpointId writer) { status_of_.erase(writer); }, nullptr})
                     .value();
     get_status_ = Client<msg::GetStatus>("get_status");
     set_state_ = Client<msg::SetState>("set_state");
@@ -68,7 +68,7 @@ class Leading : public TwoControllers {
     return *outcome;
   }
 
-  std::map<transport::PeerId, Epoch> status_of_;  // epoch of the latched status, by writer
+  std::map<transport::EndpointId, Epoch> status_of_;  // epoch of the latched status, by writer
   std::unique_ptr<transport::Subscription> statuses_;
   std::unique_ptr<transport::Client<msg::GetStatus>> get_status_;
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;

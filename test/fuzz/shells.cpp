@@ -56,7 +56,7 @@ class Peer {
     auto server = transport::RawServer::Make(
         node, service, std::string(S::kTypeName),
         [this, truth](const msg::RequestId& id, std::span<const std::byte>,
-                      const transport::RawServer::Reply& reply, transport::PeerId) {
+                      const transport::RawServer::Reply& reply, transport::ParticipantId) {
           msg::Bytes bytes = msg::Encode(id);
           const msg::Bytes body = input_->Bool() ? ToBytes(input_->Text()) : BodyOf(truth);
           bytes.insert(bytes.end(), body.begin(), body.end());

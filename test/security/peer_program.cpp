@@ -165,7 +165,7 @@ class Peer {
   Result<> Serve(const std::string& actuator) {
     auto server = MakeServer<msg::ActuatorCommand>(
         node_, CommandService(name_space_, actuator),
-        [](const msg::ActuatorCommand::Request&, auto reply, PeerId) {
+        [](const msg::ActuatorCommand::Request&, auto reply, ParticipantId) {
           std::cout << "called" << std::endl;
           reply({});
         });

@@ -118,7 +118,7 @@ TEST_F(DdsNodes, UseTheUsersConfigurationInsteadOfTheProfile) {
 // node went: a process that was started again was never seen.
 TEST_F(DdsNodes, OfOneProcessAreOneParticipant) {
   const auto here = MakeDdsNode(loop_, test_domain_);
-  std::vector<PeerId> from;
+  std::vector<ParticipantId> from;
   const auto subscription = MakeSubscription<msg::String>(
       *here.value(), "chat",
       [&](const msg::String&, const SampleInfo& info) { from.push_back(info.participant); });

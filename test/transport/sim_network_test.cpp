@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "musher/messages/std_msgs/string.hpp"
@@ -12,6 +13,9 @@
 #include "musher/transport/service.hpp"
 
 namespace musher::transport::sim::sim_network_test {
+
+static_assert(!std::is_convertible_v<EndpointId, ParticipantId>);
+static_assert(!std::is_convertible_v<ParticipantId, EndpointId>);
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -31,7 +35,7 @@ class SimNetwork : public ::testing::Test {
   }
   std::unique_ptr<Subscription> Listen(Node& node, const Qos& qos) {
     SubscriptionEvents events;
-    events.on_writer_lost = [this](PeerId) { ++lost_; };
+    events.on_writer_lost = [this](EndpointId) { ++lost_; };
     return MakeSubscription<msg::String>(
                node, "chat",
                [this](const msg::String& message, const SampleInfo&) {

@@ -55,7 +55,7 @@ void ReaderCore::OnSampleLost(dds_entity_t, dds_sample_lost_status_t status, voi
 void ReaderCore::Visit() {
   if (closed_) return;
   const bool match_changed = match_changed_.exchange(false);
-  std::vector<PeerId> lost;
+  std::vector<EndpointId> lost;
   if (match_changed) lost = LearnWriters();
   const bool more = Take();
   if (closed_) return;
@@ -64,7 +64,7 @@ void ReaderCore::Visit() {
     Notify();
     return;
   }
-  for (const PeerId writer : lost) {
+  for (const EndpointId writer : lost) {
     writers_.Remove(writer);
     partitions_.erase(writer);
     if (callbacks_.on_writer_lost) callbacks_.on_writer_lost(writer);
@@ -81,7 +81,7 @@ bool ReaderCore::Take() {
       dds_takecdr(reader_.get(), samples.data(), kSamplesPerVisit, infos.data(), DDS_ANY_STATE);
   for (int i = 0; i < count; ++i) {
     if (!closed_ && infos[i].valid_data && callbacks_.on_sample) {
-      callbacks_.on_sample(BytesOf(samples[i]), InfoOf(infos[i].publication_handle));
+      callbacks_.on_sample(BytesOf(samples[i]), InfoOf(EndpointId(infos[i].publication_handle)));
     }
     ddsi_serdata_unref(samples[i]);
   }
@@ -89,30 +89,32 @@ bool ReaderCore::Take() {
 }
 
 // Adds newly matched writers; returns the writers that are no longer matched.
-std::vector<PeerId> ReaderCore::LearnWriters() {
-  const std::vector<PeerId> matched = MatchedHandles(reader_.get(), dds_get_matched_publications);
-  for (const PeerId writer : matched) {
+std::vector<EndpointId> ReaderCore::LearnWriters() {
+  const std::vector<EndpointId> matched =
+      MatchedHandles(reader_.get(), dds_get_matched_publications);
+  for (const EndpointId writer : matched) {
     if (!writers_.Contains(writer)) writers_.Add(writer, ParticipantOf(writer));
   }
-  std::vector<PeerId> lost = writers_.Endpoints();
-  std::erase_if(lost, [&](PeerId writer) {
+  std::vector<EndpointId> lost = writers_.Endpoints();
+  std::erase_if(lost, [&](EndpointId writer) {
     return std::find(matched.begin(), matched.end(), writer) != matched.end();
   });
   return lost;
 }
 
-PeerId ReaderCore::ParticipantOf(dds_instance_handle_t writer) const {
-  if (const PeerId known = writers_.ParticipantOf(writer)) return known;
-  return ParticipantIn(dds_get_matched_publication_data(reader_.get(), writer));
+ParticipantId ReaderCore::ParticipantOf(EndpointId writer) const {
+  const ParticipantId known = writers_.ParticipantOf(writer);
+  if (known != 0) return known;
+  return ParticipantIn(dds_get_matched_publication_data(reader_.get(), writer.value()));
 }
 
-SampleInfo ReaderCore::InfoOf(dds_instance_handle_t writer) {
+SampleInfo ReaderCore::InfoOf(EndpointId writer) {
   SampleInfo info{writer, ParticipantOf(writer)};
   if (!all_partitions_) return info;
   auto known = partitions_.find(writer);
   if (known == partitions_.end()) {
     const std::string partition =
-        PartitionIn(dds_get_matched_publication_data(reader_.get(), writer));
+        PartitionIn(dds_get_matched_publication_data(reader_.get(), writer.value()));
     known = partitions_.emplace(writer, partition).first;
   }
   info.partition = known->second;

@@ -40,16 +40,16 @@ class ReaderCore : public Notifier {
 
   void Visit() override;
   bool Take();
-  std::vector<PeerId> LearnWriters();
-  PeerId ParticipantOf(dds_instance_handle_t writer) const;
-  SampleInfo InfoOf(dds_instance_handle_t writer);
+  std::vector<EndpointId> LearnWriters();
+  ParticipantId ParticipantOf(EndpointId writer) const;
+  SampleInfo InfoOf(EndpointId writer);
 
   ReaderCallbacks callbacks_;
   const bool all_partitions_;
   std::atomic<bool> match_changed_ = false;
   bool closed_ = false;
   PeerTable writers_;
-  std::map<PeerId, std::string> partitions_;  // of writers, if requested
+  std::map<EndpointId, std::string> partitions_;  // of writers, if requested
   Entity topic_;
   Entity reader_;
 };
@@ -63,8 +63,10 @@ class DdsReader : public RawReader {
   ~DdsReader() override { core_->Close(); }
 
   int MatchedWriters() const override { return core_->writers().size(); }
-  int WritersOf(PeerId participant) const override { return core_->writers().CountOf(participant); }
-  std::vector<PeerId> WriterParticipants() const override {
+  int WritersOf(ParticipantId participant) const override {
+    return core_->writers().CountOf(participant);
+  }
+  std::vector<ParticipantId> WriterParticipants() const override {
     return core_->writers().Participants();
   }
 

@@ -92,13 +92,14 @@ void WriterCore::OnMatched(dds_entity_t, dds_publication_matched_status_t, void*
 void WriterCore::Visit() {
   if (closed_) return;
   PeerTable readers;
-  for (const PeerId reader : MatchedHandles(writer_.get(), dds_get_matched_subscriptions)) {
-    PeerId participant = readers_.ParticipantOf(reader);
+  for (const EndpointId reader : MatchedHandles(writer_.get(), dds_get_matched_subscriptions)) {
+    ParticipantId participant = readers_.ParticipantOf(reader);
     if (participant == 0) {
-      if (first_replies_ && !IsOurs(dds_get_matched_subscription_data(writer_.get(), reader))) {
+      if (first_replies_ &&
+          !IsOurs(dds_get_matched_subscription_data(writer_.get(), reader.value()))) {
         first_replies_->OnNewReader();
       }
-      participant = ParticipantIn(dds_get_matched_subscription_data(writer_.get(), reader));
+      participant = ParticipantIn(dds_get_matched_subscription_data(writer_.get(), reader.value()));
     }
     readers.Add(reader, participant);
   }

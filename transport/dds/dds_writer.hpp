@@ -63,7 +63,9 @@ class DdsWriter : public RawWriter {
   void AfterWrites(std::function<void()> work) override { core_->AfterWrites(std::move(work)); }
   Result<> Flush(Duration timeout) override { return core_->Flush(timeout); }
   int MatchedReaders() const override { return core_->readers().size(); }
-  int ReadersOf(PeerId participant) const override { return core_->readers().CountOf(participant); }
+  int ReadersOf(ParticipantId participant) const override {
+    return core_->readers().CountOf(participant);
+  }
   std::uint64_t UniqueId() const override { return core_->id(); }
 
  private:

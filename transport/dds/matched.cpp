@@ -4,7 +4,7 @@
 
 namespace musher::transport::dds {
 
-std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get) {
+std::vector<EndpointId> MatchedHandles(dds_entity_t entity, GetMatched get) {
   std::vector<dds_instance_handle_t> handles(16);
   for (;;) {
     const dds_return_t count = get(entity, handles.data(), handles.size());
@@ -15,13 +15,13 @@ std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get) {
   }
 }
 
-PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
+ParticipantId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
   if (endpoint == nullptr) return 0;
   // Not its instance handle: that changes when a participant returns after an outage longer than
   // its lease, and an actuator that is attached to one participant would refuse it.
   const dds_guid_t& guid = endpoint->participant_key;
-  const PeerId participant = Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) |
-                             1U;  // not 0, which means no peer
+  const ParticipantId participant(Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) |
+                                  1U);  // not 0, which means none
   dds_builtintopic_free_endpoint(endpoint);
   return participant;
 }

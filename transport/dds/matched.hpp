@@ -18,10 +18,10 @@ using ListenerPtr = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
 // `get` is dds_get_matched_subscriptions or dds_get_matched_publications.
 using GetMatched = dds_return_t (*)(dds_entity_t, dds_instance_handle_t*, std::size_t);
-std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get);
+std::vector<EndpointId> MatchedHandles(dds_entity_t entity, GetMatched get);
 
 // The participant of an endpoint from `get`, which is freed; 0 if it was lost meanwhile.
-PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint);
+ParticipantId ParticipantIn(dds_builtintopic_endpoint_t* endpoint);
 
 // The partition of such an endpoint, likewise; empty if it has none, or more than one.
 std::string PartitionIn(dds_builtintopic_endpoint_t* endpoint);

@@ -18,10 +18,11 @@ namespace musher::transport {
 namespace {
 
 using OnFound = std::function<void(const DiscoveredEndpoint&)>;
-using OnLost = std::function<void(PeerId)>;
+using OnLost = std::function<void(EndpointId)>;
 
-PeerId IdOf(const dds_guid_t& guid) {
-  return Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) | 1U;
+template <class Id>
+Id IdOf(const dds_guid_t& guid) {
+  return Id(Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) | 1U);
 }
 
 std::string PartitionOf(const dds_qos_t* qos) {
@@ -38,8 +39,8 @@ std::string PartitionOf(const dds_qos_t* qos) {
 
 DiscoveredEndpoint EndpointOf(const dds_builtintopic_endpoint_t& sample, bool writer) {
   DiscoveredEndpoint endpoint;
-  endpoint.id = IdOf(sample.key);
-  endpoint.participant = IdOf(sample.participant_key);
+  endpoint.id = IdOf<EndpointId>(sample.key);
+  endpoint.participant = IdOf<ParticipantId>(sample.participant_key);
   endpoint.writer = writer;
   endpoint.topic = sample.topic_name;
   endpoint.type = sample.type_name;
@@ -68,7 +69,7 @@ class Watched : public dds::Notifier {
   Result<> Open(dds_entity_t participant) {
     dds_guid_t own{};
     dds_get_guid(participant, &own);
-    own_ = IdOf(own);
+    own_ = IdOf<ParticipantId>(own);
     const dds::ListenerPtr listener(dds_create_listener(this));
     dds_lset_data_available(
         listener.get(), [](dds_entity_t, void* self) { static_cast<Watched*>(self)->Notify(); });
@@ -108,17 +109,17 @@ class Watched : public dds::Notifier {
       const DiscoveredEndpoint endpoint = EndpointOf(sample, writers_);
       if (endpoint.participant == own_ || !known_.insert(endpoint.id).second) return;
       if (on_found_) on_found_(endpoint);
-    } else if (!alive && known_.erase(IdOf(sample.key)) > 0 && on_lost_) {
-      on_lost_(IdOf(sample.key));
+    } else if (!alive && known_.erase(IdOf<EndpointId>(sample.key)) > 0 && on_lost_) {
+      on_lost_(IdOf<EndpointId>(sample.key));
     }
   }
 
   const bool writers_;
   OnFound on_found_;
   OnLost on_lost_;
-  PeerId own_ = 0;
+  ParticipantId own_ = 0;
   bool closed_ = false;
-  std::set<PeerId> known_;
+  std::set<EndpointId> known_;
   dds::Entity reader_;
 };
 

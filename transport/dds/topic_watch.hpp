@@ -10,8 +10,8 @@
 namespace musher::transport {
 
 struct DiscoveredEndpoint {
-  PeerId id = 0;
-  PeerId participant = 0;
+  EndpointId id = 0;
+  ParticipantId participant = 0;
   bool writer = false;
   std::string topic;  // "rt/chat"
   std::string type;   // "std_msgs::msg::dds_::String_"
@@ -30,6 +30,6 @@ class TopicWatch {
 // of MakeDdsNode. Loop thread only.
 Result<std::unique_ptr<TopicWatch>> WatchTopics(
     Node& node, std::function<void(const DiscoveredEndpoint&)> on_found,
-    std::function<void(PeerId id)> on_lost);
+    std::function<void(EndpointId id)> on_lost);
 
 }  // namespace musher::transport

@@ -20,8 +20,8 @@ using Payload = std::shared_ptr<const msg::Bytes>;
 struct Channel;
 
 struct End {
-  PeerId id = 0;
-  PeerId participant = 0;
+  EndpointId id = 0;
+  ParticipantId participant = 0;
   ProcessId process = 0;
   HostId host = 0;
   Qos qos;

@@ -95,7 +95,7 @@ void Discovery::ForgetAt(Time when, const std::shared_ptr<Channel>& channel, Sid
 void Discovery::Forget(const std::shared_ptr<Channel>& channel, Side side) {
   if (!channel->Knows(side)) return;
   channel->Knows(side) = false;
-  const PeerId other = channel->At(Other(side)).id;
+  const EndpointId other = channel->At(Other(side)).id;
   channel->At(side).peers.Remove(other);
   Remove(channel);
   if (side == Side::kWriter) {

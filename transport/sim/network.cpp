@@ -36,7 +36,7 @@ void Network::SetClockOffset(const std::string& host, Duration offset) {
   links_.SetClockOffset(links_.Host(host), offset);
 }
 
-PeerId Network::ParticipantOf(Node& node) const {
+ParticipantId Network::ParticipantOf(Node& node) const {
   return static_cast<SimNode&>(node).participant();
 }
 

@@ -56,8 +56,9 @@ class Network {
   void SetClockOffset(const std::string& host, Duration offset);
 
   // Called for every written sample, with the participant of its writer; may be empty.
-  std::function<void(PeerId participant, const std::string& topic, const msg::Bytes&)> on_write;
-  PeerId ParticipantOf(Node& node) const;
+  std::function<void(ParticipantId participant, const std::string& topic, const msg::Bytes&)>
+      on_write;
+  ParticipantId ParticipantOf(Node& node) const;
 
   // Crashes the process of a node: none of its callbacks runs any more. The node and the objects
   // made from it can still be dropped, and do nothing else.
@@ -89,7 +90,7 @@ class Network {
   Random random_;
   Delivery delivery_;
   Discovery discovery_;
-  PeerId next_peer_ = 1;
+  std::uint64_t next_id_ = 1;
 };
 
 }  // namespace musher::transport::sim

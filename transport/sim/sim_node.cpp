@@ -28,8 +28,10 @@ class SimWriter : public RawWriter {
   // Virtual time cannot pass in here, and written samples arrive without a flush.
   Result<> Flush(Duration) override { return Ok(); }
   int MatchedReaders() const override { return end_->peers.size(); }
-  int ReadersOf(PeerId participant) const override { return end_->peers.CountOf(participant); }
-  std::uint64_t UniqueId() const override { return end_->id; }
+  int ReadersOf(ParticipantId participant) const override {
+    return end_->peers.CountOf(participant);
+  }
+  std::uint64_t UniqueId() const override { return end_->id.value(); }
 
  private:
   const Network& network_;
@@ -48,8 +50,12 @@ class SimReader : public RawReader {
   ~SimReader() override { discovery_.Close(*end_); }
 
   int MatchedWriters() const override { return end_->peers.size(); }
-  int WritersOf(PeerId participant) const override { return end_->peers.CountOf(participant); }
-  std::vector<PeerId> WriterParticipants() const override { return end_->peers.Participants(); }
+  int WritersOf(ParticipantId participant) const override {
+    return end_->peers.CountOf(participant);
+  }
+  std::vector<ParticipantId> WriterParticipants() const override {
+    return end_->peers.Participants();
+  }
 
  private:
   Discovery& discovery_;
@@ -62,7 +68,7 @@ SimNode::SimNode(Network& network, HostId host)
     : network_(network),
       host_(host),
       process_(network.scheduler_.AddProcess()),
-      participant_(network.next_peer_++),
+      participant_(network.next_id_++),
       loop_(network.scheduler_, process_, network.links_, host) {}
 
 Result<std::unique_ptr<RawWriter>> SimNode::MakeRawWriter(const std::string& topic,
@@ -88,7 +94,7 @@ Result<std::unique_ptr<RawReader>> SimNode::MakeRawReader(const std::string& top
 }
 
 void SimNode::FillIn(End& end, const Qos& qos) const {
-  end.id = network_.next_peer_++;
+  end.id = EndpointId(network_.next_id_++);
   end.participant = participant_;
   end.process = process_;
   end.host = host_;

@@ -26,7 +26,7 @@ class SimNode : public Node {
                                                    ReaderCallbacks callbacks) override;
 
   ProcessId process() const { return process_; }
-  PeerId participant() const { return participant_; }
+  ParticipantId participant() const { return participant_; }
 
  private:
   void FillIn(End& end, const Qos& qos) const;
@@ -34,7 +34,7 @@ class SimNode : public Node {
   Network& network_;
   HostId host_;
   ProcessId process_;
-  PeerId participant_;
+  ParticipantId participant_;
   SimLoop loop_;
 };
 

@@ -162,7 +162,7 @@ bool FoxgloveServer::OnFound(const transport::DiscoveredEndpoint& endpoint) {
   return true;
 }
 
-bool FoxgloveServer::OnLost(transport::PeerId id) {
+bool FoxgloveServer::OnLost(transport::EndpointId id) {
   return servers_.erase(id) > 0;
 }
 

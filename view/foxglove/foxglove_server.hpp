@@ -51,7 +51,7 @@ class FoxgloveServer {
   void OnTopicsChanged();
   // What discovery finds, for services; whether the list of services has changed.
   bool OnFound(const transport::DiscoveredEndpoint& endpoint);
-  bool OnLost(transport::PeerId id);
+  bool OnLost(transport::EndpointId id);
   void OnServicesChanged();
 
  private:
@@ -98,8 +98,8 @@ class FoxgloveServer {
   std::uint32_t next_id_ = 1;
   std::uint64_t next_client_ = 1;
   std::map<TopicKey, OpenChannel> channels_;
-  std::map<transport::PeerId, std::pair<std::string, std::string>> servers_;  // name and type
-  std::map<std::string, OpenService> services_;                               // by name
+  std::map<transport::EndpointId, std::pair<std::string, std::string>> servers_;  // name and type
+  std::map<std::string, OpenService> services_;                                   // by name
   std::map<std::uint64_t, std::unique_ptr<Client>> clients_;
 };
 

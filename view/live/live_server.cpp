@@ -78,7 +78,7 @@ Result<> LiveServer::Open() {
         const bool service = foxglove_->OnFound(endpoint);
         if (table_.OnFound(endpoint) || service) OnTopicsChanged();
       },
-      [this](transport::PeerId id) {
+      [this](transport::EndpointId id) {
         const bool service = foxglove_->OnLost(id);
         if (table_.OnLost(id) || service) OnTopicsChanged();
       });

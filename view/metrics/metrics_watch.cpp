@@ -51,7 +51,7 @@ Result<> MetricsWatch::Subscribe() {
         OnStatus(status, info.writer);
       },
       transport::kLatchedFromManyQos,
-      {[this](transport::PeerId writer) { OnWriterLost(writer); }, {}});
+      {[this](transport::EndpointId writer) { OnWriterLost(writer); }, {}});
   if (!statuses) return statuses.error();
   get_history_ = std::move(client).value();
   heartbeats_ = std::move(heartbeats).value();
@@ -60,7 +60,7 @@ Result<> MetricsWatch::Subscribe() {
 }
 
 // Of two controllers the one with the higher epoch leads.
-void MetricsWatch::OnStatus(const msg::MachineStatus& status, transport::PeerId writer) {
+void MetricsWatch::OnStatus(const msg::MachineStatus& status, transport::EndpointId writer) {
   const bool outdated = leader_ != 0 && writer != leader_ && status.epoch < status_->epoch;
   if (outdated) return;
   leader_ = writer;
@@ -70,7 +70,7 @@ void MetricsWatch::OnStatus(const msg::MachineStatus& status, transport::PeerId 
   if (scrape_waits) ReadHistory(kFewEntries);
 }
 
-void MetricsWatch::OnWriterLost(transport::PeerId writer) {
+void MetricsWatch::OnWriterLost(transport::EndpointId writer) {
   if (writer != leader_) return;
   leader_ = 0;
   metrics_.OnControllerLost();

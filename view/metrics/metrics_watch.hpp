@@ -52,8 +52,8 @@ class MetricsWatch {
   };
 
   Result<> Subscribe();
-  void OnStatus(const msg::MachineStatus& status, transport::PeerId writer);
-  void OnWriterLost(transport::PeerId writer);
+  void OnStatus(const msg::MachineStatus& status, transport::EndpointId writer);
+  void OnWriterLost(transport::EndpointId writer);
   void ReadHistory(std::uint32_t limit);
   void OnHistory(std::uint32_t limit, const Result<msg::GetHistory::Response>& history);
   void Answer(bool complete);
@@ -63,9 +63,9 @@ class MetricsWatch {
   const Options options_;
   RobotMetrics metrics_;
   std::optional<msg::MachineStatus> status_;
-  transport::PeerId leader_ = 0;  // the writer of that status; 0: lost
-  bool history_read_ = false;     // at least once
-  RecordId newest_id_ = 0;        // of the history that was read
+  transport::EndpointId leader_ = 0;  // the writer of that status; 0: lost
+  bool history_read_ = false;         // at least once
+  RecordId newest_id_ = 0;            // of the history that was read
   Epoch newest_epoch_ = 0;
   std::uint64_t requests_ = 0;            // for the history
   std::optional<std::uint64_t> reading_;  // the request that the scrape waits for

@@ -89,7 +89,7 @@ Result<> Session::Start() {
                                             [](const std::string& sentence) { Say(sentence); });
   auto watch = transport::WatchTopics(
       *node_, [this](const transport::DiscoveredEndpoint& endpoint) { OnFound(endpoint); },
-      [this](transport::PeerId id) { topics_->OnLost(id); });
+      [this](transport::EndpointId id) { topics_->OnLost(id); });
   if (!watch) return watch.error();
   watch_ = std::move(watch).value();
   if (auto watching = WatchMachine(); !watching) return watching;

@@ -7,7 +7,7 @@
 namespace musher::view {
 namespace {
 
-std::vector<transport::Qos> QosOf(const std::map<transport::PeerId, transport::Qos>& writers) {
+std::vector<transport::Qos> QosOf(const std::map<transport::EndpointId, transport::Qos>& writers) {
   std::vector<transport::Qos> all;
   all.reserve(writers.size());
   for (const auto& [id, qos] : writers) all.push_back(qos);
@@ -42,7 +42,7 @@ void TopicRecorder::OnFound(const OfferedWriter& writer) {
   }
 }
 
-void TopicRecorder::OnLost(transport::PeerId id) {
+void TopicRecorder::OnLost(transport::EndpointId id) {
   // The reader stays: what it has received already is still delivered.
   for (auto& [key, topic] : topics_) topic->writers.erase(id);
 }

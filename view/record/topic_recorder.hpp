@@ -19,7 +19,7 @@ namespace musher::view {
 
 // A writer that discovery has found.
 struct OfferedWriter {
-  transport::PeerId id = 0;
+  transport::EndpointId id = 0;
   std::string topic;  // of DDS, as the type
   std::string type;
   transport::Qos qos;  // only whether its partition is empty is used
@@ -41,7 +41,7 @@ class TopicRecorder {
                 OnTrouble on_trouble);
 
   void OnFound(const OfferedWriter& writer);
-  void OnLost(transport::PeerId id);
+  void OnLost(transport::EndpointId id);
   // Ends all subscriptions; the counts stay.
   void Stop();
 
@@ -53,7 +53,7 @@ class TopicRecorder {
   struct Topic {
     std::string name;  // ROS 2's
     std::string type;
-    std::map<transport::PeerId, transport::Qos> writers;
+    std::map<transport::EndpointId, transport::Qos> writers;
     transport::Qos qos;  // of the reader
     bool said = false;
     bool declared = false;

@@ -12,7 +12,7 @@ bool TopicTable::OnFound(const transport::DiscoveredEndpoint& endpoint) {
   return true;
 }
 
-bool TopicTable::OnLost(transport::PeerId id) {
+bool TopicTable::OnLost(transport::EndpointId id) {
   return endpoints_.erase(id) > 0;
 }
 

@@ -25,7 +25,7 @@ class TopicTable {
  public:
   // Whether the list has changed.
   bool OnFound(const transport::DiscoveredEndpoint& endpoint);
-  bool OnLost(transport::PeerId id);
+  bool OnLost(transport::EndpointId id);
 
   // Topics by name, then type. Requests and replies of services are no topics.
   std::vector<ListedTopic> List() const;
@@ -40,7 +40,7 @@ class TopicTable {
   std::optional<Source> SourceOf(const std::string& name) const;
 
  private:
-  std::map<transport::PeerId, transport::DiscoveredEndpoint> endpoints_;
+  std::map<transport::EndpointId, transport::DiscoveredEndpoint> endpoints_;
 };
 
 }  // namespace musher::view

@@ -53,7 +53,7 @@ class Watch {
   ExitCode Run(const Report& begin) {
     Remember(begin);
     transport::SubscriptionEvents events;
-    events.on_writer_lost = [this](transport::PeerId) { lost_ = true; };
+    events.on_writer_lost = [this](transport::EndpointId) { lost_ = true; };
     const auto states = transport::MakeSubscription<msg::String>(
         link_.node(), transport::ResolveName(global_.name_space, name_ + "/behavior_state"),
         [this](const msg::String&, const transport::SampleInfo&) { changed_ = true; },

@@ -35,7 +35,7 @@ class TreeWatch {
   ExitCode Run(const TreeReport& begin) {
     Remember(begin);
     transport::SubscriptionEvents events;
-    events.on_writer_lost = [this](transport::PeerId) { lost_ = true; };
+    events.on_writer_lost = [this](transport::EndpointId) { lost_ = true; };
     const auto states = transport::MakeSubscription<msg::TreeState>(
         link_.node(), transport::ResolveName(global_.name_space, shown_.name + "/tree_state"),
         [this](const msg::TreeState&, const transport::SampleInfo&) { changed_ = true; },

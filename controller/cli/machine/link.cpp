@@ -35,7 +35,7 @@ Result<> Link::Join() {
   if (!node) return node.error();
   node_ = std::move(node).value();
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [this](transport::PeerId writer) { machines_.erase(writer); };
+  events.on_writer_lost = [this](transport::EndpointId writer) { machines_.erase(writer); };
   auto infos = transport::MakeSubscription<msg::MachineInfo>(
       *node_, std::string(transport::kMachinesTopic),
       [this](const msg::MachineInfo& machine, const transport::SampleInfo& info) {
@@ -49,7 +49,7 @@ Result<> Link::Join() {
 
 Result<> Link::FollowStatus(OnStatus on_change) {
   on_status_ = std::move(on_change);
-  const auto take = [this](std::optional<msg::MachineStatus> status, transport::PeerId writer) {
+  const auto take = [this](std::optional<msg::MachineStatus> status, transport::EndpointId writer) {
     status_ = std::move(status);
     if (status_) last_leader_ = status_;
     status_writer_ = writer;
@@ -57,7 +57,7 @@ Result<> Link::FollowStatus(OnStatus on_change) {
   };
   transport::SubscriptionEvents events;
   // A successor may publish before its predecessor is reported lost.
-  events.on_writer_lost = [this, take](transport::PeerId writer) {
+  events.on_writer_lost = [this, take](transport::EndpointId writer) {
     if (writer == status_writer_) take(std::nullopt, 0);
   };
   auto subscription = transport::MakeSubscription<msg::MachineStatus>(

@@ -103,10 +103,10 @@ class Link {
   transport::LinuxEventLoop loop_;
   bool interrupted_ = false;
   transport::LoopHandlePtr signal_watch_;
-  std::map<transport::PeerId, msg::MachineInfo> machines_;  // by their writer
+  std::map<transport::EndpointId, msg::MachineInfo> machines_;  // by their writer
   std::optional<msg::MachineStatus> status_;
   std::optional<msg::MachineStatus> last_leader_;
-  transport::PeerId status_writer_ = 0;  // the leader that published it
+  transport::EndpointId status_writer_ = 0;  // the leader that published it
   OnStatus on_status_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Subscription> machine_infos_;

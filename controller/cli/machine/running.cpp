@@ -13,7 +13,7 @@ Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
                                                 const std::string& name_space, bool with_keys) {
   std::unique_ptr<Running> running(new Running(node.loop(), name_space));
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [self = running.get()](transport::PeerId writer) {
+  events.on_writer_lost = [self = running.get()](transport::EndpointId writer) {
     std::erase_if(self->received_,
                   [writer](const auto& one) { return one.second.writer == writer; });
   };

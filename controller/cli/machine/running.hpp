@@ -23,7 +23,7 @@ class Running {
     msg::ActuatorStatus status;  // only name and pid if no status was received
     bool has_status = true;      // its status was received
     Time at{};                   // when the status was received
-    transport::PeerId writer = 0;
+    transport::EndpointId writer = 0;
     std::optional<ChildProcess> child;  // started by a controller; it holds no name
   };
 

@@ -23,7 +23,7 @@ Result<std::unique_ptr<SkillOffers>> SkillOffers::Begin(
   if (!running) return running.error();
   offers->running_ = std::move(running).value();
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [self = offers.get()](transport::PeerId writer) {
+  events.on_writer_lost = [self = offers.get()](transport::EndpointId writer) {
     for (const auto& [actuator, offer] : self->offers_) {
       if (offer.writer == writer && self->on_lost_) self->on_lost_(actuator);
     }

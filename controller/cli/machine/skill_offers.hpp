@@ -48,7 +48,7 @@ class SkillOffers {
   const std::function<void(const std::string& actuator)> on_lost_;
   struct Offer {
     msg::SkillOffers skills;
-    transport::PeerId writer = 0;
+    transport::EndpointId writer = 0;
   };
   std::map<std::string, Offer> offers_;  // by actuator, of its latest process
   bool changed_ = false;

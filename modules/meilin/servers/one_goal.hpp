@@ -82,7 +82,7 @@ class OneGoalServer : public Server {
 
   void Serve(const std::string& action) {
     transport::ActionHandlers<A> handlers;
-    handlers.accept = [this](const typename A::Goal& goal, transport::PeerId) {
+    handlers.accept = [this](const typename A::Goal& goal, transport::ParticipantId) {
       const std::string why = WhyRejected(goal);
       if (!why.empty()) Warn("rejected", "a goal is rejected: " + why);
       return why.empty();

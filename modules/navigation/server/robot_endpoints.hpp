@@ -38,7 +38,9 @@ void OpenRobotEndpoints(transport::Endpoints& endpoints, const RobotTable& robot
   }
   transport::ActionHandlers<Action> of_goals;
   of_goals.accept = [accept = std::move(handlers.accept)](const typename Action::Goal&,
-                                                          transport::PeerId) { return accept(); };
+                                                          transport::ParticipantId) {
+    return accept();
+  };
   of_goals.start = std::move(handlers.start);
   of_goals.cancel = std::move(handlers.cancel);
   transport::ActionServerOptions options;

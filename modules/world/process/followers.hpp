@@ -15,8 +15,8 @@ namespace musher::world {
 
 class Followers {
  public:
-  void OnReached(transport::PeerId follower, Duration at) { reached_[follower] = at; }
-  void OnLost(transport::PeerId follower) { reached_.erase(follower); }
+  void OnReached(transport::EndpointId follower, Duration at) { reached_[follower] = at; }
+  void OnLost(transport::EndpointId follower) { reached_.erase(follower); }
 
   // Whether all have handled the step of that time.
   bool Reached(Duration at) const {
@@ -33,7 +33,7 @@ class Followers {
   }
 
  private:
-  std::map<transport::PeerId, Duration> reached_;
+  std::map<transport::EndpointId, Duration> reached_;
 };
 
 }  // namespace musher::world

@@ -153,11 +153,11 @@ void WorldHost::Continue() {
 void WorldHost::ListenToFollowers() {
   endpoints_.SubscribeEach<msg::Clock>(
       std::string("/") + transport::kClockReachedTopic,
-      [this](const auto& reached, transport::PeerId follower) {
+      [this](const auto& reached, transport::EndpointId follower) {
         followers_.OnReached(follower, msg::FromStamp(reached.clock));
         Continue();
       },
-      [this](transport::PeerId follower) {
+      [this](transport::EndpointId follower) {
         followers_.OnLost(follower);
         Continue();
       },

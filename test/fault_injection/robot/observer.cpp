@@ -217,7 +217,7 @@ std::shared_future<Result<typename S::Response>> Observer::Call(
   const auto leads_to_leader = [&] {
     bool found = false;
     node_->RunOnLoop([&] {
-      const std::vector<transport::PeerId> servers = client->Servers();
+      const std::vector<transport::ParticipantId> servers = client->Servers();
       found = std::find(servers.begin(), servers.end(), leader_) != servers.end();
     });
     return found;

@@ -99,8 +99,8 @@ class Observer {
   std::vector<msg::ActuatorStatus> actuators_;
   std::map<std::string, msg::ActuatorStatus> latest_of_actuators_;
 
-  std::list<Trigger> triggers_;   // on the loop, as all that follows
-  transport::PeerId leader_ = 0;  // the participant of the latest machine status
+  std::list<Trigger> triggers_;          // on the loop, as all that follows
+  transport::ParticipantId leader_ = 0;  // the participant of the latest machine status
   std::string emergency_stop_topic_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> emergency_stop_;
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;

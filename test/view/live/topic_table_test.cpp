@@ -7,7 +7,7 @@ namespace musher::view::topic_table_test {
 using transport::DiscoveredEndpoint;
 using transport::Qos;
 
-DiscoveredEndpoint Endpoint(transport::PeerId id, bool writer, const std::string& topic,
+DiscoveredEndpoint Endpoint(transport::EndpointId id, bool writer, const std::string& topic,
                             Qos::Reliability reliability = Qos::Reliability::kReliable,
                             Qos::Durability durability = Qos::Durability::kVolatile) {
   DiscoveredEndpoint endpoint;

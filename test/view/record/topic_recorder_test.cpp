@@ -44,7 +44,7 @@ class Recording : public ::testing::Test {
   std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
   std::int64_t wall_ns_ = 1'780'000'000'000'000'000;
-  transport::PeerId id_ = 0;
+  transport::EndpointId id_ = 0;
   FakeSink sink_;
   std::vector<std::string> sentences_;
   std::unique_ptr<TopicRecorder> recorder_;
