@@ -135,7 +135,10 @@ Ended Process::Wait() {
   }
   Ended ended;
   int status = 0;
-  if (waitpid(pid_, &status, 0) == pid_ && WIFEXITED(status)) ended.exit = WEXITSTATUS(status);
+  if (waitpid(pid_, &status, 0) == pid_) {
+    if (WIFEXITED(status)) ended.exit = WEXITSTATUS(status);
+    if (WIFSIGNALED(status)) ended.signal = WTERMSIG(status);
+  }
   pid_ = 0;
   ended.out = read_;
   ended.err = Content(err_);

@@ -13,6 +13,7 @@ namespace musher::testing {
 
 struct Ended {
   int exit = -1;    // -1: ended by a signal, or not at all
+  int signal = 0;   // that has ended it; 0: none
   std::string out;  // all of it
   std::string err;
 };
